@@ -1,13 +1,14 @@
-//! How vectors of numbers are inherited (stereo-music paper, section 4c) and how they mutate.
+//! Crossing (stereo-music paper, section 4c) and mutation of vectors of numbers.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-/// Mean length of a run, as a share of the vector that is bred.
+/// Mean length of a run, as a share of the length of the vector.
 const MEAN_RUN: f64 = 0.1;
 
-/// Values of two parents, as many each: with probability ½ mixed run by run, so that every value lies between
-/// the parents', else all of one parent.
+/// Crosses the values of two parents, which have the same length. With probability ½ the values are mixed
+/// run by run, and each value of the child lies between those of the parents; otherwise the child is a copy
+/// of one parent.
 pub fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
     if rng.random_bool(0.5) {
         return mix(mother, father, rng);
@@ -15,8 +16,8 @@ pub fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32>
     if rng.random_bool(0.5) { mother.to_vec() } else { father.to_vec() }
 }
 
-/// Walks along the vector in runs of geometric length; each run has one weight w in [0, 1]
-/// and becomes w·p₁ + (1 − w)·p₂.
+/// Mixes in runs of geometrically distributed length; each run has one random weight w in [0, 1] and
+/// becomes w·p₁ + (1 − w)·p₂.
 fn mix(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
     let mut child = Vec::with_capacity(mother.len());
     while child.len() < mother.len() {
@@ -24,7 +25,7 @@ fn mix(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
         let w: f32 = rng.random();
         for i in child.len()..end {
             let (p, q) = (mother[i], father[i]);
-            // Rounding must not carry a child out of its parents' range.
+            // Rounding must not carry a child's value outside its parents' range.
             child.push((w * p + (1.0 - w) * q).clamp(p.min(q), p.max(q)));
         }
     }
@@ -41,8 +42,9 @@ fn run_length(length: usize, rng: &mut ChaCha8Rng) -> usize {
     1 + ((1.0 - u).ln() / (1.0 - 1.0 / mean).ln()) as usize
 }
 
-/// Every run of `values` moves by one random step of at most `amount` within `low` to 1. Where `low` is not 0, a
-/// value of zero stays zero in half of the runs, so that not all open at once.
+/// Mutates `values`: each run moves by one random step of at most `amount`, and stays within [`low`, 1]. If
+/// `low` is not 0, half of the runs leave values of zero at zero; otherwise a mutation would activate all
+/// of them at once.
 pub fn shift(values: &mut [f32], amount: f32, low: f32, rng: &mut ChaCha8Rng) {
     let mut start = 0;
     while start < values.len() {

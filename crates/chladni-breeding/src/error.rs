@@ -1,6 +1,6 @@
-//! What can go wrong with a gallery.
+//! The errors of this crate.
 
-/// An error of this crate: what, where and why.
+/// Why an action on a gallery was refused.
 #[derive(Debug, thiserror::Error)]
 pub enum BreedingError {
     /// A gallery of a size that is not offered.
@@ -9,23 +9,23 @@ pub enum BreedingError {
     /// An action names an item, a generation or a candidate that does not exist.
     #[error("there is no {what} {index}: there are {count}")]
     NoSuch {
-        /// What was asked for.
+        /// The kind of thing: `item`, `generation` or `candidate`.
         what: &'static str,
-        /// Its index, from 0.
+        /// The index that was asked for, from 0.
         index: usize,
-        /// How many there are.
+        /// How many of them exist.
         count: usize,
     },
-    /// Breeding needs two parents.
+    /// Too few items are chosen as parents.
     #[error("breeding needs at least 2 chosen items: {0} chosen")]
     NotEnoughParents(usize),
     /// More generations would not fit into memory.
     #[error("no more than these {0} generations are kept: begin another gallery")]
     TooManyGenerations(usize),
-    /// A list whose length does not fit the gallery.
+    /// A list with the wrong length for the gallery.
     #[error("{what}: {found} where {expected} are needed")]
     Size {
-        /// What was counted.
+        /// What the list holds.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -35,11 +35,11 @@ pub enum BreedingError {
     /// A number out of its range.
     #[error("{name} = {value} is outside {range}")]
     OutOfRange {
-        /// The number.
+        /// Name of the number.
         name: &'static str,
-        /// What was asked for.
+        /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// The values that are allowed.
         range: &'static str,
     },
 }

@@ -1,102 +1,25 @@
-//! A gallery, its generations, and who descends from whom.
+//! A gallery of items and its generations.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use serde::{Deserialize, Serialize};
 
 use crate::BreedingError;
+use crate::item::{GalleryItem, Generation, Genome, ItemId, Origin};
 
-/// The sizes S a gallery may have.
+/// The sizes S that a gallery may have.
 pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
-/// Children among which a suggested generation is chosen.
+/// The number of children from which a suggested generation is chosen.
 pub const CANDIDATES: usize = 200;
-/// The largest mutation of a candidate.
+/// The largest mutation of a candidate, as a share of each number's range.
 const CANDIDATE_MUTATION: f32 = 0.4;
 
-/// Numbers that all generations together may hold: half a gigabyte. By hand that takes weeks of
-/// breeding, but a session file or a controller breeds faster.
+/// How many numbers all generations together may hold: half a gigabyte. Breeding by hand takes weeks to get
+/// there, but a session file or a controller breeds faster.
 const MOST_GENES: usize = 1 << 27;
 
-/// What is bred: numbers that say what an item is.
-pub trait Genome: Clone + Send + Sync {
-    /// A child of two; a child of twins is their twin.
-    fn child(mother: &Self, father: &Self, rng: &mut ChaCha8Rng) -> Self;
-
-    /// The same, changed a little: no number moves by more than `amount`, from 0 to 1, of its range.
-    fn mutant(&self, amount: f32, rng: &mut ChaCha8Rng) -> Self;
-
-    /// How many numbers it holds.
-    fn genes(&self) -> usize;
-
-    /// Whether it is worth being shown at all.
-    fn is_viable(&self) -> bool {
-        true
-    }
-}
-
-/// Identifies one item permanently: no two items of a session share an id.
-pub type ItemId = u32;
-
-/// How an item came to be.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "from")]
-pub enum Origin {
-    /// Part of the initial gallery of a seed.
-    Initial {
-        /// The seed.
-        seed: u64,
-        /// Its place in that gallery.
-        place: usize,
-    },
-    /// A child of two items.
-    Bred {
-        /// Their ids.
-        parents: [ItemId; 2],
-    },
-    /// One item, changed a little at random.
-    Mutated {
-        /// Its id.
-        parent: ItemId,
-    },
-    /// Came out of a preset file.
-    Loaded {
-        /// The preset's name; its key is not `name`, because a line of lineage has one, too.
-        #[serde(rename = "preset", default)]
-        name: String,
-    },
-}
-
-/// One item of a gallery.
-#[derive(Clone, Debug, PartialEq)]
-pub struct GalleryItem<G> {
-    /// Its id.
-    pub id: ItemId,
-    /// What the user calls it; empty until named.
-    pub name: String,
-    /// What it is.
-    pub genome: G,
-    /// How it came to be.
-    pub origin: Origin,
-    /// Whether it was changed by hand since.
-    pub edited: bool,
-    /// Chosen as a parent.
-    pub chosen: bool,
-    /// Stays in its place when the others are replaced.
-    pub locked: bool,
-}
-
-/// The items that were shown together.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Generation<G> {
-    /// S items.
-    pub items: Vec<GalleryItem<G>>,
-    /// The generation this one was made from.
-    pub from: Option<usize>,
-}
-
-/// All generations of one seed. Everything random comes from the seed and from the number of
-/// draws made before, so that the same calls give the same items, bit for bit.
+/// All generations of one seed. Each random draw depends only on the seed and on the number of draws made
+/// before it: the same calls give the same items, bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gallery<G> {
     seed: u64,
@@ -104,18 +27,18 @@ pub struct Gallery<G> {
     next_id: ItemId,
     generations: Vec<Generation<G>>,
     current: usize,
-    /// Numbers of all generations.
+    /// How many numbers all generations hold together.
     genes: usize,
     /// The earliest generation whose choices count as a preference.
     preference_since: usize,
 }
 
 impl<G: Genome> Gallery<G> {
-    /// A gallery of `size` ∈ [`GALLERY_SIZES`] items, which `initial` makes.
+    /// A gallery of `size` ∈ [`GALLERY_SIZES`] items, which `initial` creates.
     ///
     /// # Errors
-    /// Another size; a seed above 2⁶³ − 1, the largest number that session files can hold; `initial` making another
-    /// number of items.
+    /// Another size; a seed above 2⁶³ − 1, the largest number that session files can hold; a number of
+    /// items from `initial` that is not `size`.
     pub fn new(
         seed: u64,
         size: usize,
@@ -124,10 +47,10 @@ impl<G: Genome> Gallery<G> {
         Self::numbered_from(0, seed, size, initial)
     }
 
-    /// Another gallery whose items continue the numbering of this one.
+    /// A new gallery whose item ids continue those of this one.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn restart(
         &self,
         seed: u64,
@@ -169,7 +92,7 @@ impl<G: Genome> Gallery<G> {
         Ok(gallery)
     }
 
-    /// The seed.
+    /// The seed of all random draws.
     pub fn seed(&self) -> u64 {
         self.seed
     }
@@ -179,42 +102,42 @@ impl<G: Genome> Gallery<G> {
         &self.generations
     }
 
-    /// Index of the generation that is shown.
+    /// Index of the generation that is shown now.
     pub fn current(&self) -> usize {
         self.current
     }
 
-    /// The items that are shown.
+    /// The items of the current generation.
     pub fn items(&self) -> &[GalleryItem<G>] {
         &self.generations[self.current].items
     }
 
-    /// The generation in which an item was first seen, and its place there.
+    /// The generation in which an item first appeared, and its place in it.
     pub fn born(&self, id: ItemId) -> Option<(usize, usize)> {
         let place = |generation: &Generation<G>| generation.items.iter().position(|item| item.id == id);
         self.generations.iter().enumerate().find_map(|(g, generation)| Some((g, place(generation)?)))
     }
 
-    /// The newest state of an item of any generation.
+    /// The newest state of an item, in whichever generation it is.
     pub fn find(&self, id: ItemId) -> Option<&GalleryItem<G>> {
         let shown = self.items().iter().find(|item| item.id == id);
         shown.or_else(|| self.generations.iter().rev().flat_map(|g| &g.items).find(|item| item.id == id))
     }
 
-    /// An item that is shown, to be chosen, locked or named.
+    /// An item of the current generation, to be chosen, locked or named.
     ///
     /// # Errors
-    /// An index beyond the last.
+    /// [`BreedingError::NoSuch`] for an index that is out of range.
     pub fn item_mut(&mut self, index: usize) -> Result<&mut GalleryItem<G>, BreedingError> {
         let items = &mut self.generations[self.current].items;
         let count = items.len();
         items.get_mut(index).ok_or(BreedingError::NoSuch { what: "item", index, count })
     }
 
-    /// Shows an earlier (or later) generation again.
+    /// Makes an earlier or later generation the current one.
     ///
     /// # Errors
-    /// One that does not exist.
+    /// [`BreedingError::NoSuch`] for a generation that does not exist.
     pub fn go_to(&mut self, generation: usize) -> Result<(), BreedingError> {
         let count = self.generations.len();
         if generation >= count {
@@ -224,10 +147,11 @@ impl<G: Genome> Gallery<G> {
         Ok(())
     }
 
-    /// A new generation: S children of random pairs of distinct chosen items; locked items stay.
+    /// Appends a generation and shows it: a child of a random pair of distinct chosen items in each place,
+    /// except that locked items stay.
     ///
     /// # Errors
-    /// Less than two chosen, or no room for more.
+    /// Fewer than two chosen items, or no room for more generations.
     pub fn breed(&mut self) -> Result<(), BreedingError> {
         self.check_room()?;
         let parents = self.parents(2)?;
@@ -237,7 +161,7 @@ impl<G: Genome> Gallery<G> {
             .to_vec()
             .into_iter()
             .map(|item| {
-                // Drawn for locked places too, so that a lock does not change its neighbors.
+                // Drawn for locked places too, so that locking an item does not change the others.
                 let (child, parents) = child(&parents, &mut rng);
                 if item.locked {
                     return GalleryItem { chosen: false, ..item };
@@ -249,17 +173,18 @@ impl<G: Genome> Gallery<G> {
         Ok(())
     }
 
-    /// The chosen items, at least this many.
+    /// The chosen items; an error if there are fewer than `least`.
     fn parents(&self, least: usize) -> Result<Vec<GalleryItem<G>>, BreedingError> {
         let parents: Vec<GalleryItem<G>> = self.items().iter().filter(|i| i.chosen).cloned().collect();
         if parents.len() < least { Err(BreedingError::NotEnoughParents(parents.len())) } else { Ok(parents) }
     }
 
-    /// The [`CANDIDATES`] that the next generation may be chosen from: children of the chosen items, half of
-    /// them mutated; of a single chosen item mutants alone. They do not depend on each other.
+    /// The [`CANDIDATES`] from which the next generation may be chosen. With several chosen items they are
+    /// children of these, half of them mutated; with a single one they are its mutants. Each candidate can
+    /// be computed without the others.
     ///
     /// # Errors
-    /// [`BreedingError::NotEnoughParents`] where nothing is chosen.
+    /// [`BreedingError::NotEnoughParents`] if nothing is chosen.
     pub fn candidates(&self) -> Result<Vec<G>, BreedingError> {
         let parents = self.parents(1)?;
         Ok((0..CANDIDATES).map(|number| self.candidate(&parents, number).0).collect())
@@ -283,10 +208,12 @@ impl<G: Genome> Gallery<G> {
         (if mutant.is_viable() { mutant } else { genome }, origin)
     }
 
-    /// A new generation: in each place the candidate of that number; locked items stay.
+    /// Appends a generation and shows it: each place gets the candidate with the given number, except that
+    /// locked items stay.
     ///
     /// # Errors
-    /// Nothing chosen, no room for more, another number of candidates than of items, or one that does not exist.
+    /// No chosen item, no room for more generations, a number of candidates that is not that of the items,
+    /// or a candidate that does not exist.
     pub fn breed_from(&mut self, candidates: &[u16]) -> Result<(), BreedingError> {
         self.check_room()?;
         let (found, expected) = (candidates.len(), self.items().len());
@@ -311,13 +238,14 @@ impl<G: Genome> Gallery<G> {
         Ok(())
     }
 
-    /// The choices of earlier generations no longer count as a preference.
+    /// Makes all choices so far count no longer as a preference.
     pub fn forget_preference(&mut self) {
         self.preference_since = self.generations.len();
     }
 
-    /// The generation that is shown and those that it came from, newest first: those in which something was
-    /// chosen, as far as they count as a preference.
+    /// The generations whose choices count as a preference, newest first: the current one and its
+    /// ancestors, where something was chosen, back to the last
+    /// [`forget_preference`](Self::forget_preference).
     pub fn opinions(&self) -> impl Iterator<Item = &[GalleryItem<G>]> {
         let back = std::iter::successors(Some(self.current), |&g| self.generations[g].from);
         let counted = back.take_while(|&g| g >= self.preference_since);
@@ -325,10 +253,10 @@ impl<G: Genome> Gallery<G> {
         items.filter(|items| items.iter().any(|item| item.chosen))
     }
 
-    /// A new generation in which one item is changed a little.
+    /// Appends a generation in which one item is changed by at most `amount`, and shows it.
     ///
     /// # Errors
-    /// An amount outside 0 to 1, an item that does not exist, or no room for more.
+    /// An amount outside [0, 1], an item that does not exist, or no room for more generations.
     pub fn mutate(&mut self, index: usize, amount: f32) -> Result<(), BreedingError> {
         if !(0.0..=1.0).contains(&amount) {
             return Err(BreedingError::OutOfRange {
@@ -345,10 +273,10 @@ impl<G: Genome> Gallery<G> {
         Ok(())
     }
 
-    /// A new generation in which one item is replaced by one from elsewhere.
+    /// Appends a generation in which one item is replaced by `genome`, called `name`, and shows it.
     ///
     /// # Errors
-    /// An item that does not exist, or no room for more.
+    /// An item that does not exist, or no room for more generations.
     pub fn load(&mut self, index: usize, name: &str, genome: G) -> Result<(), BreedingError> {
         self.check_room()?;
         self.item_mut(index)?;
@@ -385,8 +313,8 @@ impl<G: Genome> Gallery<G> {
         GalleryItem { id, name, genome, origin, edited: false, chosen: false, locked: false }
     }
 
-    /// A fresh stream of the seed for each draw: what is drawn does not depend on how much
-    /// randomness an earlier draw used.
+    /// A fresh random stream for each draw: what is drawn does not depend on how much randomness earlier
+    /// draws used.
     fn rng(&mut self) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(self.draws);
@@ -395,7 +323,8 @@ impl<G: Genome> Gallery<G> {
     }
 }
 
-/// A child of a random pair of distinct parents, at least two, and who they are.
+/// A child of a random pair of distinct `parents`, of which there must be at least two, and the ids of the
+/// pair.
 fn child<G: Genome>(parents: &[GalleryItem<G>], rng: &mut ChaCha8Rng) -> (G, [ItemId; 2]) {
     let first = rng.random_range(0..parents.len());
     let second = (first + rng.random_range(1..parents.len())) % parents.len();

@@ -1,7 +1,8 @@
-//! Galleries that are bred: a person chooses what is liked, and sees children of it.
+//! Galleries that are bred: a person chooses items they like and sees children of them.
 //!
-//! What is bred is a [`Genome`]; dances and caricatures are two. A [`Gallery`] holds its generations, and
-//! [`suggest`] picks children that look different and are like what was chosen, by [`Descriptor`]s.
+//! What is bred is a [`Genome`], such as a dance or a caricature. A [`Gallery`] holds its generations.
+//! [`suggest`] picks children that look different from each other and similar to what was chosen, by their
+//! [`Descriptor`]s.
 //!
 //! ```
 //! use chladni_breeding::{ChaCha8Rng, Gallery, Genome, inherit, shift};
@@ -31,18 +32,21 @@
 //! # Ok::<(), chladni_breeding::BreedingError>(())
 //! ```
 //!
-//! Nothing here reads a clock or draws entropy: the same seed and the same calls give the same items, bit for bit.
+//! Nothing here reads a clock or draws entropy: the same seed and the same calls give the same items, bit
+//! for bit.
 
 #![warn(clippy::missing_errors_doc)]
 
 mod crossing;
 mod error;
 mod gallery;
+mod item;
 mod suggestion;
 
 pub use crossing::{inherit, shift};
 pub use error::BreedingError;
-pub use gallery::{CANDIDATES, GALLERY_SIZES, Gallery, GalleryItem, Generation, Genome, ItemId, Origin};
+pub use gallery::{CANDIDATES, GALLERY_SIZES, Gallery};
+pub use item::{GalleryItem, Generation, Genome, ItemId, Origin};
 pub use rand_chacha::ChaCha8Rng;
 pub use suggestion::{Describe, Descriptor, most_different, suggest};
 

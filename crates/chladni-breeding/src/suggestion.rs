@@ -1,31 +1,34 @@
-//! Which children to show next: ones that look different from each other, and like what was chosen so far.
+//! Suggestions: which children to show next. They should look different from each other, and similar to
+//! what was chosen so far.
 //!
-//! The paper shows whatever breeding gives. Here it gives [`CANDIDATES`] children, of which the gallery shows
-//! those that are most worth looking at:
+//! The paper shows whatever breeding gives. Here breeding gives [`CANDIDATES`] children, and the gallery
+//! shows those that are most worth looking at:
 //!
 //! 1. Each candidate is described by how it moves the shape ([`Descriptor`]).
-//! 2. A preference is read off the generations so far: near what was chosen is good, near what was passed over
-//!    is bad, and what happened lately counts most. The better part of the candidates goes on.
-//! 3. Among them the best is taken, then again and again the one that is farthest from all taken so far
-//!    (farthest-first traversal; T. Gonzalez, *Theoretical Computer Science* 38, 1985).
+//! 2. A preference is derived from the generations so far: near a chosen item is good, near an item that was
+//!    passed over is bad, and recent choices count most. Only the better part of the candidates is kept.
+//! 3. Of these, the best is taken first, then repeatedly the one that is farthest from all those taken so
+//!    far (farthest-first traversal; T. Gonzalez, *Theoretical Computer Science* 38, 1985).
 //!
-//! Only the candidates' numbers become part of an action, so that a show repeats without describing anything.
+//! An action records only the numbers of the candidates, which lets a show be repeated without describing
+//! any of them.
 
 use rayon::prelude::*;
 
 use crate::gallery::CANDIDATES;
 use crate::{BreedingError, Gallery, Genome};
 
-/// A movement or deformation that is smaller is none.
+/// A movement or deformation with a smaller norm counts as none.
 const STILL: f32 = 1e-5;
 
-/// What an item looks like, whatever its strength: numbers that are near each other where items look alike.
+/// What an item looks like, independently of its strength: a unit vector, or zeros for an item without any
+/// effect. Items that look alike have vectors that are close to each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Descriptor(Vec<f32>);
 
 impl Descriptor {
-    /// Of how an item moves a shape at some places: how it looks, not how large it is, else all that hardly moves
-    /// would be alike.
+    /// The descriptor of an item that moves some places of a shape by `movement`. The vector is normalized;
+    /// otherwise all items with small movements would seem alike.
     pub fn of(mut movement: Vec<f32>) -> Self {
         let length = movement.iter().map(|x| x * x).sum::<f32>().sqrt();
         let scale = if length > STILL { 1.0 / length } else { 0.0 };
@@ -33,44 +36,44 @@ impl Descriptor {
         Self(movement)
     }
 
-    /// 0 for movements that are the same but for their size, 2 for opposite ones.
+    /// The Euclidean distance: 0 for movements that differ only in size, 2 for opposite ones.
     pub fn distance(&self, other: &Self) -> f32 {
         let squares = self.0.iter().zip(&other.0).map(|(a, b)| (a - b) * (a - b));
         squares.sum::<f32>().sqrt()
     }
 }
 
-/// Says what items look like.
+/// Computes the descriptors of items.
 pub trait Describe<G>: Sync {
-    /// Why one cannot be described.
+    /// Why an item cannot be described.
     type Error: From<BreedingError> + Send;
 
-    /// What it looks like.
+    /// The descriptor of `genome`.
     ///
     /// # Errors
-    /// A genome that is not valid here.
+    /// The genome is not valid for this describer.
     fn describe(&self, genome: &G) -> Result<Descriptor, Self::Error>;
 }
 
-/// Generations that the preference remembers.
+/// How many generations the preference takes into account.
 const REMEMBERED: usize = 8;
-/// How much less an earlier generation counts than the one after it.
+/// The weight of a generation relative to the one after it.
 const FADING: f32 = 0.6;
-/// How much being passed over counts against being chosen.
+/// The weight of an item that was passed over, relative to a chosen one.
 const PASSED_OVER: f32 = 0.25;
-/// The share of candidates that the preference lets through.
+/// The share of candidates that the preference keeps.
 const PREFERRED: f32 = 0.3;
 
-/// What was liked so far, and what was not.
+/// Which descriptors were chosen so far and which were passed over, each with its weight.
 #[derive(Clone, Debug, Default)]
 struct Preference {
     seen: Vec<(Descriptor, f32)>,
-    /// The distance over which a liking fades.
+    /// The distance over which a weight decays to 1/e.
     width: f32,
 }
 
 impl Preference {
-    /// Of the generations that led to the one that is shown.
+    /// The preference expressed in the generations that led to the current one.
     fn of<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -> Result<Self, D::Error> {
         let seen: Vec<(Descriptor, f32)> = gallery
             .opinions()
@@ -93,7 +96,7 @@ impl Preference {
         Ok(Self { seen, width })
     }
 
-    /// Large where it is liked.
+    /// The larger, the more `candidate` resembles chosen items.
     fn score(&self, candidate: &Descriptor) -> f32 {
         let near = |(seen, weight): &(Descriptor, f32)| {
             weight * (-(seen.distance(candidate) / self.width).powi(2)).exp()
@@ -102,11 +105,11 @@ impl Preference {
     }
 }
 
-/// The numbers of the candidates to show, one for each place of the gallery; those of locked places are not
-/// used.
+/// The numbers of the candidates to show, one for each place of the gallery. [`Gallery::breed_from`] does
+/// not use those of locked places.
 ///
 /// # Errors
-/// As breeding does: [`BreedingError::NotEnoughParents`] where nothing is chosen; what `describer` says.
+/// [`BreedingError::NotEnoughParents`] if nothing is chosen; the errors of `describer`.
 pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -> Result<Vec<u16>, D::Error> {
     let candidates = gallery.candidates()?;
     let described: Vec<Descriptor> =
@@ -123,12 +126,12 @@ pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -
     Ok(farthest_first(&described, &order, &locked, places).into_iter().map(|i| i as u16).collect())
 }
 
-/// As many of `described` as asked for, by their numbers: those that differ most from each other.
+/// The indices of `count` items of `described` that differ most from each other.
 pub fn most_different(described: &[Descriptor], count: usize) -> Vec<usize> {
     farthest_first(described, &(0..described.len()).collect::<Vec<_>>(), &[], count)
 }
 
-/// The first of `order`, then again and again the one that is farthest from all taken so far and from `besides`.
+/// The first of `order`, then repeatedly the one that is farthest from all taken so far and from `besides`.
 fn farthest_first(
     described: &[Descriptor],
     order: &[usize],
@@ -143,7 +146,7 @@ fn farthest_first(
         taken.push(order[next]);
         let last = &described[order[next]];
         nearest.iter_mut().zip(order).for_each(|(d, &i)| *d = d.min(last.distance(&described[i])));
-        // Of several that are equally far the better liked one, which comes first.
+        // Among several at the same distance, the best liked one wins: it comes first in `order`.
         next = (0..order.len()).rev().max_by(|&a, &b| nearest[a].total_cmp(&nearest[b])).unwrap_or(0);
     }
     taken

@@ -2,15 +2,15 @@
 
 use crate::Laplacian;
 
-/// What was checked about a [`Basis`] after it was solved.
+/// The results of checking a [`Basis`] after it was solved.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Certificate {
-    /// The operator that the pairs belong to; the default for a [`Pencil`](crate::Pencil), whose operator is
-    /// unknown.
+    /// The operator to which the pairs belong; for a [`Pencil`](crate::Pencil), whose operator is unknown,
+    /// the default.
     #[serde(default)]
     pub laplacian: Laplacian,
-    /// The number of eigenvalues below every slice boundary, by Sylvester's law of inertia,
-    /// equals the number of pairs found there: none is missed, none doubled.
+    /// Whether the number of eigenvalues below every slice boundary, by Sylvester's law of inertia, equals
+    /// the number of pairs found there: then none is missing and none is doubled.
     pub inertia_counts_match: bool,
     /// max over k ≥ 1 of ‖S h − λ M h‖ / ‖S h‖.
     pub max_relative_residual: f64,
@@ -24,7 +24,7 @@ impl Certificate {
     /// The largest orthogonality error to expect on a sound mesh.
     pub const ORTHOGONALITY: f64 = 1e-8;
 
-    /// The certificate of two sets of pairs together, whose supports do not overlap.
+    /// The joint certificate of two sets of pairs with disjoint supports.
     pub(crate) fn and(&self, other: &Self) -> Self {
         let larger = |a: f64, b: f64| if b.is_nan() { b } else { a.max(b) };
         Self {
@@ -36,13 +36,13 @@ impl Certificate {
     }
 
     /// Whether the pairs are as exact as those of a sound mesh. On meshes whose triangles differ in size by
-    /// many orders of magnitude, rounding alone can prevent it.
+    /// many orders of magnitude, rounding alone may make that impossible.
     #[must_use]
     pub fn is_precise(&self) -> bool {
         self.warning().is_none()
     }
 
-    /// Which condition of [`Self::is_precise`] fails, in words; `None` if none does.
+    /// The condition of [`Self::is_precise`] that fails, in words; `None` if all hold.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let exceeds = |error: f64, limit: f64| error.is_nan() || error > limit;
@@ -70,11 +70,11 @@ impl Certificate {
 
 /// The first K generalized eigenpairs S h = λ M h of a shape.
 ///
-/// Vertices are the N operator vertices: welded and referenced. Units are those of the
-/// frame it was solved in; see [`Body`](crate::Body).
+/// Vertices are the N operator vertices, welded and referenced. Units are those of the frame in which it
+/// was solved; see [`Body`](crate::Body).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basis {
-    /// λ_k, K values, ascending; 0 once per component.
+    /// λ_k, K values, ascending; 0 occurs once per component.
     pub eigenvalues: Vec<f64>,
     /// H, N×K, column-major: harmonic k is `vectors[k·N .. (k+1)·N]`. HᵀMH = I.
     pub vectors: Vec<f64>,
@@ -95,15 +95,15 @@ impl Basis {
         self.eigenvalues.len()
     }
 
-    /// The number of harmonics below `cutoff`, where the constants of all pieces of the shape count as one: a
-    /// low-pass without some of the constants would tear the pieces apart. At most K.
+    /// The number of harmonics below `cutoff`, at most K. The constants of all components count as one: a
+    /// low-pass with only some of the constants would tear the components apart.
     pub fn harmonics_below(&self, cutoff: usize) -> usize {
         let constants = self.eigenvalues.iter().take_while(|l| **l <= 0.0).count();
         let further = if cutoff > 0 { constants.saturating_sub(1) } else { 0 };
         cutoff.saturating_add(further).min(self.harmonics())
     }
 
-    /// Keeps the first `harmonics` harmonics, at most as many as there are.
+    /// Keeps the first `harmonics` harmonics, or all if there are fewer.
     pub(crate) fn truncate(&mut self, harmonics: usize) {
         self.eigenvalues.truncate(harmonics);
         self.vectors.truncate(harmonics * self.mass.len());

@@ -1,4 +1,4 @@
-//! A shape together with its harmonics: what both instruments deform.
+//! A shape together with its harmonics, which both instruments deform.
 
 use std::sync::Arc;
 
@@ -8,41 +8,42 @@ use crate::Basis;
 
 /// A welded shape in the working frame and its harmonic basis.
 ///
-/// Everything that deforms works on the N operator vertices of a body. `operator_vertex`
-/// leads back to the n vertices of the file: an export is the file's own coordinates plus a
-/// displacement, never a round trip through the working frame.
+/// Everything that deforms a body works on its N operator vertices. `operator_vertex` maps the n vertices
+/// of the file to them. An export is the file's own coordinates plus a displacement, never a round trip
+/// through the working frame.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// The similarity between file and working frame.
     pub frame: Frame,
     /// x(v), N rest positions in the working frame.
     pub positions: Vec<[f64; 3]>,
-    /// Triangles over operator vertices, in file order; those that welding collapsed are kept
-    /// (they have repeated corners) so that triangle indices agree with the file's.
+    /// Triangles over operator vertices, in file order. Triangles that welding has collapsed are kept (they
+    /// have repeated corners), which keeps triangle indices equal to those of the file.
     pub triangles: Vec<[u32; 3]>,
-    /// For each of the n file vertices its operator vertex; `None` where no triangle uses it.
+    /// For each of the n file vertices its operator vertex; `None` if no triangle uses it.
     pub operator_vertex: Vec<Option<u32>>,
     /// The harmonics, solved in the working frame.
     pub basis: Arc<Basis>,
 }
 
 impl Body {
-    /// λ of the basis in the file's units: eigenvalues grow with the square of the frame's scale s, λ s².
+    /// Converts an eigenvalue λ of the basis to the file's units: λ s², where s is the scale of the frame.
     pub fn eigenvalue_in_file(&self, eigenvalue: f64) -> f64 {
         eigenvalue * self.frame.scale * self.frame.scale
     }
 
-    /// An area in the file's units, a / s².
+    /// Converts an area a to the file's units: a / s².
     pub fn area_in_file(&self, area: f64) -> f64 {
         area / (self.frame.scale * self.frame.scale)
     }
 
-    /// A value of a harmonic in the file's units, H s: harmonics are orthonormal under the areas.
+    /// Converts a value H of a harmonic to the file's units: H s, because harmonics are orthonormal with
+    /// respect to area.
     pub fn harmonic_in_file(&self, value: f64) -> f64 {
         value * self.frame.scale
     }
 
-    /// The basis in the file's units instead of those of the working frame; a copy.
+    /// A copy of the basis in the file's units.
     pub fn basis_in_file(&self) -> Basis {
         let basis = &*self.basis;
         Basis {
@@ -53,8 +54,8 @@ impl Body {
         }
     }
 
-    /// `displacements` of the operator vertices (N, working frame) for the n vertices of the file, in file
-    /// units; zero for those that no triangle uses.
+    /// Converts `displacements` of the operator vertices (N, working frame) to displacements of the n file
+    /// vertices in file units; zero for vertices that no triangle uses.
     pub fn displacements_in_file(&self, displacements: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let of = |v: &Option<u32>| {
             let moved = v.and_then(|v| displacements.get(v as usize));
@@ -63,9 +64,9 @@ impl Body {
         self.operator_vertex.iter().map(of).collect()
     }
 
-    /// Rest positions of the file plus `displacements` of the operator vertices (N, working
-    /// frame), as n positions in file units. Where a displacement is zero the file's own
-    /// coordinates come back bit for bit.
+    /// The rest positions of the file plus `displacements` of the operator vertices (N, working frame), as
+    /// n positions in file units. Where a displacement is zero, the result equals the file's coordinates
+    /// bit for bit.
     pub fn displaced_file_positions(
         &self,
         file_positions: &[[f64; 3]],
@@ -99,7 +100,7 @@ mod tests {
         ball.positions.iter_mut().for_each(|p| *p = [25.0 * p[0] + 3.0, 25.0 * p[1], 25.0 * p[2] - 7.0]);
         let body = Body::build(&ball, &BasisSettings::new(9), &Task::new()).unwrap();
         let basis = body.basis_in_file();
-        // l (l + 1) / R², up to the mesh's coarseness.
+        // l (l + 1) / R², up to the discretization.
         for (k, l) in [(1, 1.0), (3, 1.0), (4, 2.0), (8, 2.0_f64)] {
             let exact = l * (l + 1.0) / 625.0;
             assert!((basis.eigenvalues[k] / exact - 1.0).abs() < 0.01, "{k}: {}", basis.eigenvalues[k]);

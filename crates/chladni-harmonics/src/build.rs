@@ -1,4 +1,4 @@
-//! From a mesh to a [`Body`], through the cache where there is one; from a pencil to its basis.
+//! Builds a [`Body`] from a mesh, using the cache if there is one; and a basis from a pencil.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -18,20 +18,20 @@ impl Body {
     /// Welds `mesh`, builds its Laplacian and solves for its harmonics.
     ///
     /// # Errors
-    /// A mesh without usable triangles, a component without area, K = 0, a solve that cannot be
-    /// certified, or [`HarmonicsError::Cancelled`].
+    /// A mesh without usable triangles, a component without area, K = 0, a result that cannot be certified,
+    /// or [`HarmonicsError::Cancelled`].
     pub fn build(mesh: &TriMesh, settings: &BasisSettings, task: &Task) -> Result<Self, HarmonicsError> {
         Self::load_or_build(mesh, settings, None, task).map(|(body, _)| body)
     }
 
-    /// Like [`build`](Self::build), but reads the basis from `cache` if it holds a sound entry for this
-    /// surface and K, and writes it there otherwise.
+    /// Like [`build`](Self::build), but reads the basis from `cache` if it holds an intact entry for this
+    /// surface and K; otherwise solves and writes the entry.
     ///
-    /// A damaged entry is solved again and replaced; a cache that cannot be written is reported in
-    /// [`BuildReport::cache_warning`], K > N in [`BuildReport::warnings`].
+    /// A damaged entry is solved again and replaced. A cache that cannot be written is reported in
+    /// [`BuildReport::cache_warning`], and K > N in [`BuildReport::warnings`].
     ///
     /// # Errors
-    /// As [`build`](Self::build).
+    /// Those of [`build`](Self::build).
     pub fn load_or_build(
         mesh: &TriMesh,
         settings: &BasisSettings,
@@ -41,12 +41,12 @@ impl Body {
         built(mesh, None, settings, cache, task)
     }
 
-    /// Like [`load_or_build`](Self::load_or_build), with an `operator` of `mesh` that was built before, so
-    /// that S is built only once if both S and H are needed. The operator's Laplacian is used, not that of
-    /// `settings`.
+    /// Like [`load_or_build`](Self::load_or_build), but takes an `operator` that was built from `mesh`
+    /// before: S is then built only once if both S and H are needed. The Laplacian is that of the operator;
+    /// the one in `settings` is ignored.
     ///
     /// # Errors
-    /// As [`build`](Self::build).
+    /// Those of [`build`](Self::build).
     pub fn of_operator(
         mesh: &TriMesh,
         operator: &Operator,
@@ -58,7 +58,7 @@ impl Body {
         built(mesh, Some(operator), &settings, cache, task)
     }
 
-    /// The welded shape of `mesh` without harmonics, K = 0: for work that needs none, such as matching.
+    /// The welded shape of `mesh` without harmonics (K = 0), for work that needs none, such as matching.
     ///
     /// # Errors
     /// A mesh without usable triangles.
@@ -68,7 +68,7 @@ impl Body {
             eigenvalues: Vec::new(),
             vectors: Vec::new(),
             mass: vec![1.0; domain.positions.len()],
-            // Of no pairs, all is true.
+            // For an empty set of pairs all conditions hold.
             certificate: Certificate {
                 laplacian: Laplacian::default(),
                 inertia_counts_match: true,
@@ -79,10 +79,11 @@ impl Body {
         Ok(assembled(mesh, domain, basis))
     }
 
-    /// The shape of `mesh` with harmonics that were solved for elsewhere, such as in the worker of a page.
+    /// A body from `mesh` and harmonics that were solved elsewhere, for example in the worker of a web
+    /// page.
     ///
     /// # Errors
-    /// A mesh without usable triangles, or a basis of another number of vertices.
+    /// A mesh without usable triangles, or a basis with another number of vertices.
     pub fn of_basis(mesh: &TriMesh, basis: Basis) -> Result<Self, HarmonicsError> {
         let domain = Domain::of(mesh)?;
         let vertices = domain.positions.len();
@@ -101,17 +102,19 @@ fn assembled(mesh: &TriMesh, domain: Domain, basis: Basis) -> Body {
 }
 
 impl Pencil<'_> {
-    /// The first K pairs, certified: λ ascending and H with HᵀMH = I, in the units of S and M.
+    /// Solves for the first K pairs and certifies them: ascending λ, and H with HᵀMH = I, in the units of S
+    /// and M.
     ///
-    /// S must be positive semidefinite; its null space may have any dimension, and eigenvalues that are 0 to
-    /// within rounding are returned as exactly 0. A harmonic is positive where its magnitude is largest; the
-    /// basis of a multiple eigenvalue's space is left to rounding. The certificate is that of S + tM, with t
-    /// about the mean distance of the first K eigenvalues.
+    /// S must be positive semidefinite. Its null space may have any dimension, and eigenvalues that are 0
+    /// within rounding are returned as exactly 0. A harmonic is positive where its magnitude is largest.
+    /// Within the space of a multiple eigenvalue, rounding determines the basis. The certificate is that of
+    /// S + tM, where t is about the mean distance between the first K eigenvalues.
     ///
-    /// `settings.laplacian` is ignored. K is at most N; the report says if more were asked for.
+    /// `settings.laplacian` is ignored. K is limited to N; the report says if more were requested.
     ///
     /// # Errors
-    /// K = 0, S with negative eigenvalues, a solve that cannot be certified, or [`HarmonicsError::Cancelled`].
+    /// K = 0, an S with negative eigenvalues, a result that cannot be certified, or
+    /// [`HarmonicsError::Cancelled`].
     pub fn solve(
         &self,
         settings: &BasisSettings,
@@ -134,11 +137,11 @@ impl Pencil<'_> {
 }
 
 impl ConsistentPencil {
-    /// The first K pairs, certified; see [`Pencil::solve`].
+    /// Solves for the first K pairs and certifies them; see [`Pencil::solve`].
     ///
     /// # Errors
-    /// As [`Pencil::solve`]; and M that is not positive definite, or so nearly singular that nothing could be
-    /// certified.
+    /// Those of [`Pencil::solve`], and an M that is not positive definite, or so nearly singular that
+    /// nothing could be certified.
     pub fn solve(
         &self,
         settings: &BasisSettings,
@@ -211,8 +214,8 @@ fn solved(
     })?
 }
 
-/// Runs `work` on `threads` threads; `None` is the pool it is called in, or all of the machine's. Where no
-/// thread can be started, the one that calls does all of it.
+/// Runs `work` on `threads` threads. `None` means the pool from which it is called, or all threads of the
+/// machine. If no thread can be started, the calling thread does all of the work.
 pub(crate) fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
@@ -220,13 +223,13 @@ pub(crate) fn on_threads<T: Send>(
     if !HAS_THREADS || (threads.is_none() && rayon::current_thread_index().is_some()) {
         return Ok(work());
     }
-    // Not on the shared pool: drawing, which uses it, must not wait for a solve.
+    // Not in the shared pool: drawing uses it and must not wait for a solve.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     Ok(pool.map_err(|e| HarmonicsError::Threads(e.to_string()))?.install(work))
 }
 
-/// The file's triangles over operator vertices. Where a collapsed triangle is the only one that
-/// uses a vertex, that corner is given another of its corners (or 0), which keeps it collapsed.
+/// The file's triangles over operator vertices. If a collapsed triangle is the only one that uses a vertex,
+/// that corner is replaced by another of its corners (or 0), which keeps the triangle collapsed.
 pub(crate) fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Vec<[u32; 3]> {
     mesh.triangles
         .iter()

@@ -1,4 +1,4 @@
-//! Bases kept on disk, so that a shape is solved only once.
+//! A cache on disk for bases: a shape is solved only once.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -9,33 +9,33 @@ use chladni_task::write_atomic_with;
 use crate::operator::Domain;
 use crate::{Basis, BasisSettings, Certificate, Laplacian};
 
-/// Raised whenever the same mesh and settings would give a different basis.
+/// Increased whenever the same mesh and settings would give a different basis.
 const VERSION: u32 = 3;
 const MAGIC: &[u8; 16] = b"chladni basis  1";
 
 /// A folder of solved bases.
 ///
-/// An entry is named by a BLAKE3 hash of the welded surface, the settings and the version of
-/// the solver, and ends in a hash of its own bytes: a damaged entry is solved again, never
-/// trusted. Entries appear whole or not at all, so processes may share the folder.
+/// The name of an entry is a BLAKE3 hash of the welded surface, the settings and the version of the solver.
+/// An entry ends with a hash of its own bytes: a damaged entry is solved again and never trusted. Entries
+/// are written whole or not at all; several processes may share the folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BasisCache {
     folder: PathBuf,
 }
 
 impl BasisCache {
-    /// A cache in `folder`, which is made when the first entry is written.
+    /// A cache in `folder`, which is created when the first entry is written.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
         Self { folder: folder.into() }
     }
 
-    /// The cache in the user's own cache folder, `None` where the system names none.
+    /// The cache in the user's cache folder; `None` if the system does not define one.
     pub fn of_user() -> Option<Self> {
         let folders = directories::ProjectDirs::from("", "", "chladni")?;
         Some(Self::new(folders.cache_dir().join("bases")))
     }
 
-    /// Where the entries lie.
+    /// The folder of the entries.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -54,15 +54,15 @@ impl BasisCache {
     }
 }
 
-/// The file of one basis.
+/// The file of one basis in the cache.
 pub(crate) struct CacheEntry {
-    /// Part of its name.
+    /// The Laplacian, which is a part of the name.
     laplacian: Laplacian,
     path: PathBuf,
 }
 
-/// Fixed-size start of an entry; then eigenvalues, mass, vectors (f64, native order) and the
-/// BLAKE3 hash of all that comes before it.
+/// The header of an entry, of fixed size. It is followed by eigenvalues, mass and vectors (f64, native byte
+/// order) and the BLAKE3 hash of everything before it.
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Header {
@@ -76,8 +76,8 @@ struct Header {
 }
 
 impl CacheEntry {
-    /// The basis and whether it cuts a cluster; `None` where there is no entry; a warning
-    /// where there is one that cannot be used.
+    /// The basis and whether it cuts a cluster; `None` if there is no entry; a warning if there is one that
+    /// cannot be used.
     pub(crate) fn read(&self, vertices: usize) -> Result<Option<(Basis, bool)>, String> {
         let mut file = match chladni_task::open_file(&self.path) {
             Ok(file) => file,
@@ -90,7 +90,7 @@ impl CacheEntry {
         })
     }
 
-    /// Writes the entry whole; a warning where that fails.
+    /// Writes the entry, whole or not at all. A failure is returned as a warning.
     pub(crate) fn write(&self, basis: &Basis, cuts_cluster: bool) -> Result<(), String> {
         let unwritten = |e: io::Error| format!("the basis was not cached: {}: {e}", self.path.display());
         if let Some(folder) = self.path.parent() {
@@ -139,7 +139,7 @@ fn read_entry(
         return Err("its head does not fit".into());
     }
     let (n, k) = (n as usize, k as usize);
-    // The file's length has been checked, so the buffers are no larger than the file.
+    // The length of the file has been checked: the buffers are not larger than the file.
     let (mut eigenvalues, mut mass, mut vectors) = (vec![0.0; k], vec![0.0; n], vec![0.0; n * k]);
     for part in [&mut eigenvalues, &mut mass, &mut vectors] {
         read_part(file, bytemuck::cast_slice_mut(part), &mut hash)?;

@@ -1,9 +1,9 @@
-//! Which of several equally good harmonics are returned: a choice by geometry, so that rounding, and with it
-//! the processor and the number of threads, does not matter.
+//! Chooses among equally good harmonics by geometry: the result then does not depend on rounding, and hence
+//! not on the processor or the number of threads.
 //!
-//! The sign of an eigenvector is arbitrary, and those of one eigenvalue may be rotated among each other. The
-//! rotation is the one that diagonalizes a fixed function of position; the sign is positive at the outermost
-//! of a harmonic's peaks along a fixed direction.
+//! The sign of an eigenvector is arbitrary, and eigenvectors of one eigenvalue may be rotated among each
+//! other. The rotation chosen is the one that diagonalizes a fixed function of position; the sign chosen is
+//! positive at the outermost of a harmonic's peaks along a fixed direction.
 
 use faer::{Mat, MatRef, Par};
 use rayon::prelude::*;
@@ -14,10 +14,11 @@ use crate::{Basis, SymmetricSparse};
 /// Eigenvalues that agree to this relative tolerance cannot be distinguished; rotating their vectors adds at
 /// most as much to the relative residual.
 const EQUAL: f64 = 3e-10;
-/// What counts as a peak: a share of the largest magnitude.
+/// Values of at least this share of the largest magnitude count as peaks.
 const PEAK: f64 = 0.9;
-/// Mostly along x, so that a harmonic that is odd between left and right is positive on one side.
-/// No mirror plane of a box, an octahedron or a dodecahedron contains it.
+/// The direction in which peaks are compared. It is mostly along x, which makes a harmonic that is odd
+/// between left and right positive on a fixed side. No mirror plane of a box, an octahedron or a
+/// dodecahedron contains it.
 const OUTWARD: [f64; 3] = [1.0, 0.347, 0.171];
 
 /// Makes every sign and every choice within equal eigenvalues canonical.
@@ -49,8 +50,8 @@ pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &Symm
     });
 }
 
-/// Chooses every sign so that a harmonic is positive where its magnitude is largest: all that can be done
-/// without geometry.
+/// Chooses signs that make each harmonic positive where its magnitude is largest, which is all that can be
+/// done without geometry.
 pub(crate) fn orient(basis: &mut Basis) {
     let n = basis.vertices().max(1);
     basis.vectors.par_chunks_exact_mut(n).for_each(|h| {
@@ -61,10 +62,11 @@ pub(crate) fn orient(basis: &mut Basis) {
     });
 }
 
-/// The rotation, column by column, that makes orthonormal `columns` (N values each) of one
-/// eigenvalue canonical; `None` where it cannot be computed.
+/// The rotation, column by column, that makes the orthonormal `columns` (N values each) of one eigenvalue
+/// canonical; `None` if it cannot be computed.
 ///
-/// The same space gives the same rotated columns up to sign, whatever basis of it comes in.
+/// For the same space it gives the same rotated columns up to sign, whatever basis of the space `columns`
+/// is.
 pub fn mix(columns: &[f64], mass: &[f64], positions: &[[f64; 3]]) -> Option<Mat<f64>> {
     let n = mass.len();
     let size = columns.len() / n;
@@ -76,17 +78,18 @@ pub fn mix(columns: &[f64], mass: &[f64], positions: &[[f64; 3]]) -> Option<Mat<
     symmetric_eigen(&symmetric, Par::Seq).map(|(_, mix)| mix)
 }
 
-/// Whether the sign rule flips a harmonic.
+/// Whether the sign rule flips the harmonic `h`.
 pub fn is_turned(h: &[f64], positions: &[[f64; 3]]) -> bool {
     points_inward(h, &positions.iter().map(height).collect::<Vec<f64>>())
 }
 
-/// The place of a vertex along the outward direction.
+/// The coordinate of a point along the outward direction.
 fn height(p: &[f64; 3]) -> f64 {
     (0..3).map(|i| OUTWARD[i] * p[i]).sum()
 }
 
-/// Whether the value is negative at the outermost of the vertices near a harmonic's largest magnitude.
+/// Whether the value is negative at the outermost of the vertices where the magnitude is close to its
+/// maximum.
 fn points_inward(h: &[f64], heights: &[f64]) -> bool {
     let threshold = PEAK * h.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let mut outermost = (f64::NEG_INFINITY, 0.0);
@@ -98,9 +101,8 @@ fn points_inward(h: &[f64], heights: &[f64]) -> bool {
     outermost.1 < 0.0
 }
 
-/// A function of position whose symmetries are few. Squares along the axes come first, so that the
-/// lowest harmonics of round shapes lie along them; small waves in odd directions separate what is
-/// left.
+/// A function of position with few symmetries. Squares along the axes dominate, which aligns the lowest
+/// harmonics of round shapes with the axes; small waves in unrelated directions break the remaining ties.
 fn landscape(p: [f64; 3]) -> f64 {
     let [x, y, z] = p;
     let squares = x * x + 0.41 * y * y - 0.23 * z * z;
@@ -110,7 +112,7 @@ fn landscape(p: [f64; 3]) -> f64 {
     squares + 1e-3 * waves
 }
 
-/// Runs of at least two equal eigenvalues, except λ = 0: each component keeps its own constant.
+/// Ranges of at least two equal eigenvalues, except λ = 0: each component keeps its own constant.
 fn clusters(eigenvalues: &[f64]) -> Vec<std::ops::Range<usize>> {
     let zeros = eigenvalues.iter().take_while(|value| **value <= 0.0).count();
     let mut clusters = Vec::new();
@@ -154,7 +156,7 @@ mod tests {
     use super::*;
     use crate::Certificate;
 
-    /// A ring of points with cosines and sines of two waves: two eigenvalues, each double.
+    /// A ring of points with the cosines and sines of two waves: two eigenvalues, each double.
     fn ring(turns: [f64; 2], signs: [bool; 4]) -> (Basis, Vec<[f64; 3]>, SymmetricSparse) {
         let n = 40;
         let angle = |v: usize| std::f64::consts::TAU * v as f64 / n as f64;

@@ -1,24 +1,24 @@
-//! What can go wrong between a mesh and its harmonics.
+//! The errors of this crate.
 
 use chladni_task::Cancelled;
 
-/// Why a mesh got no harmonic basis.
+/// Why a mesh or a pencil has no harmonics, or why work with them failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HarmonicsError {
     /// No triangle with three different corners.
     #[error("the mesh has no triangle with three different corners")]
     NoTriangle,
-    /// A triangle names a vertex that is not there.
+    /// A triangle refers to a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, but there are only {vertices} vertices")]
     IndexOutOfRange {
         /// Index of the triangle, from 0.
         triangle: usize,
-        /// The vertex it names, from 0.
+        /// Index of the vertex, from 0.
         vertex: u32,
-        /// n, how many there are.
+        /// n, the number of vertices.
         vertices: usize,
     },
-    /// NaN or infinite coordinates, or coordinates too large to measure lengths with.
+    /// A coordinate is NaN or infinite, or too large to compute lengths with.
     #[error("vertex {vertex} has coordinates that are not finite or too large to compute with")]
     NotFinite {
         /// Index of the vertex in the file, from 0.
@@ -32,64 +32,64 @@ pub enum HarmonicsError {
         /// One vertex of the file in it, from 0.
         vertex: usize,
     },
-    /// The plain cotangent Laplacian has no weight for an edge of more than two triangles.
+    /// More than two triangles meet at an edge, for which the plain cotangent Laplacian has no weight.
     #[error(
         "cannot have the papers' plain cotangent Laplacian: {triangles} triangles meet at the edge of vertices {} and \
          {} (the usual Laplacian takes any mesh)", ends[0], ends[1]
     )]
     CrowdedEdge {
-        /// Vertices of the file at its ends, from 0.
+        /// The vertices of the file at the ends of the edge, from 0.
         ends: [usize; 2],
-        /// How many meet there.
+        /// The number of triangles at the edge.
         triangles: usize,
     },
-    /// The plain cotangent Laplacian divides by the area of each triangle.
+    /// A triangle has no area, by which the plain cotangent Laplacian would divide.
     #[error(
         "cannot have the papers' plain cotangent Laplacian: the triangle of vertices {}, {} and {} has no area (the \
          usual Laplacian takes any mesh)", corners[0], corners[1], corners[2]
     )]
     FlatTriangle {
-        /// Vertices of the file at its corners, from 0.
+        /// The vertices of the file at the corners, from 0.
         corners: [usize; 3],
     },
-    /// K is 0, or more than N where exactly K were to be had.
+    /// K is 0, or more than N where exactly K harmonics are needed.
     #[error(
         "{harmonics} harmonics were asked for, but the mesh has {vertices} usable vertices (welded, referenced): \
          ask for 1 to {vertices}"
     )]
     BadHarmonicCount {
-        /// K as asked for.
+        /// K as requested.
         harmonics: usize,
         /// N.
         vertices: usize,
     },
-    /// The pairs that were found did not pass their check, even after being sought again.
+    /// The pairs that were found did not pass their check, even after another search.
     #[error("the harmonics could not be certified: {reason}")]
     NotCertified {
         /// Which check failed and where.
         reason: String,
     },
-    /// Harmonics that were solved for another shape.
+    /// The harmonics belong to another shape.
     #[error("the harmonics are those of a shape of {harmonics_of} vertices, and this one has {vertices}")]
     OtherShape {
-        /// N of the shape that they were solved for.
+        /// N of the shape for which they were solved.
         harmonics_of: usize,
         /// N of the mesh.
         vertices: usize,
     },
-    /// S and M are not what a solver can take.
+    /// S and M do not form a pencil that can be solved.
     #[error("not a symmetric pencil: {reason}")]
     BadPencil {
         /// What is wrong with them.
         reason: String,
     },
-    /// A heat step of a length that nothing can be computed for.
+    /// A heat step of a length that cannot be computed.
     #[error("no heat step of length {time} can be taken on this surface")]
     HeatStep {
         /// Its length, in squared units of the working frame.
         time: f64,
     },
-    /// A distance that the heat of a step does not reach: it would be measured along no direction.
+    /// A vertex is so far from all sources that no heat reaches it; its distance cannot be measured.
     #[error(
         "vertex {vertex} is so many edges away from every source that no heat reaches it: take a longer step"
     )]
@@ -100,11 +100,11 @@ pub enum HarmonicsError {
     /// A source, or a vertex of a map, that is not on the surface.
     #[error("vertex {vertex} is not on the surface, which has {vertices} vertices: {reason}")]
     NotOnSurface {
-        /// The vertex asked for.
+        /// Index of the vertex.
         vertex: usize,
-        /// How many there are.
+        /// The number of vertices.
         vertices: usize,
-        /// Why not.
+        /// The reason.
         reason: &'static str,
     },
     /// A functional map whose size does not fit its eigenvectors.
@@ -113,17 +113,17 @@ pub enum HarmonicsError {
         /// What does not fit.
         reason: String,
     },
-    /// More harmonics than can be held in memory, or than a solver for so many vertices finds.
+    /// More harmonics than fit in memory, or than a solver can find for this number of vertices.
     #[error("{harmonics} harmonics of {vertices} vertices cannot be solved for: {reason}")]
     TooMany {
-        /// K as asked for.
+        /// K as requested.
         harmonics: usize,
         /// N.
         vertices: usize,
-        /// What stands against it.
+        /// The reason.
         reason: String,
     },
-    /// There are no ranks to solve on, or not as asked for.
+    /// SLEPc cannot be used, or not with the requested ranks.
     #[error("cannot solve with SLEPc: {reason}")]
     NoRanks {
         /// What is missing or wrong.
@@ -132,7 +132,7 @@ pub enum HarmonicsError {
     /// The ranks ended without a result.
     #[error("the ranks of SLEPc failed: {reason}")]
     RanksFailed {
-        /// What the first of them said.
+        /// What the first failed rank reported.
         reason: String,
     },
     /// The worker threads could not be started.

@@ -1,5 +1,5 @@
-//! Functional maps between two shapes (Ovsjanikov et al. 2012), to point maps and back, refined by ZoomOut
-//! (Melzi et al. 2019).
+//! Functional maps between two shapes (Ovsjanikov et al. 2012), their conversion from and to point maps,
+//! and refinement by ZoomOut (Melzi et al. 2019).
 
 use chladni_task::Task;
 use faer::linalg::matmul::matmul;
@@ -11,44 +11,44 @@ use crate::HarmonicsError;
 use crate::nearest::PointTree;
 use crate::platform::split;
 
-/// The first eigenvectors of a shape, on all of its vertices or on a sample of them.
+/// The first eigenvectors of a shape, at all of its vertices or at a sample of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Eigenvectors<'a> {
     /// n ≥ 1, the number of vertices.
     pub vertices: usize,
-    /// n × K, column-major; finite.
+    /// n × K values, column-major; finite.
     pub values: &'a [f64],
 }
 
-/// The matrix C that takes coefficients on shape 1 to coefficients on shape 2, K₂ × K₁.
+/// The K₂ × K₁ matrix C that maps coefficients on shape 1 to coefficients on shape 2.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FunctionalMap {
-    /// K₂.
+    /// K₂, the number of rows.
     pub rows: usize,
-    /// K₁.
+    /// K₁, the number of columns.
     pub columns: usize,
     /// C, column-major; finite.
     pub values: Vec<f64>,
 }
 
 impl<'a> Eigenvectors<'a> {
-    /// K.
+    /// K, the number of eigenvectors.
     pub fn count(&self) -> usize {
         self.values.len() / self.vertices.max(1)
     }
 
-    /// The first `count`, at most K.
+    /// The first `count` ≤ K eigenvectors.
     fn first(&self, count: usize) -> MatRef<'a, f64> {
         MatRef::from_column_major_slice(&self.values[..count * self.vertices], self.vertices, count)
     }
 }
 
 impl FunctionalMap {
-    /// For each vertex of shape 2 the vertex of shape 1 that it belongs to: the nearest among the rows of Φ₁ Cᵀ to
-    /// its row of Φ₂, or, with `adjoint`, among those of Φ₁ to its row of Φ₂ C.
+    /// For each vertex of shape 2 the corresponding vertex of shape 1: the one whose row of Φ₁ Cᵀ is
+    /// nearest to its row of Φ₂, or, with `adjoint`, whose row of Φ₁ is nearest to its row of Φ₂ C.
     ///
     /// # Errors
-    /// Fewer eigenvectors than C has columns or rows; nothing to choose from.
+    /// Fewer eigenvectors than C has columns or rows, or a shape without vertices.
     pub fn to_point_map(
         &self,
         source: Eigenvectors,
@@ -83,19 +83,19 @@ impl FunctionalMap {
             (row_major(product(from, map.transpose()).as_ref()), row_major(to))
         };
         let dimensions = if adjoint { self.columns } else { self.rows };
-        // The nearest of distances that are not numbers is none.
+        // If distances are not finite, there is no nearest vertex.
         if !points.iter().chain(&queries).all(|x| x.abs() < 1e150) {
             return Err(bad("the map or the eigenvectors are too large to compute distances with".into()));
         }
         Ok(PointTree::new(&points, dimensions).nearest(&queries, guesses))
     }
 
-    /// C of a point map, which gives for each of the n₂ vertices of shape 2 one of shape 1: (M₂ Φ₂)ᵀ Φ₁(map) with the
-    /// `dual` M₂ Φ₂ of the target's eigenvectors, stored like them; without it the least-squares solution of
-    /// Φ₂ C = Φ₁(map).
+    /// The functional map C of a point map, which gives for each of the n₂ vertices of shape 2 a vertex of
+    /// shape 1. With `dual` = M₂ Φ₂, stored like the eigenvectors, C is (M₂ Φ₂)ᵀ Φ₁(map); without it, C is
+    /// the least-squares solution of Φ₂ C = Φ₁(map).
     ///
     /// # Errors
-    /// A map or dual of another number of vertices, or a vertex that shape 1 does not have.
+    /// A map or dual with another number of vertices, or a vertex that shape 1 does not have.
     pub fn of_point_map(
         map: &[u32],
         source: Eigenvectors,
@@ -146,12 +146,12 @@ impl FunctionalMap {
         Ok(Self { rows, columns, values })
     }
 
-    /// Refines C by ZoomOut: `rounds` times to a point map and back, with `step` = [of K₂, of K₁] more eigenvectors
-    /// each time.
+    /// Refines C by ZoomOut: `rounds` conversions to a point map and back, each with `step` = [for K₂, for
+    /// K₁] more eigenvectors than before.
     ///
     /// # Errors
-    /// As [`to_point_map`](Self::to_point_map) and [`of_point_map`](Self::of_point_map): there must be K + rounds · step
-    /// eigenvectors of either. A cancelled task.
+    /// Those of [`to_point_map`](Self::to_point_map) and [`of_point_map`](Self::of_point_map), where each
+    /// shape needs K + rounds · step eigenvectors; a cancelled task.
     pub fn zoomed_out(
         &self,
         source: Eigenvectors,
@@ -227,7 +227,7 @@ mod tests {
         let body = basis();
         let n = body.positions.len();
         let vectors = Eigenvectors { vertices: n, values: &body.basis.vectors };
-        // The shape's own vertices in another order.
+        // The vertices of the same shape in another order.
         let shuffled: Vec<u32> = (0..n).map(|v| ((v * 101) % n) as u32).collect();
         let values: Vec<f64> = (0..40)
             .flat_map(|k| shuffled.iter().map(|v| body.basis.harmonic(k)[*v as usize]).collect::<Vec<_>>())
@@ -246,7 +246,7 @@ mod tests {
             for adjoint in [false, true] {
                 assert_eq!(map.to_point_map(vectors, target, adjoint).unwrap(), shuffled);
             }
-            // From the signs of five functions to all forty.
+            // Start from the signs of five functions, and refine to all forty.
             let start = FunctionalMap {
                 rows: 5,
                 columns: 5,

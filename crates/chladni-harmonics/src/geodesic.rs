@@ -11,16 +11,17 @@ use crate::laplacian::{Cover, MOLLIFY, cover_laplacian, delaunay_cover};
 use crate::operator::Domain;
 use crate::{HarmonicsError, laplacian};
 
-/// What a source begins with, so that heat is above 0 on a way of 1,200 edges and not of 700.
+/// The heat at a source. With it, heat stays above 0 over a path of 1,200 edges; with 1 it would over 700.
 const SOURCE: f64 = 1e250;
-/// The step that solves Poisson's equation, as a multiple of the surface's area: (M + tS)⁻¹ t is S⁻¹ up to a
-/// constant, to within 1 / (tλ) of harmonic λ.
+/// The step with which Poisson's equation is solved, as a multiple of the surface's area: (M + tS)⁻¹ t
+/// equals S⁻¹ up to a constant, to within 1 / (tλ) for the harmonic with eigenvalue λ.
 const FOREVER: f64 = 1e10;
 
-/// Distances from any vertices of one surface, in the units of its file: two factorizations are made once.
+/// Geodesic distances from any vertices of one surface, in the units of its file. Two factorizations are
+/// computed once and used for all sources.
 ///
-/// As exact as the heat method is: to about half an edge where the way is short, and to 1 % of it on ten thousand
-/// vertices, half of that on four times as many.
+/// The accuracy is that of the heat method: about half an edge for short distances, and 1 % of longer ones
+/// on ten thousand vertices, half of that on four times as many.
 #[derive(Debug)]
 pub struct HeatGeodesics {
     cover: Cover,
@@ -29,13 +30,13 @@ pub struct HeatGeodesics {
     /// The connected component of each operator vertex.
     component: Vec<u32>,
     operator_vertex: Vec<Option<u32>>,
-    /// File units to those of the working frame.
+    /// The scale from file units to those of the working frame.
     scale: f64,
 }
 
 impl HeatGeodesics {
-    /// Prepares `mesh` with a heat step of `time` mean squared edge lengths; 1 is usual, more is smoother and goes
-    /// further.
+    /// Prepares `mesh` for a heat step of `time` mean squared edge lengths. 1 is usual; a longer step gives
+    /// smoother distances and reaches farther.
     ///
     /// # Errors
     /// No usable triangle, coordinates that are not finite, an index out of range, or a `time` that is not positive.
@@ -65,11 +66,11 @@ impl HeatGeodesics {
     }
 
     /// The distance of each of the n file vertices from the nearest of `sources`, n values in file units.
-    /// Infinite where no way leads: on other pieces, and for vertices that no triangle uses.
+    /// It is infinite for vertices on other components and for those that no triangle uses.
     ///
     /// # Errors
-    /// No source at all, a source that is not a vertex of the surface, and a surface that is more than about 1,200
-    /// edges across for a step of 1 ([`HarmonicsError::TooFar`]).
+    /// No source, a source that is not a vertex of the surface, or a surface with paths so long that no
+    /// heat arrives: about 1,200 edges for a step of 1 ([`HarmonicsError::TooFar`]).
     pub fn distances(&self, sources: &[usize]) -> Result<Vec<f64>, HarmonicsError> {
         let sources = sources.iter().map(|v| self.on_surface(*v)).collect::<Result<Vec<usize>, _>>()?;
         if sources.is_empty() {
@@ -89,7 +90,7 @@ impl HeatGeodesics {
             return Err(HarmonicsError::TooFar { vertex });
         }
         let potential = self.forever.solve_for(&self.divergence(&heat));
-        // Up to a constant on each piece, and in units of 1 / t.
+        // Up to a constant on each component, and in units of 1 / t.
         let mut least = vec![f64::INFINITY; n];
         for (v, p) in potential.iter().enumerate() {
             let least = &mut least[self.component[v] as usize];
@@ -113,7 +114,7 @@ impl HeatGeodesics {
         Err(HarmonicsError::NotOnSurface { vertex, vertices, reason })
     }
 
-    /// ∫ ∇φ_v · X of each hat function φ_v, with the unit field X against the gradient of `heat`.
+    /// ∫ ∇φ_v · X for each hat function φ_v, where X is the unit field opposite to the gradient of `heat`.
     fn divergence(&self, heat: &[f64]) -> Vec<f64> {
         let share = 1.0 / self.cover.sheets as f64;
         let mut sums = vec![0.0; heat.len()];
@@ -121,7 +122,8 @@ impl HeatGeodesics {
         for (corners, length) in corners.iter().zip(self.cover.length.as_chunks::<3>().0) {
             let corners = corners.map(|v| v as usize);
             let slopes = laplacian::hat_slopes(*length);
-            // Heat falls by many orders of magnitude from one end of a surface to the other.
+            // Scaled per triangle: heat falls by many orders of magnitude from one end of a surface to the
+            // other.
             let most = corners.iter().fold(0.0_f64, |most, v| most.max(heat[*v]));
             let gradient: [f64; 2] =
                 std::array::from_fn(|x| (0..3).map(|i| heat[corners[i]] / most * slopes[i][x]).sum());
@@ -144,7 +146,7 @@ mod tests {
     #[test]
     fn a_sphere_has_great_circles() {
         let mut sphere = samples::icosphere(5);
-        // Anywhere, and of any size.
+        // At any place and of any size.
         for p in &mut sphere.positions {
             *p = [50.0 * p[0] + 1e3, 50.0 * p[1], 50.0 * p[2]];
         }

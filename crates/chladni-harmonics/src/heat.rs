@@ -1,4 +1,4 @@
-//! Heat flow on a body: one implicit step of the heat equation, a smoothing that never rings.
+//! Heat flow on a body: one implicit step of the heat equation, a smoothing that does not overshoot.
 
 use std::sync::Arc;
 
@@ -6,33 +6,35 @@ use crate::laplacian::{MOLLIFY, delaunay_laplacian};
 use crate::ldlt::{Factor, Symbolic, Workspace, nested_dissection};
 use crate::{Body, HarmonicsError, SymmetricSparse};
 
-/// The Laplacian of a body in elimination order: what steps of every length share.
+/// The Laplacian of a body in elimination order, shared by steps of every length.
 pub struct HeatFlow {
     symbolic: Symbolic,
-    /// S, in that order.
+    /// S, in elimination order.
     stiffness: SymmetricSparse,
-    /// a(v), in that order.
+    /// a(v), in elimination order.
     mass: Vec<f64>,
 }
 
-/// An extra mass of every vertex, as a share of its diagonal: where a step is so long, or a piece so small,
-/// that the vertex's own mass is lost in rounding, the piece is still leveled.
+/// An extra mass of every vertex, as a share of its diagonal value. It makes sure that a component is
+/// leveled even if the step is so long, or the component so small, that rounding swallows the vertex's own
+/// mass.
 const LEAST_MASS: f64 = 4e-15;
 
-/// One implicit Euler step of length t: u = (M + tS)⁻¹ M f, factored once for any number of f.
+/// One implicit Euler step of length t: u = (M + tS)⁻¹ M f, factored once for any number of signals f.
 ///
-/// S has no positive value off the diagonal and rows that sum to zero, so that M + tS is an
-/// M-matrix and (M + tS)⁻¹ M an average: u lies between the least and the largest value of f,
-/// without overshoot at any t. Harmonic k is multiplied by 1 / (1 + tλ_k).
+/// S has no positive value off the diagonal, and its rows sum to zero. M + tS is therefore an M-matrix, and
+/// (M + tS)⁻¹ M computes averages: u lies between the smallest and the largest value of f, without
+/// overshoot, for any t. Harmonic k is multiplied by 1 / (1 + tλ_k).
 pub struct HeatStep {
     flow: Arc<HeatFlow>,
     /// t.
     time: f64,
     factor: Factor,
-    /// 1 / √(a + tS_vv), in the order of elimination: the matrix is factored with a unit diagonal.
+    /// 1 / √(a + tS_vv) in elimination order, with which the matrix is scaled to a unit diagonal before it
+    /// is factored.
     scale: Vec<f64>,
-    /// The inverse of the step applied to 1, by operator vertex. It is 1 up to rounding, which is not
-    /// negligible on a piece a billionth of the shape's size: there all weights are off by one common factor.
+    /// The reciprocal of the step applied to 1, by operator vertex. It is 1 up to rounding, which is not
+    /// negligible on a component a billionth of the shape's size: there all weights are off by a common factor.
     inverse_ones: Vec<f64>,
 }
 
@@ -49,11 +51,11 @@ impl std::fmt::Debug for HeatStep {
 }
 
 impl HeatFlow {
-    /// Builds the Laplacian of `body` again and finds its elimination order: about ten times the work of a
-    /// step's factorization, done once for steps of every length.
+    /// Builds the Laplacian of `body` again and computes its elimination order. This is about ten times the
+    /// work of factoring a step, done once for steps of every length.
     ///
     /// # Errors
-    /// [`HarmonicsError::NoTriangle`] where no triangle has three different corners.
+    /// [`HarmonicsError::NoTriangle`] if no triangle has three different corners.
     pub fn of(body: &Body) -> Result<Self, HarmonicsError> {
         let whole = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
         let triangles: Vec<[u32; 3]> = body.triangles.iter().filter(whole).copied().collect();
@@ -80,7 +82,7 @@ impl HeatFlow {
     /// The step of length `time`, in squared units of the working frame.
     ///
     /// # Errors
-    /// [`HarmonicsError::HeatStep`] where `time` is not a number ≥ 0, or too large to compute with.
+    /// [`HarmonicsError::HeatStep`] if `time` is not a number ≥ 0, or too large to compute with.
     pub fn step(self: &Arc<Self>, time: f64) -> Result<HeatStep, HarmonicsError> {
         if !(time.is_finite() && time >= 0.0) {
             return Err(HarmonicsError::HeatStep { time });
@@ -100,7 +102,7 @@ impl HeatFlow {
     }
 
     /// D (M + tS) D with a unit diagonal, and D. Pivots are then relative to their surroundings, however
-    /// different the triangles' sizes.
+    /// different the sizes of the triangles are.
     fn scaled(&self, time: f64) -> (SymmetricSparse, Vec<f64>) {
         let stiffness = &self.stiffness;
         let diagonal = |j: usize| stiffness.column(j).find(|(i, _)| *i == j).map_or(0.0, |(_, v)| v);
@@ -113,7 +115,7 @@ impl HeatFlow {
                 matrix.values[at] = if i == j {
                     1.0 + LEAST_MASS
                 } else {
-                    // Symmetric to the last bit: the product of the two scales comes first.
+                    // Symmetric to the last bit, because the two scales are multiplied first.
                     (scale[i] * scale[j]) * (time * stiffness.values[at])
                 };
             }
@@ -123,11 +125,11 @@ impl HeatFlow {
 }
 
 impl HeatStep {
-    /// u = (M + tS)⁻¹ M f of a signal f with one value per operator vertex. Equal signals give
-    /// equal bits, however many threads there are.
+    /// u = (M + tS)⁻¹ M f for a signal f with one value per operator vertex. Equal signals give equal bits,
+    /// for any number of threads.
     ///
     /// # Panics
-    /// If `signal` has another number of values.
+    /// If `signal` does not have one value per operator vertex.
     pub fn apply(&self, signal: &[f32]) -> Vec<f64> {
         assert_eq!(signal.len(), self.inverse_ones.len(), "one value per operator vertex");
         let old = |i: usize| self.flow.symbolic.old[i] as usize;
@@ -140,13 +142,14 @@ impl HeatStep {
         self.time
     }
 
-    /// (M + tS)⁻¹ b of a right-hand side b by operator vertex.
+    /// (M + tS)⁻¹ b for a right-hand side b by operator vertex.
     pub(crate) fn solve_for(&self, right: &[f64]) -> Vec<f64> {
         self.solve(|i| right[self.flow.symbolic.old[i] as usize])
     }
 
-    /// D (D (M + tS) D)⁻¹ D b by operator vertex, of a b in the order of elimination. Nothing in it is negative
-    /// where b is not: L of an M-matrix has no positive value off the diagonal, and nothing is ever subtracted.
+    /// D (D (M + tS) D)⁻¹ D b by operator vertex, for a b in elimination order. The result is nowhere
+    /// negative if b is not: L of an M-matrix has no positive value off the diagonal, and nothing is ever
+    /// subtracted.
     fn solve(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
         let symbolic = &self.flow.symbolic;
         let places = || symbolic.old.iter().zip(&self.scale);
@@ -171,7 +174,7 @@ mod tests {
         Body::build(mesh, &BasisSettings::new(harmonics), &Task::new()).unwrap()
     }
 
-    /// Long thin triangles, three sheets on one edge, an open rim, and a speck far away.
+    /// Long thin triangles, three sheets at one edge, an open rim, and a tiny component far away.
     fn hard() -> TriMesh {
         let mut positions: Vec<[f64; 3]> = Vec::new();
         let mut triangles = Vec::new();
@@ -224,7 +227,7 @@ mod tests {
             let body = body(&mesh, 2);
             let flow = Arc::new(HeatFlow::of(&body).unwrap());
             assert!((0..flow.vertices()).all(|j| flow.stiffness.column(j).all(|(i, s)| i == j || s <= 0.0)));
-            // A checkerboard of spots: as far from smooth as it gets.
+            // A checkerboard of spots: the opposite of a smooth signal.
             let spots = |v: usize| f32::from(u8::from((v * 2_654_435_761) >> 7 & 3 == 0));
             let n = body.positions.len();
             for signal in [(0..n).map(spots).collect(), vec![1.0; n]] {

@@ -1,12 +1,12 @@
-//! The natural vibrations of a mesh: its Laplacian, the first K harmonics of it, certified,
-//! and the transform to and from them.
+//! The natural vibrations of a mesh: its Laplacian, its first K harmonics with a certificate, and the
+//! transform to and from them.
 //!
 //! ```
 //! use chladni_harmonics::{BasisSettings, Body};
 //! use chladni_mesh::TriMesh;
 //! use chladni_task::Task;
 //!
-//! // A regular tetrahedron, wherever and however large it is.
+//! // A regular tetrahedron; its place and size do not matter.
 //! let mesh = TriMesh {
 //!     positions: vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]],
 //!     triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]],
@@ -22,11 +22,11 @@
 //! # Ok::<(), chladni_harmonics::HarmonicsError>(())
 //! ```
 //!
-//! Signs, and the choice among the harmonics of equal eigenvalues, are fixed by the geometry (see
-//! [`canonical`]): the same mesh gives the same harmonics on every machine, up to rounding.
+//! The signs of harmonics, and the choice among those of equal eigenvalues, are determined by the geometry
+//! (see [`canonical`]): the same mesh gives the same harmonics on every machine, up to rounding.
 //!
-//! Not guaranteed: eigenvalues that differ by little more than rounding (a share of 10⁻⁹) mix
-//! a little differently on different processors.
+//! Not guaranteed: harmonics whose eigenvalues differ by little more than rounding (a share of 10⁻⁹) may
+//! mix slightly differently on different processors.
 
 #![warn(clippy::missing_errors_doc)]
 

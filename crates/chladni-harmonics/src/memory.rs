@@ -1,34 +1,35 @@
-//! How much memory a solve takes, and how much there is.
+//! Estimates the memory that a solve needs, and compares it with what is available.
 
 use crate::HarmonicsError;
 
-/// Bytes a vertex: mesh, operator and its analysis; a factor; the vectors of a Krylov space. Measured on surfaces of 100,000
-/// to 800,000 vertices, where the sum is right to a quarter (docs/scale.md).
+/// Bytes per vertex: for the mesh, the operator and its analysis; for a factor; for the vectors of a Krylov
+/// space. Measured on surfaces of 100,000 to 800,000 vertices, where the sum is right to a quarter
+/// (docs/scale.md).
 const SURFACE: u64 = 800;
 const FACTOR: u64 = 1100;
 const SPACE: u64 = 2048;
-/// A value of a harmonic.
+/// Bytes per value of a harmonic.
 const VALUE: u64 = 8;
 
-/// About how many bytes it takes to solve for `harmonics` of `vertices`, in `slices` at once.
+/// The approximate number of bytes needed to solve for `harmonics` of `vertices`, with `slices` at once.
 fn of_solve(vertices: usize, harmonics: usize, slices: usize) -> u64 {
     let vectors = VALUE.saturating_mul(harmonics as u64);
     let each = (SURFACE + slices as u64 * (FACTOR + SPACE)).saturating_add(vectors);
     each.saturating_mul(vertices as u64)
 }
 
-/// About how many bytes it takes here where others solve: the mesh, and the vectors.
+/// The approximate number of bytes needed here if other processes solve: the mesh, and the vectors.
 #[cfg(not(target_family = "wasm"))]
 fn of_ranks(vertices: usize, harmonics: usize) -> u64 {
     VALUE.saturating_mul(harmonics as u64 + 64).saturating_add(SURFACE).saturating_mul(vertices as u64)
 }
 
-/// Refuses a solve, in `slices` at once, for which there is not enough memory.
+/// Refuses a solve with `slices` at once if there is not enough memory.
 pub(crate) fn check_solve(vertices: usize, harmonics: usize, slices: usize) -> Result<(), HarmonicsError> {
     check(vertices, harmonics, of_solve(vertices, harmonics, slices), available())
 }
 
-/// Refuses a solve by others for whose harmonics there is not enough memory here.
+/// Refuses a solve by other processes if there is not enough memory here for its harmonics.
 #[cfg(not(target_family = "wasm"))]
 pub(crate) fn check_ranks(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
     check(vertices, harmonics, of_ranks(vertices, harmonics), available())
@@ -49,19 +50,19 @@ fn check(
             gigabytes(available)
         ));
     }
-    // Where nothing is known of memory: what the system would not even promise.
+    // If the available memory is unknown, refuse only what the system would not even promise.
     if Vec::<f64>::new().try_reserve_exact(vertices.saturating_mul(harmonics)).is_err() {
         return too_many("they are more than this machine's memory".into());
     }
     Ok(())
 }
 
-/// Bytes that can be had without pushing others out; `None` where the system does not say.
+/// The bytes that are available without swapping out other programs; `None` if the system does not say.
 fn available() -> Option<u64> {
     let system = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| in_meminfo(&text));
     let read = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok();
     let number = |text: String| text.trim().parse::<u64>().ok();
-    // Of a container, if it has a limit; files that were read fill it, too, but give way.
+    // In a container, its limit if it has one. Its file cache counts as used but can be reclaimed.
     let files = read("stat")
         .and_then(|text| number(text.lines().find_map(|l| l.strip_prefix("inactive_file "))?.into()));
     let used = read("current").and_then(number).map(|used| used.saturating_sub(files.unwrap_or(0)));

@@ -1,35 +1,38 @@
-//! Exact nearest neighbors in any number of dimensions, as of vertices among the rows of a spectral embedding.
+//! Exact nearest neighbors in any number of dimensions, for example among the rows of a spectral embedding.
 //!
-//! Neighbors on a surface are neighbors in all coordinates of such an embedding at once, so a node keeps the box of its
-//! points in all of them: bounds from the splitting planes alone let hardly anything be left out beyond ten dimensions.
+//! Vertices that are neighbors on a surface are close in all coordinates of such an embedding at once. Each
+//! node of the tree therefore keeps the bounding box of its points in all dimensions: beyond ten
+//! dimensions, bounds from the splitting planes alone exclude hardly anything.
 
 use rayon::prelude::*;
 
 use crate::ldlt::Row;
 use crate::simd::{Kernel, Lanes, dispatch};
 
-/// Points in a leaf.
+/// The largest number of points in a leaf.
 const LEAF: usize = 16;
-/// Rows of eight coordinates between two looks at whether a point is too far already.
+/// How many rows of eight coordinates are summed between two checks whether a point is too far already.
 const STRETCH: usize = 4;
-/// Queries that are answered one after the other, each beginning with the answer to the one before.
+/// How many queries are answered in sequence; each starts with the answer to the previous one.
 const CHUNK: usize = 256;
 
-/// Points in a tree of halves, each split where its points spread most.
+/// A binary tree over points. Each node splits its points in half along the dimension in which they spread
+/// most.
 pub(crate) struct PointTree {
     dimensions: usize,
-    /// How many rows of eight a point has; the last is filled up with zeros.
+    /// The number of rows of eight in a point; the last row is padded with zeros.
     width: usize,
-    /// The points in the order of the leaves, their numbers, and where each number is.
+    /// The points in the order of the leaves, their original indices, and the place of each index.
     points: Vec<Row>,
     numbers: Vec<u32>,
     places: Vec<u32>,
     nodes: Vec<Node>,
-    /// For each node the lower and the upper ends of its box, row by row.
+    /// For each node the lower and upper bounds of its box, row by row.
     boxes: Vec<[Row; 2]>,
 }
 
-/// Points `first .. end`; of a node with children, the first half is the next node's and the rest that of `above`.
+/// The points `first .. end`. In an inner node, the first half belongs to the next node and the rest to
+/// `above`.
 struct Node {
     first: usize,
     end: usize,
@@ -37,7 +40,8 @@ struct Node {
 }
 
 impl PointTree {
-    /// A tree of `points`, one after the other with `dimensions` ≥ 1 finite coordinates each; at least one.
+    /// A tree of at least one point; `points` holds `dimensions` ≥ 1 finite coordinates of each, one point
+    /// after the other.
     pub fn new(points: &[f64], dimensions: usize) -> Self {
         let count = points.len() / dimensions;
         let width = dimensions.div_ceil(8);
@@ -64,8 +68,8 @@ impl PointTree {
         Self { dimensions, width, points, numbers, places, nodes, boxes }
     }
 
-    /// For each of `queries` the point nearest to it, the first of several. `guesses`, one per query or none, only
-    /// make it quicker.
+    /// For each of `queries` the nearest point, and the first of several at the same distance. `guesses`,
+    /// one per query or empty, only speed up the search.
     pub fn nearest(&self, queries: &[f64], guesses: &[u32]) -> Vec<u32> {
         let queries = padded(queries, self.dimensions, self.width);
         let mut found = vec![0; queries.len() / self.width];
@@ -83,7 +87,7 @@ impl PointTree {
     }
 }
 
-/// Rows of eight, filled up with zeros.
+/// Splits values into rows of eight, padded with zeros.
 fn padded(values: &[f64], dimensions: usize, width: usize) -> Vec<Row> {
     let mut rows = vec![[0.0; 8]; values.len() / dimensions * width];
     rows.par_chunks_exact_mut(width).zip(values.par_chunks_exact(dimensions)).for_each(|(rows, values)| {
@@ -92,7 +96,7 @@ fn padded(values: &[f64], dimensions: usize, width: usize) -> Vec<Row> {
     rows
 }
 
-/// Splits `numbers`, which begin at `first` of all, and appends their nodes.
+/// Splits `numbers`, the first of which is at position `first`, and appends their nodes.
 fn grow(points: &[f64], dimensions: usize, numbers: &mut [u32], first: usize, nodes: &mut Vec<Node>) {
     let at = |v: u32, axis: usize| points[v as usize * dimensions + axis];
     let mut spread = vec![(f64::INFINITY, f64::NEG_INFINITY); dimensions];
@@ -131,10 +135,10 @@ impl Kernel for Search<'_> {
     fn run<L: Lanes>(self, _lanes: L) {
         let Self { tree, queries, guesses, found } = self;
         let mut before = 0;
-        // Nodes to look at, and how far (squared) their boxes are.
+        // The nodes to visit, and the squared distances of their boxes.
         let mut waiting: Vec<(f64, usize)> = Vec::new();
         for (q, (query, found)) in queries.chunks_exact(tree.width).zip(found).enumerate() {
-            // The smallest squared distance so far, and whose it is.
+            // The smallest squared distance so far, and the point that has it.
             let mut best = (f64::INFINITY, u32::MAX);
             consider(tree, query, before, &mut best);
             if let Some(guess) = guesses.get(q).and_then(|guess| tree.places.get(*guess as usize)) {
@@ -142,7 +146,7 @@ impl Kernel for Search<'_> {
             }
             waiting.push((0.0, 0));
             while let Some((gap, at)) = waiting.pop() {
-                // Rounding must not hide a point that is as near.
+                // The margin keeps rounding from excluding a point at the same distance.
                 if gap > best.0 * (1.0 + 1e-12) {
                     continue;
                 }
@@ -184,7 +188,7 @@ fn consider(tree: &PointTree, query: &[Row], place: usize, best: &mut (f64, u32)
     }
 }
 
-/// Squared, 0 inside.
+/// Squared distance from the box; 0 inside.
 #[inline(always)]
 fn distance_to_box(tree: &PointTree, query: &[Row], node: usize) -> f64 {
     let mut sums = [0.0; 8];
@@ -216,7 +220,7 @@ mod tests {
             queries in prop::collection::vec(-9..9_i8, 20..200),
             guess in 0..1_usize,
         ) {
-            // Whole numbers, so that there are many ties and equal points.
+            // Integer coordinates give many ties and equal points.
             let cut = |values: &[i8]| -> Vec<f64> {
                 values[..values.len() / dimensions * dimensions].iter().map(|x| f64::from(*x) / 2.0).collect()
             };

@@ -1,4 +1,4 @@
-//! NumPy archives that appear whole or not at all, and arrays that are read (feature `npz`).
+//! Writes NumPy archives, whole or not at all, and reads single arrays (feature `npz`).
 
 use std::io::{BufWriter, Cursor, Error, Read, Result};
 use std::path::Path;
@@ -17,10 +17,10 @@ pub struct Npz<'a, 'b> {
 }
 
 impl Npz<'_, '_> {
-    /// Adds an array in C order; `values` are as many as the product of `shape`.
+    /// Adds an array in C order. `values` must have as many values as `shape` says.
     ///
     /// # Errors
-    /// What the system says, or another number of values.
+    /// An error of the system, or another number of values.
     pub fn array<T: AutoSerialize>(
         &mut self,
         name: &str,
@@ -30,10 +30,10 @@ impl Npz<'_, '_> {
         self.add(name, T::default_dtype(), shape, Order::C, values)
     }
 
-    /// Adds a matrix whose `values` come column by column, and are stored so.
+    /// Adds a matrix whose `values` are given column by column, and stores it in this order.
     ///
     /// # Errors
-    /// As [`array`](Self::array).
+    /// Those of [`array`](Self::array).
     pub fn columns<T: AutoSerialize>(
         &mut self,
         name: &str,
@@ -46,7 +46,7 @@ impl Npz<'_, '_> {
     /// Adds a single word of ASCII.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn word(&mut self, name: &str, word: &str) -> Result<()> {
         let kind = format!("|S{}", word.len()).parse().map_err(Error::other)?;
         self.add(name, DType::Plain(kind), &[], Order::C, [word.as_bytes().to_vec()])
@@ -60,7 +60,7 @@ impl Npz<'_, '_> {
         order: Order,
         values: impl IntoIterator<Item = T>,
     ) -> Result<()> {
-        // Archives of more than 4 GB need wider numbers, which all of today's readers know.
+        // Archives of more than 4 GB need 64-bit sizes, which all current readers support.
         let options =
             SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
         self.archive.start_file(format!("{name}.npy"), options).map_err(Error::other)?;
@@ -74,7 +74,7 @@ impl Npz<'_, '_> {
 /// Writes the archive at `path` with the arrays that `fill` adds.
 ///
 /// # Errors
-/// What the system or `fill` says; no file is left behind.
+/// An error of the system or of `fill`; then no file is left behind.
 pub fn write_npz(path: &Path, fill: impl FnOnce(&mut Npz<'_, '_>) -> Result<()>) -> Result<()> {
     chladni_task::write_atomic_with(path, |file| {
         let mut npz = Npz { archive: ZipWriter::new(file) };
@@ -86,7 +86,7 @@ pub fn write_npz(path: &Path, fill: impl FnOnce(&mut Npz<'_, '_>) -> Result<()>)
 /// Writes `values` as one array, a `.npy` file.
 ///
 /// # Errors
-/// What the system says; no file is left behind.
+/// An error of the system; then no file is left behind.
 pub fn write_npy<T: AutoSerialize>(path: &Path, values: &[T]) -> Result<()> {
     chladni_task::write_atomic_with(path, |file| {
         let array = WriteOptions::new().default_dtype().shape(&[values.len() as u64]);
@@ -96,11 +96,11 @@ pub fn write_npy<T: AutoSerialize>(path: &Path, values: &[T]) -> Result<()> {
     })
 }
 
-/// Writes `eigenvalues` (K), `mass` (N), `operator_vertex` (n: file vertex → row, −1 where no triangle uses it)
-/// and `eigenvectors` (N×K), in the units of the file that `body` was made from.
+/// Writes `eigenvalues` (K), `mass` (N), `operator_vertex` (n: file vertex → row, −1 if no triangle uses
+/// the vertex) and `eigenvectors` (N×K), in the units of the file from which `body` was made.
 ///
 /// # Errors
-/// What the system says; no file is left behind.
+/// An error of the system; then no file is left behind.
 pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
     let basis = &body.basis;
     let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
@@ -113,10 +113,10 @@ pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
     })
 }
 
-/// Writes the stiffness S (N×N), which has no unit, for `scipy.sparse.load_npz`.
+/// Writes the stiffness matrix S (N×N), which has no unit, for `scipy.sparse.load_npz`.
 ///
 /// # Errors
-/// What the system says; no file is left behind.
+/// An error of the system; then no file is left behind.
 pub fn write_operator(path: &Path, operator: &Operator) -> Result<()> {
     let stiffness = &operator.stiffness;
     let (n, entries) = (stiffness.size() as u64, stiffness.values.len() as u64);
@@ -129,29 +129,30 @@ pub fn write_operator(path: &Path, operator: &Operator) -> Result<()> {
     })
 }
 
-/// The largest array that is read, packed or not.
+/// The size of the largest array that is read, in bytes, after decompression.
 const MOST_BYTES: u64 = 1 << 30;
 
-/// The numbers of the array at `path`, a `.npy` file, or of the array `name` of a `.npz` archive, in the order in which the
-/// file has them; truth values are 0 and 1.
+/// The numbers of an array, in the order of the file: of the `.npy` file at `path`, or of the array `name`
+/// of the `.npz` archive there. Truth values become 0 and 1.
 ///
 /// # Errors
-/// What the system says; what is neither, has no array of that name, holds no real numbers, or is larger than 1 GiB.
+/// An error of the system; a file that is neither, or has no array of that name; an array that does not
+/// hold real numbers or is larger than 1 GiB.
 pub fn read_numbers(path: &Path, name: &str) -> Result<Vec<f64>> {
     numbers_in(&chladni_task::read_file(path, MOST_BYTES)?, name)
 }
 
-/// Like [`read_numbers`], from the bytes of the file.
+/// Like [`read_numbers`], but from the bytes of the file.
 ///
 /// # Errors
-/// As [`read_numbers`].
+/// Those of [`read_numbers`].
 pub fn numbers_in(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
     if !bytes.starts_with(b"PK") {
         return numbers_of(bytes);
     }
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(Error::other)?;
     let member = archive.by_name(&format!("{name}.npy"));
-    // An archive may be packed a thousandfold.
+    // Compression may shrink an archive a thousandfold: limit the decompressed size.
     numbers_of(member.map_err(|_| Error::other(format!("it has no array {name:?}")))?.take(MOST_BYTES))
 }
 
@@ -173,7 +174,7 @@ fn numbers_of(file: impl Read) -> Result<Vec<f64>> {
     }
 }
 
-/// One by one, since a damaged header may promise more than memory holds.
+/// Reads numbers one by one, because a damaged header may promise more than memory holds.
 fn each<T: Deserialize>(file: NpyFile<impl Read>, number: impl Fn(T) -> f64) -> Result<Vec<f64>> {
     let mut numbers = Vec::new();
     for value in file.data::<T>().map_err(Error::other)? {
@@ -186,7 +187,7 @@ fn each<T: Deserialize>(file: NpyFile<impl Read>, number: impl Fn(T) -> f64) -> 
 mod tests {
     use super::*;
 
-    /// An array of one row, as NumPy writes it.
+    /// A one-dimensional array, as NumPy writes it.
     fn npy(kind: &str, promised: usize, bytes: &[u8]) -> Vec<u8> {
         let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({promised},), }}");
         while !(header.len() + 11).is_multiple_of(64) {
@@ -216,7 +217,7 @@ mod tests {
         };
         assert_eq!(read(&npy("|b1", 3, &[1, 0, 1])).unwrap(), [1.0, 0.0, 1.0]);
         assert_eq!(read(&npy("<f8", 1, &2.5f64.to_le_bytes())).unwrap(), [2.5]);
-        // Far more is promised than there is.
+        // The header promises far more than the file holds.
         assert!(read(&npy("<f8", usize::MAX / 16, &[0; 16])).is_err());
         assert!(read(&npy("<c16", 1, &[0; 16])).unwrap_err().to_string().contains("kinds of number"));
         for bytes in [&b""[..], b"P", b"PK\x03\x04", b"\x93NUMPY\x01\x00\xff\xff{", b"no array"] {

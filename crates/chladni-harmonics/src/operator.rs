@@ -1,4 +1,4 @@
-//! From a file's mesh to the stiffness and mass of its welded surface.
+//! Builds the stiffness and mass of the welded surface of a mesh.
 
 use std::num::NonZeroUsize;
 
@@ -11,23 +11,23 @@ use crate::{HarmonicsError, Laplacian, SymmetricSparse};
 /// The discrete Laplacian of a mesh in the working frame: S and a of S h = λ diag(a) h.
 #[derive(Clone, Debug)]
 pub struct Operator {
-    /// Which Laplacian it is.
+    /// Which Laplacian this is.
     pub laplacian: Laplacian,
     /// The similarity between file and working frame.
     pub frame: Frame,
     /// N positions in the working frame.
     pub positions: Vec<[f64; 3]>,
-    /// Triangles over operator vertices that have three different corners.
+    /// Triangles over operator vertices, only those with three different corners.
     pub triangles: Vec<[u32; 3]>,
-    /// For each file vertex its operator vertex, `None` where no triangle uses it.
+    /// For each file vertex its operator vertex; `None` if no triangle uses it.
     pub operator_vertex: Vec<Option<u32>>,
-    /// S, N×N, symmetric, positive semi-definite, rows sum to zero; no positive value off the
-    /// diagonal unless the plain cotangents were asked for. It does not depend on the scale of the
-    /// mesh.
+    /// S, N×N, symmetric, positive semi-definite; its rows sum to zero. It has no positive value off the
+    /// diagonal unless plain cotangents were requested. It does not depend on the scale of the mesh.
     pub stiffness: SymmetricSparse,
     /// a(v), N positive areas in working units².
     pub mass: Vec<f64>,
-    /// The connected component of each operator vertex, numbered from 0 in order of appearance.
+    /// The connected component of each operator vertex; components are numbered from 0 in order of
+    /// appearance.
     pub component: Vec<u32>,
 }
 
@@ -55,14 +55,14 @@ impl Domain {
     }
 }
 
-/// S and the diagonal of M of `mesh` as it is, in its own units: the intrinsic Delaunay Laplacian on its n vertices,
-/// which are not welded. Where no triangle uses a vertex, its row of S and its mass are 0.
+/// S and the diagonal of M of `mesh` as it is, in its own units: the intrinsic Delaunay Laplacian on its n
+/// vertices, which are not welded. A vertex that no triangle uses has mass 0 and a zero row in S.
 ///
-/// Lengths are mollified so that every triangle keeps `mollify` ≥ 0 of the mean edge length between the sum of two
-/// sides and the third (Sharp & Crane 2020, §4.5); 1e-5 is usual.
+/// Lengths are mollified: in every triangle the sum of two sides exceeds the third by at least `mollify` ≥
+/// 0 mean edge lengths (Sharp & Crane 2020, §4.5); 1e-5 is usual.
 ///
 /// # Errors
-/// As [`Operator::of`], and a `mollify` outside [0, 1].
+/// Those of [`Operator::of`], and a `mollify` outside [0, 1].
 pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {
     check_mesh(mesh)?;
     if !(0.0..=1.0).contains(&mollify) {
@@ -74,7 +74,7 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
     if triangles.is_empty() {
         return Err(HarmonicsError::NoTriangle);
     }
-    // The vertices in use, and their numbers among themselves.
+    // The vertices in use, renumbered.
     let mut local = vec![None; mesh.positions.len()];
     triangles.as_flattened().iter().for_each(|v| local[*v as usize] = Some(0));
     let used: Vec<usize> = (0..local.len()).filter(|v| local[*v].is_some()).collect();
@@ -129,7 +129,7 @@ fn check_mesh(mesh: &TriMesh) -> Result<(), HarmonicsError> {
             return Err(HarmonicsError::IndexOutOfRange { triangle, vertex, vertices });
         }
     }
-    // Squares of lengths must neither overflow nor vanish before the frame scales them.
+    // Squared lengths must neither overflow nor underflow before the frame scales them.
     let measurable = |x: &f64| x.is_finite() && x.abs() < 1e150;
     match mesh.positions.iter().position(|p| !p.iter().all(measurable)) {
         Some(vertex) => Err(HarmonicsError::NotFinite { vertex }),
@@ -141,8 +141,8 @@ impl Operator {
     /// Builds the intrinsic Delaunay operator of `mesh`.
     ///
     /// # Errors
-    /// No usable triangle, coordinates that are not finite, an index out of range, or a
-    /// component without area.
+    /// No usable triangle, coordinates that are not finite, an index out of range, or a component without
+    /// area.
     pub fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
         Self::with(mesh, Laplacian::Delaunay)
     }
@@ -150,7 +150,7 @@ impl Operator {
     /// Builds an operator of `mesh`.
     ///
     /// # Errors
-    /// As [`of`](Self::of); and, of the plain cotangent Laplacian, an edge of more than two
+    /// Those of [`of`](Self::of); for the plain cotangent Laplacian, also an edge with more than two
     /// triangles or a triangle without area.
     pub fn with(mesh: &TriMesh, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
         Self::on(&Domain::of(mesh)?, laplacian)
@@ -168,7 +168,7 @@ impl Operator {
         Ok(Self { laplacian, frame, positions, triangles, operator_vertex, stiffness, mass, component })
     }
 
-    /// What it was built on.
+    /// The surface on which the operator was built.
     pub(crate) fn domain(&self) -> Domain {
         Domain {
             frame: self.frame,
@@ -189,7 +189,7 @@ impl Operator {
     }
 }
 
-/// Why a mesh cannot have the plain cotangents, in the file's own vertices.
+/// The error for a mesh that has no plain cotangent Laplacian, in terms of the file's vertices.
 fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError {
     let file = |v: u32| operator_vertex.iter().position(|o| *o == Some(v)).unwrap_or_default();
     match refusal {
@@ -200,7 +200,7 @@ fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError 
     }
 }
 
-/// A component all of whose triangles are degenerate has no Laplacian.
+/// Returns an error if all triangles of some component are degenerate: it has no Laplacian.
 fn refuse_zero_area(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -208,7 +208,7 @@ fn refuse_zero_area(
     operator_vertex: &[Option<u32>],
 ) -> Result<(), HarmonicsError> {
     let count = component.iter().max().map_or(0, |c| *c as usize + 1);
-    // Area against the square of the longest edge, so that tiny components are not refused.
+    // The area is compared with the square of the longest edge, which accepts tiny components.
     let mut area = vec![0.0; count];
     let mut longest = vec![0.0_f64; count];
     for t in triangles {

@@ -1,11 +1,11 @@
-//! Large memory that is quick to touch for the first time.
+//! Large memory that is fast to touch for the first time.
 #![allow(unsafe_code, reason = "advice about pages, for which there is no safe interface")]
 
-/// From this many bytes on, advice pays.
+/// The size in bytes from which the advice pays.
 pub(crate) const LARGE: usize = 4 << 20;
 
-/// `len` zeros. Fresh memory costs a fault per page, which adds up to a tenth of a solve with
-/// pages of 4 KiB; so the system is asked for large pages, which it may or may not give.
+/// A vector of `len` zeros. Fresh memory costs a page fault per page, which with pages of 4 KiB adds up to
+/// a tenth of a solve. The system is therefore asked for large pages, which it may or may not provide.
 pub(crate) fn zeroed<T: bytemuck::Zeroable + Clone>(len: usize) -> Vec<T> {
     let memory = vec![T::zeroed(); len];
     advise(&memory);

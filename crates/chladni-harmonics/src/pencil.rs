@@ -1,8 +1,8 @@
-//! Generalized eigenproblems S h = λ M h, of a mesh or from elsewhere.
+//! Generalized eigenproblems S h = λ M h, from a mesh or from elsewhere.
 
 use crate::{Certificate, HarmonicsError, Operator, SymmetricSparse};
 
-/// S and the diagonal of M of S h = λ M h: a Laplacian of your own, the energy of a shell, a graph.
+/// S and the diagonal of M of S h = λ M h, for example of your own Laplacian, a shell energy or a graph.
 ///
 /// ```
 /// use chladni_harmonics::{BasisSettings, Pencil, SymmetricSparse};
@@ -25,7 +25,7 @@ pub struct Pencil<'a> {
     pub(crate) stiffness: &'a SymmetricSparse,
     /// The diagonal of M.
     pub(crate) mass: &'a [f64],
-    /// All of M where it is not diagonal; stored at the same places as S.
+    /// All of M if it is not diagonal; stored at the same places as S.
     pub(crate) consistent: Option<&'a SymmetricSparse>,
 }
 
@@ -33,23 +33,23 @@ impl<'a> Pencil<'a> {
     /// S, N×N, and the N values of M's diagonal.
     ///
     /// # Errors
-    /// [`HarmonicsError::BadPencil`] where S is not a symmetric matrix with all of its diagonal stored
-    /// ([`SymmetricSparse::from_entries`] makes one), where M has another size or a value that is not positive, or
-    /// where anything is not finite.
+    /// [`HarmonicsError::BadPencil`] if S is not a symmetric matrix with all of its diagonal stored
+    /// ([`SymmetricSparse::from_entries`] makes one), if M has another size or a value that is not
+    /// positive, or if a value is not finite.
     pub fn new(stiffness: &'a SymmetricSparse, mass: &'a [f64]) -> Result<Self, HarmonicsError> {
         let bad = |reason: String| Err(HarmonicsError::BadPencil { reason });
         stiffness.check("S").map_err(|reason| HarmonicsError::BadPencil { reason })?;
         if mass.len() != stiffness.size() {
             return bad(format!("S has {} rows and M has {} values", stiffness.size(), mass.len()));
         }
-        // NaN is not positive either.
+        // This condition also catches NaN.
         if let Some(i) = mass.iter().position(|m| !(*m > 0.0 && m.is_finite())) {
             return bad(format!("value {i} of M is {}, not positive and finite", mass[i]));
         }
         Ok(Self::lumped(stiffness, mass))
     }
 
-    /// What is known to be a pencil.
+    /// A pencil from matrices that are known to be valid.
     pub(crate) fn lumped(stiffness: &'a SymmetricSparse, mass: &'a [f64]) -> Self {
         Self { stiffness, mass, consistent: None }
     }
@@ -62,8 +62,9 @@ impl<'a> Pencil<'a> {
         }
     }
 
-    /// Gershgorin on M⁻¹ S and on D^-½ S D^-½, D the diagonal of M: no eigenvalue of D⁻¹ S is above the largest sum of sizes
-    /// in a row of either. The first is tight for Laplacians, the second where masses differ by orders of magnitude.
+    /// An upper bound of the eigenvalues of D⁻¹ S, where D is the diagonal of M: the largest sum of
+    /// magnitudes in a row of M⁻¹ S or of D^-½ S D^-½ (Gershgorin). The first is tight for Laplacians, the
+    /// second if masses differ by orders of magnitude.
     pub(crate) fn bound(&self) -> f64 {
         let largest = |weight: &dyn Fn(usize, usize) -> f64| {
             let row = |v| self.stiffness.column(v).map(|(i, s)| s.abs() * weight(i, v)).sum::<f64>();
@@ -74,7 +75,7 @@ impl<'a> Pencil<'a> {
     }
 }
 
-/// S and M of S h = λ M h where M is not diagonal: the consistent mass of finite elements.
+/// S and M of S h = λ M h for an M that is not diagonal, such as the consistent mass of finite elements.
 ///
 /// ```
 /// use chladni_harmonics::{BasisSettings, ConsistentPencil, SymmetricSparse};
@@ -106,9 +107,9 @@ impl ConsistentPencil {
     /// S and M, both N×N.
     ///
     /// # Errors
-    /// [`HarmonicsError::BadPencil`] where S or M is not a symmetric matrix with all of its diagonal stored, where the
-    /// two differ in size, or where the diagonal of M is not positive. That M is positive definite is found out by
-    /// [`solve`](Self::solve).
+    /// [`HarmonicsError::BadPencil`] if S or M is not a symmetric matrix with all of its diagonal stored,
+    /// if the two differ in size, or if the diagonal of M is not positive. Whether M is positive definite
+    /// is checked by [`solve`](Self::solve).
     pub fn new(stiffness: &SymmetricSparse, mass: &SymmetricSparse) -> Result<Self, HarmonicsError> {
         mass.check("M").map_err(|reason| HarmonicsError::BadPencil { reason })?;
         let diagonal = mass.diagonal();
@@ -117,7 +118,7 @@ impl ConsistentPencil {
         Ok(Self { stiffness, mass, diagonal })
     }
 
-    /// S and M, as the solver takes them.
+    /// S and M in the form that the solver takes.
     pub(crate) fn pencil(&self) -> Pencil<'_> {
         Pencil { stiffness: &self.stiffness, mass: &self.diagonal, consistent: Some(&self.mass) }
     }
@@ -130,12 +131,12 @@ pub struct Eigenpairs {
     pub eigenvalues: Vec<f64>,
     /// H, N×K, column-major, HᵀMH = I.
     pub vectors: Vec<f64>,
-    /// How far the pairs can be trusted.
+    /// The results of checking the pairs.
     pub certificate: Certificate,
 }
 
 impl Operator {
-    /// Its S and M, as a solver takes them.
+    /// S and M in the form that a solver takes.
     pub fn pencil(&self) -> Pencil<'_> {
         Pencil::lumped(&self.stiffness, &self.mass)
     }

@@ -1,14 +1,14 @@
-//! What differs between an operating system and a page in a browser: the clock, and whether there are threads.
+//! Differences between an operating system and a web page: the clock, and whether there are threads.
 
 use faer::Par;
 
 pub(crate) use web_time::Instant;
 
-/// Whether threads can be started. A page has only the one that it is called on.
+/// Whether threads can be started. A web page has only the thread on which it is called.
 pub(crate) const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
-/// How dense products and factorizations are split: into as many parts on any number of threads, since as many
-/// as there are threads would round differently on each machine.
+/// How dense products and factorizations are split: into the same number of parts for any number of
+/// threads, because the number of parts affects the rounding.
 #[cfg(not(target_family = "wasm"))]
 pub(crate) fn split() -> Par {
     Par::rayon(8)

@@ -1,31 +1,31 @@
-//! What is reported about a basis besides its numbers.
+//! Reports on a basis besides its numbers.
 
 use crate::Certificate;
 
-/// How a basis came to be.
+/// How a basis was computed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BuildReport {
-    /// K as it was asked for.
+    /// K as requested.
     pub asked: usize,
-    /// N, the number of operator vertices, which is also the number of all harmonics.
+    /// N, the number of operator vertices, which is also the largest possible K.
     pub vertices: usize,
-    /// Whether it was read from the cache.
+    /// Whether the basis was read from the cache.
     pub cached: bool,
     /// Wall-clock times.
     pub seconds: BuildSeconds,
-    /// K cuts a group of equal eigenvalues: λ_{K−1} and λ_K agree to 1e-7. The harmonics of
-    /// the part that is there are the first of the canonical choice in the whole group.
+    /// Whether K cuts a group of equal eigenvalues: λ_{K−1} and λ_K agree to 1e-7. The harmonics before the
+    /// cut are the first ones of the canonical choice in the whole group.
     pub cuts_cluster: bool,
-    /// A solve by slices could not be certified, so the operator was solved as a dense matrix.
+    /// Whether slices could not be certified, and the operator was solved as a dense matrix instead.
     pub fell_back_to_dense: bool,
-    /// Where the time of a solve by slices went; all zero if cached or solved densely.
+    /// Where the time of a solve by slices went; all zero if the basis was cached or solved densely.
     pub profile: SolveProfile,
     /// Why the cache could not be used or written; the basis itself is not affected.
     pub cache_warning: Option<String>,
 }
 
 impl BuildReport {
-    /// What users of the basis should know; `certificate` is the basis's.
+    /// The warnings that users of the basis should see; `certificate` is that of the basis.
     pub fn warnings(&self, certificate: &Certificate) -> Vec<BasisWarning> {
         let Self { asked, vertices, .. } = *self;
         let fewer = (asked > vertices).then_some(BasisWarning::FewerHarmonics { asked, vertices });
@@ -34,21 +34,21 @@ impl BuildReport {
     }
 }
 
-/// A basis was made, but not quite as asked for.
+/// A difference between a basis and what was requested.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BasisWarning {
-    /// K was more than there are.
+    /// K was larger than the number of vertices.
     #[error("has {vertices} vertices; {vertices} harmonics instead of {asked}")]
     FewerHarmonics {
-        /// K as it was asked for.
+        /// K as requested.
         asked: usize,
-        /// N, and K as it is.
+        /// N, which is K of the result.
         vertices: usize,
     },
     /// The cache could not be used or written.
     #[error("{0}")]
     Cache(String),
-    /// The certificate is not that of a sound mesh.
+    /// The certificate is worse than that of a sound mesh.
     #[error("{0}")]
     Imprecise(String),
 }
@@ -60,19 +60,20 @@ pub struct BuildSeconds {
     pub operator: f64,
     /// The eigenpairs and their certificate; 0 if cached.
     pub solve: f64,
-    /// All of it, the cache included.
+    /// The whole build, including the cache.
     pub total: f64,
 }
 
 /// Where the time of a solve went. `analyze`, `plan` and `assemble` are wall-clock seconds, summed over the
-/// components of a shape and their joining; the others are seconds of one thread, summed over all threads.
+/// components of a shape and over merging them; the others are seconds of thread time, summed over all
+/// threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct SolveProfile {
     /// Elimination order and symbolic analysis (wall clock).
     pub analyze: f64,
     /// Counting eigenvalues to place the slices (wall clock).
     pub plan: f64,
-    /// Certificate, and the vectors written out in the mesh's order (wall clock).
+    /// Computing the certificate, and writing the vectors in the order of the mesh (wall clock).
     pub assemble: f64,
     /// Numerical factorizations.
     pub factor: f64,
@@ -80,15 +81,15 @@ pub struct SolveProfile {
     pub solve: f64,
     /// Orthogonalization of the Krylov blocks.
     pub orthogonalize: f64,
-    /// Multiplications and additions in it, 2·n per pair of columns and product.
+    /// Multiplications and additions in the orthogonalization, 2·n per pair of columns and product.
     pub orthogonalize_flops: u64,
     /// Small dense eigenproblems.
     pub project: f64,
-    /// Eigenvectors from the Krylov blocks.
+    /// Computing eigenvectors from the Krylov blocks.
     pub vectors: f64,
-    /// Factorizations made.
+    /// The number of factorizations.
     pub factored: u64,
-    /// Right-hand sides solved for.
+    /// The number of right-hand sides solved.
     pub solved_columns: u64,
 }
 

@@ -1,7 +1,7 @@
-//! Eight numbers at a time: kernels compiled for the widest vectors that the processor has.
+//! Arithmetic on eight numbers at a time, compiled for the widest vectors that the processor has.
 //!
-//! Left to the compiler's own vectorizer, the same loops over `[f64; 8]` ran between 3 and 10
-//! times slower than with these few intrinsics (measured on the triangular solves).
+//! With the compiler's own vectorizer, the same loops over `[f64; 8]` ran between 3 and 10 times slower
+//! than with these few intrinsics (measured on the triangular solves).
 
 #![allow(
     unsafe_code,
@@ -11,7 +11,7 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
-/// A proof that the processor has some vector instructions, and arithmetic with them.
+/// Proves that the processor has some vector instructions, and computes with them.
 pub(crate) trait Lanes: Copy {
     /// Eight f64.
     type V: Copy;
@@ -21,16 +21,16 @@ pub(crate) trait Lanes: Copy {
     fn add(self, a: Self::V, b: Self::V) -> Self::V;
     fn sub(self, a: Self::V, b: Self::V) -> Self::V;
     fn mul(self, a: Self::V, b: Self::V) -> Self::V;
-    /// a · b + c, rounded once.
+    /// a · b + c, with a single rounding.
     fn mul_add(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
-    /// c − a · b, rounded once.
+    /// c − a · b, with a single rounding.
     fn mul_sub_from(self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
 
     /// Prefetches data that will be read soon into the first-level cache.
     #[inline(always)]
     fn prefetch(self, _x: &[f64; 8]) {}
 
-    /// The 8×8 matrix of these rows, transposed.
+    /// Transposes the 8×8 matrix of these rows.
     #[inline(always)]
     fn transpose(self, rows: [Self::V; 8]) -> [Self::V; 8] {
         let mut m = [[0.0; 8]; 8];
@@ -41,8 +41,8 @@ pub(crate) trait Lanes: Copy {
     }
 }
 
-/// Work that is compiled once for each kind of [`Lanes`]. What its inner loops call must be
-/// `#[inline(always)]`, so that it is compiled for them too.
+/// Work that is compiled for each kind of [`Lanes`]. Functions that its inner loops call must be
+/// `#[inline(always)]`, otherwise they are not compiled for that kind.
 pub(crate) trait Kernel {
     /// What the work returns.
     type Output;
@@ -50,8 +50,8 @@ pub(crate) trait Kernel {
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs `kernel` with the widest vectors that the processor has: AVX-512, AVX2, or what every
-/// processor of the target has (slow on x86 without FMA).
+/// Runs `kernel` with the widest vectors that the processor has: AVX-512, AVX2, or the baseline of the
+/// target (which is slow on x86 without FMA).
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
@@ -82,7 +82,7 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run(Avx2(()))
 }
 
-/// Runs a kernel for one kind of processor, if this one can.
+/// Runs a kernel for one kind of processor, if this processor supports it.
 #[cfg(test)]
 pub(crate) fn run_for<K: Kernel>(processor: Processor, kernel: K) -> Option<K::Output> {
     match processor {
@@ -108,7 +108,8 @@ pub(crate) enum Processor {
 #[cfg(test)]
 pub(crate) const PROCESSORS: [Processor; 3] = [Processor::This, Processor::Avx2, Processor::Any];
 
-/// a b + c: in one rounding, but where that is a call for each number, as in a page.
+/// a b + c. It has a single rounding, except on targets where that would be a function call per number
+/// (WebAssembly).
 #[inline(always)]
 fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
@@ -153,7 +154,7 @@ impl Lanes for Portable {
     }
 }
 
-/// Made only by [`dispatch`], after AVX-512F was detected.
+/// Created only by [`dispatch`], after AVX-512F was detected.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 struct Avx512(());
@@ -234,7 +235,7 @@ impl Lanes for Avx512 {
     }
 }
 
-/// Made only by [`dispatch`], after AVX2 and FMA were detected.
+/// Created only by [`dispatch`], after AVX2 and FMA were detected.
 #[cfg(target_arch = "x86_64")]
 #[derive(Clone, Copy)]
 struct Avx2(());

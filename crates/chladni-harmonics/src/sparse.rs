@@ -2,8 +2,8 @@
 
 use crate::HarmonicsError;
 
-/// A symmetric sparse matrix in compressed columns, both triangles stored, rows ascending in
-/// each column (so that it is its own compressed-row form).
+/// A symmetric sparse matrix in compressed-column form. Both triangles are stored, with ascending rows in
+/// each column; the matrix is therefore its own compressed-row form.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SymmetricSparse {
     /// Column j is entries `column_starts[j] .. column_starts[j + 1]`; n + 1 values.
@@ -15,12 +15,12 @@ pub struct SymmetricSparse {
 }
 
 impl SymmetricSparse {
-    /// The n×n matrix with the sum of `entries` (i, j, value) at (i, j) and (j, i): each pair i ≠ j is given once, in
-    /// either order. All of the diagonal is stored.
+    /// The n×n matrix with the sum of `entries` (i, j, value) at (i, j) and (j, i). Give each pair i ≠ j
+    /// once, in either order. All of the diagonal is stored.
     ///
     /// # Errors
-    /// [`HarmonicsError::BadPencil`] where an index is n or more, a value is not finite, or n is too large for 32
-    /// bits.
+    /// [`HarmonicsError::BadPencil`] if an index is not less than n, a value is not finite, or n is too
+    /// large for 32 bits.
     pub fn from_entries(
         n: usize,
         entries: impl IntoIterator<Item = (usize, usize, f64)>,
@@ -42,7 +42,7 @@ impl SymmetricSparse {
                 all.push((j as u32, i as u32, value));
             }
         }
-        // Stable, so that equal places are summed in the same order above and below the diagonal.
+        // A stable sort: equal places are summed in the same order above and below the diagonal.
         all.sort_by_key(|(row, column, _)| (*column, *row));
         let mut matrix = Self { column_starts: vec![0; n + 1], ..Self::default() };
         for same in all.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
@@ -53,13 +53,13 @@ impl SymmetricSparse {
         Ok(matrix)
     }
 
-    /// The n×n matrix of compressed columns: column j has `values` in the `rows` from `starts[j]` to `starts[j + 1]`, in
-    /// any order, and sums where one place occurs twice. Values that mirror each other may differ by rounding and take
-    /// their mean. `name` is what an error calls the matrix.
+    /// The n×n matrix of compressed columns: column j has `values` in the `rows` from `starts[j]` to
+    /// `starts[j + 1]`, in any order; values at the same place are added. Values that mirror each other may
+    /// differ by rounding, and their mean is used. `name` is what an error calls the matrix.
     ///
     /// # Errors
-    /// [`HarmonicsError::BadPencil`] where the columns are no columns, an index is n or more, a value is not finite, or
-    /// the matrix is not symmetric.
+    /// [`HarmonicsError::BadPencil`] if `starts` does not describe columns, an index is not less than n, a
+    /// value is not finite, or the matrix is not symmetric.
     pub fn from_columns(
         name: &str,
         starts: &[usize],
@@ -93,12 +93,12 @@ impl SymmetricSparse {
         matrix.mirrored(name).map_err(bad)
     }
 
-    /// The mean of the matrix and its transpose, which agree but for rounding.
+    /// The mean of the matrix and its transpose, which must agree up to rounding.
     fn mirrored(&self, name: &str) -> Result<Self, String> {
         let diagonal = self.diagonal();
-        // What is lost in summing an entry of a positive semidefinite matrix is a share of its diagonal values.
+        // Summing an entry of a positive semidefinite matrix loses a share of its diagonal values.
         let size = |i: usize, j: usize| (diagonal[i].abs() * diagonal[j].abs()).sqrt();
-        // Places that only one triangle has get their mirror image in the other.
+        // A place that only one triangle has gets its mirror image in the other.
         let mut transposed = self.transposed();
         let mut matrix = self.at_places_of(&transposed);
         transposed = transposed.at_places_of(self);
@@ -136,7 +136,8 @@ impl SymmetricSparse {
         out
     }
 
-    /// What is wrong with it as a symmetric matrix with all of its diagonal stored; `name` is what it is called.
+    /// Checks that the matrix is symmetric and that all of its diagonal is stored. Otherwise returns what
+    /// is wrong; `name` is what the message calls the matrix.
     pub(crate) fn check(&self, name: &str) -> Result<(), String> {
         let (n, entries) = (self.size(), self.rows.len());
         let starts = &self.column_starts;
@@ -174,7 +175,8 @@ impl SymmetricSparse {
         Some(self.values[range.start + place])
     }
 
-    /// The matrix plus `factor` times the diagonal matrix of `diagonal`; all of its own diagonal is stored.
+    /// The matrix plus `factor` times the diagonal matrix of `diagonal`. All of its own diagonal must be
+    /// stored.
     pub(crate) fn plus_diagonal(&self, diagonal: &[f64], factor: f64) -> Self {
         let mut sum = self.clone();
         for (j, d) in diagonal.iter().enumerate() {
@@ -187,13 +189,14 @@ impl SymmetricSparse {
         sum
     }
 
-    /// The matrix plus `factor` times `other`, which has the same places (see [`at_places_of`](Self::at_places_of)).
+    /// The matrix plus `factor` times `other`, which must have the same places (see
+    /// [`at_places_of`](Self::at_places_of)).
     pub(crate) fn plus(&self, other: &Self, factor: f64) -> Self {
         let values = self.values.iter().zip(&other.values).map(|(a, b)| a + factor * b).collect();
         Self { values, ..self.clone() }
     }
 
-    /// The matrix with zeros stored wherever `other`, of the same size, has entries and it has none.
+    /// The matrix with zeros stored at all places where only `other`, of the same size, has entries.
     pub(crate) fn at_places_of(&self, other: &Self) -> Self {
         let mut all = Self { column_starts: vec![0], ..Self::default() };
         for j in 0..self.size() {
@@ -239,7 +242,7 @@ impl SymmetricSparse {
         matrix.column_starts.push(0);
         for j in 0..n {
             let column = &mut entries[starts[j]..starts[j + 1]];
-            // Stable, so that equal rows are summed in the same order above and below the diagonal.
+            // A stable sort: equal rows are summed in the same order above and below the diagonal.
             column.sort_by_key(|e| e.0);
             let first = matrix.rows.len();
             let mut diagonal_at = None;
@@ -271,7 +274,7 @@ impl SymmetricSparse {
         self.values.push(value);
     }
 
-    /// n.
+    /// n, the number of rows and columns.
     pub fn size(&self) -> usize {
         self.column_starts.len().saturating_sub(1)
     }
@@ -299,7 +302,7 @@ impl SymmetricSparse {
         self.diagonal().into_iter().fold(0.0, f64::max)
     }
 
-    /// For each row the number of its connected component, numbered from 0 in order of appearance.
+    /// For each row its connected component; components are numbered from 0 in order of appearance.
     pub(crate) fn components(&self) -> Vec<u32> {
         let mut component = vec![u32::MAX; self.size()];
         let (mut count, mut reached) = (0, Vec::new());
@@ -322,8 +325,8 @@ impl SymmetricSparse {
         component
     }
 
-    /// The rows and columns of `vertices`, which no entry joins to others; vertex v gets the
-    /// number `local[v]`.
+    /// The rows and columns of `vertices`, which no entry connects with others. Vertex v gets the number
+    /// `local[v]`.
     pub(crate) fn block(&self, vertices: &[u32], local: &[u32]) -> Self {
         let mut out = Self { column_starts: vec![0], ..Self::default() };
         for &v in vertices {
@@ -335,8 +338,8 @@ impl SymmetricSparse {
         out
     }
 
-    /// D P A Pᵀ D: row and column i are the old `old[i]`, each value times `scale` of its old
-    /// row and column.
+    /// D P A Pᵀ D: row and column i are the old `old[i]`, and each value is multiplied by the `scale` of
+    /// its old row and column.
     pub(crate) fn permuted_and_scaled(&self, old: &[u32], scale: &[f64]) -> Self {
         let n = old.len();
         let mut new = vec![0_u32; n];
@@ -353,7 +356,7 @@ impl SymmetricSparse {
         for &o in old {
             column.clear();
             let s = scale[o as usize];
-            // Symmetric to the last bit: the product of the two scales comes first.
+            // Symmetric to the last bit, because the two scales are multiplied first.
             column.extend(self.column(o as usize).map(|(i, v)| (new[i], (scale[i] * s) * v)));
             column.sort_unstable_by_key(|e| e.0);
             out.rows.extend(column.iter().map(|e| e.0));

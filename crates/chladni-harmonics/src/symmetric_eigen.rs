@@ -6,14 +6,15 @@ use faer::linalg::evd::{
 };
 use faer::{Auto, Mat, Par, Spec};
 
-/// Size below which faer's divide and conquer switches to QR iterations; its default of 128 is a twentieth
+/// Size below which faer's divide and conquer switches to QR iterations. Its default of 128 is a twentieth
 /// slower on the Lanczos spaces, which are 200 to 350 wide.
 const LEAF: usize = 64;
 
-/// All eigenvalues, ascending, and eigenvectors of a symmetric matrix (its lower triangle).
+/// All eigenvalues, ascending, and eigenvectors of a symmetric matrix, of which only the lower triangle is
+/// read.
 pub(crate) fn symmetric_eigen(matrix: &Mat<f64>, par: Par) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = matrix.nrows();
-    // Faer 0.24 compares eigenvalues with a tolerance that assumes a matrix of size about 1. Scaling by a
+    // Faer 0.24 compares eigenvalues with a tolerance that assumes entries of size about 1. Scaling by a
     // power of two adds no rounding.
     let largest = (0..n).flat_map(|j| (j..n).map(move |i| matrix[(i, j)].abs())).fold(0.0, f64::max);
     let unit = if largest.is_normal() { largest.log2().floor().exp2() } else { 1.0 };

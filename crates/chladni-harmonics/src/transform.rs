@@ -1,22 +1,23 @@
-//! The harmonic transform, of several channels in one pass over H.
+//! The harmonic transform, for several channels in one pass over H.
 //!
-//! H is the only large operand (N×K·8 bytes), and reading it is the bottleneck in both directions, so
-//! channels that are needed together are processed together.
+//! H is the only large operand (N×K·8 bytes), and reading it is the bottleneck in both directions. Channels
+//! that are needed together are therefore processed together.
 
 use rayon::prelude::*;
 
 use crate::Basis;
 
-/// Vertices per block: C ≤ 4 channels of a block and a stretch of one harmonic fit in L1.
+/// Vertices per block: for C ≤ 4 channels, a block and the matching part of one harmonic fit in L1.
 const BLOCK: usize = 512;
-/// Blocks that are summed together; the order of summation must not depend on the threads.
+/// Blocks that are summed together. It is fixed because the order of summation must not depend on the
+/// number of threads.
 const PIECE: usize = 6;
 
 impl Basis {
     /// The harmonic transform f̃_k = Σ_v a(v) H_k(v) f(v) of one scalar signal (N values).
     ///
     /// # Panics
-    /// If `signal` has another number of values.
+    /// If `signal` does not have N values.
     pub fn transform(&self, signal: &[f64]) -> Vec<f64> {
         assert_eq!(signal.len(), self.vertices(), "one value per operator vertex");
         self.analyze(self.harmonics(), |v| [signal[v]]).as_flattened().to_vec()
@@ -25,7 +26,7 @@ impl Basis {
     /// The harmonic transform of a signal of three channels, such as positions.
     ///
     /// # Panics
-    /// As [`transform`](Self::transform).
+    /// As for [`transform`](Self::transform).
     pub fn transform3(&self, signal: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert_eq!(signal.len(), self.vertices(), "one value per operator vertex");
         self.analyze(self.harmonics(), |v| signal[v])
@@ -42,10 +43,10 @@ impl Basis {
         signal
     }
 
-    /// Σ_k H_k(v) C_k of three channels.
+    /// Σ_k H_k(v) C_k for three channels.
     ///
     /// # Panics
-    /// As [`synthesize`](Self::synthesize).
+    /// As for [`synthesize`](Self::synthesize).
     pub fn synthesize3(&self, coefficients: &[[f64; 3]]) -> Vec<[f64; 3]> {
         assert!(coefficients.len() <= self.harmonics(), "at most K coefficients");
         let mut signal = vec![[0.0; 3]; self.vertices()];
@@ -53,8 +54,8 @@ impl Basis {
         signal
     }
 
-    /// f̃_k = Σ_v a(v) H_k(v) f(v) for k < `harmonics` ≤ K, for the C channels that `signal` gives
-    /// at a vertex.
+    /// f̃_k = Σ_v a(v) H_k(v) f(v) for k < `harmonics` ≤ K. `signal` returns the C channels of f at a
+    /// vertex.
     pub fn analyze<const C: usize>(
         &self,
         harmonics: usize,
@@ -94,8 +95,8 @@ impl Basis {
         sums
     }
 
-    /// Σ_k H_k(v) c_k of C channels, given to `emit` vertex by vertex with the vertex's own slot of
-    /// `out`. Harmonics whose coefficients are all zero are not read.
+    /// Computes Σ_k H_k(v) c_k for C channels and passes the result of each vertex to `emit`, with the
+    /// vertex's own slot of `out`. Harmonics whose coefficients are all zero are not read.
     pub fn synthesize_each<const C: usize, T: Send>(
         &self,
         coefficients: &[[f64; C]],
@@ -137,7 +138,7 @@ impl Basis {
     }
 }
 
-/// Σ_i h[i] f_c[i] for every channel, in four lanes that the compiler can vectorize.
+/// Σ_i h[i] f_c[i] for every channel, in four partial sums that the compiler can vectorize.
 fn dot<const C: usize>(h: &[f64], channels: &[[f64; BLOCK]; C]) -> [f64; C] {
     let mut lanes = [[0.0; 4]; C];
     let quads = h.len() / 4;
@@ -170,7 +171,7 @@ mod tests {
         fn it_is_the_sum_that_it_stands_for(
             harmonics in 1..50_usize, seed in 0.0..100.0_f64, kept in 0..50_usize,
         ) {
-            // 642 vertices: more than a block, no multiple of four.
+            // 642 vertices: more than a block, and not a multiple of four.
             let body = Body::build(&samples::icosphere(3), &BasisSettings::new(harmonics), &Task::new()).unwrap();
             let (basis, n) = (&body.basis, body.positions.len());
             let signal: Vec<[f64; 3]> = (0..n)

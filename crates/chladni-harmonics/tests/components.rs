@@ -1,4 +1,5 @@
-//! Shapes of several connected components: the lowest pairs of all, whatever share each has.
+//! Shapes with several connected components: the lowest pairs of the whole, whatever share each component
+//! has.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -20,7 +21,7 @@ fn certified(mesh: &TriMesh, k: usize) -> Body {
     body
 }
 
-/// Compares every eigenvalue with those of each part, solved by itself as a dense matrix.
+/// Compares every eigenvalue with those of the parts, each solved separately as a dense matrix.
 fn against_dense_parts(parts: &[TriMesh], offset: [f64; 3], k: usize) -> Body {
     let body = certified(&shapes::beside(parts, offset), k);
     let mut exact: Vec<f64> = parts
@@ -42,7 +43,8 @@ fn against_dense_parts(parts: &[TriMesh], offset: [f64; 3], k: usize) -> Body {
 
 #[test]
 fn equal_components_have_eigenvalues_of_any_multiplicity() {
-    // Sixty of each fivefold eigenvalue, beyond what one Krylov space of all could hold.
+    // Each fivefold eigenvalue occurs sixty times, beyond what a single Krylov space of the whole could
+    // hold.
     let body = against_dense_parts(&vec![shapes::icosphere(3); 12], [2.5, 0.0, 0.0], 300);
     assert!(body.basis.eigenvalues[12] > 0.0 && body.basis.eigenvalues[11] == 0.0);
     against_dense_parts(&vec![shapes::icosphere(2); 40], [2.5, 0.0, 0.0], 300);
@@ -71,7 +73,7 @@ fn components_of_different_shape_and_size_have_their_own_shares() {
     for k in [4, 5, 90, 400] {
         against_dense_parts(&parts, [2.5, 0.0, 0.0], k);
     }
-    // All of them, up to those of the speck, a million times above the others.
+    // All harmonics, up to those of the tiny component, which are a million times larger than the others.
     let n = parts.iter().map(|part| part.positions.len()).sum();
     against_dense_parts(&parts, [2.5, 0.0, 0.0], n);
 }
@@ -89,7 +91,8 @@ fn a_speck_does_no_harm_to_the_rest() {
 
 #[test]
 fn a_sheet_of_slivers_beside_a_sound_component_does_not_spoil_the_basis() {
-    // Every other column of cells is a ten-millionth wide: as a dense matrix, residuals are 10⁻⁴.
+    // Every other column of cells is a ten-millionth wide: solved as a dense matrix, it has residuals of
+    // 10⁻⁴.
     let sheet = shapes::square(16);
     let slim = |p: &[f64; 3]| {
         let column = (p[0] * 16.0).round();

@@ -1,4 +1,4 @@
-//! Mass matrices that are not diagonal, against closed forms, a dense solver and the definition.
+//! Mass matrices that are not diagonal, compared with closed forms, a dense solver and the definition.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -20,7 +20,7 @@ fn solved(stiffness: &SymmetricSparse, mass: &SymmetricSparse, harmonics: usize)
     pairs
 }
 
-/// The pairs against their definition, whatever their certificate says.
+/// Compares the pairs with their definition, independently of their certificate.
 fn check(stiffness: &SymmetricSparse, mass: &SymmetricSparse, pairs: &Eigenpairs) {
     let n = stiffness.size();
     let harmonics: Vec<&[f64]> = pairs.vectors.chunks_exact(n).collect();
@@ -37,7 +37,8 @@ fn check(stiffness: &SymmetricSparse, mass: &SymmetricSparse, pairs: &Eigenpairs
     }
 }
 
-/// Linear elements on a mesh: the plain cotangents, and areas of which each pair of corners gets a twelfth.
+/// The consistent mass of linear elements on a mesh: each pair of corners of a triangle gets a twelfth of
+/// its area.
 fn linear_elements(operator: &Operator) -> SymmetricSparse {
     let area = |t: &[u32; 3]| chladni_mesh::surface::total_area(&operator.positions, std::slice::from_ref(t));
     let entries = operator.triangles.iter().flat_map(|t| {
@@ -65,7 +66,7 @@ fn dense(stiffness: &SymmetricSparse, mass: &SymmetricSparse) -> Vec<f64> {
         full
     };
     let (s, m) = (full(stiffness), full(mass));
-    // M^-½ by M's own eigenvectors: not the way that the solver goes.
+    // M^-½ by the eigenvectors of M, which is not the method of the solver.
     let decomposed = m.self_adjoint_eigen(Side::Lower).unwrap();
     let u = decomposed.U();
     let root = Mat::from_fn(s.nrows(), s.nrows(), |i, j| u[(i, j)] / decomposed.S()[j].sqrt());
@@ -75,7 +76,7 @@ fn dense(stiffness: &SymmetricSparse, mass: &SymmetricSparse) -> Vec<f64> {
 
 #[test]
 fn strings_of_linear_elements_have_their_closed_form() {
-    // Three free strings that are not joined: every eigenvalue three times.
+    // Three free strings that are not joined: every eigenvalue occurs three times.
     let (strings, elements) = (3, 400);
     let h = 1.0 / elements as f64;
     let assemble = |own: f64, other: f64| {
@@ -98,7 +99,7 @@ fn strings_of_linear_elements_have_their_closed_form() {
 
 #[test]
 fn surfaces_agree_with_a_dense_solver() {
-    // Solved by slices; by slices with double eigenvalues; as a dense matrix.
+    // One mesh is solved by slices, one by slices with double eigenvalues, and one as a dense matrix.
     for (mesh, harmonics) in [("grid", 120), ("sphere", 90), ("small", 40)] {
         let shape = match mesh {
             "grid" => samples::grid_square(24),
@@ -130,7 +131,7 @@ fn a_diagonal_mass_gives_what_a_pencil_gives() {
 
 #[test]
 fn a_mass_with_places_of_its_own_is_solved() {
-    // S joins neighbors on a line, M those two apart.
+    // S joins neighbors on a line; M joins vertices two apart.
     let n = 500;
     let springs = (0..n).flat_map(|i| [(i, i, 2.0), (i, (i + 1) % n, -1.0)]);
     let stiffness = SymmetricSparse::from_entries(n, springs).unwrap();
@@ -175,7 +176,8 @@ fn what_is_no_metric_is_refused() {
 
 #[test]
 fn matrices_come_in_compressed_columns_of_any_order() {
-    // [[2, -1, 0], [-1, 2, 0], [0, 0, 0]]: rows in any order, a place twice, mirrored to within rounding.
+    // [[2, -1, 0], [-1, 2, 0], [0, 0, 0]]: rows in any order, one place given twice, mirrored up to
+    // rounding.
     let columns = (&[0, 3, 5, 5][..], &[1, 0, 0, 1, 0][..]);
     let values = [-1.0, 1.5, 0.5, 2.0, -1.0 - 1e-15];
     let matrix = SymmetricSparse::from_columns("S", columns.0, columns.1, &values).unwrap();
@@ -201,7 +203,7 @@ fn the_laplacian_of_a_mesh_as_it_is_has_its_rows_and_units() {
     let (stiffness, mass) = mesh_laplacian(&mesh, 1e-5).unwrap();
     let total = chladni_mesh::surface::total_area(&mesh.positions, &mesh.triangles);
     assert!((mass.iter().sum::<f64>() / total - 1.0).abs() < 1e-12);
-    // In other rows, beside a vertex that is not used: the same values.
+    // With other indices and an additional unused vertex: the same values.
     let n = mesh.positions.len() as u32;
     let mut moved = mesh.clone();
     moved.positions.insert(0, [0.5; 3]);
@@ -214,7 +216,7 @@ fn the_laplacian_of_a_mesh_as_it_is_has_its_rows_and_units() {
             assert!(i + 1 == k && (a - b).abs() < 1e-10);
         }
     }
-    // Vertices in one place stay apart: a row of zeros is what a seam is not.
+    // Vertices at the same place are not welded: both sides of a seam keep a mass above 0.
     let mut seam = mesh.clone();
     seam.positions.push(seam.positions[seam.triangles[0][0] as usize]);
     seam.triangles[0][0] = n;

@@ -1,4 +1,4 @@
-//! The cache: used when sound, replaced when damaged, never trusted.
+//! The cache on disk: intact entries are used, damaged ones are replaced and never trusted.
 
 mod shapes;
 
@@ -17,7 +17,7 @@ fn entries_are_reused_and_damaged_ones_solved_again() {
     assert!(report.cached);
     assert_eq!(fresh.basis, again.basis);
     assert_eq!((&fresh.positions, &fresh.triangles), (&again.positions, &again.triangles));
-    // Another K is another entry.
+    // Another K uses another entry.
     assert!(!build(31).1.cached);
 
     let entry = std::fs::read_dir(cache.folder())
@@ -81,7 +81,7 @@ fn many_at_once_share_a_folder() {
                     let (body, report) = built.unwrap();
                     assert!(report.cache_warning.is_none(), "{report:?}");
                     assert_eq!(body.basis, alone[k - 1]);
-                    // Somebody clears the cache meanwhile.
+                    // Somebody clears the cache at the same time.
                     if round % 7 == 0 {
                         std::fs::read_dir(cache.folder())
                             .unwrap()

@@ -1,5 +1,5 @@
-//! Meshes that eigensolvers stumble over, each against a dense solve or a closed form, with
-//! the certificate recomputed from the result.
+//! Meshes that are hard for eigensolvers, each compared with a dense solve or a closed form. The
+//! certificate is recomputed from the result.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -77,7 +77,7 @@ fn plain_cotangents_of_obtuse_triangles_in_one_piece_and_in_two() {
         let operator = Operator::with(&mesh, Laplacian::Cotangent).unwrap();
         let above = |j: usize| operator.stiffness.column(j).filter(|(i, v)| *i != j && *v > 0.1).count();
         assert!((0..operator.vertices()).map(above).sum::<usize>() > 100, "the case is what it says");
-        // Another operator on the same triangles.
+        // The intrinsic Delaunay operator of the same mesh is a different one.
         let usual = build(&mesh, 60);
         assert!((usual.basis.eigenvalues[40] - body.basis.eigenvalues[40]).abs() > 1e-3);
     }
@@ -85,7 +85,7 @@ fn plain_cotangents_of_obtuse_triangles_in_one_piece_and_in_two() {
 
 #[test]
 fn a_moebius_strip_a_fan_and_flat_triangles() {
-    // A strip of 60 quads whose ends meet turned over.
+    // A strip of 60 quads whose ends are joined with a half turn.
     let (around, across) = (60_u32, 6_u32);
     let mut positions = Vec::new();
     for i in 0..around {
@@ -106,7 +106,7 @@ fn a_moebius_strip_a_fan_and_flat_triangles() {
     let strip = shapes::mesh(positions, triangles);
     against_dense(&strip, 60);
 
-    // Three leaves of the square on one common edge.
+    // Three copies of the square that share one edge.
     let leaf = shapes::square(14);
     let turned = |angle: f64| TriMesh {
         positions: leaf.positions.iter().map(|p| [p[0] * angle.cos(), p[1], p[0] * angle.sin()]).collect(),
@@ -114,7 +114,7 @@ fn a_moebius_strip_a_fan_and_flat_triangles() {
     };
     against_dense(&shapes::beside(&[turned(0.0), turned(2.0), turned(4.0)], [0.0; 3]), 60);
 
-    // Zero-area triangles between sound ones.
+    // Triangles without area among sound ones.
     let mut flat = shapes::square(18);
     for v in 0..17 {
         flat.triangles.push([v, v + 1, v + 2]);
@@ -187,7 +187,7 @@ fn the_result_does_not_depend_on_threads() {
 
 #[test]
 fn whole_clusters_are_taken_whole_when_asked() {
-    // l = 1 on an icosphere is exactly triple; K = 3 cuts it.
+    // The eigenvalue with l = 1 is exactly triple on an icosphere; K = 3 cuts it.
     let mesh = shapes::icosphere(3);
     let settings = BasisSettings::new(3);
     let (body, report) = Body::load_or_build(&mesh, &settings, None, &Task::new()).unwrap();
@@ -227,7 +227,7 @@ fn what_cannot_be_used_is_told_apart() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Random triangles over random points: non-manifold, self-crossing, of every shape.
+    /// Random triangles on random points: non-manifold, self-intersecting, of every shape.
     #[test]
     fn random_soups_agree_with_a_dense_solve(
         points in proptest::collection::vec(prop::array::uniform3(-1.0_f64..1.0), 310..420),
@@ -240,7 +240,7 @@ proptest! {
     }
 }
 
-/// The same surface with its vertices and triangles listed the other way round.
+/// The same surface with its vertices and triangles in reverse order.
 fn listed_backwards(mesh: &TriMesh) -> TriMesh {
     let last = mesh.positions.len() as u32 - 1;
     TriMesh {
@@ -252,7 +252,8 @@ fn listed_backwards(mesh: &TriMesh) -> TriMesh {
 
 #[test]
 fn equal_eigenvalues_have_the_same_harmonics_however_the_vertices_are_listed() {
-    // K = 30 cuts the nine of l = 5 on the sphere, K = 40 a pair (i, j), (j, i) of the square.
+    // K = 30 cuts the nine eigenvalues of l = 5 on the sphere; K = 40 cuts a pair (i, j), (j, i) of the
+    // square.
     for (mesh, harmonics) in [(shapes::icosphere(3), 30), (shapes::square(24), 40)] {
         let (there, back) = (build(&mesh, harmonics), build(&listed_backwards(&mesh), harmonics));
         let n = there.basis.vertices();

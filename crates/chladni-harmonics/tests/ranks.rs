@@ -1,5 +1,5 @@
-//! Bases by SLEPc on the ranks of MPI against those of our own solver. Where MPI or slepc4py is missing, a line is printed
-//! and the test is skipped.
+//! Compares bases by SLEPc on the ranks of MPI with those of our own solver. If MPI or slepc4py is missing,
+//! a line is printed and the test is skipped.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -9,7 +9,7 @@ use chladni_harmonics::{Basis, BasisSettings, Body, HarmonicsError, Operator, Ra
 use chladni_mesh::TriMesh;
 use chladni_task::{Cancelled, Task};
 
-/// A bumpy sphere: no two eigenvalues are equal.
+/// A bumpy sphere, all of whose eigenvalues are different.
 fn bumpy(levels: u32) -> TriMesh {
     let mut mesh = shapes::icosphere(levels);
     for p in &mut mesh.positions {
@@ -19,7 +19,7 @@ fn bumpy(levels: u32) -> TriMesh {
     mesh
 }
 
-/// Why nothing can be solved with ranks here, where that is so.
+/// Solves on ranks and checks the certificate. An error is the reason why ranks cannot be used here.
 fn solved(
     mesh: &TriMesh,
     settings: &BasisSettings,
@@ -28,7 +28,7 @@ fn solved(
     let operator = Operator::of(mesh).unwrap();
     match Body::solve_on_ranks(mesh, &operator, settings, ranks, &Task::new()) {
         Ok((body, report, of_ranks)) => {
-            // Our own factorizations agree with those of MUMPS.
+            // Our own factorizations must agree with those of MUMPS.
             let again = operator.certify(&body.basis).unwrap();
             for certificate in [again, body.basis.certificate] {
                 assert!(certificate.is_precise(), "{certificate:?}");
@@ -46,7 +46,8 @@ fn solved(
     }
 }
 
-/// Eigenvalues to 10⁻⁸; vectors by the share of each one that lies in ours of the same and equal eigenvalues.
+/// Compares eigenvalues to 10⁻⁸, and vectors by the share of each that lies in the space of our vectors
+/// with the same or an equal eigenvalue.
 fn agree(theirs: &Basis, ours: &Basis) {
     assert_eq!(theirs.harmonics(), ours.harmonics());
     for (k, (a, b)) in theirs.eigenvalues.iter().zip(&ours.eigenvalues).enumerate() {
@@ -64,7 +65,7 @@ fn agree(theirs: &Basis, ours: &Basis) {
                 (0..ours.vertices()).map(product).sum::<f64>().powi(2)
             })
             .sum();
-        // The last group may go on beyond K.
+        // The last group of equal eigenvalues may continue beyond K.
         assert!(
             (share - 1.0).abs() < 1e-8
                 || ours.eigenvalues[last] - ours.eigenvalues[k] < 1e-4 * ours.eigenvalues[k],
@@ -86,7 +87,7 @@ fn one_two_and_four_ranks_find_what_our_solver_finds() {
         agree(&body.basis, &ours.basis);
         assert!(!cuts && report.counts.len() >= 3);
         for k in 0..40 {
-            // The same choice of sign.
+            // The signs must be chosen equally.
             let product =
                 |v: usize| body.basis.harmonic(k)[v] * ours.basis.harmonic(k)[v] * ours.basis.mass[v];
             assert!((0..ours.basis.vertices()).map(product).sum::<f64>() > 0.99, "{k}");
@@ -96,7 +97,8 @@ fn one_two_and_four_ranks_find_what_our_solver_finds() {
 
 #[test]
 fn clusters_and_several_components_come_whole() {
-    // Two spheres: every eigenvalue l (l + 1) is there 2 (2 l + 1) times; 20 is in the middle of a group of ten.
+    // Two spheres: every eigenvalue l (l + 1) occurs 2 (2 l + 1) times; K = 20 is in the middle of a group
+    // of ten.
     let sphere = shapes::icosphere(3);
     let mesh = shapes::beside(&[sphere.clone(), sphere], [3.0, 0.0, 0.0]);
     for (whole_clusters, expected) in [(false, 15), (true, 18)] {
@@ -109,7 +111,7 @@ fn clusters_and_several_components_come_whole() {
         assert_eq!((body.basis.harmonics(), cuts), (expected, !whole_clusters));
         agree(&body.basis, &ours.basis);
     }
-    // No more than the constants.
+    // No more harmonics than there are constants.
     let (body, ..) = match solved(&mesh, &BasisSettings::new(2), &Ranks::here(1)) {
         Ok(solved) => solved,
         Err(reason) => return println!("skipped: {reason}"),
@@ -128,7 +130,7 @@ fn a_cancelled_solve_ends_its_ranks_and_leaves_nothing() {
         let solving = scope.spawn(|| {
             Body::solve_on_ranks(&mesh, &operator, &BasisSettings::new(300), &ranks, &task).map(|_| ())
         });
-        // Until the ranks are at work.
+        // Wait until the ranks are at work.
         while !solving.is_finished() && task.progress().stage != "counting" {
             std::thread::yield_now();
         }

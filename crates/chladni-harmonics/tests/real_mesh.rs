@@ -1,4 +1,4 @@
-//! A real mesh of 50,000 vertices, where one of the planned shifts loses digits.
+//! A real mesh with 50,000 vertices, on which one of the planned shifts loses digits.
 
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_task::Task;

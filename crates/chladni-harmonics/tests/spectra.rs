@@ -1,4 +1,4 @@
-//! Eigenvalues against closed forms.
+//! Compares eigenvalues with closed forms.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -42,8 +42,8 @@ fn the_unit_sphere_has_l_times_l_plus_1_with_multiplicity_2l_plus_1() {
 
 #[test]
 fn a_finer_sphere_has_them_as_well() {
-    // Large enough for orthogonalisation against selected Ritz vectors; λ = 11 · 12 has more
-    // of them than a block has columns.
+    // Large enough for orthogonalization against selected Ritz vectors; the eigenvalue λ = 11 · 12 has more
+    // vectors than a block has columns.
     let body = build(&shapes::icosphere(5), 144);
     check(&body);
     let scale2 = body.frame.scale.powi(2);

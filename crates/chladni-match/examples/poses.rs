@@ -1,8 +1,7 @@
-//! Moves every head and animal by random similarities and lets it find itself again. Prints a
-//! line per mesh and a last one for all; fails where fewer than 99 % of the poses are recovered
-//! to 1e-5 of the diagonal.
+//! Moves every head and animal by random similarities and matches it with its original. Prints a line per
+//! mesh and one for all. Fails if fewer than 99 % of the poses are recovered to 1e-5 of the diagonal.
 //!
-//! Usage: `poses [POSES_PER_MESH] [icp|fit] [MESH …]`, names as in the shared data's `meshes/`.
+//! Usage: `poses [POSES_PER_MESH] [icp|fit] [MESH …]`, with names as in `meshes/` of the shared data.
 #![allow(clippy::print_stdout, reason = "a program")]
 
 use std::time::Instant;
@@ -68,16 +67,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 #[derive(Default)]
 struct Row {
     recovered: usize,
-    /// Largest distance between a vertex and where its pose puts it, as a share of the diagonal.
+    /// Largest distance between a vertex and the place where its pose puts it, as a share of the diagonal.
     worst_pose: f64,
-    /// The same for the template point that the vertex was given.
+    /// The same for the template point that the vertex got.
     worst_point: f64,
     near_ties: usize,
     seconds: Vec<f64>,
 }
 
 impl Row {
-    /// A pose is recovered where every vertex comes back to itself within 1e-5 of the diagonal.
+    /// A pose is recovered if every vertex returns to its place within 1e-5 of the diagonal.
     fn add(
         &mut self,
         mesh: &TriMesh,

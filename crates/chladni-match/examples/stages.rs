@@ -1,6 +1,7 @@
-//! Where a match spends its time, how often it reports, and how soon it stops when cancelled.
+//! Measures where a match spends its time, how often it reports progress, and how soon it stops when
+//! cancelled.
 //!
-//! Usage: `stages [SHAPE TEMPLATE]`, files; pair A of the shared data where none are named.
+//! Usage: `stages [SHAPE TEMPLATE]`, two files; without them, pair A of the shared data.
 #![allow(clippy::print_stdout, reason = "a program")]
 
 use std::time::{Duration, Instant};
@@ -31,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Prints the seconds of every stage and the longest silence.
+/// Prints the seconds of every stage and the longest time without a report.
 fn watch(shape: &TriMesh, template: &TriMesh) -> Result<Duration, MatchError> {
     let task = Task::new();
     let start = Instant::now();
@@ -76,7 +77,7 @@ fn watch(shape: &TriMesh, template: &TriMesh) -> Result<Duration, MatchError> {
     }
 }
 
-/// How long the match goes on after it was cancelled `delay` after its start.
+/// How long the match continues after it was cancelled, which happens `delay` after its start.
 fn cancelled_after(shape: &TriMesh, template: &TriMesh, delay: Duration) -> Result<Duration, MatchError> {
     let task = Task::new();
     let (result, end, cancelled) = std::thread::scope(|scope| {

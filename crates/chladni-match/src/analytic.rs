@@ -19,9 +19,9 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The ellipsoid nearest to a surface: principal axes of the area, then center and
-    /// semi-axes by Gauss–Newton on Σ a(v) (1 − ‖(x − c)/s‖)² from the moments' start.
-    /// An ellipsoid's own mesh gives that ellipsoid back up to its discretization.
+    /// The ellipsoid nearest to a surface. Its axes are the principal axes of the area; its center and
+    /// semi-axes minimize Σ a(v) (1 − ‖(x − c)/s‖)² by Gauss–Newton, starting from the moments. For a mesh
+    /// of an ellipsoid the result is that ellipsoid, up to the discretization.
     ///
     /// # Errors
     /// A mesh without a surface.
@@ -30,7 +30,7 @@ impl Ellipsoid {
         let area = surface.area();
         let (moments, axes) = symmetric_eigen(surface.second_moments());
         let axes = axes.map(DVec3::from_array);
-        // A flat shape still needs some thickness: no axis under a hundredth of the diagonal.
+        // A flat shape still gets some thickness: no semi-axis is below a hundredth of the diagonal.
         let start = moments.map(|m| (3.0 * m.max(0.0) / area).sqrt().max(0.01));
         let local: Vec<(DVec3, f64)> = surface
             .points
@@ -47,7 +47,7 @@ impl Ellipsoid {
         })
     }
 
-    /// The sphere about the area-weighted centroid whose radius is the mean distance to it.
+    /// The sphere around the area-weighted centroid whose radius is the mean distance from it.
     ///
     /// # Errors
     /// A mesh without a surface.
@@ -60,7 +60,7 @@ impl Ellipsoid {
     /// A given sphere.
     ///
     /// # Errors
-    /// A radius that is not positive and finite, a center that is not finite.
+    /// A radius that is not positive and finite, or a center that is not finite.
     pub fn sphere(center: [f64; 3], radius: f64) -> Result<Self, MatchError> {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let ellipsoid = Self { center, axes, semi_axes: [radius; 3] };
@@ -68,11 +68,10 @@ impl Ellipsoid {
         Ok(ellipsoid)
     }
 
-    /// A given ellipsoid: its center, half the length of each axis, and how far it is turned, in degrees, about
-    /// x, then y, then z.
+    /// A given ellipsoid: its center, its semi-axes, and its rotation in degrees about x, then y, then z.
     ///
     /// # Errors
-    /// Semi-axes that are not positive and finite, other numbers that are not finite.
+    /// A semi-axis that is not positive and finite, or another number that is not finite.
     pub fn given(center: [f64; 3], semi_axes: [f64; 3], turn_deg: [f64; 3]) -> Result<Self, MatchError> {
         let [x, y, z] = turn_deg.map(f64::to_radians);
         let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y) * DMat3::from_rotation_x(x);
@@ -81,10 +80,10 @@ impl Ellipsoid {
         Ok(ellipsoid)
     }
 
-    /// The angles, in degrees, for which [`given`](Self::given) makes these axes.
+    /// The angles, in degrees, for which [`given`](Self::given) returns these axes.
     pub fn turn_deg(&self) -> [f64; 3] {
         let mut axes = DMat3::from_cols_array_2d(&self.axes);
-        // An axis and its opposite are the same axis; only a right-handed frame is a rotation.
+        // An axis and its opposite are the same axis, but only a right-handed frame is a rotation.
         if axes.determinant() < 0.0 {
             axes.z_axis = -axes.z_axis;
         }
@@ -174,14 +173,13 @@ fn refine(points: &[(DVec3, f64)], start: [f64; 3]) -> (DVec3, [f64; 3]) {
     (center, semi)
 }
 
-/// Each vertex ↔ the point of the ellipsoid on its ray from the center.
+/// Pairs each vertex with the point of the ellipsoid on its ray from the center.
 ///
-/// The map is continuous everywhere but at the center, and one to one on shapes that are
-/// star-shaped about it. A vertex at the center goes to the end of the first axis with
-/// confidence 0.
+/// The map is continuous everywhere but at the center, and one to one on shapes that are star-shaped about
+/// it. A vertex at the center is paired with the end of the first axis, with confidence 0.
 ///
 /// # Errors
-/// A mesh without a surface, an ellipsoid with a semi-axis that is not positive and finite.
+/// A mesh without a surface, or an ellipsoid with a semi-axis that is not positive and finite.
 pub fn onto_ellipsoid(shape: &TriMesh, ellipsoid: &Ellipsoid) -> Result<Correspondence, MatchError> {
     let surface = UnitSurface::new(shape, Side::Shape)?;
     ellipsoid.check()?;
@@ -199,11 +197,11 @@ pub fn onto_ellipsoid(shape: &TriMesh, ellipsoid: &Ellipsoid) -> Result<Correspo
     Ok(Correspondence::direct(point, confidence))
 }
 
-/// Each vertex ↔ itself, scaled about the area-weighted centroid: exaggerating against a
-/// smaller self magnifies everything.
+/// Pairs each vertex with its own position, scaled about the area-weighted centroid. Exaggerating the
+/// difference from a smaller copy magnifies everything.
 ///
 /// # Errors
-/// A mesh without a surface, a scale that is negative or not finite.
+/// A mesh without a surface, or a scale that is negative or not finite.
 pub fn self_scaled(shape: &TriMesh, scale: f64) -> Result<Correspondence, MatchError> {
     if !(scale >= 0.0 && scale.is_finite()) {
         return Err(MatchError::Parameter { name: "scale", range: "finite and ≥ 0", value: scale });

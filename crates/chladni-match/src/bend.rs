@@ -31,7 +31,7 @@ const LEVELS: [Coarseness; 3] = [
 
 /// Vertices whose distances are minimized.
 const DATA_VERTICES: usize = 6000;
-/// How strongly a map is drawn to the identity where there is no data.
+/// The weight that draws each map toward the identity; it decides where there is no data.
 const IDENTITY_WEIGHT: f64 = 1e-3;
 /// Cosine below which two normals are taken to belong to different sides.
 const NORMAL_LIMIT: f64 = 0.4;
@@ -44,7 +44,7 @@ pub(crate) struct Pull {
     pub weight: f64,
 }
 
-/// The shape's vertices laid onto the aligned template, in the shape's surface coordinates.
+/// The shape's vertices, bent onto the aligned template, in the coordinates of the shape's surface.
 pub(crate) fn bend(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -79,17 +79,17 @@ pub(crate) fn bend(
     Ok(bent)
 }
 
-/// Vertices spread by area, all of them where there are few.
+/// Vertices spread evenly by area; all vertices if there are few.
 fn data_vertices(shape: &UnitSurface, seed: u64) -> Vec<u32> {
     let n = shape.points.len();
     if n <= DATA_VERTICES {
         return (0..n as u32).collect();
     }
-    // The nodes of a fine graph are evenly spread.
+    // The nodes of a fine graph are evenly spread over the surface.
     Graph::nodes_only(shape, DATA_VERTICES, seed ^ 1)
 }
 
-/// The target of each data vertex; a weight of 0 means none.
+/// The target of each data vertex; a vertex without a target has weight 0.
 pub(crate) fn pulls(
     shape: &UnitSurface,
     partners: &Partners,
@@ -186,7 +186,7 @@ fn solve(
     let smooth = stiffness / graph.edges.len().max(1) as f64;
     for &(i, j, w) in &graph.edges {
         let d = g(j) - g(i);
-        // Both maps should agree about where they put each other's node, and about A.
+        // The two maps should agree on each other's node, and on A.
         matrix.add(&[(i, [d.x, d.y, d.z, 1.0]), (j, [0.0, 0.0, 0.0, -1.0])], smooth * w);
         matrix.add(&[(j, [-d.x, -d.y, -d.z, 1.0]), (i, [0.0, 0.0, 0.0, -1.0])], smooth * w);
         for k in 0..3 {
@@ -233,7 +233,7 @@ fn solve(
 /// The solution of a symmetric positive definite system of which `lower` is the lower triangle.
 ///
 /// On one thread: faer's parallel factorization waits by spinning, which costs more than it gains at this
-/// size, and far more where other work shares the processor.
+/// size, and far more when other work shares the processor.
 fn solved(lower: &SparseColMat<usize, f64>, mut right: faer::Mat<f64>) -> Option<faer::Mat<f64>> {
     let (side, par) = (faer::Side::Lower, faer::Par::Seq);
     let symbolic =

@@ -1,4 +1,4 @@
-//! A surface made into a topological sphere: its largest component with every hole filled.
+//! Makes a topological sphere from a surface: its largest component with every hole filled.
 
 use std::collections::HashMap;
 
@@ -7,22 +7,22 @@ use glam::DVec3;
 use crate::surface::UnitSurface;
 use crate::{MatchError, Side};
 
-/// A closed, oriented, genus-0 triangle mesh over part of a surface.
+/// A closed, oriented triangle mesh of genus 0 over part of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Closed {
-    /// Vertices of the surface, then one for each hole.
+    /// Vertices of the surface, then one vertex for each hole.
     pub points: Vec<DVec3>,
     /// Triangles of the surface, then those that fill holes.
     pub triangles: Vec<[u32; 3]>,
-    /// For each of `triangles` its neighbors across the edges opposite to its corners.
+    /// For each of `triangles`, its neighbors across the edges opposite to its corners.
     pub across: Vec<[u32; 3]>,
-    /// For each of `points` that belongs to the surface its vertex there.
+    /// For each of `points` that belongs to the surface, its vertex there.
     pub surface_vertex: Vec<u32>,
-    /// For each of the first `triangles` the surface's triangle; the others fill holes.
+    /// For each of the first `triangles`, the surface's triangle; the remaining ones fill holes.
     pub surface_triangle: Vec<u32>,
-    /// The point that fills the hole of the longest rim.
+    /// The point that fills the hole with the longest rim.
     pub largest_hole: Option<u32>,
-    /// For each vertex of the surface its point; `None` outside the largest component.
+    /// For each vertex of the surface, its point here; `None` outside the largest component.
     pub point_of: Vec<Option<u32>>,
 }
 
@@ -81,7 +81,7 @@ fn largest_component(surface: &UnitSurface) -> u32 {
     (0..area.len()).max_by(|i, j| area[*i].total_cmp(&area[*j])).unwrap_or(0) as u32
 }
 
-/// The open loops, each in the order in which a filling triangle uses its edges.
+/// The rims of the holes, each in the order in which a filling triangle uses its edges.
 fn holes(triangles: &[[u32; 3]]) -> Result<Vec<Vec<u32>>, String> {
     let mut half: HashMap<(u32, u32), u32> = HashMap::with_capacity(3 * triangles.len());
     for t in triangles {

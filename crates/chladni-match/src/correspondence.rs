@@ -1,27 +1,28 @@
-//! What a match is: for each vertex of the shape a point of the template.
+//! A correspondence: for each vertex of the shape, a point of the template.
 
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::{SurfacePoint, corners, mixed};
 
 use crate::{MatchError, Scaling, Side, Similarity};
 
-/// For each of the n file vertices of the shape, the point x^r(v) of the template that it
-/// corresponds to. Every number is finite.
+/// For each of the n file vertices of the shape, the corresponding point x^r(v) of the template. All
+/// numbers are finite.
 ///
-/// A vertex that no triangle of the shape uses has confidence 0. Mesh templates give it the
-/// closest point of the aligned template, analytic ones the point they would give any point
-/// in space, and templates made from the shape itself its own position.
+/// A vertex that no triangle of the shape uses has confidence 0. Its point is the closest point of the
+/// aligned template if the template is a mesh, the point that belongs to its position if the template is
+/// analytic, and its own position if the template was made from the shape itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correspondence {
-    /// Triangles of the template's file and barycentric weights ≥ 0, n; `None` where the template is not a mesh.
+    /// Triangle indices of the template's file and barycentric weights ≥ 0, n entries; `None` if the
+    /// template is not a mesh.
     pub on_template: Option<Vec<SurfacePoint>>,
-    /// Points of the template, in the template file's coordinates.
+    /// Points of the template in the coordinates of the template's file, n entries.
     pub point: Vec<[f64; 3]>,
-    /// x^r(v) in the shape file's coordinates: `similarity` applied to `point`.
+    /// x^r(v) in the coordinates of the shape's file: `similarity` applied to `point`, n entries.
     pub target: Vec<[f64; 3]>,
-    /// How far to trust each point, in [0, 1].
+    /// Confidence in each point, in [0, 1], n entries.
     pub confidence: Vec<f64>,
-    /// Template to shape, file coordinates.
+    /// Maps the template to the shape, both in file coordinates.
     pub similarity: Similarity,
 }
 
@@ -31,13 +32,14 @@ impl Correspondence {
         self.point.len()
     }
 
-    /// Points given directly in the shape's coordinates, n, and how far to trust each, in [0, 1].
+    /// A correspondence whose n points are given in the coordinates of the shape, each with a confidence in
+    /// [0, 1].
     pub fn direct(point: Vec<[f64; 3]>, confidence: Vec<f64>) -> Self {
         let target = point.clone();
         Self { on_template: None, point, target, confidence, similarity: Similarity::IDENTITY }
     }
 
-    /// Points on a template mesh.
+    /// A correspondence to points on a template mesh.
     pub(crate) fn on_mesh(
         template: &TriMesh,
         on_template: Vec<SurfacePoint>,
@@ -53,13 +55,13 @@ impl Correspondence {
     }
 }
 
-/// Vertex i of the shape ↔ vertex i of the template, after the similarity that brings the
-/// template's vertices closest to the shape's (least squares over the vertices in use); rigid where `scaling`
-/// says so.
+/// Pairs vertex i of the shape with vertex i of the template, after the least-squares similarity that
+/// brings the template's vertices closest to the shape's (over the vertices in use); a rigid motion if
+/// `scaling` says so.
 ///
 /// # Errors
-/// Different numbers of vertices, different triangles (in whatever order they and their corners are listed),
-/// meshes without a surface, vertices in one line.
+/// Different numbers of vertices; different triangles (the order of triangles and of their corners does not
+/// matter); a mesh without a surface; vertices that all lie on one line.
 pub fn same_connectivity(
     shape: &TriMesh,
     template: &TriMesh,
@@ -90,7 +92,7 @@ pub fn same_connectivity(
     for (v, corner) in corner.iter().enumerate() {
         on_template.push(match corner {
             Some((triangle, corner)) => SurfacePoint::at_corner(*triangle, *corner),
-            // No triangle of the template has this vertex: the closest point of its surface.
+            // No triangle of the template uses this vertex: take the closest point of its surface.
             None => {
                 let at = template_surface
                     .closest(template_surface.in_frame(template.positions[v]), f64::INFINITY)
@@ -104,12 +106,13 @@ pub fn same_connectivity(
     Ok(Correspondence::on_mesh(template, on_template, confidence, similarity))
 }
 
-/// Whether both have the same triangles: an equal number of vertices alone says nothing.
+/// Checks that both meshes have the same triangles: an equal number of vertices alone proves nothing.
 fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError> {
     if shape.triangles == template.triangles {
         return Ok(());
     }
-    // Each rotated so that the smallest corner comes first, orientation kept; then sorted.
+    // Each triangle is rotated to begin with its smallest corner, which keeps its orientation; then all are
+    // sorted.
     let sorted = |mesh: &TriMesh| {
         let mut triangles: Vec<[u32; 3]> = mesh
             .triangles

@@ -1,5 +1,5 @@
-//! Cross-parameterization: both surfaces are laid onto one sphere, where landmarks are carried
-//! onto each other and the map is then relaxed.
+//! Cross-parameterization: both surfaces are mapped to one sphere, where the landmarks are moved onto each
+//! other; then the map is relaxed.
 
 use chladni_mesh::surface::{Closest, SurfacePoint};
 use chladni_task::Task;
@@ -20,7 +20,8 @@ use crate::{MatchError, Scaling, Side, Similarity};
 /// Sweeps of the relaxation.
 const SWEEPS: usize = 40;
 
-/// A point for each welded vertex of the shape, how far to trust it, and the pose that fits all.
+/// For each welded vertex of the shape a point of the template and a confidence; and the pose that fits all
+/// pairs.
 pub(crate) struct CrossMap {
     pub at: Vec<Closest>,
     pub confidence: Vec<f64>,
@@ -28,7 +29,7 @@ pub(crate) struct CrossMap {
     pub warnings: Vec<String>,
 }
 
-/// The template on the sphere.
+/// The template, mapped to the sphere.
 struct Domain<'a> {
     closed: &'a Closed,
     sphere: &'a [DVec3],
@@ -67,13 +68,13 @@ impl Domain<'_> {
         (0..3).map(|i| self.closed.points[corners[i] as usize] * at.weights[i]).sum()
     }
 
-    /// The place on the template's own surface: a point in a filled hole slides outward, away
-    /// from the hole's middle, to the rim.
+    /// The place on the template's own surface. A point in a filled hole is moved to the rim, away from the
+    /// center of the hole.
     fn land(&self, at: &SurfacePoint) -> SurfacePoint {
         if (at.triangle as usize) < self.closed.surface_triangle.len() {
             return *at;
         }
-        // Filling triangles are (rim, rim, middle).
+        // Triangles that fill a hole have the corners (rim, rim, center).
         let [a, b, _] = self.closed.triangles[at.triangle as usize];
         let total = at.weights[0] + at.weights[1];
         let share = if total > 0.0 { at.weights[0] / total } else { 0.5 };
@@ -86,7 +87,7 @@ impl Domain<'_> {
         SurfacePoint { triangle, weights }
     }
 
-    /// The direction on the sphere that moves the template's point by `d` in space.
+    /// The direction on the sphere that moves the point of the template by `d` in space.
     fn pull_back(&self, at: &SurfacePoint, d: DVec3) -> DVec3 {
         let [p, q, r] = self.closed.triangles[at.triangle as usize].map(|v| self.closed.points[v as usize]);
         let [a, b, c] = self.corners(at.triangle);
@@ -102,7 +103,8 @@ impl Domain<'_> {
     }
 }
 
-/// The map led by `landmarks`, three or more; `scale` is that of the pose if it is not fitted.
+/// Computes the map from three or more `landmarks`. `scale` is the scale of the pose, if it is not to be
+/// fitted.
 pub(crate) fn crossmap(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -145,8 +147,8 @@ pub(crate) fn crossmap(
     assemble(shape, template, &s, &domain, &places, scale)
 }
 
-/// Moves each vertex's image toward the cotangent mean of its neighbors' images in space,
-/// never so that a triangle turns over on the sphere.
+/// Moves the image of each vertex toward the cotangent-weighted mean of its neighbors' images in space, by
+/// steps that never turn a triangle over on the sphere.
 fn relax(
     s: &Closed,
     domain: &Domain,
@@ -199,7 +201,7 @@ fn relax(
     Ok(())
 }
 
-/// From places in the closed template to points of the template's surface.
+/// Converts places in the closed template to points of the template's surface.
 fn assemble(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -212,7 +214,7 @@ fn assemble(
     let landed: Vec<SurfacePoint> = places.iter().map(|p| domain.land(p)).collect();
     let image: Vec<DVec3> = landed.iter().map(|p| domain.point(p)).collect();
     let on_surface = s.surface_vertex.len();
-    // Undistorted is 1; twice as long as wide 0.8, ten times 0.2.
+    // 1 means undistorted; a triangle twice as long as wide gets 0.8, ten times as long 0.2.
     let mut trust = vec![(0.0, 0.0); s.points.len()];
     for corners in &s.triangles[..s.surface_triangle.len()] {
         let ratio = stretch(corners.map(|v| s.points[v as usize]), corners.map(|v| image[v as usize]));
@@ -221,12 +223,12 @@ fn assemble(
             trust[*v as usize].1 += 1.0;
         }
     }
-    // In a filled hole the template has no surface, only its rim.
+    // Inside a filled hole the template has only a rim, not a surface.
     let filled = |v: usize| landed[v].triangle != places[v].triangle;
     let trust: Vec<f64> = (0..on_surface)
         .map(|v| if filled(v) { 0.1 } else { 1.0 } * (trust[v].0 / f64::max(trust[v].1, 1.0)).min(1.0))
         .collect();
-    // Very distorted parts, such as a neck that fills a hole, should not tilt the head.
+    // Very distorted parts, such as a neck that fills a hole, must not tilt the head.
     let pose = fit_pairs_at(
         (0..on_surface).map(|v| {
             let vertex = s.surface_vertex[v] as usize;

@@ -1,8 +1,8 @@
-//! What can go wrong between a shape and a template.
+//! The errors of this crate.
 
 use chladni_task::Cancelled;
 
-/// Which of the two meshes a message is about.
+/// Which of the two meshes an error is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// The mesh to be caricatured.
@@ -20,7 +20,7 @@ impl std::fmt::Display for Side {
     }
 }
 
-/// Why there is no correspondence.
+/// Why a correspondence could not be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MatchError {
@@ -35,7 +35,7 @@ pub enum MatchError {
         /// Index of the vertex.
         vertex: usize,
     },
-    /// A triangle names a vertex that is not there.
+    /// A triangle uses a vertex that does not exist.
     #[error("triangle {triangle} of the {side} uses vertex {vertex}, but there are only {vertices}")]
     IndexOutOfRange {
         /// Which mesh.
@@ -47,7 +47,7 @@ pub enum MatchError {
         /// n.
         vertices: usize,
     },
-    /// A mesh is larger than its indices can count.
+    /// A mesh has more vertices or triangles than 32-bit indices can count.
     #[error("the {0} has more vertices or triangles than 32-bit indices can count")]
     TooLarge(Side),
     /// A landmark file cannot be read.
@@ -55,10 +55,10 @@ pub enum MatchError {
     InLandmarkFile {
         /// The file.
         path: std::path::PathBuf,
-        /// Why, with the line where one is at fault.
+        /// The reason, with the line if one is at fault.
         why: String,
     },
-    /// Same connectivity was asked for, but it is not the same.
+    /// The meshes should have the same connectivity, but their numbers of vertices differ.
     #[error(
         "not the same connectivity: the shape has {shape_vertices} vertices, the template {template_vertices}"
     )]
@@ -68,7 +68,7 @@ pub enum MatchError {
         /// n of the template.
         template_vertices: usize,
     },
-    /// Same connectivity was asked for, but only the numbers of vertices are the same.
+    /// The meshes should have the same connectivity, but only their numbers of vertices agree.
     #[error(
         "not the same connectivity: {missing} of the shape's {triangles} triangles are not among the template's \
          {template_triangles}"
@@ -81,10 +81,10 @@ pub enum MatchError {
         /// m of the template.
         template_triangles: usize,
     },
-    /// Points do not determine a similarity.
+    /// Too few pairs of points to determine a similarity.
     #[error("{0} pairs of points do not determine a similarity: three that are not in one line are needed")]
     TooFewPairs(usize),
-    /// The points of a pair list lie in one line or in one place.
+    /// The pairs of points lie on one line or in one place.
     #[error("the pairs of points lie in one line or in one place: they do not determine a rotation")]
     Degenerate,
     /// Two lists that belong together differ in length.
@@ -97,19 +97,19 @@ pub enum MatchError {
         /// Length of the second.
         right: usize,
     },
-    /// A landmark names a vertex that is not there or that no triangle uses.
+    /// A landmark refers to a vertex that does not exist or that no triangle uses.
     #[error("landmark {landmark}: vertex {vertex} of the {side} {problem}")]
     Landmark {
         /// Index of the pair, from zero.
         landmark: usize,
         /// Which mesh.
         side: Side,
-        /// The vertex it names.
+        /// Index of the vertex.
         vertex: u32,
         /// What is wrong with it.
         problem: &'static str,
     },
-    /// A map through a common domain needs at least three landmarks.
+    /// A map through a sphere needs at least three landmarks.
     #[error("{0} landmarks lie on both surfaces' largest components: the map needs three or more")]
     TooFewLandmarks(usize),
     /// A line of a landmark file cannot be read.
@@ -120,12 +120,12 @@ pub enum MatchError {
         /// What is wrong with it.
         problem: String,
     },
-    /// A map between these surfaces through a common domain does not exist.
+    /// A surface cannot be mapped to a sphere.
     #[error("the {side} cannot be mapped to a sphere: {problem}")]
     NoCommonDomain {
         /// Which mesh.
         side: Side,
-        /// Why.
+        /// The reason.
         problem: String,
     },
     /// A parameter is out of its range.

@@ -1,4 +1,4 @@
-//! A coarse lookup of the nearest sample of a surface, for a first test of many poses.
+//! A coarse lookup of the nearest sample of a surface, for first tests of many poses.
 
 use glam::DVec3;
 
@@ -6,11 +6,11 @@ use crate::samples::Sample;
 
 /// Cells along each axis.
 const CELLS: usize = 40;
-/// Room around the samples, in diagonals.
+/// Margin around the samples, in diagonals.
 const MARGIN: f64 = 0.2;
 
-/// For each cell of a grid the sample nearest to its center, by propagation from the cells that
-/// hold samples: off by about a cell at most, which is the spacing of the samples themselves.
+/// A grid that stores for each cell the sample nearest to its center, found by propagation from the cells
+/// that hold samples. The error is at most about one cell, which is the spacing of the samples themselves.
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
     low: DVec3,
@@ -20,7 +20,7 @@ pub(crate) struct Field {
 }
 
 impl Field {
-    /// At most 65 535 samples are used.
+    /// Builds the grid. At most 65 535 samples are used.
     pub fn new(samples: &[Sample]) -> Self {
         let samples = samples[..samples.len().min(usize::from(u16::MAX))].to_vec();
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -44,7 +44,8 @@ impl Field {
         self.low + (DVec3::new(x as f64, y as f64, z as f64) + 0.5) / self.cells_per_length
     }
 
-    /// Breadth first from the occupied cells; a cell takes over a neighbor's sample where that is nearer.
+    /// Breadth-first search from the occupied cells: a cell takes over the sample of a neighbor if it is
+    /// nearer.
     fn propagate(&mut self) {
         let index = |[x, y, z]: [usize; 3]| (x * CELLS + y) * CELLS + z;
         let mut best = vec![f64::INFINITY; self.nearest.len()];
@@ -83,7 +84,7 @@ impl Field {
         }
     }
 
-    /// A sample near `query`: its index and itself.
+    /// A sample near `query`, and its index.
     pub fn near(&self, query: DVec3) -> Option<(usize, &Sample)> {
         let [x, y, z] = self.cell(query);
         let index = usize::from(self.nearest[(x * CELLS + y) * CELLS + z]);

@@ -1,4 +1,4 @@
-//! A smooth flow of the sphere that carries landmarks onto their partners.
+//! A smooth flow of the sphere that moves landmarks to their partners.
 
 use chladni_task::Task;
 use faer::linalg::solvers::Solve;
@@ -12,16 +12,16 @@ const STEPS: usize = 80;
 /// Widths of the kernels in radians, wide ones first.
 const WIDTHS: [f64; 3] = [1.2, 0.6, 0.3];
 
-/// Moves all of `x` so that the points `from[i]` arrive at `to[i]` (all unit vectors).
+/// Moves all points `x` by a flow that takes the points `from[i]` to `to[i]` (all are unit vectors).
 ///
-/// Each step follows a smooth velocity field, the least sum of Gaussians that moves the
-/// landmarks along their great circles; a flow of smooth fields is one to one (Joshi and Miller,
-/// *Landmark matching via large deformation diffeomorphisms*, 2000), up to the size of the steps.
+/// Each step follows a smooth velocity field, the least sum of Gaussians that moves the landmarks along
+/// their great circles. A flow of smooth fields is one to one (Joshi and Miller, *Landmark matching via
+/// large deformation diffeomorphisms*, 2000), up to the size of the steps.
 pub(crate) fn carry(x: &mut [DVec3], from: &[DVec3], to: &[DVec3], task: &Task) -> Result<(), MatchError> {
     let mut at = from.to_vec();
     let stage = task.stage("carrying landmarks", (WIDTHS.len() * STEPS) as u64);
     for (pass, width) in WIDTHS.into_iter().enumerate() {
-        // Wide fields cover most of the way, narrow ones the rest.
+        // Wide fields cover most of the distance, narrow ones the rest.
         let share = if pass + 1 == WIDTHS.len() { 1.0 } else { 0.7 };
         for step in 0..STEPS {
             task.check()?;
@@ -45,14 +45,14 @@ fn kernel(p: DVec3, q: DVec3, width: f64) -> f64 {
     ((p.dot(q) - 1.0) / (width * width)).exp()
 }
 
-/// The tangent at `p` toward `q`, as long as the arc between them.
+/// The tangent vector at `p` toward `q`, with the length of the arc between them.
 fn toward(p: DVec3, q: DVec3) -> DVec3 {
     let flat = q - p * p.dot(q);
     flat.normalize_or_zero() * p.angle_between(q)
 }
 
-/// The momenta m whose field has the given tangent velocities: Σ_j P_i K(p_i, p_j) m_j = v_i with
-/// m_j tangent at p_j.
+/// The momenta m whose field has the given tangent velocities: Σ_j P_i K(p_i, p_j) m_j = v_i, where m_j is
+/// tangent at p_j.
 fn momenta(at: &[DVec3], velocity: &[DVec3], width: f64) -> Result<Vec<DVec3>, MatchError> {
     let n = at.len();
     let frames: Vec<[DVec3; 2]> = at

@@ -11,23 +11,23 @@ use rayon::prelude::*;
 
 use crate::surface::UnitSurface;
 
-/// Nodes whose maps a vertex blends.
+/// The number of nodes whose maps are blended at a vertex.
 const BLENDED: usize = 6;
 
-/// Nodes, their neighbors, and how vertices follow them.
+/// The nodes, their neighbors, and how vertices follow them.
 #[derive(Clone, Debug)]
 pub(crate) struct Graph {
     /// Vertices that are nodes, at least `spacing` apart along the surface.
     pub nodes: Vec<u32>,
     /// Least distance between nodes.
     pub spacing: f64,
-    /// For each vertex up to six nodes and their weights, which sum to 1.
+    /// For each vertex, up to six nodes and their weights, which sum to 1.
     pub blend: Vec<Vec<(u32, f64)>>,
-    /// Pairs of nodes that move alike, and how much that matters (1 along the surface).
+    /// Pairs of nodes that should move alike, and the weight of that (1 along the surface).
     pub edges: Vec<(u32, u32, f64)>,
 }
 
-/// f64 distances in a heap.
+/// Distances as `f64`, ordered for a heap.
 #[derive(PartialEq, Clone, Copy)]
 struct Distance(f64);
 impl Eq for Distance {}
@@ -42,7 +42,7 @@ impl Ord for Distance {
     }
 }
 
-/// Walks along edges from vertices, each time as far as a given radius.
+/// Visits the vertices around a vertex, along edges, up to a given distance.
 struct Walker<'a> {
     surface: &'a UnitSurface,
     distance: Vec<f64>,
@@ -85,13 +85,13 @@ impl<'a> Walker<'a> {
 }
 
 impl Graph {
-    /// About `count` vertices, evenly spread along the surface, at least one on every component.
+    /// About `count` vertices, evenly spread along the surface, with at least one on every component.
     pub fn nodes_only(surface: &UnitSurface, count: usize, seed: u64) -> Vec<u32> {
         Self::scatter(&mut Walker::new(surface), Self::spacing(surface, count), seed)
     }
 
     fn spacing(surface: &UnitSurface, count: usize) -> f64 {
-        // A maximal set of points r apart on an area A has about 0.8 A/r² of them.
+        // A maximal set of points with distance r on an area A has about 0.8 A/r² points.
         (0.8 * surface.area() / count.max(1) as f64).sqrt()
     }
 
@@ -110,7 +110,7 @@ impl Graph {
         nodes
     }
 
-    /// A graph of about `count` nodes, at least one on every component.
+    /// A graph of about `count` nodes, with at least one on every component.
     pub fn new(surface: &UnitSurface, count: usize, seed: u64) -> Self {
         let n = surface.points.len();
         let spacing = Self::spacing(surface, count);
@@ -134,8 +134,8 @@ impl Graph {
     }
 }
 
-/// Nodes that share a vertex; and for nodes beside the largest component the nearest nodes of
-/// other components, so that eyes and teeth follow their head.
+/// Pairs of nodes that share a vertex. Nodes outside the largest component are also paired with the nearest
+/// nodes of other components: eyes and teeth then follow their head.
 fn edges(surface: &UnitSurface, nodes: &[u32], blend: &[Vec<(u32, f64)>]) -> Vec<(u32, u32, f64)> {
     let mut pairs: Vec<(u32, u32)> = Vec::new();
     for list in blend {

@@ -1,8 +1,8 @@
-//! Iterative closest points: the similarity that lays a template onto a shape.
+//! Iterative closest points: refines the similarity that aligns a template with a shape.
 //!
-//! Symmetric point-to-plane residuals (Rusinkiewicz, *A Symmetric Objective Function for ICP*,
-//! SIGGRAPH 2019), samples of both surfaces, and Geman–McClure weights w = c⁴/(c² + d²)² that
-//! trim whatever is farther than a few c.
+//! Symmetric point-to-plane residuals (Rusinkiewicz, *A Symmetric Objective Function for ICP*, SIGGRAPH
+//! 2019), samples of both surfaces, and Geman–McClure weights w = c⁴/(c² + d²)², which suppress pairs that
+//! are farther apart than a few c.
 
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ pub(crate) struct Sampled<'a> {
     pub relief: Relief,
 }
 
-/// What was found near a query: point, normal, squared distance.
+/// The point found near a query: position, normal, squared distance.
 struct Near {
     point: DVec3,
     normal: DVec3,
@@ -47,7 +47,7 @@ impl Sampled<'_> {
                 })
             }
             Look::Exact => {
-                // The nearest point is no farther than any sample: a bound that prunes most boxes.
+                // The nearest point is not farther than any sample; this bound prunes most boxes.
                 let bound = self.field.near(query).map(|(_, s)| s.point.distance(query) + 1e-9);
                 let at = self.surface.closest(query, bound.map_or(reach, |b| b.min(reach)))?;
                 (!self.surface.on_boundary(&at.on)).then(|| Near {
@@ -60,17 +60,17 @@ impl Sampled<'_> {
     }
 }
 
-/// The two surfaces.
+/// The two surfaces to align.
 pub(crate) struct Pair<'a> {
     pub shape: Sampled<'a>,
     pub template: Sampled<'a>,
-    /// Landmarks as (shape point, template point), each surface's own coordinates.
+    /// Landmarks as (shape point, template point), each in its surface's own coordinates.
     pub landmarks: &'a [(DVec3, DVec3)],
-    /// s of every pose, if it is not fitted.
+    /// The scale s of every pose, if it is not fitted.
     pub scale: Option<f64>,
 }
 
-/// How precisely to find the nearest point.
+/// How precisely the nearest point is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Look {
     /// A sample nearby, from the [`Field`].
@@ -79,12 +79,12 @@ pub(crate) enum Look {
     Exact,
 }
 
-/// How one run of ICP goes.
+/// The parameters of one run of ICP.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Schedule {
-    /// Samples used of each surface.
+    /// The number of samples of each surface.
     pub samples: usize,
-    /// Most iterations.
+    /// The largest number of iterations.
     pub iterations: usize,
     /// c at the first and at the last iteration, in shape diagonals.
     pub reach: (f64, f64),
@@ -93,7 +93,7 @@ pub(crate) struct Schedule {
     pub look: Look,
 }
 
-/// A template point (template coordinates), the shape point it is drawn to, both normals.
+/// A template point (in template coordinates), the shape point that it is drawn to, and both normals.
 struct Link {
     q: DVec3,
     p: DVec3,
@@ -120,14 +120,14 @@ fn links(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Vec<Lin
     from_shape.chain(from_template).filter(facing).collect()
 }
 
-/// Weights of the rows n·(Tq − p) and, × `point_weight`, of the rows Tq − p.
+/// The normal equations of the rows n·(Tq − p) and, with `point_weight`, of the rows Tq − p.
 struct System {
     matrix: [[f64; 7]; 7],
     right: [f64; 7],
 }
 
 impl System {
-    /// Adds `w` (direction · (δ of x) + residual)², δ = ω×x + t + σx.
+    /// Adds `w` (direction · (δ of x) + residual)², where δ = ω×x + t + σx.
     fn add(&mut self, x: DVec3, direction: DVec3, residual: f64, w: f64) {
         let turn = x.cross(direction);
         let row = [turn.x, turn.y, turn.z, direction.x, direction.y, direction.z, x.dot(direction)];
@@ -147,7 +147,7 @@ impl System {
     }
 }
 
-/// Refines `pose` (template to shape coordinates). Returns it unchanged where nothing is near.
+/// Refines `pose` (template to shape coordinates). Returns it unchanged if nothing is near.
 pub(crate) fn refine(pair: &Pair, mut pose: Similarity, schedule: &Schedule) -> Similarity {
     let (first, last) = schedule.reach;
     for step in 0..schedule.iterations {
@@ -162,7 +162,7 @@ pub(crate) fn refine(pair: &Pair, mut pose: Similarity, schedule: &Schedule) -> 
     pose
 }
 
-/// One Gauss–Newton step, and how far it moves points of unit distance.
+/// One Gauss–Newton step, and how far it moves points at unit distance.
 fn improve(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Option<(Similarity, f64)> {
     let links = links(pair, pose, schedule, c);
     if links.len() + pair.landmarks.len() < 4 {
@@ -205,15 +205,15 @@ fn improve(pair: &Pair, pose: &Similarity, schedule: &Schedule, c: f64) -> Optio
     (moved.is_finite() && next.scale > 1e-6 && next.scale < 1e6).then_some((next, moved))
 }
 
-/// Keeps R a rotation after many products.
+/// Removes the rounding errors of many products from R.
 fn orthonormal(pose: &Similarity) -> Similarity {
     let q = DQuat::from_mat3(&pose.rotation_matrix()).normalize();
     Similarity::new(pose.scale, DMat3::from_quat(q), DVec3::from_array(pose.translation))
 }
 
-/// How badly a pose fits, in [0, 1]: the mean over samples of both surfaces of d²/(c² + d²),
-/// where d² also counts how far the normals disagree, times 1 − ρ, where ρ ≥ 0 is how well the
-/// relief of either correlates with that of the other. 0 is a perfect fit.
+/// How badly a pose fits, in [0, 1]: the mean of d²/(c² + d²) over samples of both surfaces, where d² also
+/// measures how far the normals disagree, times 1 − ρ, where ρ ≥ 0 is the correlation between the reliefs
+/// of the two surfaces. 0 is a perfect fit.
 pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64, look: Look) -> f64 {
     let back = pose.inverse();
     let r = pose.rotation_matrix();
@@ -243,6 +243,7 @@ pub(crate) fn misfit(pair: &Pair, pose: &Similarity, samples: usize, c: f64, loo
     };
     let forth = mean(&pair.shape, &pair.template, &back, r.transpose(), pose.scale);
     let home = mean(&pair.template, &pair.shape, pose, r, 1.0);
-    // If the template covers more than the shape, only a part of it can be near: so the shape counts more.
+    // A template that covers more than the shape can only be near it in part; the shape's own samples
+    // therefore count more.
     (0.65 * forth + 0.35 * home) * (1.0 - relief.value().max(0.0))
 }

@@ -7,28 +7,29 @@ use crate::laplacian::Laplacian;
 use crate::surface::UnitSurface;
 use crate::{Correspondence, MatchError, Side};
 
-/// Up to this confidence a point has no weight; from the other on it has full weight.
+/// Up to this confidence a point has no weight; from [`TRUSTED`] on it has full weight.
 const DOUBTED: f64 = 0.25;
 const TRUSTED: f64 = 0.5;
-/// The length at which a point of medium trust and its surroundings have equal weight, in diagonals.
+/// The length, in diagonals, at which a point of medium weight and its surroundings count equally.
 const LENGTH: f64 = 0.02;
 
-/// The points of a correspondence, with those that are not to be trusted filled in.
+/// The points of a correspondence, with the untrusted ones filled in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Infill {
     /// x^r(v), n points in the shape file's coordinates.
     pub target: Vec<[f64; 3]>,
-    /// The share of the shape's area that was filled in, weighted by the degree of filling.
+    /// The share of the shape's area that was filled in, weighted by the degree to which it was.
     pub share: f64,
 }
 
-/// Fills in the difference x^r − x where `found` is not trusted: parts without a partner on the template,
-/// such as hair, and parts beyond its edge, such as a neck that it lacks. There the difference continues its
-/// surroundings as smoothly as possible (it is harmonic); a piece of the shape without any trusted point
-/// stays where it is. From confidence ½ up nothing changes; `None` if that is everywhere.
+/// Fills in the difference x^r − x where `found` is not trusted: on parts without a counterpart on the
+/// template, such as hair, and on parts beyond its edge, such as a neck that it lacks. There the difference
+/// continues that of its surroundings as smoothly as possible (it is harmonic). A piece of the shape
+/// without any trusted point stays where it is. Points with confidence ½ or more are not changed. `None` if
+/// these are all.
 ///
 /// # Errors
-/// A shape without a surface, or a correspondence for another number of vertices.
+/// A shape without a surface, or a correspondence with another number of vertices.
 pub fn infilled(shape: &TriMesh, found: &Correspondence) -> Result<Option<Infill>, MatchError> {
     let (left, right) = (shape.positions.len(), found.vertices());
     if left != right {
@@ -64,8 +65,8 @@ pub fn infilled(shape: &TriMesh, found: &Correspondence) -> Result<Option<Infill
     Ok(Some(Infill { target: target.collect(), share: doubted / surface.area() }))
 }
 
-/// Minimizes Σ W ‖d − x^δ‖² + ℓ² ‖∇d‖² over the points that are not wholly trusted, W = a t/(1 − t): what is
-/// trusted stays, and without trust nothing but smoothness counts.
+/// Minimizes Σ W ‖d − x^δ‖² + ℓ² ‖∇d‖² over the points that are not fully trusted, with W = a t/(1 − t):
+/// trusted points keep their difference, and without trust only smoothness counts.
 fn fill(surface: &UnitSurface, trust: &[f64], delta: &mut [DVec3]) {
     let all = Laplacian::new(&surface.points, &surface.triangles);
     let free: Vec<u32> = (0..trust.len() as u32).filter(|v| trust[*v as usize] < 1.0).collect();
@@ -75,7 +76,7 @@ fn fill(surface: &UnitSurface, trust: &[f64], delta: &mut [DVec3]) {
     for &v in &free {
         let (t, area) = (trust[v as usize], surface.areas[v as usize]);
         let weight = area * (t / (1.0 - t)).min(1e3);
-        // The last term keeps pieces in place that nothing else holds.
+        // The last term holds pieces in place that are otherwise free.
         weights.push(weight + 1e-7 * area);
         let held = all.row(v as usize).iter().filter(|(u, _)| trust[*u as usize] >= 1.0);
         let pull: DVec3 = held.map(|(u, s)| delta[*u as usize] * *s).sum();

@@ -1,4 +1,4 @@
-//! Pairs of vertices that a user says belong together, and the small file they live in.
+//! Landmarks: pairs of vertices that belong together, and the file format for them.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -11,33 +11,33 @@ use crate::similarity::fit_pairs;
 use crate::surface::UnitSurface;
 use crate::{MatchError, Scaling, Side};
 
-/// What is read of one file at most: a million pairs.
+/// The largest size of a landmark file, enough for a million pairs.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// Vertex `shape` of the shape belongs to vertex `template` of the template; zero-based, in the
+/// Vertex `shape` of the shape belongs to vertex `template` of the template. Indices are zero-based, in the
 /// order of the files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Landmark {
-    /// Vertex of the shape's file.
+    /// Index of a vertex in the shape's file.
     pub shape: u32,
-    /// Vertex of the template's file.
+    /// Index of a vertex in the template's file.
     pub template: u32,
 }
 
 /// Reads the landmark file at `path`; see [`read_landmarks`].
 ///
 /// # Errors
-/// [`MatchError::InLandmarkFile`], which names the file and why it cannot be read.
+/// [`MatchError::InLandmarkFile`], with the file and the reason.
 pub fn load_landmarks(path: &Path) -> Result<Vec<Landmark>, MatchError> {
     let in_file = |why: String| MatchError::InLandmarkFile { path: path.to_owned(), why };
     let text = read_text_file(path, MOST_BYTES).map_err(|error| in_file(error.to_string()))?;
     read_landmarks(&text).map_err(|error| in_file(error.to_string()))
 }
 
-/// Reads landmarks: `shape_vertex template_vertex` a line, `#` starts a comment.
+/// Reads landmarks from text: one `shape_vertex template_vertex` per line; `#` starts a comment.
 ///
 /// # Errors
-/// Names the line that is not two vertex numbers, or that repeats a shape vertex.
+/// A line that does not hold two vertex numbers, or that repeats a shape vertex; the error states the line.
 pub fn read_landmarks(text: &str) -> Result<Vec<Landmark>, MatchError> {
     let (mut landmarks, mut known) = (Vec::new(), HashSet::new());
     for (index, line) in text.lines().enumerate() {
@@ -63,7 +63,7 @@ pub fn read_landmarks(text: &str) -> Result<Vec<Landmark>, MatchError> {
     Ok(landmarks)
 }
 
-/// The text that [`read_landmarks`] reads.
+/// Landmarks as text, in the format that [`read_landmarks`] reads.
 pub fn write_landmarks(landmarks: &[Landmark]) -> String {
     let mut text = String::from("# shape_vertex template_vertex, zero-based\n");
     for l in landmarks {
@@ -73,14 +73,14 @@ pub fn write_landmarks(landmarks: &[Landmark]) -> String {
     text
 }
 
-/// A landmark on the two surfaces: welded vertices.
+/// A landmark as a pair of welded vertices.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pinned {
     pub shape: u32,
     pub template: u32,
 }
 
-/// Looks the landmarks up on the surfaces.
+/// Finds the landmarks on both surfaces.
 pub(crate) fn pin(
     landmarks: &[Landmark],
     shape: &UnitSurface,
@@ -106,13 +106,13 @@ pub(crate) fn pin(
         .collect()
 }
 
-/// The landmarks as points of the two surfaces.
+/// The landmarks as pairs of points of the two surfaces.
 pub(crate) fn points(pinned: &[Pinned], shape: &UnitSurface, template: &UnitSurface) -> Vec<(DVec3, DVec3)> {
     pinned.iter().map(|l| (shape.points[l.shape as usize], template.points[l.template as usize])).collect()
 }
 
-/// What is suspicious about landmarks, in words: pairs (shape point, template point) that no
-/// similarity brings together, or that a mirrored template fits much better.
+/// Warnings about landmarks, given as pairs (shape point, template point): that no similarity brings some
+/// pairs together, or that a mirrored template would fit much better.
 pub(crate) fn doubts(pairs: &[(DVec3, DVec3)]) -> Vec<String> {
     let misfit = |mirror: DVec3| {
         let moved = pairs.iter().map(|(p, q)| (*q * mirror, *p, 1.0));

@@ -1,9 +1,9 @@
-//! The cotangent Laplacian of a triangle mesh, and systems with it.
+//! The cotangent Laplacian of a triangle mesh, and linear systems with it.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// S as neighbor lists, for products.
+/// S as neighbor lists, for matrix products.
 pub(crate) struct Laplacian {
     start: Vec<u32>,
     entries: Vec<(u32, f64)>,
@@ -11,8 +11,8 @@ pub(crate) struct Laplacian {
 }
 
 impl Laplacian {
-    /// Cotangent weights ½(cot β + cot β′), kept above 0 so that each value of a harmonic
-    /// function is a mean of its neighbors.
+    /// Cotangent weights ½(cot β + cot β′), kept above 0: each value of a harmonic function is then a mean
+    /// of its neighbors' values.
     pub fn new(points: &[DVec3], triangles: &[[u32; 3]]) -> Self {
         let mut halves: Vec<(u32, u32, f64)> = Vec::with_capacity(6 * triangles.len());
         for t in triangles {
@@ -47,7 +47,7 @@ impl Laplacian {
         &self.entries[self.start[v] as usize..self.start[v + 1] as usize]
     }
 
-    /// The rows and columns of `kept` vertices, ascending; the diagonal still counts all neighbors.
+    /// The rows and columns of the `kept` vertices (ascending). The diagonal still counts all neighbors.
     pub fn among(&self, kept: &[u32]) -> Self {
         let (mut start, mut entries) = (vec![0], Vec::new());
         for v in kept {
@@ -58,7 +58,7 @@ impl Laplacian {
         Self { start, entries, diagonal: kept.iter().map(|v| self.diagonal[*v as usize]).collect() }
     }
 
-    /// (diag(w) + α S) x.
+    /// Computes (diag(w) + α S) x.
     pub fn times(&self, w: &[f64], alpha: f64, x: &[DVec3], out: &mut [DVec3]) {
         out.par_iter_mut().enumerate().with_min_len(1024).for_each(|(v, out)| {
             let around: DVec3 = self.row(v).iter().map(|(u, s)| x[*u as usize] * *s).sum();
@@ -66,8 +66,8 @@ impl Laplacian {
         });
     }
 
-    /// Solves (diag(w) + α S) x = b by conjugate gradients with the diagonal as preconditioner,
-    /// all three coordinates at once, from the guess `x`, to `tolerance` of the size of b.
+    /// Solves (diag(w) + α S) x = b for all three coordinates at once, by conjugate gradients with the
+    /// diagonal as preconditioner, starting from the guess `x`. `tolerance` is relative to the norm of b.
     pub fn solve(&self, w: &[f64], alpha: f64, b: &[DVec3], mut x: Vec<DVec3>, tolerance: f64) -> Vec<DVec3> {
         const MOST_STEPS: usize = 1000;
         let n = b.len();
@@ -104,10 +104,11 @@ impl Laplacian {
     }
 }
 
-/// Entries that one thread works on at least.
+/// The smallest number of entries that one thread works on.
 const PIECE: usize = 4096;
 
-/// The sum of `of` over 0..n, in parallel pieces that do not depend on the number of threads.
+/// The sum of `of` over 0..n, in parallel pieces that do not depend on the number of threads: the result is
+/// the same on every machine.
 fn sum(n: usize, of: impl Fn(usize) -> DVec3 + Sync) -> DVec3 {
     let piece = |i: usize| (i * PIECE..n.min((i + 1) * PIECE)).map(&of).sum::<DVec3>();
     let sums: Vec<DVec3> = (0..n.div_ceil(PIECE)).into_par_iter().map(piece).collect();

@@ -1,12 +1,12 @@
-//! Correspondences between a shape and a template: which point of the template belongs to each
-//! vertex of the shape, and how far that can be trusted.
+//! Correspondences between a shape and a template: for each vertex of the shape, a point of the template
+//! and a confidence.
 //!
 //! ```
 //! use chladni_match::{Ellipsoid, Method, MatchSettings, match_shapes, onto_ellipsoid};
 //! use chladni_mesh::samples;
 //! use chladni_task::Task;
 //!
-//! // A template mesh, here the shape itself in other units and turned by a quarter.
+//! // A template mesh: here the shape itself, in other units and turned by 90°.
 //! let shape = samples::torus(0.4, 24, 12);
 //! let mut template = shape.clone();
 //! for p in &mut template.positions {
@@ -17,17 +17,17 @@
 //! assert!((found.correspondence.similarity.scale - 1.0 / 25.4).abs() < 1e-6);
 //! assert!(found.report.coverage > 0.99);
 //!
-//! // A template that needs no mesh.
+//! // An analytic template, which needs no mesh.
 //! let ellipsoid = Ellipsoid::fitted(&shape)?;
 //! assert_eq!(onto_ellipsoid(&shape, &ellipsoid)?.target.len(), shape.positions.len());
 //! # Ok::<(), chladni_match::MatchError>(())
 //! ```
 //!
-//! Not guaranteed: that a pose found without landmarks is the one a person would choose (see
-//! [`MatchReport::near_tie`]); that [`Method::Fit`] is one to one; that [`Method::Map`] is one to one
-//! on the template's surface where its holes were filled, or after rounding. What is: all numbers
-//! are finite, barycentric coordinates lie in their triangles, and the same input, seed and
-//! machine give the same result.
+//! Not guaranteed: that a pose found without landmarks is the one that a person would choose (see
+//! [`MatchReport::near_tie`]); that [`Method::Fit`] is one to one; that [`Method::Map`] is one to one on
+//! the template's surface where its holes were filled, or after rounding. Guaranteed: all numbers are
+//! finite, barycentric coordinates lie in their triangles, and the same input and seed give the same result
+//! on the same machine.
 
 #![warn(clippy::missing_errors_doc)]
 #![allow(

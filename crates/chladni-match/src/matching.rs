@@ -1,4 +1,4 @@
-//! From two meshes to a correspondence and its report.
+//! Matches two meshes: computes a correspondence and its report.
 
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::Closest;
@@ -24,44 +24,45 @@ use crate::{Correspondence, MatchError, MatchReport, Scaling, Side, Similarity, 
 pub enum Method {
     /// Vertex i ↔ vertex i.
     Same,
-    /// The closest point after the best similarity.
+    /// The closest point after the similarity that fits best.
     Icp,
-    /// The closest point after the shape was bent onto the template.
+    /// The closest point after the shape has been bent onto the template.
     #[default]
     Fit,
-    /// A map through a sphere, led by three or more landmarks: for shapes too different for
+    /// A map through a sphere, determined by three or more landmarks: for shapes that are too different for
     /// closest points.
     Map,
 }
 
-/// What is asked for.
+/// What to match, and how.
 #[derive(Clone, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct MatchSettings {
     /// How template points are found.
     pub method: Method,
-    /// Pairs that belong together; three or more lead the alignment.
+    /// Pairs of vertices that belong together; three or more determine the alignment.
     pub landmarks: Vec<Landmark>,
     /// Seed of all sampling.
     pub seed: u64,
-    /// Whether the template's size is fitted to the shape's, or kept, so that a difference in size counts as
-    /// a feature.
+    /// Whether the size of the template is fitted to that of the shape, or kept. If it is kept, a
+    /// difference in size counts as a feature.
     pub scaling: Scaling,
 }
 
-/// A correspondence and how good it is.
+/// A correspondence and its quality.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
-    /// For each vertex of the shape a point of the template.
+    /// For each vertex of the shape, a point of the template.
     pub correspondence: Correspondence,
-    /// How good it is.
+    /// How good the correspondence is.
     pub report: MatchReport,
 }
 
 /// Matches a shape with a template mesh.
 ///
 /// # Errors
-/// Meshes without a surface, landmarks that are not on it, a cancelled task.
+/// A mesh without a surface, landmarks that are not on a surface, a method that fails on these meshes, or a
+/// cancelled task.
 pub fn match_shapes(
     shape: &TriMesh,
     template: &TriMesh,
@@ -72,7 +73,7 @@ pub fn match_shapes(
     let t = UnitSurface::new(template, Side::Template)?;
     let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
     let pairs = landmarks::points(&pinned, &s, &t);
-    // In surface coordinates both have a diagonal of 1.
+    // In surface coordinates, both diagonals are 1.
     let sizes = t.diagonal / s.diagonal;
     let scale = (settings.scaling == Scaling::Rigid).then_some(sizes);
     let align = || prealign(&s, &t, &pairs, scale, settings.seed, task);
@@ -103,7 +104,7 @@ pub fn match_shapes(
     Ok(Match { correspondence, report })
 }
 
-/// The warning about a template that is kept at its own size, `times` that of the shape.
+/// The warning about a template that keeps its own size, which is `times` that of the shape.
 fn unlike_sizes(times: f64) -> Option<String> {
     let (times, than) = if times < 1.0 { (1.0 / times, "smaller") } else { (times, "larger") };
     (times > 3.0).then(|| {
@@ -113,14 +114,15 @@ fn unlike_sizes(times: f64) -> Option<String> {
     })
 }
 
-/// For each vertex its point on the template, how far to trust it, and the similarity between them.
+/// For each vertex its point on the template and the confidence in it; and the similarity between the two
+/// surfaces.
 type Fitted = (Vec<Closest>, Vec<f64>, Similarity);
 
-/// Bends the shape onto the template, from `pose` on.
+/// Bends the shape onto the template, starting from `pose`.
 ///
-/// What aligned them suppresses what differs, so that shapes that differ much end up with one side laid together and all
-/// difference on the other. Their pairs know better: the similarity is that between them, and where it differs from the one
-/// that the shape was bent from, it is bent again.
+/// The alignment by closest points suppresses differences: shapes that differ much end up with one side on
+/// top of each other and all of the difference on the other side. The pairs found by bending give a better
+/// similarity. If it differs from the one that bending started from, the shape is bent again from there.
 fn fit(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -129,9 +131,10 @@ fn fit(
     (scale, seed): (Option<f64>, u64),
     task: &Task,
 ) -> Result<Fitted, MatchError> {
-    /// Bending takes most of the time.
+    /// The largest number of rounds: bending takes most of the time.
     const MOST_ROUNDS: usize = 3;
-    /// A share of the diagonal by which the template may move without being fitted again.
+    /// A change of the similarity that moves the template by less than this share of the diagonal needs no
+    /// further round.
     const STILL: f64 = 0.01;
     let mut round = 1;
     loop {
@@ -147,8 +150,9 @@ fn fit(
     }
 }
 
-/// The similarity between the pairs, weighted by area and trust, landmarks with half the weight of all others, and how far
-/// it moves the template from where `pose` lays it; `pose` itself where too little is trusted to determine one.
+/// The similarity between the pairs, weighted by area and confidence, where landmarks together get half the
+/// weight of all others; and how far it moves the template from `pose`. It is `pose` itself if too few
+/// pairs are trusted to determine a similarity.
 fn between_pairs(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -170,8 +174,8 @@ fn between_pairs(
     (again, (squares / total).sqrt())
 }
 
-/// The closest point of the aligned template for each fitted vertex, and how far to trust it; with folds removed as far as
-/// possible if `unfolding` is set.
+/// For each fitted vertex, the closest point of the aligned template and the confidence in it. If
+/// `unfolding` is set, folds are removed as far as possible.
 fn closest_points(
     shape: &UnitSurface,
     partners: &Partners,

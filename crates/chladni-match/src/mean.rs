@@ -1,4 +1,4 @@
-//! The mean of several shapes, vertex by vertex of the first.
+//! The mean of several shapes, at each vertex of the first.
 
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
@@ -7,11 +7,11 @@ use crate::{
     Correspondence, Match, MatchError, MatchReport, MatchSettings, Similarity, infilled, match_shapes,
 };
 
-/// The mean of a shape and of others that are matched with it, one after the other.
+/// The mean of a shape and of others that are matched with it one after the other.
 ///
-/// Each of the others is brought to the first by the similarity between paired points, weighted by trust, whichever
-/// method found the pairs. A vertex of the first is then averaged with its points on all of them. Where a match is not
-/// trusted, its difference goes on from its surroundings ([`infilled`]).
+/// Each of the others is brought to the first by the similarity between paired points, weighted by
+/// confidence, for every matching method. Each vertex of the first is then averaged with its points on all
+/// of them. Where a match is not trusted, the difference is filled in from its surroundings ([`infilled`]).
 pub struct MeanShape<'a> {
     first: &'a TriMesh,
     sum: Vec<[f64; 3]>,
@@ -19,16 +19,16 @@ pub struct MeanShape<'a> {
 }
 
 impl<'a> MeanShape<'a> {
-    /// Of `first` alone.
+    /// The mean of `first` alone.
     pub fn of(first: &'a TriMesh) -> Self {
         Self { first, sum: first.positions.clone(), shapes: 1 }
     }
 
-    /// Takes `other` in, matched as `settings` say (landmarks are pairs of the first shape and `other`), and says how well
-    /// they match.
+    /// Adds `other`, which is matched as `settings` say (landmarks are pairs of the first shape and
+    /// `other`). Returns the report on the match.
     ///
     /// # Errors
-    /// As [`match_shapes`]; the mean is then what it was.
+    /// Those of [`match_shapes`]; the mean is then unchanged.
     pub fn add(
         &mut self,
         other: &TriMesh,
@@ -48,7 +48,7 @@ impl<'a> MeanShape<'a> {
         Ok(report)
     }
 
-    /// Where the vertices of the first shape lie in the mean, in its own coordinates.
+    /// The positions of the first shape's vertices in the mean, in the coordinates of the first shape.
     pub fn positions(&self) -> Vec<[f64; 3]> {
         let share = 1.0 / self.shapes as f64;
         self.sum.iter().map(|sum| sum.map(|x| x * share)).collect()
@@ -83,7 +83,8 @@ mod tests {
         }
     }
 
-    /// Meshes of their own, whose width is linear in its slider: the mean of broad and narrow is the plain head.
+    /// Separate meshes, whose width is linear in its slider: the mean of broad and narrow is the plain
+    /// head.
     #[test]
     fn the_mean_of_a_broad_and_a_narrow_head_is_the_plain_one() {
         let head = |name: &str| sample(name).unwrap();

@@ -1,5 +1,5 @@
-//! Which component of the template each component of the shape belongs to, so that lips do not
-//! land on teeth.
+//! Finds the component of the template that belongs to each component of the shape. It keeps lips from
+//! being matched with teeth.
 
 use std::collections::HashMap;
 
@@ -11,32 +11,33 @@ use crate::Similarity;
 use crate::project::nearest_facing;
 use crate::surface::{UnitSurface, triangle_tree};
 
-/// Another component must be this much nearer than the partner.
+/// A point of another component is used if its distance is below this share of the distance to the partner.
 const NEARER: f64 = 0.3;
 
-/// A template with the partners of the shape's components.
+/// A template, with the partners of the shape's components.
 pub(crate) struct Partners<'a> {
     pub template: &'a UnitSurface,
-    /// For each component of the shape its partner; empty where the template is one piece.
+    /// For each component of the shape its partner; empty if the template has one component.
     partner: Vec<Option<u32>>,
-    /// The template's components that are somebody's partner.
+    /// The template's components that are partners of some component.
     trees: HashMap<u32, Tree>,
 }
 
 struct Tree {
-    /// The template's triangle of each of the tree's.
+    /// For each triangle of the tree, the template's triangle.
     triangle: Vec<u32>,
     tree: TriangleTree,
 }
 
 impl<'a> Partners<'a> {
-    /// Without partners: every vertex may use all of the template.
+    /// Without partners: every vertex may be matched with all of the template.
     pub fn none(template: &'a UnitSurface) -> Self {
         Self { template, partner: Vec::new(), trees: HashMap::new() }
     }
 
-    /// The partner of each component: the one nearest to most of its area, if that is at least half, with the
-    /// shape's vertices at their positions `laid`, in its own coordinates.
+    /// The partner of each component is the component of the template that is nearest to most of its area,
+    /// if that is at least half. `laid` holds the positions of the shape's vertices, in the shape's
+    /// coordinates.
     pub fn by_vote(
         shape: &UnitSurface,
         template: &'a UnitSurface,
@@ -81,8 +82,8 @@ impl<'a> Partners<'a> {
         Self { template, partner, trees: triangles.into_iter().map(tree).collect() }
     }
 
-    /// The nearest facing point of the template for a vertex of the shape's component `of`: its
-    /// partner's, unless something else is much nearer.
+    /// The nearest facing point of the template for a vertex of the shape's component `of`: a point of its
+    /// partner, unless something else is much nearer.
     pub fn nearest(&self, of: u32, position: DVec3, normal: DVec3) -> Option<Closest> {
         let any = nearest_facing(self.template, position, normal)?;
         let Some(Some(partner)) = self.partner.get(of as usize) else { return Some(any) };
@@ -97,7 +98,7 @@ impl<'a> Partners<'a> {
     }
 }
 
-/// The shape's fitted vertices `laid` and their normals, in the template's coordinates.
+/// The shape's fitted vertices `laid` and their normals, in the coordinates of the template.
 pub(crate) fn in_template(
     shape: &UnitSurface,
     pose: &Similarity,
@@ -137,7 +138,7 @@ mod tests {
     #[test]
     fn a_dent_stays_on_the_skin_it_belongs_to() {
         let template = nested(1.0, 0.9);
-        // The shape's outer skin, dented on one side until the inner one is nearer.
+        // The outer skin of the shape, with a dent on one side that brings it nearer to the inner skin.
         let shape = nested(1.0, 0.9);
         let dent = |p: &DVec3| if p.x > 0.1 { *p * 0.93 } else { *p };
         let laid: Vec<DVec3> = shape.points.iter().map(dent).collect();

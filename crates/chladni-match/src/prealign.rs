@@ -1,4 +1,4 @@
-//! Where a template lies on a shape, from any pose and size.
+//! Finds the pose of a template on a shape, from any initial pose and size.
 
 use chladni_mesh::symmetric_eigen;
 use chladni_task::Task;
@@ -13,14 +13,14 @@ use crate::similarity::fit_pairs_at;
 use crate::surface::UnitSurface;
 use crate::{MatchError, Similarity};
 
-/// The pose that fits best and how clear the choice is.
+/// The pose that fits best, and how clearly it does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
     /// Template to shape, both in surface coordinates.
     pub similarity: Similarity,
     /// Misfit in [0, 1]; 0 is perfect.
     pub misfit: f64,
-    /// Misfit of the best pose that is turned by at least 20° or otherwise clearly different.
+    /// Misfit of the best among the poses that differ clearly, for example by a turn of at least 20°.
     pub runner_up: Option<f64>,
 }
 
@@ -53,11 +53,11 @@ const SIEVES: [Sieve; 4] = [
     sieve(3, Look::Exact, 2000, 40, (0.03, 0.02), 0.01, (3000, 0.03)),
 ];
 
-/// Samples drawn of each surface.
+/// The number of samples of each surface.
 const SAMPLES: usize = 3000;
 
-/// Searches all rotations at several places and, unless `scale` gives it, sizes; with three landmarks or
-/// more, they give the start.
+/// Searches all rotations, at several places and, unless `scale` gives the size, at several sizes. Three
+/// landmarks or more determine the start instead.
 pub(crate) fn prealign(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -96,7 +96,7 @@ pub(crate) fn prealign(
     Ok(Pose { similarity, misfit, runner_up: scored.get(1).map(|s| s.1) })
 }
 
-/// The last sieve alone, for a start that is known.
+/// Runs only the last sieve, from a known start.
 fn settle(pair: &Pair, start: Similarity) -> Pose {
     let Sieve { schedule, judge: (samples, c), .. } = &SIEVES[SIEVES.len() - 1];
     let similarity = refine(pair, start, schedule);
@@ -139,10 +139,10 @@ fn distinct(scored: Vec<(Similarity, f64)>) -> Vec<(Similarity, f64)> {
     kept
 }
 
-/// Starting poses: principal axes in their 24 orders and signs, the files' own axes, and an even
-/// covering of all rotations. Each comes with centroid on centroid at the size the spreads tell
-/// and around it, and, for templates that show more than the shape or less, with the centroid of
-/// one laid on places all over the other.
+/// Starting poses. The rotations are those of the principal axes in their 24 orders and signs, of the
+/// files' own axes, and of an even covering of all rotations. Each is tried with the centroids on each
+/// other, at the size that follows from the spreads and at sizes near it. For templates that show more or
+/// less than the shape, it is also tried with the centroid of one surface on places all over the other.
 fn hypotheses(pair: &Pair) -> Vec<Similarity> {
     let spread_of = |samples: &[Sample]| {
         let sum: f64 = samples.iter().map(|s| s.point.length_squared()).sum();
@@ -163,7 +163,7 @@ fn hypotheses(pair: &Pair) -> Vec<Similarity> {
     rotations.push(DMat3::IDENTITY);
     rotations.extend((0..ROTATIONS).map(|i| DMat3::from_quat(super_fibonacci(i, ROTATIONS))));
     let mut poses = Vec::new();
-    // Centroids are the origins of both surfaces.
+    // The centroids are the origins of both surfaces.
     for factor in centred {
         poses.extend(rotations.iter().map(|r| Similarity::new(size * factor, *r, DVec3::ZERO)));
     }
@@ -195,7 +195,7 @@ fn places(samples: &[Sample]) -> Vec<DVec3> {
     chosen.into_iter().map(|p| p * 0.6).collect()
 }
 
-/// Rotations in the covering: neighbors are about 30° apart.
+/// Number of rotations in the covering; neighboring ones are about 30° apart.
 const ROTATIONS: usize = 500;
 
 /// Point i of n of an even covering of the rotations (Alexa, *Super-Fibonacci Spirals*, CVPR 2022).

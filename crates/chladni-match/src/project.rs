@@ -1,4 +1,4 @@
-//! From positions near a template to points on it.
+//! Projects positions near a template onto its surface.
 
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::{Closest, SurfacePoint};
@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use crate::surface::UnitSurface;
 use crate::{Correspondence, MatchError, Side, Similarity};
 
-/// Residual at which confidence has fallen to 1/e, as a share of the shape's diagonal.
+/// Residual, as a share of the shape's diagonal, at which the confidence has fallen to 1/e.
 pub(crate) const CONFIDENCE_REACH: f64 = 0.05;
 
-/// The nearest template point of each fitted position whose normal points the same way; the nearest of all if
-/// there is none close by.
+/// The nearest point of the template whose normal points the same way as `normal`; the nearest point of all
+/// if there is none close by.
 ///
-/// Opposite sides of a thin sheet (an ear, a lip) are nearer than their normals allow: where
-/// the nearest point faces away, the query is moved outward along its own normal once.
+/// The opposite side of a thin sheet (an ear, a lip) may be nearer than the right side. If the nearest
+/// point faces away, the query is therefore moved outward along its own normal, once.
 pub(crate) fn nearest_facing(template: &UnitSurface, position: DVec3, normal: DVec3) -> Option<Closest> {
     let at = template.closest(position, f64::INFINITY)?;
     if template.smooth_normal(&at.on).dot(normal) > 0.0 {
@@ -32,7 +32,8 @@ pub(crate) fn nearest_facing(template: &UnitSurface, position: DVec3, normal: DV
     }))
 }
 
-/// How far a point can be trusted: near, facing the same way, not at an open edge.
+/// The confidence in a point, in [0, 1]: high if it is near, faces the same way, and does not lie at an
+/// open edge.
 pub(crate) fn confidence(template: &UnitSurface, at: &Closest, normal: DVec3, scale: f64) -> f64 {
     let distance = at.distance_squared.sqrt() * scale;
     let near = (-(distance / CONFIDENCE_REACH).powi(2)).exp();
@@ -42,7 +43,7 @@ pub(crate) fn confidence(template: &UnitSurface, at: &Closest, normal: DVec3, sc
     (near * facing * edge).min(1.0)
 }
 
-/// A correspondence from one template point per welded vertex.
+/// Makes a correspondence from one template point per welded vertex.
 ///
 /// Vertices that no triangle uses get the closest point of the aligned template.
 pub(crate) fn correspondence(
@@ -76,7 +77,7 @@ pub(crate) fn correspondence(
     Ok(Correspondence::on_mesh(template_mesh, on_template, confidence, similarity))
 }
 
-/// A pose between surface coordinates, in file coordinates.
+/// Converts a pose between surface coordinates to file coordinates.
 pub(crate) fn to_file(shape: &UnitSurface, template: &UnitSurface, pose: &Similarity) -> Similarity {
     let enter =
         Similarity::new(1.0 / template.diagonal, glam::DMat3::IDENTITY, -template.center / template.diagonal);

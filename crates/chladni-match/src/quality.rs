@@ -1,4 +1,4 @@
-//! How good a correspondence is.
+//! The quality of a correspondence.
 
 use chladni_mesh::TriMesh;
 use glam::DVec3;
@@ -8,46 +8,46 @@ use crate::surface::UnitSurface;
 use crate::unfold::turned_over;
 use crate::{Correspondence, MatchError, Side};
 
-/// Numbers that say how far a correspondence can be trusted. Distances are shares of the
-/// diagonal of the shape's bounding box.
+/// Measures of the quality of a correspondence. Distances are shares of the diagonal of the shape's
+/// bounding box.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MatchReport {
-    /// Median distance between the aligned template and the shape's vertices, after the
-    /// similarity and before any bending: how different the two are.
+    /// Median distance between the aligned template and the shape's vertices, after the similarity and
+    /// before any bending: a measure of how different the two are.
     pub median_distance: f64,
-    /// The same, exceeded by 5 % of the vertices.
+    /// The distance that 5 % of the vertices exceed.
     pub p95_distance: f64,
     /// Share of the shape's area whose confidence is at least ½.
     pub coverage: f64,
-    /// Triangles of the shape whose image on the template is turned over.
+    /// Number of triangles of the shape whose image on the template is turned over.
     pub flipped_triangles: usize,
-    /// Triangles of the shape that have a surface normal to compare.
+    /// Number of triangles of the shape that have a normal to compare.
     pub triangles: usize,
-    /// Median of the largest singular value of the triangles' maps, over the median of the
-    /// smallest: 1 is a similarity, large values are stretched.
+    /// Median of the largest singular value of the triangles' maps, divided by the median of the smallest:
+    /// 1 for a similarity, larger the more triangles are stretched.
     pub stretch: f64,
     /// Area-weighted mean confidence.
     pub mean_confidence: f64,
-    /// A clearly different pose fits nearly as well.
+    /// Whether a clearly different pose fits nearly as well.
     pub near_tie: bool,
-    /// Misfit of the best pose, in [0, 1]; absent where no pose was searched.
+    /// Misfit of the best pose, in [0, 1]; `None` if no pose was searched.
     pub misfit: Option<f64>,
-    /// Misfit of the runner-up.
+    /// Misfit of the best clearly different pose; `None` if there is none.
     pub runner_up_misfit: Option<f64>,
-    /// What a reader should know.
+    /// Problems that the user should know of, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// A runner-up within this share of its own misfit is a near tie.
+/// A near tie: the runner-up's misfit exceeds the best one by less than this share of itself.
 const TIE: f64 = 0.1;
-/// So is one that fits this well: which of two perfect fits is better is chance.
+/// Also a near tie: the runner-up fits this well. Which of two perfect fits is better is chance.
 const PERFECT: f64 = 0.003;
 
 impl MatchReport {
     /// The report on a correspondence that was made without a template mesh.
     ///
     /// # Errors
-    /// A shape without a surface, or a correspondence for another number of vertices.
+    /// A shape without a surface, or a correspondence with another number of vertices.
     pub fn without_template(shape: &TriMesh, found: &Correspondence) -> Result<Self, MatchError> {
         if shape.positions.len() != found.vertices() {
             return Err(MatchError::LengthsDiffer {

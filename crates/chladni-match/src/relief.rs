@@ -1,4 +1,5 @@
-//! How far a surface stands out from its surroundings: noses and ears do, eyes and mouths do not.
+//! Relief: how far a surface stands out from its surroundings. It is positive on noses and ears, negative
+//! at eyes and mouths.
 
 use rayon::prelude::*;
 
@@ -6,11 +7,12 @@ use crate::samples::Sample;
 
 /// Radius of the surroundings on the shape, in diagonals.
 pub(crate) const RADIUS: f64 = 0.1;
-/// Each level's radius is √2 times that of the one before; the middle one has [`RADIUS`].
+/// Number of levels. Each level's radius is √2 times that of the level before; the middle one has
+/// [`RADIUS`].
 const LEVELS: usize = 9;
 
-/// For each sample its height above the mean of the samples around it, along its normal and by
-/// the radius, at several radii: a number that no similarity changes.
+/// For each sample, its height along its normal above the mean of the samples around it, divided by the
+/// radius, at several radii. No similarity changes these numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Relief {
     heights: Vec<[f64; LEVELS]>,
@@ -45,21 +47,21 @@ impl Relief {
                         *weight += w;
                     }
                 }
-                // A sample is in its own surroundings: the weights are at least 1.
+                // A sample belongs to its own surroundings: the weights are at least 1.
                 std::array::from_fn(|level| sums[level].0 / sums[level].1 / radius(level))
             })
             .collect();
         Self { heights }
     }
 
-    /// The height of a sample above what is within about `around` of it.
+    /// The height of a sample above the surface within about `around` of it.
     pub fn height(&self, sample: usize, around: f64) -> f64 {
         let level = (2.0 * (around / RADIUS).log2()).round() + (LEVELS / 2) as f64;
         self.heights[sample][(level.max(0.0) as usize).min(LEVELS - 1)]
     }
 }
 
-/// Pearson's correlation of pairs, gathered one by one.
+/// Pearson's correlation of pairs that are added one by one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Correlation {
     count: f64,
@@ -80,12 +82,12 @@ impl Correlation {
         self.xy += x * y;
     }
 
-    /// In [−1, 1]; 0 where one side is constant.
+    /// The correlation, in [−1, 1]; 0 if one side is constant.
     pub fn value(&self) -> f64 {
         let n = self.count.max(1.0);
         let (vx, vy) = (self.xx - self.x * self.x / n, self.yy - self.y * self.y / n);
         let size = (vx.max(0.0) * vy.max(0.0)).sqrt();
-        // Heights of 1e-4 of the radius are those of the sampling.
+        // Heights of 1e-4 of the radius come from the sampling.
         if size > 1e-8 * n { ((self.xy - self.x * self.y / n) / size).clamp(-1.0, 1.0) } else { 0.0 }
     }
 }

@@ -38,7 +38,7 @@ pub(crate) fn spread(surface: &UnitSurface, count: usize, seed: u64) -> Vec<Samp
         }
         before += area;
     }
-    // File order runs along the surface; a shuffled list is a fair sample at any length.
+    // The file's order runs along the surface. Shuffled, every prefix of the list is a fair sample.
     for i in (1..samples.len()).rev() {
         samples.swap(i, rng.random_range(0..=i));
     }

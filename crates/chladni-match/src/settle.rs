@@ -1,5 +1,5 @@
-//! The last step onto the template at full resolution: displacements smoothed by the shape's
-//! cotangent Laplacian.
+//! The last step onto the template, at full resolution: displacements smoothed by the cotangent Laplacian
+//! of the shape.
 
 use crate::bend::pulls;
 use crate::laplacian::Laplacian;
@@ -9,8 +9,8 @@ use crate::{MatchError, Similarity};
 use chladni_task::Task;
 use glam::DVec3;
 
-/// Draws the bent shape onto the aligned template, smoothing over ever shorter lengths (shares of the
-/// diagonal). Parts that the template lacks stay where the bending put them.
+/// Draws the bent shape onto the aligned template, smoothing over shorter and shorter lengths (shares of
+/// the diagonal). Parts that the template lacks stay where bending put them.
 pub(crate) fn settle(
     shape: &UnitSurface,
     partners: &Partners,

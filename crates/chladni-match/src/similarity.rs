@@ -1,4 +1,4 @@
-//! Similarities x ↦ s R x + t, and the best one between paired points.
+//! Similarities x ↦ s R x + t, and the best one between pairs of points.
 
 use chladni_mesh::symmetric_eigen;
 use glam::{DMat3, DVec3};
@@ -16,7 +16,7 @@ pub struct Similarity {
     pub translation: [f64; 3],
 }
 
-/// Whether a fit may change size.
+/// Whether a fit may change the size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scaling {
@@ -47,19 +47,19 @@ impl Similarity {
         self.rotation_matrix() * point * self.scale + DVec3::from_array(self.translation)
     }
 
-    /// s R x + t.
+    /// Computes s R x + t.
     pub fn apply(&self, point: [f64; 3]) -> [f64; 3] {
         self.at(DVec3::from_array(point)).to_array()
     }
 
-    /// The similarity that undoes this one.
+    /// The inverse similarity.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation_matrix().transpose();
         let scale = 1.0 / self.scale;
         Self::new(scale, rotation, rotation * DVec3::from_array(self.translation) * -scale)
     }
 
-    /// First `self`, then `next`.
+    /// The composition: first `self`, then `next`.
     pub fn then(&self, next: &Self) -> Self {
         Self::new(
             self.scale * next.scale,
@@ -79,11 +79,11 @@ impl Similarity {
 
     /// The similarity that minimizes Σ w ‖s R from + t − to‖² (Umeyama, PAMI 1991).
     ///
-    /// R is found as the leading eigenvector of Horn's quaternion matrix (JOSA A 1987), which
-    /// is the proper rotation of Umeyama's SVD solution. Weights are ≥ 0; none means all 1.
+    /// R is found from the leading eigenvector of Horn's quaternion matrix (JOSA A 1987), which gives the
+    /// proper rotation of Umeyama's SVD solution. Weights are ≥ 0; without weights, all are 1.
     ///
     /// # Errors
-    /// Fewer than three pairs, lists of different lengths, or points in one line.
+    /// Fewer than three pairs, lists of different lengths, or points on one line.
     pub fn fit(
         from: &[[f64; 3]],
         to: &[[f64; 3]],
@@ -113,12 +113,12 @@ impl Similarity {
         fit_pairs(pairs, scaling)
     }
 
-    /// [`fit`](Self::fit) that is robust against wrong pairs: iteratively reweighted with Tukey's biweight on
-    /// a scale estimated from the median residual, starting from the best of the fits to random triples
-    /// (`seed`). Up to half of the pairs may be wrong.
+    /// A [`fit`](Self::fit) that is robust against wrong pairs, of which there may be up to a half:
+    /// iteratively reweighted least squares with Tukey's biweight on a scale estimated from the median
+    /// residual. It starts from the best of the fits to random triples (`seed`).
     ///
     /// # Errors
-    /// As [`fit`](Self::fit).
+    /// Those of [`fit`](Self::fit).
     pub fn fit_robust(
         from: &[[f64; 3]],
         to: &[[f64; 3]],
@@ -139,7 +139,7 @@ impl Similarity {
         for _ in 0..200 {
             let triple: [usize; 3] = std::array::from_fn(|_| rng.random_range(0..n));
             let (a, b) = (triple.map(|i| from[i]), triple.map(|i| to[i]));
-            // A collinear triple has no fit; another one will.
+            // A collinear triple has no fit: skip it.
             let Ok(candidate) = Self::fit(&a, &b, None, scaling) else { continue };
             let median = median(&mut residuals(&candidate));
             if median < best_median {
@@ -174,7 +174,7 @@ fn median(values: &mut [f64]) -> f64 {
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// [`Similarity::fit`] over (from, to, weight).
+/// [`Similarity::fit`] for pairs given as (from, to, weight).
 pub(crate) fn fit_pairs(
     pairs: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone,
     scaling: Scaling,
@@ -208,7 +208,7 @@ pub(crate) fn fit_pairs(
     ];
     let (values, vectors) = symmetric_eigen(horn);
     let size = (spread_a * spread_b).sqrt();
-    // Two equal leading eigenvalues: a whole circle of rotations fits equally well.
+    // If the two leading eigenvalues are equal, a whole circle of rotations fits equally well.
     if !(values[0] - values[1] > size * 1e-12) || !size.is_finite() {
         return Err(MatchError::Degenerate);
     }
@@ -224,7 +224,7 @@ pub(crate) fn fit_pairs(
     Ok(Similarity::new(scale, rotation, b0 - rotation * a0 * scale))
 }
 
-/// As [`fit_pairs`], with s given where `scale` is.
+/// Like [`fit_pairs`]; if `scale` is given, s has that value.
 pub(crate) fn fit_pairs_at(
     pairs: impl Iterator<Item = (DVec3, DVec3, f64)> + Clone,
     scale: Option<f64>,

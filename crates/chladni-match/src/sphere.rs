@@ -1,8 +1,8 @@
-//! A closed genus-0 mesh laid onto the unit sphere.
+//! Maps a closed genus-0 mesh to the unit sphere.
 //!
-//! Conformalized mean-curvature flow (Kazhdan, Solomon, Ben-Chen, *Can Mean-Curvature Flow be
-//! Modified to be Non-singular?*, SGP 2012): the stiffness stays that of the start while the
-//! masses follow the moving surface, and the limit is a conformal map onto a sphere.
+//! Conformalized mean-curvature flow (Kazhdan, Solomon, Ben-Chen, *Can Mean-Curvature Flow be Modified to
+//! be Non-singular?*, SGP 2012): the stiffness matrix stays that of the initial surface while the masses
+//! follow the moving one, and the limit is a conformal map to a sphere.
 
 use chladni_task::Task;
 use glam::DVec3;
@@ -11,10 +11,10 @@ use crate::closed::Closed;
 use crate::laplacian::Laplacian;
 use crate::{MatchError, Side};
 
-/// Steps of the flow at most.
+/// The largest number of steps of the flow.
 const STEPS: usize = 60;
 
-/// Unit vectors for the points of `closed`, every triangle facing outward.
+/// Unit vectors for the points of `closed`, such that every triangle faces outward.
 pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Vec<DVec3>, MatchError> {
     let laplacian = Laplacian::new(&closed.points, &closed.triangles);
     let mut x = closed.points.clone();
@@ -31,8 +31,8 @@ pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Ve
         normalize_area(&mut x, &closed.triangles);
         stage.advance(1);
         let (folds, uneven) = (folded(&x, closed).len(), unevenness(&x, &mass));
-        // The limit is a sphere only up to Möbius maps, and the discrete flow drifts along them: so keep the
-        // roundest surface without folds as seen from its center.
+        // The limit is a sphere only up to Möbius maps, and the discrete flow drifts along them. Keep the
+        // roundest surface without folds, as seen from its center.
         if (folds, uneven) < (best.0, best.1) {
             best = (folds, uneven, x.clone());
             stale = 0;
@@ -61,14 +61,14 @@ pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Ve
     Ok(x)
 }
 
-/// Mean deviation of the radius from its mean, relative.
+/// Mean deviation of the radius from its mean, relative to the mean.
 fn unevenness(x: &[DVec3], mass: &[f64]) -> f64 {
     let total: f64 = mass.iter().sum();
     let mean = x.iter().zip(mass).map(|(p, m)| p.length() * m).sum::<f64>() / total;
     x.iter().zip(mass).map(|(p, m)| m * (p.length() - mean).abs()).sum::<f64>() / (total * mean)
 }
 
-/// Centered at the area centroid, with total area 1.
+/// Moves the centroid of the area to the origin and scales the total area to 1.
 fn normalize_area(x: &mut [DVec3], triangles: &[[u32; 3]]) {
     let mass = masses(x, triangles);
     let area: f64 = mass.iter().sum();
@@ -89,7 +89,8 @@ fn masses(x: &[DVec3], triangles: &[[u32; 3]]) -> Vec<f64> {
     mass
 }
 
-/// Six times the signed volume of the triangle and the center: positive where it faces outward.
+/// Six times the signed volume of the tetrahedron of the triangle and the center: positive if the triangle
+/// faces outward.
 pub(crate) fn orientation([a, b, c]: [DVec3; 3]) -> f64 {
     a.dot(b.cross(c))
 }
@@ -100,7 +101,8 @@ fn folded(x: &[DVec3], closed: &Closed) -> Vec<usize> {
         .collect()
 }
 
-/// Moves the vertices of folded triangles, and ever more around them, to the mean of their neighbors.
+/// Moves the vertices of folded triangles, and more and more of those around them, to the mean of their
+/// neighbors.
 fn untangle(x: &mut [DVec3], closed: &Closed, laplacian: &Laplacian) {
     let mut active = vec![false; x.len()];
     for _ in 0..100 {
@@ -116,7 +118,7 @@ fn untangle(x: &mut [DVec3], closed: &Closed, laplacian: &Laplacian) {
         }
         for _ in 0..10 {
             for v in (0..x.len()).filter(|v| active[*v]) {
-                // Equal weights: the mean of the neighbors lies among them.
+                // With equal weights, the mean lies among the neighbors.
                 let sum: DVec3 = laplacian.row(v).iter().map(|(w, _)| x[*w as usize]).sum();
                 x[v] = sum.try_normalize().unwrap_or(x[v]);
             }
@@ -124,8 +126,8 @@ fn untangle(x: &mut [DVec3], closed: &Closed, laplacian: &Laplacian) {
     }
 }
 
-/// The Möbius map that puts the surface's center of area at the sphere's center (Baden, Crane,
-/// Kazhdan, *Möbius Registration*, SGP 2018), by Newton steps through inversions.
+/// Applies the Möbius map that moves the surface's centroid of area to the center of the sphere (Baden,
+/// Crane, Kazhdan, *Möbius Registration*, SGP 2018), by Newton steps through inversions.
 fn center(x: &mut [DVec3], closed: &Closed) {
     let area = masses(&closed.points, &closed.triangles);
     let total: f64 = area.iter().sum();

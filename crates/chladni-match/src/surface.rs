@@ -9,8 +9,8 @@ use glam::DVec3;
 
 use crate::{MatchError, Side};
 
-/// What all methods work on. Coordinates are centered at the area-weighted centroid and divided
-/// by the diagonal of the bounding box, so that lengths are shares of the diagonal.
+/// The surface that all methods work on. Coordinates are centered at the area-weighted centroid and divided
+/// by the diagonal of the bounding box: lengths are shares of the diagonal.
 #[derive(Clone, Debug)]
 pub(crate) struct UnitSurface {
     /// Area-weighted centroid, file units.
@@ -21,9 +21,9 @@ pub(crate) struct UnitSurface {
     pub points: Vec<DVec3>,
     /// Triangles of positive area over `points`.
     pub triangles: Vec<[u32; 3]>,
-    /// For each of `triangles` its index in the file.
+    /// For each of `triangles`, its index in the file.
     pub file_triangle: Vec<u32>,
-    /// For each of the n file vertices its welded vertex; `None` where no triangle uses it.
+    /// For each of the n file vertices, its welded vertex; `None` if no triangle uses it.
     pub point_of_vertex: Vec<Option<u32>>,
     /// Unit normals of `triangles`.
     pub triangle_normals: Vec<DVec3>,
@@ -33,9 +33,10 @@ pub(crate) struct UnitSurface {
     pub normals: Vec<DVec3>,
     /// A third of the area around each of `points`.
     pub areas: Vec<f64>,
-    /// Whether a vertex lies on an edge of one triangle only.
+    /// For each of `points`, whether it lies on an edge of only one triangle.
     pub boundary: Vec<bool>,
-    /// Component of each of `points`, numbered from 0 in order of first vertex.
+    /// The component of each of `points`; components are numbered from 0 in the order of their first
+    /// vertex.
     pub component: Vec<u32>,
     tree: TriangleTree,
     neighbours: Rows,
@@ -52,7 +53,7 @@ impl UnitSurface {
         let (mut triangle_normals, mut triangle_areas) = (Vec::new(), Vec::new());
         let mut areas = vec![0.0; points.len()];
         for &t in &welded.kept {
-            // `kept` names triangles whose corners all have a welded vertex.
+            // `kept` lists only triangles whose corners all have a welded vertex.
             let corners = mesh.triangles[t as usize].map(|v| welded.point_of_vertex[v as usize].unwrap_or(0));
             let [a, b, c] = corners.map(|v| points[v as usize]);
             let twice = (b - a).cross(c - a);
@@ -87,27 +88,27 @@ impl UnitSurface {
         })
     }
 
-    /// A file point in this surface's coordinates.
+    /// Converts a point of the file to this surface's coordinates.
     pub fn in_frame(&self, point: [f64; 3]) -> DVec3 {
         (DVec3::from_array(point) - self.center) / self.diagonal
     }
 
-    /// A point of this surface in the file's coordinates.
+    /// Converts a point of this surface to the file's coordinates.
     pub fn to_file(&self, point: DVec3) -> DVec3 {
         point * self.diagonal + self.center
     }
 
-    /// The closest point nearer than `reach`.
+    /// The closest point of the surface, if it is nearer than `reach`.
     pub fn closest(&self, query: DVec3, reach: f64) -> Option<Closest> {
         self.tree.closest(query.to_array(), reach)
     }
 
-    /// Area-weighted unit normals with the vertices at `points` (zero where the triangles cancel).
+    /// Area-weighted unit normals for vertices that lie at `points` (zero where the triangles cancel).
     pub fn normals_at(&self, points: &[DVec3]) -> Vec<DVec3> {
         normals(points, &self.triangles)
     }
 
-    /// How many components there are.
+    /// The number of components.
     pub fn components(&self) -> usize {
         self.component.iter().max().map_or(0, |c| *c as usize + 1)
     }
@@ -122,7 +123,7 @@ impl UnitSurface {
         self.neighbours.row(v)
     }
 
-    /// A point of this surface as one of the file's mesh.
+    /// Converts a point of this surface to a point of the file's mesh.
     pub fn in_file(&self, at: &SurfacePoint) -> SurfacePoint {
         SurfacePoint { triangle: self.file_triangle[at.triangle as usize], ..*at }
     }
@@ -190,7 +191,7 @@ fn check(mesh: &TriMesh, side: Side) -> Result<(), MatchError> {
 
 struct Welded {
     point_of_vertex: Vec<Option<u32>>,
-    /// One file vertex for each welded one.
+    /// For each welded vertex, one of its file vertices.
     file_vertex: Vec<u32>,
     /// Triangles with three distinct corners and some area.
     kept: Vec<u32>,

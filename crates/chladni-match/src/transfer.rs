@@ -1,30 +1,32 @@
-//! Moving what makes two shapes differ onto a third.
+//! Transfers the difference between two shapes to a third.
 
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
 use crate::{Correspondence, MatchError, MatchReport, MatchSettings, infilled, match_shapes};
 
-/// A difference, such as an expression or a caricature, on another shape.
+/// A shape to which a difference, such as an expression or a caricature, was transferred.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Transfer {
-    /// Where the n vertices of the target go, in its own coordinates.
+    /// The new positions of the n vertices of the target, in its own coordinates.
     pub positions: Vec<[f64; 3]>,
-    /// How far to trust the match of each with the neutral shape, in [0, 1].
+    /// The confidence in each vertex's match with the neutral shape, in [0, 1].
     pub confidence: Vec<f64>,
     /// How well the target and the neutral shape match.
     pub report: MatchReport,
 }
 
-/// Moves the difference between `neutral` and `expression` onto `target`.
+/// Transfers the difference between `neutral` and `expression` to `target`.
 ///
-/// Where the two have the same triangles, the difference is that of their vertices as they stand in their files, else
-/// that of a match, less position, pose and size. `target` is matched with `neutral` as `settings` say; each of its vertices
-/// takes the difference at its point of the neutral shape, turned and scaled by the similarity that brings the neutral
-/// shape to it. Where that match is not trusted, the difference is filled in from its surroundings ([`infilled`]).
+/// If `neutral` and `expression` have the same triangles, the difference is that of their vertices as
+/// stored in the files; otherwise it is that of a match, without the differences of position, pose and
+/// size. `target` is matched with `neutral` as `settings` say. Each vertex of `target` takes the difference
+/// at its point of the neutral shape, rotated and scaled by the similarity that brings the neutral shape to
+/// the target. Where that match is not trusted, the difference is filled in from its surroundings
+/// ([`infilled`]).
 ///
 /// # Errors
-/// As [`match_shapes`].
+/// Those of [`match_shapes`].
 pub fn transfer(
     neutral: &TriMesh,
     expression: &TriMesh,
@@ -53,7 +55,8 @@ pub fn transfer(
     Ok(Transfer { positions, confidence: direct.confidence, report: found.report })
 }
 
-/// What each vertex of `neutral` does to become `expression`, in the coordinates of `neutral`.
+/// The displacement of each vertex of `neutral` that makes it `expression`, in the coordinates of
+/// `neutral`.
 fn difference(
     neutral: &TriMesh,
     expression: &TriMesh,
@@ -64,7 +67,7 @@ fn difference(
     if neutral.triangles == expression.triangles && neutral.positions.len() == expression.positions.len() {
         return Ok(neutral.positions.iter().zip(&expression.positions).map(less).collect());
     }
-    // Landmarks are pairs of the target and the neutral shape.
+    // The given landmarks are pairs of the target and the neutral shape.
     let settings = MatchSettings { landmarks: Vec::new(), ..settings.clone() };
     let found = match_shapes(neutral, expression, &settings, task)?;
     let target =
@@ -78,7 +81,7 @@ mod tests {
     use crate::Method;
     use chladni_mesh::samples::sample;
 
-    /// A grimace: what is in front goes down and out, the more the farther forward.
+    /// A grimace: the front of the face moves down and out, and parts farther forward move more.
     fn grimace(p: &[f64; 3]) -> [f64; 3] {
         let front = ((p[2] - 0.3) / 0.5).clamp(0.0, 1.0);
         let below = ((-0.3 - p[1]) / 0.4).clamp(0.0, 1.0);
@@ -97,7 +100,7 @@ mod tests {
     fn of_the_same_triangles_the_answer_is_exact_in_any_pose_and_size() {
         let neutral = sample("template").unwrap();
         let expression = moved(&neutral);
-        // The target: the neutral head, three times as large and turned on its side.
+        // The target is the neutral head, three times as large and turned on its side.
         let pose = |p: &[f64; 3]| [3.0 * p[1] + 5.0, -3.0 * p[0], 3.0 * p[2] - 1.0];
         let posed =
             |mesh: &TriMesh| TriMesh { positions: mesh.positions.iter().map(pose).collect(), ..mesh.clone() };

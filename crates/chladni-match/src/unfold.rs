@@ -1,5 +1,5 @@
-//! Takes folds out of a projection: where triangles turned over, their vertices are spread
-//! between their neighbors on the template.
+//! Removes folds from a projection: the vertices of triangles that are turned over are spread between their
+//! neighbors on the template.
 
 use chladni_mesh::surface::Closest;
 use chladni_task::Task;
@@ -10,21 +10,21 @@ use crate::MatchError;
 use crate::partners::Partners;
 use crate::surface::UnitSurface;
 
-/// Rounds at most.
+/// The largest number of rounds.
 const ROUNDS: usize = 40;
-/// Sweeps over the vertices of a round.
+/// Sweeps over the vertices in each round.
 const SWEEPS: usize = 4;
-/// Rings of vertices around a fold that move with it: one more each time this many rounds have passed.
+/// After each such number of rounds, one more ring of vertices around a fold moves with it.
 const ROUNDS_PER_RING: usize = 6;
 
-/// Whether a triangle looks away from `up`, the sum of the template's normals at its corners.
+/// Whether a triangle faces away from `up`, the sum of the template's normals at its corners.
 pub(crate) fn turned_over([x, y, z]: [DVec3; 3], up: DVec3) -> bool {
     (y - x).cross(z - x).dot(up) < 0.0
 }
 
-/// Moves the points of vertices at folds, and ever more around those that stay, to the mean of
-/// their neighbors' points, on the template and facing as the neighbors' do. Vertices in
-/// `fixed` stay. Each component of the shape keeps the state in which it had the fewest folds.
+/// Moves the points of vertices at folds to the mean of their neighbors' points, on the template and facing
+/// as the neighbors' points do; around folds that stay, more and more vertices are moved. Vertices in
+/// `fixed` do not move. Each component of the shape keeps the state in which it had the fewest folds.
 pub(crate) fn unfold(
     shape: &UnitSurface,
     partners: &Partners,
@@ -64,7 +64,7 @@ pub(crate) fn unfold(
     Ok(())
 }
 
-/// The template's point closest to the mean of those of a vertex's neighbors.
+/// The point of the template closest to the mean of the points of a vertex's neighbors.
 fn between_neighbours(shape: &UnitSurface, partners: &Partners, at: &[Closest], v: u32) -> Option<Closest> {
     let (mut sum, mut looking) = (DVec3::ZERO, DVec3::ZERO);
     let neighbours = shape.neighbours(v as usize);
@@ -88,7 +88,7 @@ fn folded(shape: &UnitSurface, template: &UnitSurface, at: &[Closest]) -> Vec<u3
     (0..shape.triangles.len() as u32).into_par_iter().filter(turned).collect()
 }
 
-/// How many of `triangles` each component has.
+/// The number of `triangles` in each component.
 fn per_component(shape: &UnitSurface, triangles: &[u32]) -> Vec<usize> {
     let mut count = vec![0; shape.components()];
     for t in triangles {
@@ -97,7 +97,7 @@ fn per_component(shape: &UnitSurface, triangles: &[u32]) -> Vec<usize> {
     count
 }
 
-/// The vertices of `triangles` and those within `rings` edges of them, in order.
+/// The vertices of `triangles` and those within `rings` edges of them, ascending.
 fn around(shape: &UnitSurface, triangles: &[u32], rings: usize) -> Vec<u32> {
     let mut inside = vec![false; shape.points.len()];
     let mut reached: Vec<u32> = Vec::new();

@@ -1,4 +1,4 @@
-//! Whatever comes in, what comes out is finite or an error.
+//! Any input must give finite numbers or an error.
 
 use chladni_match::{
     Correspondence, Ellipsoid, Landmark, MatchError, MatchReport, MatchSettings, Method, Scaling, Side,
@@ -38,7 +38,7 @@ fn check_report(report: &MatchReport) {
     }
 }
 
-/// A soup of triangles, some flat, some repeated, of any size and place.
+/// Unconnected triangles of any size and place, some flat, some repeated.
 fn soup() -> impl Strategy<Value = TriMesh> {
     let coordinate = prop_oneof![-1.0..1.0f64, Just(0.0), Just(1.0)];
     (
@@ -92,7 +92,7 @@ proptest! {
     }
 }
 
-/// Three thousand triangles, none of which touches another.
+/// Three thousand triangles that do not touch each other.
 fn confetti() -> TriMesh {
     mesh(
         (0..3000)
@@ -131,7 +131,7 @@ fn confetti_and_a_template_in_two_places_give_finite_numbers() {
     }
 }
 
-/// The vertex that reaches farthest along a direction.
+/// The vertex that is farthest along a direction.
 fn extreme(mesh: &TriMesh, along: [f64; 3]) -> u32 {
     let reach = |p: &[f64; 3]| (0..3).map(|i| p[i] * along[i]).sum::<f64>();
     let farthest = mesh.positions.iter().enumerate().max_by(|a, b| reach(a.1).total_cmp(&reach(b.1)));
@@ -166,7 +166,7 @@ fn swapped_and_senseless_landmarks_are_said_to_be_so() {
             assert_eq!(doubts, doubted, "{method:?}: {:?}", found.report.warnings);
         }
     }
-    // Three on one spot of the template do not say how it is turned.
+    // Three landmarks at one spot of the template do not determine its rotation.
     let s =
         MatchSettings { landmarks: pairs(&[(nose, top), (nape, top), (left, top)]), ..settings(Method::Fit) };
     let failed = match_shapes(&ball, &ball, &s, &Task::new());

@@ -1,4 +1,4 @@
-//! Symmetric heads: the similarity of a fit keeps their common mirror plane, however much they differ.
+//! Symmetric heads: the similarity of a fit must keep their common mirror plane, however much they differ.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -17,8 +17,8 @@ fn posed(mesh: &TriMesh, scale: f64) -> TriMesh {
     TriMesh { positions: mesh.positions.iter().map(|p| pose(*p)).collect(), ..mesh.clone() }
 }
 
-/// The largest distance at which the similarity `found` leaves a point of the mesh `of` from where that lay before it was
-/// `posed`, along x alone or in any direction; a share of the height, 2.5.
+/// The largest distance by which the similarity `found` misses the original position of a point of the mesh
+/// `of`, which was `posed`, measured along the axes `along`; a share of the height, 2.5.
 fn off(of: &TriMesh, posed: &TriMesh, found: &Similarity, along: &[usize]) -> f64 {
     let pairs = posed.positions.iter().zip(&of.positions);
     let far = pairs.map(|(posed, known)| {
@@ -41,7 +41,8 @@ fn a_head_finds_itself_where_it_was_put() {
     }
 }
 
-/// Broad and narrow: what aligns them first lays one side of each on the other, up to 8 % beside the middle.
+/// A broad and a narrow head: the first alignment puts one side of each on the other, up to 8 % off the
+/// middle.
 #[test]
 fn heads_as_different_as_broad_and_narrow_lie_on_each_other_and_not_to_one_side() {
     for (shape, other) in
@@ -51,7 +52,7 @@ fn heads_as_different_as_broad_and_narrow_lie_on_each_other_and_not_to_one_side(
         let template = posed(&other, 1.0);
         let settings = MatchSettings { scaling: Scaling::Rigid, ..MatchSettings::default() };
         let found = match_shapes(&shape, &template, &settings, &Task::new()).unwrap();
-        // Both are symmetric in x, so that only y and z may move.
+        // Both are symmetric in x: only y and z may move.
         let off = off(&other, &template, &found.correspondence.similarity, &[0]);
         println!("off by {off:.4} of the height to one side");
         assert!(off < 0.008, "{off}");

@@ -1,4 +1,4 @@
-//! Which pose is found, and whether another one is said to fit as well.
+//! Which pose is found, and when another one is reported to fit as well.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -71,13 +71,13 @@ fn egg(nose: f64, ear: f64, width: f64) -> TriMesh {
 
 #[test]
 fn a_nose_and_an_ear_settle_what_the_egg_leaves_open() {
-    // Of different people: neither is a similar copy of the other.
+    // Two different people: neither is a similar copy of the other.
     let found = icp(&egg(0.3, 0.25, 0.85), &egg(0.22, 0.3, 0.9));
     assert!(!found.report.near_tie, "{:?}", found.report);
     let turn = found.correspondence.similarity.rotation;
     let trace: f64 = (0..3).map(|i| turn[i][i]).sum();
     assert!(trace > 2.9, "not turned: {turn:?}");
-    // Without them three half-turns are as good as none.
+    // Without nose and ear, three half-turns fit equally well.
     assert!(icp(&egg(0.0, 0.0, 0.85), &egg(0.0, 0.0, 0.9)).report.near_tie);
 }
 

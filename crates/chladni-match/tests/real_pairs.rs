@@ -1,4 +1,4 @@
-//! Real heads and animals, where the shared data is at hand.
+//! Matches of real heads and animals; needs the shared data.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -110,7 +110,7 @@ fn a_man_becomes_a_lion_without_tears() {
     }
     let flipped = found.report.flipped_triangles as f64 / found.report.triangles as f64;
     assert!(flipped < 0.03, "{flipped}");
-    // Continuous: no edge of the man is torn across the lion.
+    // Continuity: no edge of the man is torn across the lion.
     let torn = man
         .triangles
         .iter()

@@ -1,4 +1,4 @@
-//! The settings of a match: the same vertices, sizes that count, and what is done where it is not trusted.
+//! The settings of a match: same connectivity, fixed size, and filling in where the match is not trusted.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -31,12 +31,12 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 fn the_same_vertices_are_told_by_their_triangles() {
     let shape = lump(2);
     let matched = |template: &TriMesh| same_connectivity(&shape, template, Scaling::Free);
-    // Listed in another order, and every triangle from another corner on.
+    // The triangles in another order, each beginning with another corner.
     let mut reordered = moved(&shape, |p| p.map(|c| 3.0 * c));
     reordered.triangles.reverse();
     reordered.triangles.iter_mut().for_each(|t| t.rotate_left(1));
     assert_eq!(matched(&reordered).unwrap().confidence, vec![1.0; shape.positions.len()]);
-    // As many vertices, but another mesh: its vertices in another order.
+    // The same number of vertices, but in another order: another mesh.
     let n = shape.positions.len() as u32;
     let mut other = shape.clone();
     other.positions.reverse();
@@ -72,10 +72,10 @@ fn a_size_that_is_kept_is_a_difference() {
         let (free, rigid) = (at(Scaling::Free), at(Scaling::Rigid));
         let scale = free.correspondence.similarity.scale;
         assert!((scale - 1.0 / 1.2).abs() < 0.02, "{method:?}: {scale}");
-        // Exactly, but for what a turn is rounded by.
+        // Exact up to the rounding of the rotation.
         let scale = rigid.correspondence.similarity.scale;
         assert!((scale - 1.0).abs() < 1e-12, "{method:?}: {scale}");
-        // Turned back onto the shape; by closest points alone a larger lump may lie otherwise.
+        // Turned back onto the shape. By closest points alone, a larger lump may fit in another pose.
         let turn = rigid.correspondence.similarity.rotation;
         let back = (turn[0][1] - 1.0).abs() < 0.05 && (turn[1][0] + 1.0).abs() < 0.05;
         assert!(back || (landmarks.is_empty() && method != Method::Same), "{method:?}: {turn:?}");
@@ -90,7 +90,7 @@ fn a_size_that_is_kept_is_a_difference() {
     assert!(found.report.warnings.iter().any(|w| w.contains("1000.0 times smaller")), "{:?}", found.report);
 }
 
-/// A head whose template lacks the lower third: nothing there has a partner.
+/// A head whose template lacks the lower third, where nothing has a counterpart.
 #[test]
 fn what_the_template_lacks_goes_on_as_its_surroundings_do() {
     let shape = lump(4);
@@ -105,8 +105,8 @@ fn what_the_template_lacks_goes_on_as_its_surroundings_do() {
     let found = match_shapes(&shape, &cut, &settings, &Task::new()).unwrap().correspondence;
     let filled = infilled(&shape, &found).unwrap().unwrap();
     assert!((0.05..0.5).contains(&filled.share), "{}", filled.share);
-    // Nearer to the true difference, no longer as long as the way to the edge. What the fit dragged over the
-    // edge remains.
+    // The result is nearer to the true difference than the raw match, which is as long as the distance to
+    // the edge. What the fit dragged over the edge remains.
     let farthest = |points: &[[f64; 3]]| {
         let below = shape.positions.iter().zip(points).filter(|(p, _)| p[2] < -0.55);
         below.map(|(p, q)| distance(p, q)).fold(0.0, f64::max)

@@ -1,24 +1,24 @@
-//! Every knob and switch of the instrument, by name and range: what a slider, a MIDI
-//! controller or an OSC message turns.
+//! All knobs and switches of the instrument, with names and ranges. Sliders, MIDI controllers and OSC
+//! messages turn them.
 
 use chladni_synth::FrameSettings;
 use serde::{Deserialize, Serialize};
 
 use crate::{Choir, Form, MusicError, Playing, Settings, Timbre};
 
-/// A number that can be turned.
+/// A number that a knob sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parameter {
     /// w: the share of the spectrum that remains after 50 ms.
     Decay,
-    /// What the side signal is multiplied by.
+    /// The factor by which the side signal is multiplied.
     SideGain,
-    /// #ω, rounded.
+    /// #ω, the number of bands; rounded.
     Bands,
     /// Overall strength of the movement.
     Gain,
-    /// Share of the bounding box that a full-scale band moves the shape at gain 1.
+    /// Share of the bounding box by which a full-scale band moves the shape at gain 1.
     Calibration,
     /// Largest displacement of a vertex, as a share of the bounding box.
     Limit,
@@ -26,36 +26,36 @@ pub enum Parameter {
     Detail,
     /// 0: exact normals; 1: halfway to the rest normals, the paper's "normal enhancement".
     NormalBlending,
-    /// Beats that a change on stage takes.
+    /// How many beats a change on stage takes.
     TransitionBeats,
-    /// Beats between two favorites when the beat steps through them, rounded.
+    /// The number of beats between two favorites when the beat steps through them; rounded.
     BeatsPerStep,
     /// How far the beat turns the model, in radians.
     TurnRad,
     /// How far the beat moves the lights, in radians.
     LightSwingRad,
-    /// How much brighter the lights are on the beat.
+    /// How much brighter the lights become on the beat.
     LightPulse,
-    /// μ of all dances, while [`Switch::OwnMu`] is off.
+    /// μ of all dances while [`Switch::OwnMu`] is off.
     StereoMu,
-    /// ζ of the resonators: how soon they come to rest.
+    /// ζ of the resonators: the larger, the sooner they come to rest.
     Damping,
-    /// The frequency of the slowest harmonic.
+    /// The frequency of the slowest harmonic, in Hz.
     TuningHz,
-    /// How much faster finer harmonics are: √λ to this power.
+    /// How much faster finer harmonics ring: frequencies are proportional to √λ to this power.
     Stretch,
-    /// How hard a rise of the sound strikes.
+    /// How strongly a rise of the sound strikes a harmonic.
     Strike,
     /// How far a steady sound displaces a harmonic.
     Hold,
-    /// Grains of sand on the shape, rounded.
+    /// The number of grains of sand on the shape; rounded.
     Grains,
     /// Radius of a grain, as a share of the bounding box's diagonal.
     GrainSize,
 }
 
 impl Parameter {
-    /// All of them.
+    /// All parameters.
     pub const ALL: [Self; 21] = [
         Self::Decay,
         Self::SideGain,
@@ -80,7 +80,7 @@ impl Parameter {
         Self::GrainSize,
     ];
 
-    /// Those that change how one dance looks, wherever it is danced.
+    /// The parameters that change how one dance looks, on any stage.
     const OF_A_DANCE: [Self; 14] = [
         Self::Decay,
         Self::SideGain,
@@ -98,12 +98,12 @@ impl Parameter {
         Self::Hold,
     ];
 
-    /// Its name in session files, MIDI maps and OSC addresses.
+    /// The name in session files, MIDI maps and OSC addresses.
     pub fn name(self) -> &'static str {
         self.row().0
     }
 
-    /// Lowest and highest value.
+    /// The lowest and the highest value.
     pub fn range(self) -> (f32, f32) {
         (self.row().1, self.row().2)
     }
@@ -113,8 +113,8 @@ impl Parameter {
         self.row().3
     }
 
-    /// The value at a share of the way in [0, 1]: even steps, or even factors where the range
-    /// spans more than three powers of ten.
+    /// The value at a share of the range in [0, 1]: in even steps, or in even factors if the range spans
+    /// more than three powers of ten.
     pub fn at_share(self, share: f32) -> f32 {
         let (low, high) = self.range();
         let share = share.clamp(0.0, 1.0);
@@ -123,7 +123,7 @@ impl Parameter {
         value.clamp(low, high)
     }
 
-    /// The share of the way at which [`at_share`](Self::at_share) gives `value`.
+    /// The share at which [`at_share`](Self::at_share) gives `value`.
     pub fn share(self, value: f32) -> f32 {
         let (low, high) = self.range();
         let even_factors = low > 0.0 && high / low > 1000.0;
@@ -169,27 +169,27 @@ pub enum Switch {
     BeatLights,
     /// The beat steps to the next favorite.
     BeatSteps,
-    /// Left and right are exchanged.
+    /// Left and right are swapped.
     FlipSides,
     /// At most three flashes a second (on unless switched off).
     FlashLimit,
-    /// Sound bands lie in equal steps of pitch rather than of frequency.
+    /// Sound bands have equal steps of pitch instead of frequency.
     LogBands,
-    /// Each dance has a μ of its own; else all have [`Parameter::StereoMu`].
+    /// Each dance has its own μ; otherwise all have [`Parameter::StereoMu`].
     OwnMu,
-    /// Harmonics ring as damped oscillators that the sound strikes; else they follow its level.
+    /// Harmonics ring as damped oscillators that the sound strikes; otherwise they follow its level.
     Resonate,
-    /// Breeding shows children that look different and are like those chosen so far; else whatever the
-    /// paper's breeding gives.
+    /// Breeding shows children that look different from each other and similar to those chosen so far;
+    /// otherwise the paper's breeding shows all of its children.
     Suggest,
     /// Sand lies on the shape that is on stage.
     Sand,
-    /// On stage the camera chooses its shots.
+    /// The camera chooses its own shots on stage.
     Camera,
 }
 
 impl Switch {
-    /// All of them.
+    /// All switches.
     pub const ALL: [Self; 11] = [
         Self::BeatTurns,
         Self::BeatLights,
@@ -204,10 +204,10 @@ impl Switch {
         Self::Camera,
     ];
 
-    /// Those that change how one dance looks, wherever it is danced.
+    /// The switches that change how one dance looks, on any stage.
     const OF_A_DANCE: [Self; 4] = [Self::FlipSides, Self::LogBands, Self::OwnMu, Self::Resonate];
 
-    /// Its name in session files and OSC addresses.
+    /// The name in session files and OSC addresses.
     pub fn name(self) -> &'static str {
         match self {
             Self::BeatTurns => "beat-turns",
@@ -225,16 +225,16 @@ impl Switch {
     }
 }
 
-/// Where all knobs and switches stand.
+/// The positions of all knobs and switches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     values: [f32; Parameter::ALL.len()],
     on: [bool; Switch::ALL.len()],
     /// Filter, modal or half-mask.
     pub form: Form,
-    /// Which harmonics may sound.
+    /// Which harmonics may move.
     pub choir: Choir,
-    /// Harmonics in use; `None` is all.
+    /// The number of harmonics in use; `None` for all.
     pub harmonics: Option<u32>,
 }
 
@@ -251,18 +251,18 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// How shapes are made from the items that these play.
+    /// The settings for synthesizing shapes from the items that these parameters play.
     pub fn frame_settings(&self) -> FrameSettings {
-        // Full blending is the paper's: the mean of the exact and the rest normal.
+        // Blending at full strength is the paper's: the mean of the exact and the rest normal.
         FrameSettings { normal_blending: 0.5 * self.get(Parameter::NormalBlending) }
     }
 
-    /// Where a knob stands.
+    /// The value of a knob.
     pub fn get(&self, parameter: Parameter) -> f32 {
         self.values[parameter as usize]
     }
 
-    /// Turns a knob; errors outside its range.
+    /// Sets a knob.
     ///
     /// # Errors
     /// A value out of the knob's [range](Parameter::range).
@@ -286,7 +286,7 @@ impl Parameters {
         self.on[switch as usize] = on;
     }
 
-    /// The part that players need.
+    /// The parameters that players need.
     pub fn playing(&self) -> Playing {
         Playing {
             form: self.form,
@@ -302,7 +302,7 @@ impl Parameters {
         }
     }
 
-    /// Where everything stands.
+    /// All settings.
     pub fn settings(&self) -> Settings {
         self.some(&Parameter::ALL, &Switch::ALL)
     }
@@ -322,10 +322,10 @@ impl Parameters {
         }
     }
 
-    /// Applies `settings`; what they do not name stays. On error nothing changes.
+    /// Applies `settings`. Settings that they do not name stay. After an error nothing has changed.
     ///
     /// # Errors
-    /// A setting out of its range.
+    /// A setting outside its range.
     pub fn apply(&mut self, settings: &Settings) -> Result<(), MusicError> {
         settings.validate()?;
         self.form = settings.form.unwrap_or(self.form);

@@ -1,4 +1,4 @@
-//! Presets: one dance as a small text file that plays on any shape.
+//! Presets: one dance as a small text file that can be played on any shape.
 
 use std::path::Path;
 
@@ -8,33 +8,33 @@ use crate::gallery::{GalleryItem, GalleryShape};
 use crate::text_file::{self, FORMAT_VERSION};
 use crate::{Instrument, Mapping, MusicError, Origin, Settings};
 
-/// Wavelengths that differ by less than this count as equal: solves with different K agree this closely.
+/// Wavelengths with a smaller relative difference count as equal: solves with different K agree to this.
 const SAME_WAVE: f32 = 1e-3;
 
-/// A mapping with a name, the wavelengths that it is meant for, and the knobs that change its look:
-/// plays on any shape, with any number of harmonics.
+/// A mapping with a name, the wavelengths of its harmonics, and the knobs that change its look. It can be
+/// played on any shape, with any number of harmonics.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preset {
-    /// The file format version; 1 has no wavelengths.
+    /// The version of the file format; version 1 has no wavelengths.
     pub format_version: u32,
-    /// What it is called.
+    /// The name of the preset.
     pub name: String,
-    /// Words to find it by.
+    /// Keywords to find it by.
     #[serde(default)]
     pub tags: Vec<String>,
-    /// The seed of the session it comes from.
+    /// The seed of the session from which it comes.
     pub seed: u64,
-    /// How the item came to be, then how its ancestors did, each named by id; newest first.
+    /// The origin of the item, then those of its ancestors, each with its id; newest first.
     #[serde(default)]
     pub lineage: Vec<Ancestor>,
-    /// What it plays, on the harmonics that it was made on.
+    /// The mapping, for the harmonics on which it was made.
     pub mapping: Mapping,
-    /// How many waves of each of those harmonics fit into the length of the shape; ascending. Empty in
-    /// version 1, whose harmonics are shares of K.
+    /// For each of those harmonics, how many of its waves fit into the length of the shape; ascending.
+    /// Empty in version 1, in which harmonics are shares of K.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub waves_per_size: Vec<f32>,
-    /// The form and the knobs that change how it looks.
+    /// The form, and the knobs that change how the dance looks.
     #[serde(default, skip_serializing_if = "Settings::is_empty")]
     pub settings: Settings,
 }
@@ -44,21 +44,21 @@ pub struct Preset {
 pub struct Ancestor {
     /// Its id in the session.
     pub id: u32,
-    /// Its name there; may be empty.
+    /// Its name in the session; may be empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Whether it was edited by hand.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub edited: bool,
-    /// How it came to be.
+    /// Where it comes from.
     #[serde(flatten)]
     pub origin: Origin,
 }
 
-/// The longest lineage that is written.
+/// The longest lineage that is stored.
 const MAX_LINEAGE: usize = 256;
 
-/// How `item` came to be, then how its ancestors did, newest first; at most 256 of them.
+/// The origin of `item`, then those of its ancestors, newest first; at most 256 entries.
 pub fn lineage(instrument: &Instrument, item: &GalleryItem) -> Vec<Ancestor> {
     let mut lineage: Vec<Ancestor> = Vec::new();
     let mut queue = std::collections::VecDeque::from([item.id]);
@@ -80,7 +80,7 @@ pub fn lineage(instrument: &Instrument, item: &GalleryItem) -> Vec<Ancestor> {
 }
 
 impl Preset {
-    /// An item of an instrument as a preset, with its lineage.
+    /// Makes a preset of an item, with its lineage.
     pub fn of(instrument: &Instrument, item: &GalleryItem, tags: Vec<String>) -> Self {
         Self {
             format_version: FORMAT_VERSION,
@@ -97,8 +97,8 @@ impl Preset {
         }
     }
 
-    /// The mapping for a body: each driven harmonic becomes the one with the same wavelength relative to the
-    /// size. Waves finer than the finest of the body are silent.
+    /// The mapping for a body: each driven harmonic is replaced by the one with the same wavelength
+    /// relative to the size of the shape. Waves finer than the finest one of the body are muted.
     pub fn mapping_on(&self, shape: &GalleryShape) -> Mapping {
         let (there, here) = (&self.waves_per_size, shape.waves_per_size());
         let (Some(last_there), Some(top)) = (there.len().checked_sub(1), here.len().checked_sub(1)) else {
@@ -117,14 +117,14 @@ impl Preset {
         let transfer = transfer.collect();
         let a = self.mapping.amplification_on(there.len());
         let amplification = here.iter().enumerate().map(|(k, &wave)| {
-            // All finer waves map to the finest one, which is therefore muted.
+            // All finer waves are mapped to the finest harmonic, which is therefore muted.
             let muted = finer && k == top;
             harmonic_of(there, wave, k).filter(|_| !muted).map_or(0.0, |i| a[i])
         });
         Mapping { transfer, amplification: amplification.collect(), ..self.mapping.clone() }
     }
 
-    /// A warning for the user who opens it; only old files have one.
+    /// A warning for the user who opens the preset; only old files have one.
     pub fn caution(&self) -> Option<String> {
         self.waves_per_size.is_empty().then(|| {
             format!(
@@ -138,7 +138,8 @@ impl Preset {
     /// Reads the text of a preset file.
     ///
     /// # Errors
-    /// Text that is not a preset, with its line; a newer format version; a value out of its range.
+    /// Text that is not a preset (the error states the line), a newer format version, or a value out of its
+    /// range.
     pub fn from_text(text: &str) -> Result<Self, MusicError> {
         let version = text_file::version("preset", text)?;
         let mut preset: Self = text_file::parse("preset", text)?;
@@ -152,7 +153,7 @@ impl Preset {
     /// The text of a preset file.
     ///
     /// # Errors
-    /// Bugs only: every preset can be written.
+    /// None in practice: every preset can be written.
     pub fn to_text(&self) -> Result<String, MusicError> {
         text_file::print("preset", self)
     }
@@ -160,12 +161,12 @@ impl Preset {
     /// Reads a preset file of at most 16 MiB.
     ///
     /// # Errors
-    /// A file that cannot be read or is too large, and what [`from_text`](Self::from_text) refuses.
+    /// A file that cannot be read or is too large, and the errors of [`from_text`](Self::from_text).
     pub fn load(path: &Path) -> Result<Self, MusicError> {
         Self::from_text(&text_file::read(path, 16)?)
     }
 
-    /// Writes a preset file whole or not at all.
+    /// Writes a preset file, whole or not at all.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -189,12 +190,12 @@ impl Preset {
 }
 
 fn is_same_wave(a: f32, b: f32) -> bool {
-    // The wavelengths of constant harmonics are rounding noise.
+    // The wavelengths of constant harmonics are only rounding noise.
     (a - b).abs() <= SAME_WAVE * (1.0 + a.max(b))
 }
 
-/// The harmonic of `waves` whose wave is `wave`: number `k` if it agrees (which keeps the order of equal
-/// waves), else the nearest; `None` where all are longer.
+/// The harmonic of `waves` with the wave number `wave`: index `k` if it matches (which keeps the order of
+/// equal waves), otherwise the nearest one; `None` if all are longer.
 fn harmonic_of(waves: &[f32], wave: f32, k: usize) -> Option<usize> {
     if waves.get(k).is_some_and(|w| is_same_wave(*w, wave)) {
         return Some(k);

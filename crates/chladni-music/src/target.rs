@@ -1,12 +1,13 @@
-//! All that can be controlled, in one table: what a knob, a pad or an OSC message may turn, press or choose.
+//! A table of everything that can be controlled: what a knob, a pad or an OSC message may turn, press or
+//! choose.
 //!
-//! Addresses, what can be learned, and the page `docs/controls.md` come of it.
+//! OSC addresses, the targets that can be learned, and the page `docs/controls.md` are generated from it.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{Action, Choir, Form, Parameter, Parameters, Switch};
 
-/// What a control turns, presses or chooses.
+/// What a control may turn, press or choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the table says what they are")]
@@ -59,22 +60,22 @@ pub enum Target {
 /// How a target is controlled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// A number between two ends.
+    /// A number in a range.
     Level,
-    /// On or off; a press turns it over.
+    /// On or off; a press toggles it.
     Switch,
-    /// One of several, by number or name; a press takes the next.
+    /// One of several choices, by number or name; a press takes the next one.
     Choice,
-    /// Something done to a dance of the gallery, by its number; a press takes the one that is marked.
+    /// An action on a dance of the gallery, by its number; a press takes the dance that is marked.
     Dance,
-    /// Done when it is pressed.
+    /// An action that a press performs.
     Button,
 }
 
-/// Kind, name in files and addresses, and what it does.
+/// Target, kind, name in files and addresses, and description.
 type Row = (Target, Kind, &'static str, &'static str);
 
-/// All but the knobs and switches, which have tables of their own.
+/// All targets except the knobs and switches, which have tables of their own.
 const TABLE: [Row; 41] = [
     (Target::Harmonics, Kind::Level, "harmonics", "Harmonics in use"),
     (Target::Crossfade, Kind::Level, "crossfade", "From the dance on stage to the one that is next"),
@@ -120,14 +121,14 @@ const TABLE: [Row; 41] = [
 ];
 
 impl Target {
-    /// All of them: knobs, switches, then the rest.
+    /// All targets: knobs, switches, then the others.
     pub fn all() -> impl Iterator<Item = Self> {
         let knobs = Parameter::ALL.into_iter().map(Self::Parameter);
         let switches = Switch::ALL.into_iter().map(Self::Switch);
         knobs.chain(switches).chain(TABLE.iter().map(|row| row.0))
     }
 
-    /// Its name: what its OSC address ends with.
+    /// The name, with which its OSC address ends.
     pub fn name(self) -> &'static str {
         match self {
             Self::Parameter(parameter) => parameter.name(),
@@ -145,7 +146,7 @@ impl Target {
         }
     }
 
-    /// What it does, in a few words; empty for knobs and switches, whose names say it.
+    /// A short description; empty for knobs and switches, whose names describe them.
     pub fn about(self) -> &'static str {
         self.row().map_or("", |row| row.3)
     }
@@ -154,12 +155,13 @@ impl Target {
         TABLE.iter().find(|row| row.0 == self)
     }
 
-    /// The target of that name.
+    /// The target with that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|target| target.name() == name)
     }
 
-    /// Where it stands, in [0, 1], as far as the instrument knows: that of a choice is whether it is `number`, from 1.
+    /// The position of the target, in [0, 1], if the instrument knows it. For a choice, 1 if it is choice
+    /// `number` (from 1), otherwise 0.
     pub fn standing(self, number: Option<u32>, parameters: &Parameters) -> Option<f32> {
         let is = |at: Option<usize>| number.map(|n| f32::from(u8::from(at == (n as usize).checked_sub(1))));
         match self {
@@ -175,37 +177,37 @@ impl Target {
     }
 }
 
-/// Which one, or how far.
+/// Which choice or dance, or which level.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Which {
-    /// It was pressed: the next one, or the one that is marked.
+    /// A press: the next choice, or the dance that is marked.
     Press,
-    /// The one of this number, from 1.
+    /// The choice or dance with this number, from 1.
     Number(u32),
-    /// The one of this name.
+    /// The choice or dance with this name.
     Name(String),
-    /// To this level, in [0, 1].
+    /// This level, in [0, 1].
     Level(f32),
 }
 
-/// What a touch asks of the instrument or of the room around it.
+/// What a control asks of the instrument or of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cue {
     /// An action of the instrument.
     Do(Action),
-    /// What the room has to do.
+    /// A request to the window.
     Ask(Target, Which),
 }
 
 impl Cue {
-    /// What is asked of a target; the instrument's own targets become actions.
+    /// The cue for a target. Targets of the instrument give actions, all others give requests.
     pub fn of(target: Target, which: Which, parameters: &Parameters) -> Option<Self> {
         let action = match (target, &which) {
             (Target::Parameter(parameter), Which::Level(share)) => {
                 Action::Set { parameter, value: parameter.at_share(*share) }
             }
             (Target::Harmonics, Which::Level(share)) => {
-                // At least 2: 0 would mean all of them.
+                // At least 2, because 0 would mean all of them.
                 Action::SetHarmonics { harmonics: (MOST_HARMONICS * share).round().max(2.0) as u32 }
             }
             (Target::Switch(switch), Which::Press) => {
@@ -222,18 +224,18 @@ impl Cue {
     }
 }
 
-/// All forms by their names, in the order of their numbers.
+/// All forms with their names, in the order of their numbers.
 pub const FORMS: [(&str, Form); 3] =
     [("filter", Form::Filter), ("modal", Form::Modal), ("half-mask", Form::HalfMask)];
-/// All choirs by their names, in the order of their numbers.
+/// All choirs with their names, in the order of their numbers.
 pub const CHOIRS: [(&str, Choir); 3] =
     [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
-/// Harmonics at the top of a fader.
+/// The number of harmonics at the top of a fader.
 const MOST_HARMONICS: f32 = 512.0;
 
-/// The action that sets a knob, a switch or a choice by name, the same for OSC, scripts and the command line:
-/// knobs take their own units, switches `on`, `off` or a number, `form` and `choir` a name or a number from
-/// 0, `harmonics` how many are in use (0 is all).
+/// The action that sets a knob, a switch or a choice by name; the same for OSC, scripts and the command
+/// line. Knobs take a value in their own unit; switches `on`, `off` or a number; `form` and `choir` a name
+/// or a number from 0; `harmonics` the number in use (0 for all).
 pub fn setting(name: &str, value: &str) -> Option<Action> {
     let number = || value.parse::<f32>().ok().filter(|value| value.is_finite());
     if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == name) {
@@ -266,7 +268,7 @@ fn choice<T: Copy>(choices: &[(&str, T)], value: &str) -> Option<T> {
     named.or_else(|| choices.get(number()?)).map(|(_, choice)| *choice)
 }
 
-/// The choice after `now`, or the one that is asked for.
+/// The choice after `now`, or the one that `which` names.
 fn pick<T: Copy + PartialEq>(choices: &[(&str, T)], now: T, which: &Which) -> Option<T> {
     let at = match which {
         Which::Press => (choices.iter().position(|(_, choice)| *choice == now)? + 1) % choices.len(),
@@ -277,10 +279,10 @@ fn pick<T: Copy + PartialEq>(choices: &[(&str, T)], now: T, which: &Which) -> Op
     choices.get(at).map(|(_, choice)| *choice)
 }
 
-/// What an OSC message to one of this instrument's own addresses asks for, without any binding:
-/// `/chladni/NAME VALUE` is [`setting`] for knobs, switches, form, choir and harmonics. For other targets a level
-/// in [0, 1], a number from 1 or a name says which; `/chladni/NAME/WHICH` is the same. A value of 0 is the release of a
-/// button; a button without any value is pressed.
+/// The cue of an OSC message to one of the instrument's own addresses, which needs no binding.
+/// `/chladni/NAME VALUE` is [`setting`] for knobs, switches, form, choir and harmonics. For other targets
+/// the value says which one: a level in [0, 1], a number from 1, or a name; `/chladni/NAME/WHICH` means the
+/// same. A button is pressed by a message without a value, and a value of 0 releases it.
 pub fn osc_cue(
     address: &str,
     value: Option<f32>,
@@ -302,7 +304,7 @@ pub fn osc_cue(
     }
     let target = Target::named(name)?;
     let which = match (target.kind(), text, value) {
-        // Another value is none that a knob, a switch, a form or a choir has.
+        // Knobs, switches, forms and choirs take no other values.
         _ if setting(name, "0").is_some() && (text.is_some() || value.is_some()) => return None,
         (Kind::Level, _, Some(value)) => Which::Level(value.clamp(0.0, 1.0)),
         (Kind::Level, ..) => return None,
@@ -319,7 +321,7 @@ pub fn osc_cue(
     Cue::of(target, which, parameters)
 }
 
-/// The page of all controls, in Markdown.
+/// The page that lists all controls, in Markdown.
 pub fn controls_page() -> String {
     let mut page = String::from(
         "# Controls\n\n\

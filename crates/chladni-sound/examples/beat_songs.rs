@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         write(&format!("{}.beats", made.name), &made.beats_secs)?;
     }
     for (i, formed) in songs::formed().into_iter().enumerate() {
-        // In their order: each second one was held out.
+        // In their order of creation: every second one was held out.
         let name = format!("form-{i:02}-{}", formed.made.name);
         write_wav(&folder.join(format!("{name}.wav")), &formed.made.song, WavSample::Int16)?;
         write(&format!("{name}.beats"), &formed.made.beats_secs)?;

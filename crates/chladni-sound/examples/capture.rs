@@ -1,5 +1,5 @@
-//! Lists what can be listened to; with a name's beginning and seconds, listens and prints the
-//! loudest amplitude of either channel: `capture [NAME SECS]`.
+//! Without arguments, lists the sources that can be captured. With the beginning of a name and a number of
+//! seconds, captures and prints the loudest amplitude of each channel: `capture [NAME SECS]`.
 
 use chladni_sound::{Capture, capture_sources};
 use std::error::Error;

@@ -1,9 +1,9 @@
-//! Plays a song on the default device and tells how it went, as JSON lines.
+//! Plays a song on the default device and reports how it went, as JSON lines.
 //!
-//! `playback check SONG SECS` records the PulseAudio monitor `null.monitor` meanwhile and compares
-//! what came out with what was decoded; `playback watch SONG SECS` prints device and position;
-//! `playback disturb SONG SECS` pauses, goes on and changes the device all the time, and says how the
-//! position took it.
+//! `playback check SONG SECS` records the PulseAudio monitor `null.monitor` meanwhile and compares the
+//! recording with the decoded song. `playback watch SONG SECS` prints device and position. `playback
+//! disturb SONG SECS` repeatedly pauses, continues and changes the device, and reports the effect on the
+//! position.
 
 use std::error::Error;
 use std::io::{Read, Write};
@@ -48,7 +48,7 @@ fn watch(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A pause every half second, then a device that is not there and the usual one again, over and over.
+/// Pauses every half second, then selects a missing device and the usual one again, repeatedly.
 fn disturb(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
     let player = Player::start(PlayerSettings::default())?;
     player.play_list(vec![song]);
@@ -99,7 +99,7 @@ fn check(path: &Path, secs: f64) -> Result<(), Box<dyn Error>> {
     let mut recorded = recorder.stdout.take().ok_or("parec has no output")?;
     let mut bytes = Vec::new();
     let mut block = vec![0u8; 16_384];
-    // The recorder runs before the player does.
+    // The recorder starts before the player does.
     let got = recorded.read(&mut block)?;
     bytes.extend_from_slice(&block[..got]);
     let start = Instant::now();
@@ -148,15 +148,15 @@ fn check(path: &Path, secs: f64) -> Result<(), Box<dyn Error>> {
 struct Report {
     compared_secs: f64,
     relative_error: f64,
-    /// Least and median of what the player says less what the recorder has by then: the
-    /// recorder's own delay (10 ms asked) adds to it.
+    /// Smallest value and median of the player's position minus the recorder's; the recorder's own delay
+    /// (10 ms requested) is included.
     ahead_secs: (f64, f64),
 }
 
-/// Left channels only; the song repeats.
+/// Compares the left channels. The song repeats.
 fn compare(recorded: &[f32], truth: &Song, places: &[(usize, f64)]) -> Option<Report> {
     let song = &truth.left;
-    // A piece of the song with sound in it is looked for in the recording.
+    // A piece of the song that is not silent is searched for in the recording.
     let (from, len) = (RATE_HZ as usize, 4000);
     let piece = song.get(from..from + len)?;
     let error_at =

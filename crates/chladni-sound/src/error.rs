@@ -1,4 +1,4 @@
-//! What can go wrong with sound.
+//! The errors of this crate.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SoundError {
-    /// The operating system would not let us read.
+    /// The operating system refused to let the file be read.
     #[error("{name}: cannot be read: {source}")]
     Read {
         /// The file, as the caller named it.
@@ -15,7 +15,7 @@ pub enum SoundError {
         /// The system's reason.
         source: io::Error,
     },
-    /// No known container starts this way.
+    /// No known container begins with the bytes of this file.
     #[error("{name}: not a sound file of a known kind ({reason})")]
     Unrecognised {
         /// The file, as the caller named it.
@@ -33,7 +33,7 @@ pub enum SoundError {
         /// What the user can do.
         advice: &'static str,
     },
-    /// The file seems well-formed but holds no samples.
+    /// The file is well-formed but holds no samples.
     #[error("{name}: holds no sound")]
     Empty {
         /// The file, as the caller named it.
@@ -55,14 +55,14 @@ pub enum SoundError {
         /// The rate it states.
         rate_hz: u32,
     },
-    /// The song does not fit the memory that the caller allows.
+    /// The song does not fit into the memory that the caller allows.
     #[error(
         "{name}: longer than the {limit_secs:.0} s that fit into the memory allowed; give a start and a duration"
     )]
     TooLong {
         /// The file, as the caller named it.
         name: String,
-        /// How many seconds would have fitted.
+        /// How many seconds fit.
         limit_secs: f64,
     },
     /// A file could not be written.
@@ -73,16 +73,16 @@ pub enum SoundError {
         /// The system's reason.
         source: io::Error,
     },
-    /// A setting makes no sense.
+    /// A setting is out of range.
     #[error("{what}")]
     Setting {
-        /// Which and why.
+        /// Which setting, and what is allowed.
         what: String,
     },
-    /// A sound device failed or is not there.
+    /// A sound device failed or does not exist.
     #[error("sound device: {what}")]
     Device {
-        /// Which and why.
+        /// Which device, and why.
         what: String,
     },
     /// The work was cancelled through its task.

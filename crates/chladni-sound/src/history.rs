@@ -1,26 +1,27 @@
-//! The last samples, for analysis.
+//! The most recent samples, kept for analysis.
 
 /// A stereo frame.
 pub(crate) type Frame = [f32; 2];
 
-/// The longest window that is asked for.
+/// The longest window that callers ask for.
 const LONGEST_WINDOW: usize = 1 << 16;
-/// The part that is written ahead of what is heard, and two seconds that were heard, for late readers.
+/// The seconds that are kept: what is written ahead of the playback position, and two seconds that were
+/// heard, for late readers.
 const KEPT_SECS: usize = 3;
 
-/// The last frames of a stream, by their number.
+/// The last frames of a stream, addressed by their number.
 pub(crate) struct History {
     frames: Vec<Frame>,
     written: u64,
 }
 
 impl History {
-    /// Of a stream at `rate_hz`.
+    /// The history of a stream at `rate_hz`.
     pub fn new(rate_hz: u32) -> Self {
         Self { frames: vec![[0.0; 2]; LONGEST_WINDOW + KEPT_SECS * rate_hz as usize], written: 0 }
     }
 
-    /// How many frames there have been.
+    /// How many frames have been written.
     pub fn written(&self) -> u64 {
         self.written
     }
@@ -35,7 +36,7 @@ impl History {
         (frame % self.frames.len() as u64) as usize
     }
 
-    /// Frames `end − left.len()` to `end`; silence where there is none (any more).
+    /// Copies frames `end − left.len()` to `end`; frames that are not kept are silence.
     pub fn window(&self, end: i64, left: &mut [f32], right: &mut [f32]) {
         let start = end - left.len() as i64;
         for (i, (l, r)) in left.iter_mut().zip(right).enumerate() {
@@ -59,7 +60,7 @@ mod tests {
             for n in 0..5 * second {
                 history.push([n as f32, -(n as f32)]);
             }
-            // What is heard is up to a ring's length behind the newest frame.
+            // The playback position may be up to a ring's length behind the newest frame.
             let (mut left, mut right) = (vec![0.0; 2 * second], vec![0.0; 2 * second]);
             history.window(4 * second as i64, &mut left, &mut right);
             let first = 2 * second;

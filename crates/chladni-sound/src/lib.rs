@@ -1,4 +1,4 @@
-//! The ears of the music instrument: decode, play, capture and analyze sound.
+//! Sound for the music instrument: decoding, playback, capture, spectra and beat tracking.
 //!
 //! ```
 //! use chladni_sound::{Spectrum, SpectrumAnalyser, SpectrumSettings};
@@ -18,8 +18,8 @@
 //! # Ok::<(), chladni_sound::SoundError>(())
 //! ```
 //!
-//! Not guaranteed: the exact samples that a lossy codec decodes to (they may change with the
-//! decoder's version), and that a tracker's beats are a listener's beats: read its confidence.
+//! Not guaranteed: the exact samples decoded by a lossy codec, which may change with the version of the
+//! decoder; that a tracker's beats are those that a listener hears. Check the confidence that it states.
 
 #![warn(clippy::missing_errors_doc)]
 
@@ -54,9 +54,9 @@ pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyse
 pub use structure::{Bar, ENERGY_RATE_HZ, HeardBar, Section};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 
-/// The lowest sampling rate that is accepted.
+/// The lowest sampling rate that is accepted, in Hz.
 pub const MIN_RATE_HZ: u32 = 1_000;
-/// The highest sampling rate that is accepted.
+/// The highest sampling rate that is accepted, in Hz.
 pub const MAX_RATE_HZ: u32 = 768_000;
 
 fn check_rate(name: &str, rate_hz: u32) -> Result<(), SoundError> {

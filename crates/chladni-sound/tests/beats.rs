@@ -1,4 +1,4 @@
-//! Beats against files and songs whose beats are known.
+//! Beat tracking of files and songs whose beats are known.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
@@ -105,7 +105,7 @@ fn taps_halving_and_doubling_are_obeyed() {
     }
     let moment = follower.moment();
     assert!((moment.tempo_bpm - 100.0).abs() < 3.0, "{moment:?}");
-    // The last tap was at 3.0 s: 4.2 s is a beat.
+    // The last tap was at 3.0 s; a beat must be at 4.2 s.
     let off = (follower.moment_at(4.2).phase + 0.5).fract() - 0.5;
     assert!(off.abs() < 0.12, "{off}");
     follower.double();
@@ -131,7 +131,7 @@ fn bars_and_sections_of_songs_with_a_known_form() {
         let bar_secs = formed.downbeats_secs[1] - formed.downbeats_secs[0];
         let scores = [
             found_at(&bars(&found), &formed.downbeats_secs, 0.07),
-            // One bar off is still where the ear says that it begins.
+            // A section found one bar early or late still counts.
             found_at(&sections, &formed.sections_secs, 1.01 * bar_secs),
             found_at(&bars(&heard), &formed.downbeats_secs, 0.07),
         ];

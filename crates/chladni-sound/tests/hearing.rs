@@ -1,4 +1,4 @@
-//! The spectrum against tones whose amplitude is known.
+//! Spectra of tones whose amplitude is known.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
@@ -20,7 +20,7 @@ fn sweep(from_hz: f64, to_hz: f64, secs: f64, amplitude: f64) -> Vec<f32> {
         .collect()
 }
 
-/// Peak band and amplitude for each window centred on a time.
+/// The loudest band and its amplitude for each window, with the window centered on a time.
 fn peaks(settings: SpectrumSettings, left: &[f32], right: &[f32], step: usize) -> Vec<(usize, f32)> {
     let mut analyser = SpectrumAnalyser::new(settings).unwrap();
     let n = analyser.window_frames();
@@ -49,7 +49,7 @@ fn a_swept_sine_keeps_its_level_and_never_jumps() {
         eprintln!("{bands} bands: level {low:.2} to {high:.2} dB, largest step in 10 ms {jump:.2} dB");
         assert!(low > -1.5 && high < 1.5, "{bands} bands: {low} to {high} dB");
         assert!(jump < 0.7, "{bands} bands: {jump} dB");
-        // The loudest band climbs with the tone.
+        // The loudest band rises with the tone.
         assert!(found.windows(2).all(|w| w[1].0 + 1 >= w[0].0), "{bands} bands");
         assert!(found[0].0 <= bands / 20 + 1 && found[found.len() - 1].0 >= bands - bands / 20 - 2);
     }
@@ -64,7 +64,7 @@ fn the_linear_front_end_has_equal_steps() {
     }
 }
 
-/// Pulses of a tone, as a beat has them.
+/// Pulses of a tone, similar to a beat.
 fn pulses(amplitude: f32) -> Vec<f32> {
     (0..4 * RATE_HZ)
         .map(|n| {
@@ -82,7 +82,7 @@ fn quiet_and_loud_masters_move_alike() {
         found[found.len() - 40..].to_vec()
     };
     let (loud, quiet) = (pulses(1.0), pulses(0.01));
-    // A song that is 40 dB quieter, and one that was loud 40 s before (4 s are 240 whole steps).
+    // A song that is 40 dB quieter, and one after 40 s of loud music (4 s are 240 whole steps).
     let mut after_loud = pulses(1.0);
     (0..10).for_each(|_| after_loud.extend(&quiet));
     for (name, other) in [("quiet", &quiet), ("after a loud song", &after_loud)] {
@@ -151,7 +151,7 @@ fn the_lag_is_when_a_click_is_strongest() {
         };
         let found: Vec<f32> = (0..2 * n).step_by(step).map(|at| loudness(at, &mut analyser)).collect();
         let best = (0..found.len()).max_by(|&a, &b| found[a].total_cmp(&found[b])).unwrap();
-        // The window that begins at `at` is centred half its length later.
+        // The window that begins at `at` has its center half its length later.
         let late = (best * step) as f64 - 1.5 * n as f64;
         let lag = analyser.lag_secs() * f64::from(RATE_HZ);
         assert!((late - lag).abs() <= 3.0 * step as f64, "decay {decay}: {late} frames, stated {lag}");
@@ -171,7 +171,7 @@ fn four_codecs_have_one_spectrum() {
         let mut analyser = SpectrumAnalyser::new(plain(64)).unwrap();
         let n = analyser.window_frames();
         let mut all = Vec::new();
-        // The untagged MP3 starts with its encoder's delay.
+        // The MP3 has no LAME tag and begins with its encoder's delay.
         let delay = if extension == "mp3" { 576 } else { 0 };
         for at in (delay..250_000).step_by(4410) {
             all.extend_from_slice(
@@ -191,7 +191,7 @@ fn four_codecs_have_one_spectrum() {
     }
 }
 
-/// Amplitudes of the bands nearest to some tones, after `secs` of them at automatic level.
+/// Amplitudes of the bands nearest to some tones, after `secs` of these tones at automatic level.
 fn levelled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: [f32; 2]) -> [Vec<f32>; 2] {
     let mut analyser = SpectrumAnalyser::new(settings).unwrap();
     let n = analyser.window_frames();
@@ -217,7 +217,7 @@ fn soft_treble_moves_beside_loud_bass_and_hiss_does_not() {
     let tones = [(80.0, 0.5), (6000.0, 0.005), (12_000.0, 2e-6)];
     let [mid, _] = levelled(SpectrumSettings::new(RATE_HZ), &tones, 2.0, [1.0, 1.0]);
     assert!((0.85..=1.01).contains(&mid[0]), "{mid:?}");
-    // 40 dB softer: a fifth of that is left, and 70 % of the fifth.
+    // 40 dB softer: a fifth of that remains, and the compression leaves 70 % of the fifth.
     assert!((-6.2..-5.0).contains(&(20.0 * (mid[1] / mid[0]).log10())), "{mid:?}");
     assert!(mid[2] < 0.05, "{mid:?}");
 }
@@ -226,15 +226,15 @@ fn soft_treble_moves_beside_loud_bass_and_hiss_does_not() {
 fn the_side_has_a_level_of_its_own() {
     let most = |f: &[f32]| f.iter().copied().fold(0.0, f32::max);
     let hear = |sides| levelled(SpectrumSettings::new(RATE_HZ), &[(220.0, 0.5), (900.0, 0.2)], 2.0, sides);
-    // A wide song: ten times its side would be ten times full scale.
+    // A wide song: ten times its side would exceed full scale by a factor of ten.
     let [mid, side] = hear([1.0, -1.0]);
     assert!(most(&mid) < 0.01 && (0.85..=1.01).contains(&most(&side)), "{mid:?} {side:?}");
-    // A narrow one: its side is 40 dB softer than its middle, of which 20 dB are made up for.
+    // A narrow song: its side is 40 dB softer than its mid, of which 20 dB are compensated.
     let [mid, side] = hear([1.0, 0.98]);
     assert!((0.06..0.14).contains(&(most(&side) / most(&mid))), "{mid:?} {side:?}");
 }
 
-/// A song of passages of a tone, each so loud for so many seconds.
+/// A song with passages of a tone, each with its own amplitude and duration in seconds.
 fn passages(parts: &[(f32, f64)]) -> Song {
     let mut left = Vec::new();
     for (amplitude, secs) in parts {
@@ -247,7 +247,7 @@ fn passages(parts: &[(f32, f64)]) -> Song {
     Song { rate_hz: RATE_HZ, right: left.clone(), left }
 }
 
-/// The loudest band at some times of a song, which is known beforehand or not.
+/// The amplitude of the loudest band at some times of a song, with its loud level known or learned.
 fn loudest(song: Song, is_known: bool, at_secs: &[f64]) -> Vec<f32> {
     let loud = is_known.then(|| song.loud_level().unwrap());
     let settings = SpectrumSettings { loud, ..SpectrumSettings::new(RATE_HZ) };
@@ -257,7 +257,8 @@ fn loudest(song: Song, is_known: bool, at_secs: &[f64]) -> Vec<f32> {
 
 #[test]
 fn the_noise_before_a_song_does_not_move_what_the_song_moves() {
-    // 70 dB softer than the song: over the floor, so that only the song tells that it is no music.
+    // 70 dB softer than the song but above the floor: only the known loud level shows that this is not
+    // music.
     let song = passages(&[(1.5e-4, 3.0), (0.5, 5.0)]);
     let heard = loudest(song, true, &[1.5, 6.0]);
     assert!(heard[0] < 0.05 && heard[1] > 0.9, "{heard:?}");
@@ -269,11 +270,11 @@ fn a_soft_passage_is_shown_softer_by_half_of_its_decibels() {
     let db = |heard: &[f32], i: usize| 20.0 * (heard[i] / heard[0]).log10();
     let known = loudest(song(), true, &[6.0, 14.0, 22.0]);
     assert!((-10.5..-9.5).contains(&db(&known, 1)) && db(&known, 2).abs() < 0.2, "{known:?}");
-    // While it is learnt, what was loud is forgotten slowly.
+    // If the level is learned, the loud passage is forgotten slowly.
     let learnt = loudest(song(), false, &[6.0, 12.0, 15.9, 22.0]);
     assert!(db(&learnt, 1) < -5.0 && db(&learnt, 1) + 1.0 < db(&learnt, 2), "{learnt:?}");
     assert!(db(&learnt, 3).abs() < 0.2, "{learnt:?}");
-    // A master 30 dB softer looks the same.
+    // A master that is 30 dB softer looks the same.
     let mut soft = song();
     soft.left.iter_mut().chain(&mut soft.right).for_each(|x| *x *= 0.03);
     let heard = loudest(soft, true, &[6.0, 14.0, 22.0]);

@@ -1,4 +1,4 @@
-//! The player in silence and, where PulseAudio is there, through a real sink.
+//! The player in silence and, if PulseAudio is installed, through a real sink.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
@@ -141,20 +141,20 @@ fn what_a_real_sink_gets_is_what_was_decoded() {
         assert!(number(&report, "compared_secs") > 1.5);
         let right = number(&report, "underruns") == 0.0
             && number(&report, "relative_error") < 0.02
-            // Least distance to the recorder, whose own delay of 10 ms is in it.
+            // The smallest difference to the recorder includes the recorder's own delay of 10 ms.
             && (-0.01..0.04).contains(&number(&report, "position_ahead_secs"));
         (right, report)
     });
 }
 
-/// What the example says of playing on `server`.
+/// The report of the example when it plays on `server`.
 fn played(server: &pulse::Server, arguments: &[&str]) -> String {
     let output = server.command(example("playback")).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Sound goes on by the clock of the wall, and a busy machine can disturb it: it must be right once in four.
+/// Playback follows the wall clock, and a busy machine can disturb it: one of four attempts must succeed.
 fn undisturbed(mut measure: impl FnMut() -> (bool, String)) {
     let mut reports = Vec::new();
     while reports.len() < 4 {
@@ -186,9 +186,9 @@ fn a_device_that_goes_away_and_comes_back() {
         let silent = line.ends_with("silence");
         seen.push(line);
         match stage {
-            // Playing: pull the device out.
+            // While it plays: disconnect the device.
             0 if place > 0.5 && !silent => server.stop(),
-            // In silence the song goes on from where it was.
+            // In silence the song continues from where it was.
             1 if place > 1.0 && silent => server.restart(),
             2 if place > 1.5 && !silent => {}
             _ => continue,
@@ -211,7 +211,7 @@ fn pauses_and_other_devices_do_not_move_the_position() {
     let song = write_tone(folder.path(), "long.wav", 44_100, 60.0);
     undisturbed(|| {
         let report = played(&server, &["disturb", song.to_str().unwrap(), "6"]);
-        // Going on begins where the pause began, and no change of device is a leap.
+        // Playback must continue where the pause began, and a change of device must not make it jump.
         (number(&report, "step_back_secs") < 0.05 && number(&report, "ahead_secs") < 0.1, report)
     });
 }
@@ -238,7 +238,7 @@ fn a_song_of_one_sample_that_repeats_leaves_the_player_time_to_obey() {
 #[test]
 fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
     let folder = tempfile::tempdir().unwrap();
-    // All of it is ahead of the device at once.
+    // All of the song is decoded ahead of the device at once.
     let song = write_tone(folder.path(), "short.wav", 48_000, 0.35);
     let player = silent();
     player.play_list(vec![song]);
@@ -262,7 +262,7 @@ fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
 fn what_the_machine_plays_can_be_captured() {
     let Some(server) = pulse::Server::start() else { return };
     let folder = tempfile::tempdir().unwrap();
-    // Left at half, right silent.
+    // Half amplitude on the left, silence on the right.
     let path = folder.path().join("left.wav");
     let left: Vec<f32> = (0..480_000).map(|n| 0.5 * (n as f32 * 0.06).sin()).collect();
     let song = Song { rate_hz: 48_000, right: vec![0.0; left.len()], left };

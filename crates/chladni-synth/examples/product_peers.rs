@@ -1,7 +1,7 @@
-//! Times the product of a basis with the columns of S items, positions included, against the
-//! `gemm` crate on the same numbers, taking turns in one process. Prints a JSON line per case.
+//! Measures the time for the product of a basis with the columns of S items, positions included, against
+//! the `gemm` crate on the same numbers, alternating in one process. Prints a JSON line per case.
 //!
-//! Usage: `product_peers [THREADS]`; `bench/synth/run` sets NumPy beside it.
+//! Usage: `product_peers [THREADS]`; `bench/synth/run` compares it with NumPy.
 #![allow(clippy::print_stdout, reason = "a program")]
 
 use std::time::Instant;

@@ -1,14 +1,14 @@
-//! A synthesizer that finds its backend and falls back to the CPU when the device fails.
+//! A synthesizer that chooses its backend and falls back to the CPU when the device fails.
 
 use crate::{
     CpuSynthesizer, DeviceFrame, DeviceFrameBuffers, FrameSettings, GpuContext, GpuSynthesizer, Item,
     SynthError, SynthModel, Synthesizer,
 };
 
-/// Which backend a user asks for.
+/// The backend that a user asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// The GPU where there is a real one, else the CPU.
+    /// The GPU if there is a hardware one, otherwise the CPU.
     #[default]
     Auto,
     /// The CPU.
@@ -17,19 +17,19 @@ pub enum Backend {
     Gpu,
 }
 
-/// Notice that the CPU has taken over, and why; to be shown to the user once.
+/// Reports that the CPU has taken over, and why. Show it to the user once.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("synthesizing on the CPU: {reason}")]
 pub struct Fallback {
-    /// What happened to the GPU.
+    /// Why the GPU cannot be used.
     pub reason: SynthError,
 }
 
-/// A synthesizer for drawing: its frames are on the device, whichever backend made them.
+/// A synthesizer for drawing: its frames are on the device, whichever backend computed them.
 ///
-/// When the device has no room or fails, the same frame is made on the CPU and all further ones are too;
-/// [`AutoSynthesizer::take_fallback`] reports it once. A lost device can draw nothing, so frames are then
-/// only in [`AutoSynthesizer::cpu`].
+/// If the device is out of memory or fails, the CPU computes the same frame again and all further ones;
+/// [`AutoSynthesizer::take_fallback`] reports this once. A lost device cannot draw anything; frames are
+/// then only in [`AutoSynthesizer::cpu`].
 #[derive(Debug)]
 pub struct AutoSynthesizer {
     context: GpuContext,
@@ -44,8 +44,8 @@ enum Engine {
 }
 
 impl AutoSynthesizer {
-    /// Chooses a backend for `model`. If the GPU is chosen and cannot hold the model, the CPU
-    /// is used and there is a [`Fallback`] to take.
+    /// Chooses a backend for `model`. If that is the GPU and it cannot hold the model, the CPU is used, and
+    /// there is a [`Fallback`] to take.
     pub fn new(context: &GpuContext, model: SynthModel, backend: Backend) -> Self {
         let gpu = match backend {
             Backend::Auto => !context.is_software(),
@@ -72,7 +72,7 @@ impl AutoSynthesizer {
         }
     }
 
-    /// The CPU backend, if that is what is used.
+    /// The CPU backend, if it is in use.
     pub fn cpu(&self) -> Option<&CpuSynthesizer> {
         match &self.engine {
             Engine::Cpu { synthesizer, .. } => Some(synthesizer),
@@ -80,7 +80,7 @@ impl AutoSynthesizer {
         }
     }
 
-    /// "AVX-512" or the device's name.
+    /// The name of the device that computes: for example "AVX-512", or the name of the GPU.
     pub fn device_name(&self) -> String {
         match &self.engine {
             Engine::Cpu { synthesizer, .. } => synthesizer.path().to_string(),
@@ -88,7 +88,7 @@ impl AutoSynthesizer {
         }
     }
 
-    /// `Some` once after the CPU has taken over.
+    /// Why the CPU has taken over; `Some` only once per event.
     pub fn take_fallback(&mut self) -> Option<Fallback> {
         self.fallback.take()
     }
@@ -159,7 +159,7 @@ impl Synthesizer for AutoSynthesizer {
     }
 
     /// Falls back only between frames: if the device fails here, the positions are lost with it, and the
-    /// error says so.
+    /// call returns an error.
     fn synthesize_normals(&mut self, settings: &FrameSettings) -> Result<(), SynthError> {
         self.engine.synthesizer().synthesize_normals(settings)?;
         self.show()

@@ -1,4 +1,4 @@
-//! The one formula in double precision, straight from the basis: for exports and as the reference.
+//! The formula in double precision, directly from the basis: for exports and as the reference.
 
 use chladni_harmonics::Body;
 
@@ -6,7 +6,7 @@ use crate::normals::area_weighted_normals;
 use crate::plan::check_term;
 use crate::{Coefficients, Item, Residual, SynthError};
 
-/// x' − x of one item, N values.
+/// x' − x of one item, N values in the working frame.
 pub(crate) fn displacements(body: &Body, item: &Item) -> Result<Vec<[f64; 3]>, SynthError> {
     let (vertices, harmonics) = (body.positions.len(), body.basis.harmonics());
     for (term, t) in item.terms.iter().enumerate() {

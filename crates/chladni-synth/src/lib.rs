@@ -1,8 +1,7 @@
-//! Coefficients of harmonics in, deformed positions and exact normals out.
+//! Computes deformed positions and exact normals from coefficients of harmonics.
 //!
-//! Every deformation of Chladni is the same formula,
-//! x'(v) = x(v) + Σ_terms χ(v) ( Σ_k H_k(v) C_k + r(v) g ) [· n(v)], and this crate evaluates it
-//! for all items of a frame in one pass over the basis H.
+//! Every deformation in Chladni has the same formula, x'(v) = x(v) + Σ_terms χ(v) ( Σ_k H_k(v) C_k + r(v) g
+//! ) [· n(v)]. This crate evaluates it for all items of a frame in one pass over the basis H.
 //!
 //! ```
 //! use chladni_synth::{Coefficients, CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer, Term};
@@ -25,9 +24,9 @@
 //! # Ok::<(), chladni_synth::SynthError>(())
 //! ```
 //!
-//! What is *not* guaranteed: pictures are synthesized from a basis of 16-bit integers with
-//! sums in f32, so two backends agree to rounding and not bit for bit; the bound is in
-//! docs/synthesis.md. Exports use [`displacements_f64`], which has none of this.
+//! Not guaranteed: bitwise equality of two backends. For pictures they use a basis of 16-bit integers and
+//! sums in f32, and agree to rounding; docs/synthesis.md states the bound. [`displacements_f64`], for
+//! exports, has neither limitation.
 
 #![warn(clippy::missing_errors_doc)]
 

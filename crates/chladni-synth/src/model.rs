@@ -1,4 +1,4 @@
-//! What is built once per shape and read every frame.
+//! The part of a synthesis that is computed once per shape and read in every frame.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ impl SynthModel {
     /// The model of a body: N operator vertices, K harmonics, working frame.
     ///
     /// # Errors
-    /// As [`from_parts`](Self::from_parts).
+    /// Those of [`from_parts`](Self::from_parts).
     pub fn new(body: &Body) -> Result<Self, SynthError> {
         Self::from_parts(&body.positions, &body.triangles, &body.basis.vectors)
     }
@@ -30,8 +30,8 @@ impl SynthModel {
     /// The model of N `positions`, `triangles` over them, and an N×K column-major `basis`.
     ///
     /// # Errors
-    /// A basis that does not fit the positions, a triangle that names a vertex that is not there, or a value that is
-    /// NaN or infinite.
+    /// A basis whose size is not a multiple of the number of positions, a triangle that refers to a vertex
+    /// that does not exist, or a value that is NaN or infinite.
     pub fn from_parts(
         positions: &[[f64; 3]],
         triangles: &[[u32; 3]],
@@ -66,7 +66,7 @@ impl SynthModel {
         &self.rest_normals
     }
 
-    /// Bytes of the packed basis: what one frame reads if every harmonic has weight.
+    /// Size of the packed basis in bytes: what one frame reads if every harmonic has weight.
     pub fn basis_bytes(&self) -> usize {
         self.basis.bytes()
     }
@@ -83,13 +83,12 @@ fn rest(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Rest, SynthErr
     Ok((positions.iter().map(narrow).collect(), normals.iter().map(narrow).collect()))
 }
 
-/// The displacements x' − x of one item in double precision, for exports: N values in the
-/// working frame, from the body's own basis and not the packed one.
-///
-/// Exactly zero wherever the item does nothing.
+/// The displacements x' − x of one item in double precision, for exports: N values in the working frame.
+/// They are computed from the basis of the body, not from the packed one, and are exactly zero wherever the
+/// item does nothing.
 ///
 /// # Errors
-/// As [`crate::Synthesizer::synthesize_positions`].
+/// Those of [`crate::Synthesizer::synthesize_positions`].
 pub fn displacements_f64(body: &Body, item: &Item) -> Result<Vec<[f64; 3]>, SynthError> {
     exact::displacements(body, item)
 }

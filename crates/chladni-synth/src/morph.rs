@@ -1,4 +1,5 @@
-//! A recorded movement as a few fixed displacements whose weights move: what formats with morph targets hold.
+//! Converts a recorded movement to a few fixed displacements with changing weights, the form that file
+//! formats with morph targets store.
 
 use std::sync::Arc;
 
@@ -6,21 +7,21 @@ use chladni_mesh::symmetric_eigen;
 
 use crate::{Coefficients, Item, Residual, Term};
 
-/// The coefficients of one moving item, frame by frame.
+/// The coefficients of one moving item, recorded frame by frame.
 #[derive(Clone, Debug, Default)]
 pub struct Movement {
     frames: usize,
-    /// One for each mask, form and residual that occurred, in the order in which they did.
+    /// One track for each combination of mask, form and residual, in the order of their first occurrence.
     tracks: Vec<Track>,
 }
 
-/// The sum of all terms that share mask, form and residual.
+/// The sum of all terms that have the same mask, form and residual.
 #[derive(Clone, Debug)]
 struct Track {
-    /// One of these terms.
+    /// One of these terms, as an example.
     like: Term,
     channels: usize,
-    /// One series of frames for each channel of each harmonic. Shorter ones are followed by zeros.
+    /// One series of frames for each channel of each harmonic. Shorter series are continued by zeros.
     coefficients: Vec<Vec<f32>>,
     residual_gain: Vec<f32>,
 }
@@ -32,32 +33,33 @@ pub struct Morph {
     pub item: Item,
     /// The harmonic that contributes most; `None` for the detail above K.
     pub harmonic: Option<u32>,
-    /// Which of the movement's kinds of terms take part, by the order in which they first occurred.
+    /// The indices of the tracks that contribute, in the order in which their kinds of terms first
+    /// occurred.
     pub terms: Vec<usize>,
 }
 
 /// A movement, separated into fixed displacements and their weights.
 #[derive(Clone, Debug)]
 pub struct Morphs {
-    /// The displacements, the strongest first.
+    /// The displacements, strongest first.
     pub morphs: Vec<Morph>,
     /// For each frame the weight of each morph, in [−1, 1].
     pub weights: Vec<f32>,
 }
 
-/// A displacement by one harmonic of one track: a direction and its series.
+/// A displacement by one harmonic of one track: a direction and its series of amplitudes.
 struct Motion {
     track: usize,
-    /// `None` is the residual.
+    /// `None` stands for the residual.
     harmonic: Option<u32>,
     direction: [f32; 3],
     series: Vec<f32>,
     energy: f64,
 }
 
-/// Series whose cosine differs from 1 by less than this are one movement.
+/// Series are the same movement if their cosine differs from 1 by less than this.
 const SAME: f64 = 1e-6;
-/// Motions with a smaller share of the largest one's energy are rounding.
+/// Motions with less than this share of the largest motion's energy are rounding errors.
 const NEGLIGIBLE: f64 = 1e-12;
 
 impl Movement {
@@ -80,9 +82,10 @@ impl Movement {
         self.frames
     }
 
-    /// At most `most` displacements that hold as much of the movement as that many can: the strongest
-    /// directions of single harmonics, where all that move in proportion count as one. If `most` is no limit,
-    /// they give the movement exactly (to rounding).
+    /// At most `most` displacements that reproduce as much of the movement as so many can. They are the
+    /// strongest directions of single harmonics; directions that move in proportion are combined into one
+    /// displacement. If `most` does not limit their number, they reproduce the movement exactly (up to
+    /// rounding).
     pub fn morphs(&self, most: usize) -> Morphs {
         let mut motions: Vec<Motion> =
             self.tracks.iter().enumerate().flat_map(|(i, track)| track.motions(i, self.frames)).collect();
@@ -187,9 +190,9 @@ impl Track {
         add(&mut self.residual_gain, term.residual_gain);
     }
 
-    /// All that moves, in at most three directions per harmonic.
+    /// All motions of a track: at most three directions per harmonic.
     fn motions(&self, track: usize, frames: usize) -> Vec<Motion> {
-        // A half-mask lets through half of it.
+        // A half-mask lets half of the energy through.
         let mask = self.like.mask.as_ref().map_or(1.0, |mask| mean_square(mask));
         let padded = |series: &[f32]| {
             let mut series = series.to_vec();
@@ -234,7 +237,7 @@ fn mean_square(values: &[f32]) -> f64 {
     values.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// b / a where b is a multiple of a.
+/// b / a if b is a multiple of a.
 fn proportion(a: &[f32], b: &[f32]) -> Option<f32> {
     let dot =
         |x: &[f32], y: &[f32]| -> f64 { x.iter().zip(y).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum() };
@@ -259,7 +262,7 @@ mod tests {
         Item { terms: vec![half, plain] }
     }
 
-    /// All coefficients of a frame, each track for itself.
+    /// All coefficients of a frame, track by track.
     fn flat(items: &[(&Item, f32)], mask: &Arc<[f32]>) -> Vec<f32> {
         let mut out = vec![0.0; 3 * 4 + 4 + 1];
         for (term, w) in items.iter().flat_map(|(item, w)| item.terms.iter().map(move |t| (t, *w))) {

@@ -1,10 +1,10 @@
-//! Area-weighted normals of rest shapes, and the rings from which every frame gathers its own.
+//! Area-weighted normals of rest shapes, and the rings from which every frame computes its own.
 
 use chladni_mesh::surface::{STAND_IN_NORMAL, vertex_normals};
 
 use crate::SynthError;
 
-/// The triangles around each vertex: for triangle (v, a, b), turned so that v comes first, the pair (a, b).
+/// The triangles around each vertex: for a triangle (v, a, b), rotated to begin with v, the pair (a, b).
 #[derive(Debug)]
 pub(crate) struct Rings {
     /// N+1 offsets into `pairs`.
@@ -13,7 +13,7 @@ pub(crate) struct Rings {
 }
 
 impl Rings {
-    /// Triangles with repeated corners have no area and are left out.
+    /// Triangles with repeated corners have no area and are skipped.
     pub fn new(vertices: usize, triangles: &[[u32; 3]]) -> Result<Self, SynthError> {
         check_corners(vertices, triangles)?;
         if u32::try_from(3 * triangles.len()).is_err() {
@@ -42,13 +42,13 @@ impl Rings {
     }
 }
 
-/// Area-weighted unit normals n(v) of N positions: the direction of Σ (a − v) × (b − v) over
-/// the triangles (v, a, b) around v.
+/// Area-weighted unit normals n(v) of N positions: the direction of Σ (a − v) × (b − v) over the triangles
+/// (v, a, b) around v.
 ///
-/// A vertex whose triangles have no area gets [`STAND_IN_NORMAL`], so that every normal has unit length.
+/// A vertex whose triangles have no area gets [`STAND_IN_NORMAL`]: all normals have unit length.
 ///
 /// # Errors
-/// A triangle that names a vertex that is not there.
+/// A triangle that refers to a vertex that does not exist.
 pub fn area_weighted_normals(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],

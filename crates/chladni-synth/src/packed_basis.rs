@@ -4,17 +4,18 @@ use rayon::prelude::*;
 
 use crate::SynthError;
 
-/// Vertices per panel: at 16 bits, one harmonic of a panel is one cache line.
+/// Vertices per panel: in 16 bits each, one harmonic on one panel fills one cache line.
 pub(crate) const PANEL: usize = 32;
 
-/// One harmonic on the vertices of a panel.
+/// The values of one harmonic on the vertices of a panel.
 pub(crate) type Line = [i16; PANEL];
 
 /// H, N×K, as H_k(v) ≈ scale_k · q_k(v) with q in ±32767 and scale_k = max |H_k| / 32767.
 ///
 /// Against f16 this costs the same bytes and conversions, but its error is at most
 /// scale_k / 2 everywhere, where f16 errs up to 32 times as much at the peaks of a harmonic.
-/// Layout: panel p holds vertices 32p … 32p+31, harmonic after harmonic; the last is padded with zeros.
+/// Layout: panel p holds vertices 32p … 32p+31, harmonic after harmonic; the last panel is padded with
+/// zeros.
 #[derive(Debug)]
 pub(crate) struct PackedBasis {
     lines: Vec<Line>,
@@ -52,7 +53,7 @@ impl PackedBasis {
             let count = PANEL.min(vertices - first);
             for (k, line) in lines.iter_mut().enumerate() {
                 let h = &basis[k * vertices + first..][..count];
-                // `as` saturates, so rounding past the ends is harmless.
+                // `as` saturates: rounding beyond the range is harmless.
                 line.iter_mut().zip(h).for_each(|(q, h)| *q = (h * inverse[k]).round() as i16);
             }
         });
@@ -63,7 +64,7 @@ impl PackedBasis {
         self.scales.len()
     }
 
-    /// Panels of [`PANEL`] vertices, the last one padded.
+    /// The number of panels of [`PANEL`] vertices, including the padded last one.
     pub fn panels(&self) -> usize {
         self.vertices.div_ceil(PANEL)
     }

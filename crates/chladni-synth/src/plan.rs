@@ -1,8 +1,8 @@
-//! A frame's items, checked and laid out as the columns of one matrix product.
+//! Checks the items of a frame and arranges them as the columns of one matrix product.
 
 use crate::{Coefficients, Item, Residual, SynthError, Term};
 
-/// What is wrong with a term, without its place.
+/// An error in a term, without its place.
 #[derive(Debug)]
 pub(crate) enum TermFault {
     TooMany { found: usize, harmonics: usize },
@@ -26,7 +26,7 @@ impl TermFault {
     }
 }
 
-/// Checks everything about a term that does not cost a pass over the vertices.
+/// Checks everything about a term that does not need a pass over the vertices.
 pub(crate) fn check_term(term: &Term, vertices: usize, harmonics: usize) -> Result<(), TermFault> {
     let (found, bad) = match &term.coefficients {
         Coefficients::Vector(c) => (c.len(), c.iter().position(|c| !c.iter().all(|c| c.is_finite()))),
@@ -58,7 +58,7 @@ pub(crate) fn check_term(term: &Term, vertices: usize, harmonics: usize) -> Resu
     }
 }
 
-/// Columns a term takes in the product.
+/// The number of columns that a term takes in the product.
 pub(crate) fn columns_of(term: &Term) -> usize {
     match term.coefficients {
         Coefficients::Vector(_) => 3,
@@ -66,18 +66,18 @@ pub(crate) fn columns_of(term: &Term) -> usize {
     }
 }
 
-/// The right-hand side of the product: every column of every term, for the harmonics that
-/// have weight in any of them.
+/// The right-hand side of the product: all columns of all terms, for the harmonics that have weight in any
+/// of them.
 ///
-/// Columns are split evenly into `blocks` of `width` (at most what a kernel holds in
-/// registers), the last padded with zeros. Buffers are kept from frame to frame.
+/// Columns are split evenly into `blocks` of `width` columns (at most what a kernel holds in registers);
+/// the last block is padded with zeros. Buffers are kept from frame to frame.
 #[derive(Debug)]
 pub(crate) struct Plan {
-    /// Harmonics with weight, ascending.
+    /// The harmonics with weight, ascending.
     pub active: Vec<u32>,
-    /// Their number, padded to whole batches.
+    /// Their number, rounded up to whole batches.
     pub rows: usize,
-    /// blocks × rows × width, already multiplied by the basis scales; zero in rows of padding.
+    /// blocks × rows × width values, already multiplied by the scales of the basis; zero in padded rows.
     pub coefficients: Vec<f32>,
     pub blocks: usize,
     pub width: usize,
@@ -87,7 +87,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// For kernels that sum one of `widths` (ascending) columns at once, and take harmonics in batches.
+    /// A plan for kernels that sum one of `widths` (ascending) columns at once and take harmonics in
+    /// batches.
     pub fn new(widths: &'static [usize], batch: usize) -> Self {
         Self {
             active: Vec::new(),
@@ -101,7 +102,7 @@ impl Plan {
         }
     }
 
-    /// Checks `items` and lays them out. On an error the plan is not to be used.
+    /// Checks `items` and arranges them. After an error the plan must not be used.
     pub fn lay_out(&mut self, items: &[Item], vertices: usize, scales: &[f64]) -> Result<(), SynthError> {
         if items.len().checked_mul(vertices).is_none_or(|n| u32::try_from(n).is_err()) {
             return Err(SynthError::TooLarge { items: items.len(), vertices });
@@ -137,7 +138,7 @@ impl Plan {
         Ok(())
     }
 
-    /// Columns with padding.
+    /// The number of columns, including padding.
     pub fn columns(&self) -> usize {
         self.blocks * self.width
     }
@@ -148,8 +149,8 @@ impl Plan {
         &self.coefficients[block * size..][..size]
     }
 
-    /// The active harmonics of the next panel that a kernel fetches while it computes `block`,
-    /// so that memory works at an even pace through all blocks.
+    /// The active harmonics of the next panel that a kernel prefetches while it computes `block`. All
+    /// blocks get an equal share, which gives memory an even load.
     pub fn share_of(&self, block: usize) -> &[u32] {
         let share = self.active.len().div_ceil(self.blocks);
         let start = (block * share).min(self.active.len());

@@ -1,4 +1,4 @@
-//! A warm frame of the CPU backend allocates nothing.
+//! A frame of the CPU backend does not allocate after the first one.
 #![allow(unsafe_code, reason = "counting allocations takes an allocator")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -10,16 +10,16 @@ struct Counting;
 
 static ALLOCATED_BYTES: AtomicUsize = AtomicUsize::new(0);
 
-// SAFETY: everything is left to the system's allocator.
+// SAFETY: all calls are passed on to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATED_BYTES.fetch_add(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller's promise is passed on.
+        // SAFETY: the caller keeps the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise is passed on.
+        // SAFETY: the caller keeps the contract of `dealloc`.
         unsafe { System.dealloc(pointer, layout) }
     }
 }
@@ -47,6 +47,6 @@ fn warm_frames_allocate_nothing() {
     };
     frames(24);
     let bytes = frames(600);
-    // Rayon's queue takes a block of some 1.5 kB once in 60 calls from outside its pool.
+    // Rayon's queue allocates a block of some 1.5 kB once in 60 calls from outside its pool.
     assert!(bytes < 600 * 200, "{bytes} bytes in 600 frames");
 }

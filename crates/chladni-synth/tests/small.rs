@@ -1,4 +1,4 @@
-//! The kernels on a shape so small that an interpreter of undefined behaviour (Miri) gets through:
+//! The kernels on a shape that is small enough for an interpreter of undefined behavior (Miri):
 //! `scripts/sanitize --miri`.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -8,7 +8,7 @@ use chladni_synth::{
     Coefficients, CpuPath, CpuSynthesizer, FrameSettings, Item, Residual, SynthModel, Synthesizer, Term,
 };
 
-/// 36 vertices are one whole panel and a rest; K = 4.
+/// 36 vertices are one whole panel and a partial one; K = 4.
 const COLUMNS: usize = 6;
 const N: usize = 36;
 const K: usize = 4;
@@ -51,7 +51,7 @@ fn every_path_deforms_a_small_shape() {
             },
         ],
     };
-    // Two threads are enough to race.
+    // Two threads are enough for a data race.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     for path in CpuPath::available() {
         let mut synthesizer = CpuSynthesizer::with_path(model.clone(), *path).unwrap();

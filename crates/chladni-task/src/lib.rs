@@ -1,5 +1,5 @@
-//! Long work that reports progress, can be stopped, and never leaves a half-written file behind; files that
-//! are read whole, up to a size limit.
+//! Progress and cancellation of long work, files that are written whole or not at all, and files that are
+//! read whole up to a size limit.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -17,8 +17,8 @@
 //! # Ok::<(), chladni_task::Cancelled>(())
 //! ```
 //!
-//! Not guaranteed: progress is advisory. Counts from parallel workers may arrive in any
-//! order, and a stage may end before its total is reached.
+//! Not guaranteed: the exact counts. Those of parallel workers may arrive in any order, and a stage may end
+//! before it reaches its total.
 
 #![warn(clippy::missing_errors_doc)]
 

@@ -11,7 +11,7 @@ pub struct Cancelled;
 /// What a [`Task`] is doing at this moment.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    /// Name of the current stage, empty before the first.
+    /// Name of the current stage; empty before the first one.
     pub stage: String,
     /// Steps done in this stage.
     pub done: u64,
@@ -57,10 +57,10 @@ impl Task {
         Stage { task: self }
     }
 
-    /// Has `listener` called, on the thread that works, at every step from now on: where nobody else can look at
-    /// [`progress`](Self::progress) meanwhile, as in the worker of a page. Only the first one is taken.
+    /// Calls `listener` from now on at every step, on the thread that does the work. This is for programs
+    /// in which no other thread can poll [`progress`](Self::progress), such as the worker of a web page. A
+    /// task takes one listener: later calls have no effect.
     pub fn heard_by(&self, listener: fn(&Progress)) {
-        // A second listener would be a bug of the caller, which shows by hearing nothing.
         let _ = self.shared.listener.set(listener);
     }
 
@@ -82,7 +82,7 @@ impl Task {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
-    /// A snapshot, such as for a progress bar.
+    /// A snapshot of the progress, for example for a progress bar.
     pub fn progress(&self) -> Progress {
         Progress {
             stage: self.shared.stage.lock().unwrap_or_else(PoisonError::into_inner).clone(),
@@ -100,14 +100,14 @@ impl Shared {
     }
 }
 
-/// The current stage of a [`Task`]; any thread may advance it.
+/// The current stage of a [`Task`]. Any thread may advance it.
 #[derive(Debug)]
 pub struct Stage<'a> {
     task: &'a Task,
 }
 
 impl Stage<'_> {
-    /// Counts `steps` more as done.
+    /// Counts `steps` more steps as done.
     pub fn advance(&self, steps: u64) {
         self.task.shared.done.fetch_add(steps, Ordering::Relaxed);
         self.task.shared.tell(|| self.task.progress());

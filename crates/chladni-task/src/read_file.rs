@@ -4,11 +4,12 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The content of the regular file at `path`, which may hold up to `most_bytes`.
+/// The content of the regular file at `path`, of at most `most_bytes` bytes.
 ///
 /// # Errors
-/// Those of the file system; [`io::ErrorKind::InvalidInput`] for what is not a regular file (a
-/// device or a pipe may never end), [`io::ErrorKind::FileTooLarge`] beyond `most_bytes`.
+/// An error of the file system; [`io::ErrorKind::IsADirectory`] for a folder;
+/// [`io::ErrorKind::InvalidInput`] for a device or a pipe, because reading it might never end;
+/// [`io::ErrorKind::FileTooLarge`] if the file is longer than `most_bytes`.
 pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     let mut file = open_file(path)?;
     let too_large = || {
@@ -21,7 +22,7 @@ pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(length).map_err(|_| too_large())?)?;
-    // It may grow while it is read.
+    // The file may grow while it is read.
     file.by_ref().take(most_bytes).read_to_end(&mut bytes)?;
     if file.read(&mut [0])? > 0 {
         return Err(too_large());
@@ -29,10 +30,10 @@ pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Like [`read_file`], as text.
+/// The content of a file as text; otherwise the same as [`read_file`].
 ///
 /// # Errors
-/// Also [`io::ErrorKind::InvalidData`] for what is not UTF-8.
+/// Those of [`read_file`], and [`io::ErrorKind::InvalidData`] if the content is not UTF-8.
 pub fn read_text_file(path: &Path, most_bytes: u64) -> io::Result<String> {
     String::from_utf8(read_file(path, most_bytes)?)
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not a text in UTF-8"))
@@ -41,9 +42,9 @@ pub fn read_text_file(path: &Path, most_bytes: u64) -> io::Result<String> {
 /// Opens the regular file at `path` for reading.
 ///
 /// # Errors
-/// As [`read_file`].
+/// Those of [`read_file`], except that the size is not limited.
 pub fn open_file(path: &Path) -> io::Result<File> {
-    // Checked before opening, because opening a pipe waits for a writer.
+    // Checked before the file is opened: opening a pipe would wait for a writer.
     let found = std::fs::metadata(path)?;
     if found.is_dir() {
         return Err(io::Error::from(io::ErrorKind::IsADirectory));

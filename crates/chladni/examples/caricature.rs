@@ -1,4 +1,4 @@
-//! A head, exaggerated against the ellipsoid that fits it best, written as caricature.obj.
+//! Exaggerates the differences of a head from the ellipsoid that fits it best; writes caricature.obj.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! The octopus at the fifth second of the sample tune, as each of twelve mappings moves it: dance-0.obj and on.
+//! The octopus at the fifth second of the sample tune, moved by each of twelve mappings; writes dance-0.obj
+//! and so on.
 
 use std::sync::Arc;
 
@@ -25,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mid: &heard.mid,
         side: &heard.side,
         side_gain,
-        // Harmonics follow the level.
+        // The harmonics follow the level directly.
         ringing: None,
     };
 

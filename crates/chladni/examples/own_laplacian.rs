@@ -1,5 +1,5 @@
-//! A Laplacian of your own, here the graph's, in which every edge weighs 1 and every vertex, too: its first
-//! eigenvalues and what was certified about them.
+//! A Laplacian of your own: here that of a graph in which every edge and every vertex has weight 1. Prints
+//! its first eigenvalues and what is certified about them.
 #![allow(clippy::print_stdout, reason = "a program")]
 
 use chladni::harmonics::{BasisSettings, Pencil, SymmetricSparse};

@@ -1,5 +1,5 @@
-//! What lies at the vertices of one shape, carried to another: each vertex of the head gets the color of its
-//! partner on the template, here by height. Written as transfer.ply.
+//! Transfers colors between shapes: each vertex of the head gets the color of the corresponding point of
+//! the template, which is colored by height. Writes transfer.ply.
 #![allow(clippy::print_stdout, reason = "a program")]
 
 use chladni::matching::{MatchSettings, match_shapes};

@@ -1,7 +1,7 @@
-//! The natural vibrations of triangle meshes, under one name: this crate re-exports the engines
-//! that the `chladni` program is made of. Depend on it to have all of them, or on the one you need.
+//! The natural vibrations of triangle meshes: this crate re-exports, under one name, the engines of the
+//! `chladni` program. Depend on it for all of them, or on a single engine if you need only that.
 //!
-//! # A walk through the rooms
+//! # A tour
 //!
 //! A mesh is read exactly as its file stores it ([`mesh`]), and becomes a body with harmonics
 //! ([`harmonics`]):
@@ -17,10 +17,10 @@
 //! # Ok::<(), chladni::harmonics::HarmonicsError>(())
 //! ```
 //!
-//! A Laplacian, or any other symmetric positive semidefinite matrix, may be your own
-//! ([`harmonics::Pencil`]). `examples/` has a short program for each stop of this walk.
+//! Instead of the mesh's Laplacian you can use your own, or any other symmetric positive semidefinite
+//! matrix ([`harmonics::Pencil`]). `examples/` has a short program for each step of this tour.
 //!
-//! Coefficients of the harmonics deform it ([`synth`]): here the second harmonic, along the normal.
+//! Coefficients of the harmonics deform the body ([`synth`]); here the second harmonic, along the normal:
 //!
 //! ```
 //! # use chladni::{harmonics::{BasisSettings, Body}, mesh::samples, task::Task};
@@ -37,9 +37,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Two instruments decide what the coefficients are. [`caricature`] takes them from what makes a shape
-//! differ from a template, which [`matching`] lays on it; [`music`] takes them from the bands of sound
-//! that [`sound`] hears. [`view`] makes pictures and films of either.
+//! Two instruments compute the coefficients. [`caricature`] derives them from the differences between a
+//! shape and a template, after [`matching`] has found corresponding points. [`music`] derives them from the
+//! frequency bands of sound that [`sound`] analyzes. [`view`] renders pictures and films of the results.
 //!
 //! ```
 //! # use chladni::{harmonics::{BasisSettings, Body}, mesh::samples, task::Task};
@@ -60,8 +60,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Not guaranteed: anything beyond what the page of each engine promises. Before version 1, minor
-//! versions may rename items.
+//! Not guaranteed: anything beyond what the page of each crate promises. Before version 1, minor versions
+//! may rename items.
 
 pub use chladni_caricature as caricature;
 pub use chladni_harmonics as harmonics;

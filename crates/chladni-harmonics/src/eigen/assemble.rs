@@ -1,28 +1,29 @@
-//! Checking the joined pairs and writing them out as a basis.
+//! Checks the joined pairs and writes them as a basis.
 
 use chladni_task::Task;
 use rayon::prelude::*;
 
+use super::columns::write_columns;
 use super::found::{Entry, Found};
 use super::join::Known;
 use super::problem::Problem;
-use super::tall::{BLOCK, Small, overlaps, subtract_products, upper_overlaps, write_columns};
+use super::tall::{BLOCK, Small, overlaps, subtract_products, upper_overlaps};
 use crate::ldlt::Row;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, pages};
 
-/// A basis with a larger residual is an error.
+/// A larger residual is an error.
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
 const MAX_ORTHOGONALITY_ERROR: f64 = 1e-7;
 /// Overlaps between neighboring slices above this are removed.
 const OVERLAP: f64 = 0.2 * Certificate::ORTHOGONALITY;
 
-/// What was measured of one slice's pairs.
+/// Measurements of the pairs of one slice.
 struct Measured {
     /// Largest ‖S h − λ M h‖ / ‖S h‖.
     relative: f64,
     /// Largest ‖A x − λ x‖.
     absolute: f64,
-    /// Largest |xᵀy − δ| within the slice and to the one below.
+    /// Largest |xᵀy − δ| within the slice and with the slice below.
     overlap: f64,
     low: f64,
     high: f64,
@@ -71,7 +72,7 @@ pub(super) fn assemble(
     let mut vectors: Vec<f64> = pages::zeroed(n * keep);
     let (constant, mut rest) = vectors.split_at_mut(n * zeros);
     constant.fill(problem.area.sqrt().recip());
-    // Where each vertex's row is, and 1/√a.
+    // The row of each vertex, and 1/√a.
     let mut places = vec![(0_u32, 0.0_f64); n];
     for (i, (&old, root)) in problem.symbolic.old.iter().zip(&problem.root_mass).enumerate() {
         places[old as usize] = (i as u32, root.recip());
@@ -82,7 +83,7 @@ pub(super) fn assemble(
         rest = after;
         jobs.push((found, *own, out));
     }
-    // Each slice is freed as soon as it is written, so that the vectors are in memory only once.
+    // Each slice is freed as soon as it is written: the vectors are in memory only once.
     jobs.into_par_iter()
         .with_max_len(1)
         .for_each(|(found, own, out)| write(problem, found, own, &places, out));
@@ -91,7 +92,7 @@ pub(super) fn assemble(
     Ok(Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate })
 }
 
-/// Writes one slice's pairs as columns of `out`.
+/// Writes the pairs of one slice as columns of `out`.
 fn write(problem: &Problem, mut found: Found, own: &[Entry], places: &[(u32, f64)], out: &mut [f64]) {
     found
         .runs
@@ -105,7 +106,8 @@ fn write(problem: &Problem, mut found: Found, own: &[Entry], places: &[(u32, f64
     }
 }
 
-/// The blocks of a slice that hold any of `own`, with the column of `own` in each place.
+/// The blocks of a slice that hold any of the `own` pairs; for each of their columns the index in `own`, if
+/// it is one of them.
 fn used_blocks<'a>(found: &'a Found, own: &[Entry]) -> Vec<(&'a [Row], [Option<usize>; BLOCK])> {
     let mut blocks = Vec::new();
     for (run, pairs) in found.runs.iter().enumerate() {
@@ -124,9 +126,9 @@ fn used_blocks<'a>(found: &'a Found, own: &[Entry]) -> Vec<(&'a [Row], [Option<u
     blocks
 }
 
-/// Vectors of two slices can overlap where eigenvalues on both sides of a cut are nearly equal; the upper
-/// slice's are then orthogonalized against the lower one's. Returns the remaining overlap of each slice with
-/// the slice below.
+/// Vectors of two slices can overlap if eigenvalues on both sides of a cut are nearly equal. The vectors of
+/// the upper slice are then orthogonalized against those of the lower one. Returns the remaining overlap of
+/// each slice with the slice below.
 fn separate_neighbors(slices: &mut [Found], ranges: &[&[Entry]]) -> Vec<f64> {
     let with_lower = |slices: &[Found], s: usize| {
         if s == 0 { 0.0 } else { largest_overlap(&slices[s - 1], ranges[s - 1], &slices[s], ranges[s]) }
@@ -150,7 +152,7 @@ fn separate_neighbors(slices: &mut [Found], ranges: &[&[Entry]]) -> Vec<f64> {
     shared
 }
 
-/// Clears the coefficients of columns that are not among those in use.
+/// Clears the coefficients of columns that are not in use.
 fn keep_rows(c: &mut Small, columns: &[Option<usize>; BLOCK]) {
     for (row, column) in c.iter_mut().zip(columns) {
         if column.is_none() {
@@ -163,11 +165,11 @@ fn largest_overlap(lower: &Found, lower_own: &[Entry], upper: &Found, upper_own:
     deviation(&used_blocks(lower, lower_own), &used_blocks(upper, upper_own), false)
 }
 
-/// Blocks and the number of the pair that each of their columns is, if it is in use.
+/// Blocks, and for each of their columns the index of its pair, if it is in use.
 type Used<'a> = [(&'a [Row], [Option<usize>; BLOCK])];
 
-/// Largest |xᵀy| over the used columns x of `a` and y of `b`, less 1 on the diagonal where the
-/// two are the `same`.
+/// The largest |xᵀy| over the used columns x of `a` and y of `b`, minus 1 on the diagonal if the two are
+/// the `same`.
 fn deviation(a: &Used, b: &Used, same: bool) -> f64 {
     let (left, right): (Vec<&[Row]>, Vec<&[Row]>) =
         (a.iter().map(|u| u.0).collect(), b.iter().map(|u| u.0).collect());
@@ -178,7 +180,7 @@ fn deviation(a: &Used, b: &Used, same: bool) -> f64 {
             for (x, row) in rows.1.iter().zip(product).filter_map(|(x, row)| Some(((*x)?, row))) {
                 for (y, value) in columns.1.iter().zip(row).filter_map(|(y, value)| Some(((*y)?, value))) {
                     let error = (value - f64::from(u8::from(same && x == y))).abs();
-                    // NaN must not pass for small.
+                    // NaN must not count as small.
                     largest = if error.is_nan() { f64::INFINITY } else { largest.max(error) };
                 }
             }
@@ -204,9 +206,9 @@ fn measure(problem: &Problem, found: &Found, own: &[Entry], shared: f64) -> Opti
     Some(Measured { relative, absolute, overlap, low: first.value, high: last.value })
 }
 
-/// Inertia counts agree by construction of [`Known`]. Overlaps within a slice and with its neighbor are
-/// measured; further apart, and with the constant of λ = 0, they are bounded:
-/// |xᵀy| ≤ (‖r_x‖ + ‖r_y‖) / |λ_x − λ_y| for a symmetric A.
+/// The certificate of all slices. Inertia counts agree by construction of [`Known`]. Overlaps within a
+/// slice and with its neighbor are measured. Those between other slices, and with the constant of λ = 0,
+/// are bounded: |xᵀy| ≤ (‖r_x‖ + ‖r_y‖) / |λ_x − λ_y| for a symmetric A.
 fn certificate(measured: &[Option<Measured>]) -> Certificate {
     let mut relative = 0.0_f64;
     let mut overlap = 0.0_f64;

@@ -1,23 +1,23 @@
-//! A second look at a basis, from its numbers alone.
+//! Checks a basis again, from its numbers alone.
 
 use super::components::{Components, Kind};
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, Certificate, HarmonicsError, Operator};
 
-/// Pairs between two counts.
+/// The number of pairs between two counts.
 const STRIDE: usize = 50;
-/// Neighbors that differ by less than this share are too close to count between them.
+/// Neighboring eigenvalues that differ by less than this share are too close to count between them.
 const ROOM: f64 = 1e-6;
 
 impl Operator {
-    /// Checks `basis` against this operator, whatever solver it came from: counts eigenvalues by inertia
+    /// Checks `basis` against this operator, whichever solver computed it. Counts eigenvalues by inertia
     /// above the last pair and below every fiftieth, and measures every residual and every scalar product.
     ///
-    /// The solver certifies what it returns while it solves (docs/eigensolver.md); this costs a
-    /// few factorizations and a matrix product N×K×K more, for tests and for bases from elsewhere.
+    /// The solver certifies its result while it solves (docs/eigensolver.md). This check costs a few
+    /// factorizations and a matrix product N×K×K more; it is meant for tests and for bases from elsewhere.
     ///
     /// # Errors
-    /// A basis of another number of vertices, or no factorization near a count.
+    /// A basis with another number of vertices, or no successful factorization near a count.
     pub fn certify(&self, basis: &Basis) -> Result<Certificate, HarmonicsError> {
         if basis.vertices() != self.vertices() || basis.vectors.len() != self.vertices() * basis.harmonics() {
             return Err(HarmonicsError::not_certified("the basis is of another mesh"));
@@ -43,17 +43,17 @@ impl Operator {
                 return Ok(false);
             }
         }
-        // Just above the last pair there are as many as were found, or more where K cuts a
-        // multiple eigenvalue.
+        // Just above the last pair there are as many eigenvalues as pairs, or more if K cuts a multiple
+        // eigenvalue.
         let last = values.last().copied().unwrap_or(0.0);
         let scale = 4.0 * std::f64::consts::PI / self.mass.iter().sum::<f64>();
         Ok(components.count(last + ROOM * last.max(scale))? >= values.len())
     }
 
-    /// All eigenvalues, ascending, by a dense solver: the reference for small meshes.
+    /// All eigenvalues, ascending, by a dense solver: a reference for small meshes.
     ///
     /// # Errors
-    /// The dense solver failed, or the matrix is too large for the memory.
+    /// The dense solver failed, or the matrix does not fit into memory.
     pub fn dense_eigenvalues(&self) -> Result<Vec<f64>, HarmonicsError> {
         let matrix = super::dense::symmetrized(self.pencil());
         let (values, _) = symmetric_eigen(&matrix, faer::Par::Seq)

@@ -1,4 +1,5 @@
-//! Pencils of several connected components: S and M are block-diagonal, and each block is a separate problem.
+//! Pencils with several connected components: S and M are block-diagonal, and each block is a separate
+//! problem.
 
 use rayon::prelude::*;
 
@@ -12,16 +13,16 @@ use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, SymmetricSpar
 
 /// Relative width of the gap below the common shift in which no component has an eigenvalue.
 const GAP: f64 = 1e-6;
-/// When the bracket of the common shift is this narrow, its upper end is taken.
+/// When the bracket of the common shift is this narrow, its upper end is used.
 const NARROW: f64 = 1e-3;
-/// Rounds of counting in the search for the shift.
+/// The largest number of rounds of counting in the search for the shift.
 const ROUNDS: usize = 100;
 /// Counts resolve eigenvalues down to this share of ‖A‖.
 const RESOLVED: f64 = 1e-13;
 
 /// One connected component.
 struct Component {
-    /// Its vertices in the whole, ascending.
+    /// Its vertices in the whole pencil, ascending.
     vertices: Vec<u32>,
     stiffness: SymmetricSparse,
     mass: Vec<f64>,
@@ -29,26 +30,26 @@ struct Component {
     problem: Problem,
 }
 
-/// All of them.
+/// All connected components.
 pub(super) struct Components(Vec<Component>);
 
-/// What is known of the spectrum before anything is solved.
+/// What is known of the spectrum before solving.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     /// A surface: each component has one eigenvalue 0, and Weyl's law says where the others are.
     Surface,
-    /// A pencil that was given, with its eigenvalues about this far apart, and none 0.
+    /// A pencil that the caller gave; its eigenvalues are about this far apart, and none is 0.
     Given { spacing: f64 },
 }
 
-/// A shift below which every component knows how many eigenvalues it has.
+/// A shift, with the number of eigenvalues below it in each component.
 struct Shift {
     sigma: f64,
     counts: Vec<usize>,
 }
 
-/// Solves for the first `harmonics` pairs of a pencil of several components, `component` being that of each
-/// vertex: the pairs below one shift in each, and those of all merged.
+/// Solves for the first `harmonics` pairs of a pencil with several components; `component` holds that of
+/// each vertex. Each component is solved for the pairs below a common shift, and the results are merged.
 pub(super) fn solve(
     pencil: Pencil,
     component: &[u32],
@@ -66,7 +67,7 @@ pub(super) fn solve(
     let shift = components.common_shift(harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
     let stage = task.stage("harmonics", shift.counts.iter().sum::<usize>() as u64);
-    // The largest first, so that the last to finish is a small one.
+    // The largest component is solved first: the last to finish is then a small one.
     let mut queue: Vec<(usize, Component)> = components.0.into_iter().enumerate().collect();
     queue.retain(|(c, _)| shift.counts[*c] > 0);
     queue.sort_by_key(|(c, component)| std::cmp::Reverse(component.mass.len() * shift.counts[*c]));
@@ -101,7 +102,7 @@ impl Components {
         let n = pencil.mass.len();
         let count = component.iter().max().map_or(0, |c| *c as usize + 1);
         let mut vertices: Vec<Vec<u32>> = vec![Vec::new(); count];
-        // The number of each vertex in its component.
+        // The index of each vertex within its component.
         let mut local = vec![0; n];
         for (v, &c) in component.iter().enumerate() {
             local[v] = vertices[c as usize].len() as u32;
@@ -144,13 +145,13 @@ impl Components {
             .collect())
     }
 
-    /// The number of eigenvalues below `lambda`, or a little beside it where it is an eigenvalue.
+    /// The number of eigenvalues below `lambda`, or slightly beside it if `lambda` is an eigenvalue.
     pub(super) fn count(&self, lambda: f64) -> Result<usize, HarmonicsError> {
         Ok(self.counts(lambda, &mut Profile::default())?.iter().sum())
     }
 
-    /// A shift with at least `wanted` eigenvalues below it, few more unless there is a multiple one, and none
-    /// just below it: the cluster of the K-th eigenvalue ends below it.
+    /// A shift with at least `wanted` eigenvalues below it (few more unless there is a multiple one) and
+    /// none just below it: the cluster of the K-th eigenvalue ends below the shift.
     fn common_shift(
         &self,
         wanted: usize,
@@ -192,7 +193,7 @@ impl Components {
     }
 }
 
-/// Two λ and N(λ) there, between which a count is reached.
+/// Two values of λ with the counts N(λ) there, between which the wanted count is reached.
 struct Bracket {
     low: (f64, f64),
     /// `None` until a count was large enough.
@@ -201,7 +202,7 @@ struct Bracket {
     bound: f64,
     /// Whether the last step at least halved its width.
     halved: bool,
-    /// How boldly to go beyond `low` while there is no `high`.
+    /// How far to go beyond `low` while there is no `high`.
     reach: f64,
 }
 
@@ -226,7 +227,7 @@ impl Bracket {
         self.halved = width(self) <= 0.5 * before;
     }
 
-    /// Where N might be `target`.
+    /// An estimate of the λ where N is `target`.
     fn guess(&mut self, target: f64) -> f64 {
         let low = self.low;
         match self.high {
@@ -236,7 +237,7 @@ impl Bracket {
             }
             Some(high) => 0.5 * (low.0 + high.0),
             None => {
-                // In proportion to what is missing, and further each time.
+                // In proportion to what is missing, and farther each time.
                 let ahead = self.reach * (target / low.1 - 1.0).clamp(0.02, 3.0);
                 self.reach *= 2.0;
                 (low.0 * (1.0 + ahead)).min(self.bound)
@@ -251,8 +252,8 @@ impl Component {
     }
 
     fn count(&self, lambda: f64, profile: &mut Profile) -> Result<usize, HarmonicsError> {
-        // For a tiny component the count is taken higher up: if only λ = 0 lies below that, the same holds
-        // here.
+        // For a tiny component the count is taken higher up: if only λ = 0 lies below that λ, the same
+        // holds here.
         let (resolved, zeros) = (RESOLVED * self.problem.largest, self.problem.zeros);
         if lambda < resolved && inertia(&self.problem, resolved, profile)?.1 == zeros {
             return Ok(zeros);
@@ -261,10 +262,10 @@ impl Component {
     }
 }
 
-/// The lowest pairs of all components as pairs of the whole, zero outside their component.
+/// Merges the lowest pairs of all components to pairs of the whole, which are zero outside their component.
 fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, harmonics: usize, whole_clusters: bool) -> Solved {
     let n = pencil.mass.len();
-    // (λ, component, number in it); the sort is stable, so that equal values keep their order.
+    // (λ, component, index in it); the sort is stable: equal values keep their order.
     let mut entries: Vec<(f64, usize, usize)> = Vec::new();
     for (c, (_, solved)) in parts.iter().enumerate() {
         entries.extend(solved.basis.eigenvalues.iter().enumerate().map(|(k, value)| (*value, c, k)));
@@ -276,7 +277,7 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, harmonics: usize, whole
     eigenvalues.truncate(keep);
     let mut vectors: Vec<f64> = pages::zeroed(n * keep);
     let mut columns: Vec<Vec<&mut [f64]>> = parts.iter().map(|_| Vec::new()).collect();
-    // In each component the pairs are ascending: its columns come in their order.
+    // Within a component the pairs are ascending, and its columns keep that order.
     for (column, &(_, c, _)) in vectors.chunks_exact_mut(n).zip(&entries) {
         columns[c].push(column);
     }
@@ -293,7 +294,7 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, harmonics: usize, whole
         profile.add(&solved.profile);
         fell_back_to_dense |= solved.fell_back_to_dense;
     }
-    // Each component is freed as soon as it is written, so that the vectors are in memory only once.
+    // Each component is freed as soon as it is written: the vectors are in memory only once.
     parts.into_par_iter().zip(columns).with_max_len(1).for_each(|((vertices, solved), columns)| {
         for (column, h) in columns.into_iter().zip(solved.basis.vectors.chunks_exact(vertices.len())) {
             vertices.iter().zip(h).for_each(|(&v, h)| column[v as usize] = *h);

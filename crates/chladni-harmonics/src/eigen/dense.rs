@@ -8,8 +8,8 @@ use crate::platform::split;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, HarmonicsError, Pencil, SolveProfile, SymmetricSparse};
 
-/// Solves M^-½ S M^-½, of which `zeros` eigenvalues are 0, as a dense matrix: all pairs are computed, so none
-/// can be missed.
+/// Solves M^-½ S M^-½, `zeros` eigenvalues of which are 0, as a dense matrix. All pairs are computed,
+/// therefore none can be missed.
 pub(super) fn solve(
     pencil: Pencil,
     zeros: usize,
@@ -43,11 +43,11 @@ pub(super) fn solve(
     })
 }
 
-/// G of M = G Gᵀ.
+/// The factor G of M = G Gᵀ.
 enum Root {
-    /// Of a diagonal M, √M.
+    /// √M, for a diagonal M.
     Diagonal(Vec<f64>),
-    /// Lower triangular.
+    /// A lower triangular matrix.
     Cholesky(Mat<f64>),
 }
 
@@ -103,7 +103,7 @@ fn full(matrix: &SymmetricSparse) -> Mat<f64> {
     full
 }
 
-/// M^-½ S M^-½ of a diagonal M.
+/// M^-½ S M^-½ for a diagonal M.
 pub(super) fn symmetrized(pencil: Pencil) -> Mat<f64> {
     let n = pencil.mass.len();
     let scale: Vec<f64> = pencil.mass.iter().map(|a| a.sqrt().recip()).collect();

@@ -12,17 +12,17 @@ use super::window::{Pairs, Reach, Stopped, Window};
 use crate::Certificate;
 use crate::ldlt::{Factor, Workspace};
 
-/// Shifts that are tried for one slice.
+/// The largest number of shifts that are tried for one slice.
 const ATTEMPTS: u32 = 4;
-/// ‖S h − λ M h‖ / ‖S h‖ that a run must reach, or its shift is moved.
+/// ‖S h − λ M h‖ / ‖S h‖ that a run must reach; otherwise its shift is moved.
 const GOOD_RESIDUAL: f64 = 0.5 * Certificate::RESIDUAL;
 
-/// One slice's shift, its count, and the pairs found so far (one entry per run).
+/// One slice: its shift, its count, and the pairs found so far (one entry per run).
 pub(super) struct Found {
     pub slice: Slice,
     pub below_shift: usize,
     pub runs: Vec<Pairs>,
-    /// For the top slice: a λ in the gap above all wanted eigenvalues, as far as is known, and the number of
+    /// Only for the top slice: a λ in the gap above all wanted eigenvalues, once known, and the number of
     /// eigenvalues below it.
     pub top_count: Option<(f64, usize)>,
     next_seed: u64,
@@ -37,11 +37,11 @@ pub(super) struct Entry {
     pub column: usize,
 }
 
-/// A run around one shift, whose pairs are not checked yet.
+/// A run around one shift, whose pairs have not been checked yet.
 pub(super) struct Tried {
     attempt: u32,
     pairs: Pairs,
-    /// Of the run's shift.
+    /// The factor at the run's shift.
     factor: Factor,
     from_zero: bool,
 }
@@ -62,7 +62,7 @@ impl Found {
         Ok((found, tried))
     }
 
-    /// The slice with good pairs, after its first run.
+    /// Returns the slice with accepted pairs, after its first run.
     pub fn finish(
         mut self,
         problem: &Problem,
@@ -80,7 +80,7 @@ impl Found {
         Ok(self)
     }
 
-    /// Searches for pairs that no run has found yet, beginning with attempt number `first`. The top slice
+    /// Searches for pairs that no run has found yet, starting with attempt number `first`. The top slice
     /// searches until it knows `count` eigenvalues of the whole problem.
     pub fn search(
         &mut self,
@@ -100,8 +100,8 @@ impl Found {
         Err(Stopped::BadShift)
     }
 
-    /// One run; `None` if the shift was bad and has been moved. `made` is the factor at the slice's shift, if
-    /// there is one.
+    /// One run. `None` if the shift was bad and has been moved. `made` is the factor at the slice's shift,
+    /// if it exists already.
     fn attempt(
         &mut self,
         problem: &Problem,
@@ -123,7 +123,7 @@ impl Found {
             factor
         };
         if shift != self.slice.shift {
-            // Pairs are identified by their side of the shift, so a moved shift starts over.
+            // Pairs are identified by their side of the shift: a moved shift starts over.
             self.runs.clear();
         }
         self.slice.shift = shift;
@@ -144,8 +144,8 @@ impl Found {
         }
     }
 
-    /// Accepts the pairs of a run, polished if needed, if they are good enough or no attempt is left; else
-    /// moves the shift.
+    /// Accepts the pairs of a run, polished if needed, if they are good enough or no attempt is left;
+    /// otherwise moves the shift.
     fn accept(&mut self, problem: &Problem, tried: Tried, profile: &mut Profile) -> bool {
         let Tried { attempt, mut pairs, factor, from_zero } = tried;
         let mut residual = largest_residual(problem, &pairs);
@@ -157,7 +157,7 @@ impl Found {
             self.runs.push(pairs);
             return true;
         }
-        // A shift beside many eigenvalues, or a small pivot far from any, costs digits.
+        // A shift close to many eigenvalues, or a small pivot far from any, costs digits.
         self.runs.clear();
         let (shift, width) = (self.slice.shift, self.slice.high - self.slice.low);
         self.slice.shift = quiet_place(&pairs.values, shift, 0.25 * width, attempt as usize)
@@ -165,8 +165,7 @@ impl Found {
         false
     }
 
-    /// Of the top slice: the middle of the first gap at or above K, where joining will
-    /// ask for a count.
+    /// For the top slice: the middle of the first gap at or above K, at which joining will request a count.
     pub fn gap_above(&self, harmonics: usize) -> Option<f64> {
         if !self.slice.top {
             return None;
@@ -203,7 +202,7 @@ impl Found {
             values.filter(|l| (**l < slice.shift) == below).count()
         };
         let from_zero = slice.low == 0.0;
-        // A search for missed pairs also looks beyond the ends.
+        // A search for missing pairs also looks beyond the ends.
         let ends = slice.ends.filter(|_| self.runs.is_empty());
         let below = if from_zero {
             Reach::Count(self.below_shift.saturating_sub(zeros + known(true)))
@@ -224,9 +223,9 @@ impl Found {
     }
 }
 
-/// The place nearest to `shift` in the middle half of the widest gap between `values`, or, by its
-/// `number` from 1, of another one in order of width. Gaps further than `reach`, and the one that
-/// `shift` is in the middle of, do not count.
+/// A place near `shift` to which it can be moved: the nearest point to `shift` in the middle half of a gap
+/// between `values`. `number` selects the gap by width, from 1 for the widest. Gaps farther away than
+/// `reach`, and the gap in whose middle `shift` already is, are skipped.
 pub(super) fn quiet_place(values: &[f64], shift: f64, reach: f64, number: usize) -> Option<f64> {
     let mut gaps: Vec<(f64, f64)> = values
         .windows(2)
@@ -240,7 +239,7 @@ pub(super) fn quiet_place(values: &[f64], shift: f64, reach: f64, number: usize)
     gaps.get(number.checked_sub(1)?).map(|gap| gap.1)
 }
 
-/// Largest ‖S h − λ M h‖ / ‖S h‖, as measured rather than estimated.
+/// The largest ‖S h − λ M h‖ / ‖S h‖, measured rather than estimated.
 pub(super) fn largest_residual(problem: &Problem, pairs: &Pairs) -> f64 {
     let mut largest = 0.0_f64;
     for (block, values) in pairs.blocks.iter().zip(pairs.values.chunks(BLOCK)) {

@@ -1,4 +1,4 @@
-//! General pencils, of which only symmetry and positive semidefiniteness are known.
+//! Solves general pencils, which are only known to be symmetric and positive semidefinite.
 
 use chladni_task::Task;
 
@@ -8,20 +8,21 @@ use super::problem::{Problem, Profile};
 use super::{Solved, or_dense, plan, solve_connected};
 use crate::{HarmonicsError, Pencil, canonical};
 
-/// Shares of the largest possible eigenvalue: below which one is zero and the search for others begins, how far rounding
-/// may push one below zero, and the least shift of all.
+/// Shares of a bound on the largest eigenvalue: below the first, an eigenvalue counts as zero, and the
+/// search for others begins there; the second is how far rounding may push one below zero; the third is the
+/// smallest shift.
 const FIRST: f64 = 1e-13;
 const BELOW_ZERO: f64 = 1e-10;
 const LEAST_LIFT: f64 = 1e-10;
-/// Counts taken in that search, and how many of the first take eigenvalues for evenly spread.
+/// The number of counts taken in that search, and how many of the first assume evenly spread eigenvalues.
 const ROUNDS: usize = 60;
 const PROPORTIONAL: usize = 5;
 
 /// Solves for the first `harmonics` pairs of `pencil`.
 ///
-/// An eigenvalue 0 has no relative error, and its vectors are unknown. So S + tM is solved, whose eigenvalues
-/// are those of S plus t, with t about the distance between the first ones: then none is small compared with
-/// its distance to the next.
+/// The relative error of an eigenvalue 0 is undefined, and its vectors are unknown. Instead of S, S + tM is
+/// solved. Its eigenvalues are those of S plus t, where t is about the distance between the first ones;
+/// none of them is small compared with the distance to the next.
 pub(crate) fn solve(
     pencil: Pencil,
     harmonics: usize,
@@ -33,7 +34,8 @@ pub(crate) fn solve(
     let mut profile = Profile::default();
     let mut problem = Problem::given(pencil)?;
     let bound = pencil.bound() * problem.stretch();
-    // What is zero is counted: by value, a zero looks like anything small compared with the lift.
+    // Zeros are counted by inertia: by value, a zero cannot be distinguished from anything small compared
+    // with the lift.
     let (spacing, zeros) = if bound > 0.0 {
         let spacing = spacing(&problem, bound, harmonics, &mut profile, task)?;
         (spacing, inertia(&problem, FIRST * bound, &mut profile)?.1)
@@ -49,7 +51,8 @@ pub(crate) fn solve(
     let lifted = Pencil { stiffness: &stiffness, ..pencil };
     let component = stiffness.components();
     let solved = if component.iter().any(|c| *c > 0) {
-        // One space of all would need a direction for each copy of an eigenvalue that equal parts share.
+        // Components are solved separately: a single Krylov space would need a direction for each copy of
+        // an eigenvalue that equal components share.
         components::solve(lifted, &component, Kind::Given { spacing: lift }, harmonics, true, task)
     } else {
         let stage = task.stage("harmonics", harmonics as u64);
@@ -68,7 +71,7 @@ pub(crate) fn solve(
     Ok(solved)
 }
 
-/// About how far apart the first `harmonics` eigenvalues lie; `bound` is above all.
+/// The approximate distance between the first `harmonics` eigenvalues; `bound` is above all of them.
 fn spacing(
     problem: &Problem,
     bound: f64,
@@ -83,7 +86,7 @@ fn spacing(
         return Err(HarmonicsError::BadPencil { reason });
     }
     let (mut low, mut high) = (FIRST * bound, 1.01 * bound);
-    // As if eigenvalues were evenly spread, which those of surfaces are; in the mean they are the diagonal's.
+    // Assumes evenly spread eigenvalues, as those of surfaces are; their mean is that of the diagonal.
     let wanted = 1.5 * harmonics as f64;
     let n = problem.mass.len() as f64;
     let mut at = wanted / n * problem.matrix.diagonal().iter().sum::<f64>() / n;
@@ -120,7 +123,7 @@ mod tests {
         basis
     }
 
-    /// ‖S h − λ M h‖ against the size of the part of the spectrum that was asked for.
+    /// ‖S h − λ M h‖ relative to the size of the part of the spectrum that was requested.
     fn worst_residual(pencil: &Pencil, basis: &crate::Basis) -> f64 {
         let scale = basis.eigenvalues.last().copied().unwrap_or(1.0).max(1e-300);
         let residual = |k: usize| {
@@ -147,7 +150,7 @@ mod tests {
 
     #[test]
     fn several_pieces_and_no_null_space_at_all_are_solved_in_slices() {
-        // Six strings of beads of different weights; then each held at its ends.
+        // Six strings of beads with different weights; then each of them held at its ends.
         let (strings, beads) = (6, 300);
         for held in [0.0, 1.0] {
             let mut entries = Vec::new();
@@ -211,7 +214,7 @@ mod tests {
         let stiffness = SymmetricSparse::from_entries(n * copies, entries).unwrap();
         let mass = sphere.mass.repeat(copies);
         let pencil = Pencil::new(&stiffness, &mass).unwrap();
-        // The last group of equal eigenvalues is cut by K, and is taken whole before.
+        // K cuts the last group of equal eigenvalues; before that, the group is solved as a whole.
         let basis = solved(&pencil, 150);
         let alone = solved(&sphere.pencil(), 16);
         assert!(basis.eigenvalues[..copies].iter().all(|value| *value == 0.0));
@@ -249,7 +252,7 @@ mod tests {
             rows in prop::collection::vec(prop::collection::vec(-1.0..1.0_f64, 12), 5..20),
             mass in prop::collection::vec(0.1..10.0_f64, 12),
         ) {
-            // S = BᵀB, of rank at most the number of rows.
+            // S = BᵀB, whose rank is at most the number of rows of B.
             let entry = |i: usize, j: usize| rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
             let entries = (0..12).flat_map(|i| (0..=i).map(move |j| (i, j)));
             let stiffness =

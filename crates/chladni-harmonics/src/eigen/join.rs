@@ -1,31 +1,31 @@
-//! One ascending list of pairs from many slices, each position in it proven by inertia.
+//! Joins the pairs of all slices to one ascending list in which inertia proves each position.
 
 use super::CLUSTER;
 use super::found::{Entry, Found};
 
-/// The pairs number 1 … `cluster_end` − 1 of the whole problem.
+/// The pairs with the numbers 1 … `cluster_end` − 1 of the whole problem.
 #[derive(Debug)]
 pub(super) struct Known {
     pub entries: Vec<Entry>,
-    /// The first place at or after K where neighboring eigenvalues differ.
+    /// The first position at or after K where neighboring eigenvalues differ.
     pub cluster_end: usize,
 }
 
 /// The outcome of joining.
 pub(super) enum Join {
-    /// Every count agrees.
+    /// All counts agree.
     Whole(Known),
-    /// The number of eigenvalues below this λ must be known.
+    /// The number of eigenvalues below this λ must be determined.
     NeedsCount(f64),
-    /// The top slice must continue.
+    /// The top slice must find more pairs.
     NeedsMore,
-    /// Between these two slices (or in one of them, twice) a pair is missing or doubled.
+    /// A pair is missing or doubled between these two slices (or within one of them, if they are equal).
     Missing(usize, usize),
 }
 
 impl Join {
-    /// Joins `slices` of a problem with `zeros` eigenvalues that are known beforehand; `top` is a λ above all
-    /// wanted eigenvalues and the number of eigenvalues below it, once known.
+    /// Joins the `slices` of a problem with `zeros` eigenvalues that are known beforehand. `top` is a λ
+    /// above all wanted eigenvalues and the number of eigenvalues below it, once known.
     pub(super) fn of(slices: &[Found], zeros: usize, harmonics: usize, top: Option<(f64, usize)>) -> Self {
         let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
             slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();
@@ -67,10 +67,9 @@ impl Join {
     }
 }
 
-/// How many of the `between` pairs between two shifts to take from the lower slice, the rest
-/// coming from the upper one, so that the cut falls into the widest gap between eigenvalues.
-/// `None` where no cut gives an ascending list: then one side lacks a pair, and lists that
-/// should overlap do not.
+/// How many of the `between` pairs between two shifts to take from the lower slice; the rest is taken from
+/// the upper one. The cut falls into the widest gap between eigenvalues. `None` if no cut gives an
+/// ascending list: then one of the slices lacks a pair, and lists that should overlap do not.
 fn cut(lower: &[Entry], upper: &[Entry], between: usize) -> Option<usize> {
     let mut best: Option<(f64, usize)> = None;
     for taken in between.saturating_sub(upper.len())..=lower.len().min(between) {
@@ -78,7 +77,8 @@ fn cut(lower: &[Entry], upper: &[Entry], between: usize) -> Option<usize> {
         let above = upper.get(upper.len() - (between - taken)).map(|e| e.value);
         let gap = match (below, above) {
             (Some(below), Some(above)) if taken < between => above - below,
-            // All from one side: the other side's first pair beyond the range must not be among them.
+            // All pairs come from one side: then the first pair of the other side beyond the range must not
+            // be one of them.
             (Some(below), _) if taken == between => {
                 lower.get(taken).map_or(f64::MAX, |next| next.value) - below
             }

@@ -1,4 +1,4 @@
-//! The space that block Lanczos builds, and the eigenpairs in it.
+//! The Krylov space that block Lanczos builds, and the eigenpairs in it.
 
 use std::ops::Range;
 
@@ -10,15 +10,15 @@ use super::window::{Pairs, Reach, Window};
 use crate::ldlt::Row;
 use crate::symmetric_eigen::symmetric_eigen;
 
-/// Numbers of blocks at which Ritz vectors are selected, when about that many have converged, and how many
-/// blocks to select.
+/// The numbers of blocks at which Ritz vectors are selected, when about that many have converged, and how
+/// many blocks of them to select.
 const SELECTIONS: [usize; 4] = [10, 18, 30, 45];
 const SELECTED: usize = 2;
 /// Selecting pays if at least this share of the steps remains.
 const WORTH: f64 = 0.3;
-/// Most steps between full reorthogonalizations.
+/// The largest number of steps between full reorthogonalizations.
 const LONGEST_PERIOD: usize = 6;
-/// Overlaps between blocks at which to do this less often, more often, and to give up.
+/// Overlaps between blocks at which to reorthogonalize less often, more often, and at which to give up.
 const SLIGHT: f64 = 3e-11;
 const GRAVE: f64 = 1e-9;
 const LOST: f64 = 1e-5;
@@ -27,13 +27,13 @@ const LOST: f64 = 1e-5;
 #[derive(Default)]
 pub(super) struct Krylov {
     space: Vec<Blocks>,
-    /// How many of the blocks in `space` are V; the one after them comes next.
+    /// How many of the blocks in `space` belong to V; the block after them comes next.
     blocks: usize,
     /// V_jᵀ OP V_j.
     diagonal: Vec<Small>,
     /// The triangular factor of the part of OP V_j outside V_0 … V_j.
     pub below: Vec<Small>,
-    /// Whether Ritz vectors are selected; else every second step reorthogonalizes fully.
+    /// Whether Ritz vectors are selected; otherwise every second step reorthogonalizes fully.
     selects: bool,
     /// The expected number of blocks.
     expected: usize,
@@ -41,7 +41,7 @@ pub(super) struct Krylov {
     selected: Vec<Blocks>,
     /// The number of blocks at the last full reorthogonalization of the newest two.
     swept_at: usize,
-    /// Steps until the next one.
+    /// The number of steps until the next one.
     period: usize,
 }
 
@@ -49,12 +49,12 @@ pub(super) struct Krylov {
 pub(super) struct Ritz {
     /// Approximations of eigenvalues of A, ascending.
     values: Vec<f64>,
-    /// Which eigenvector of T each belongs to, and its θ = 1 / (λ − σ).
+    /// For each, the index of its eigenvector of T, and its θ = 1 / (λ − σ).
     from: Vec<(usize, f64)>,
-    /// ‖A x − λ x‖ of each after the free purification step (see [`Krylov::vectors`]).
+    /// For each, ‖A x − λ x‖ after the free purification step (see [`Krylov::vectors`]).
     residuals: Vec<f64>,
     coordinates: Mat<f64>,
-    /// R · last block of coordinates: what each leaves in the next block.
+    /// R · last block of coordinates: the part of each vector that lies in the next block.
     leaving: Mat<f64>,
 }
 
@@ -69,12 +69,12 @@ impl Krylov {
         self.split().1.copy_from_slice(first);
     }
 
-    /// How many blocks V has.
+    /// The number of blocks in V.
     pub fn len(&self) -> usize {
         self.blocks
     }
 
-    /// The blocks V, and the one that comes next.
+    /// The blocks of V, and the one that comes next.
     pub fn split(&mut self) -> (Vec<&[Row]>, &mut [Row]) {
         let blocks = self.space.iter_mut().flat_map(Blocks::iter_mut).take(self.blocks + 1);
         let mut blocks: Vec<&mut [Row]> = blocks.collect();
@@ -82,7 +82,7 @@ impl Krylov {
         (blocks.into_iter().map(|block| &*block).collect(), next)
     }
 
-    /// Makes the next block part of V, and puts a copy of it in the place after it.
+    /// Appends the next block to V, and puts a copy of it in the place after it.
     pub fn extend(&mut self, problem: &Problem) -> &mut [Row] {
         self.blocks += 1;
         if self.space.iter().flat_map(Blocks::iter).count() == self.blocks {
@@ -95,23 +95,23 @@ impl Krylov {
         next
     }
 
-    /// Orthogonalizes the next block = OP · (last block) against the space, keeping the last block's
-    /// coefficients as the next diagonal block of T. Returns the length of each column inside, or `None`
-    /// where orthogonality has been lost.
+    /// Orthogonalizes the next block = OP · (last block) against the space, keeping the coefficients of the
+    /// last block as the next diagonal block of T. Returns the length of each column inside the space, or
+    /// `None` if orthogonality has been lost.
     ///
     /// In exact arithmetic only the last two blocks have a component to remove. Rounding reintroduces the
-    /// older ones, growing by θ in each step along the Ritz vectors of the largest θ in magnitude. So every
-    /// second step orthogonalizes against those (selective orthogonalization, Parlett & Scott 1979), or
-    /// against the whole space, which is done as rarely as the measured loss permits: T and its eigenvalues
-    /// are accurate while the loss is below the root of the rounding unit (Simon 1984). Both treat the
-    /// newest two blocks together, so that what they read is read once.
+    /// older ones, growing by θ in each step along the Ritz vectors of the largest θ in magnitude. Every
+    /// second step therefore orthogonalizes against those (selective orthogonalization, Parlett & Scott
+    /// 1979), or against the whole space. The latter is done as rarely as the measured loss permits: T and
+    /// its eigenvalues are accurate while the loss is below the root of the rounding unit (Simon 1984).
+    /// Both treat the newest two blocks together, to read the space only once.
     pub fn orthogonalize(
         &mut self,
         problem: &Problem,
         locked: &[&[Row]],
         profile: &mut Profile,
     ) -> Option<Row> {
-        // Overlaps and what is subtracted, block by block.
+        // The overlaps and what is subtracted, block by block.
         let products = |pairs: usize| (4 * problem.matrix.size() * BLOCK * BLOCK * pairs) as u64;
         let blocks = self.blocks;
         let mut basis: Vec<&mut [Row]> =
@@ -148,7 +148,7 @@ impl Krylov {
                 };
             }
         }
-        // From now on new blocks are kept orthogonal to them, but the newest block is not yet.
+        // New blocks are kept orthogonal to them from now on, but the newest block is not yet.
         if self.selects
             && SELECTIONS.contains(&blocks)
             && blocks as f64 <= (1.0 - WORTH) * self.expected as f64
@@ -159,7 +159,7 @@ impl Krylov {
         Some(column_sizes(&coefficients))
     }
 
-    /// Selects more Ritz vectors, of the largest |θ| that are not yet selected.
+    /// Selects more Ritz vectors: those with the largest |θ| that are not selected yet.
     fn select(&mut self, problem: &Problem) -> Option<()> {
         let (thetas, coordinates) = symmetric_eigen(&self.projected(), Par::Seq)?;
         let mut order: Vec<usize> = (0..thetas.len()).collect();
@@ -176,7 +176,7 @@ impl Krylov {
         problem.give_back(self.space);
     }
 
-    /// T.
+    /// Computes T.
     fn projected(&self) -> Mat<f64> {
         let blocks = self.blocks;
         let mut t = Mat::<f64>::zeros(blocks * BLOCK, blocks * BLOCK);
@@ -226,7 +226,7 @@ impl Krylov {
         })
     }
 
-    /// The chosen Ritz vectors with one step of inverse iteration that costs no solve: by the
+    /// The chosen Ritz vectors, improved by one step of inverse iteration that needs no solve: by the
     /// Lanczos relation OP V s / θ = V s + V_next R s_last / θ (Ericsson & Ruhe 1980).
     pub fn vectors(&self, problem: &Problem, ritz: &Ritz, chosen: Range<usize>) -> Pairs {
         let basis: Vec<&[Row]> = self.space.iter().flat_map(Blocks::iter).take(self.blocks + 1).collect();
@@ -251,7 +251,7 @@ impl Krylov {
     }
 }
 
-/// `count` combinations of the vectors in `basis`, with the coefficient of each row of it.
+/// `count` combinations of the vectors in `basis`, given the coefficient of each vector.
 fn combine(
     problem: &Problem,
     basis: &[&[Row]],
@@ -266,7 +266,7 @@ fn combine(
     for (block, c) in coefficients.chunks_exact_mut(groups).enumerate() {
         for column in 0..count {
             for i in 0..BLOCK {
-                // Minus, because the kernel subtracts.
+                // Negative, because the kernel subtracts.
                 c[column / BLOCK][i][column % BLOCK] = -coefficient(block * BLOCK + i, column);
             }
         }
@@ -278,9 +278,9 @@ fn combine(
 }
 
 impl Ritz {
-    /// The pairs to keep, once all pairs of the window have converged: those from the shift outward, on each
-    /// side up to the first that has not. Before that, the factor by which the worst pair of the window
-    /// exceeds its tolerance.
+    /// The pairs to keep, once all pairs of the window have converged: those from the shift outward, on
+    /// each side up to the first that has not converged. Before that, an error: the factor by which the
+    /// worst pair of the window exceeds its tolerance.
     pub fn converged(&self, window: &Window, problem: &Problem, shift: f64) -> Result<Range<usize>, f64> {
         let excess = |i: usize| self.residuals[i] / problem.tolerance(self.values[i], shift, window);
         let good = |i: usize| excess(i) <= 1.0;
@@ -299,7 +299,7 @@ impl Ritz {
             let needed = split.saturating_sub(needed_below)..(split + needed_above).min(self.values.len());
             return Err(needed.map(excess).fold(1.0, f64::max));
         }
-        // A few beyond the window give a choice of gaps to cut at; more would only cost time.
+        // A few pairs beyond the window give a choice of gaps to cut at; more would only cost time.
         let keep = |found: usize, needed: usize| found.min(needed + 3);
         Ok(split - keep(below, needed_below)..split + keep(above, needed_above))
     }

@@ -13,10 +13,10 @@ use crate::platform::Instant;
 /// The factor by which one more block reduces the residuals at the ends of a window (measured between 3.6 and
 /// 4.2).
 const GAIN: f64 = 3.8;
-/// Up to this many vertices a step costs less than an eigenproblem in the space.
+/// Up to this many vertices a step is cheaper than an eigenproblem in the space.
 const SMALL: usize = 5000;
 
-/// Pairs around `shift`, given its `factor`, orthogonal to the pairs in `locked`.
+/// Finds pairs around `shift`, given its `factor`, orthogonal to the pairs in `locked`.
 pub(super) fn run(
     problem: &Problem,
     factor: &Factor,
@@ -60,7 +60,7 @@ pub(super) fn run(
             Ok(upper) => upper,
             Err(Dependence::Spoiled) => return Err(Stopped::BadShift),
             Err(Dependence::Found) => {
-                // The space has become invariant in some direction: continue with a new one.
+                // The space has become invariant in some direction: continue with a new random one.
                 let seed = seed.wrapping_add(basis.len() as u64).rotate_left(17);
                 let all: Vec<&[Row]> = locked.iter().copied().chain(basis).collect();
                 fill_up(problem, window, image, &sizes, &all, seed).ok_or(Stopped::Exhausted)?
@@ -94,12 +94,12 @@ pub(super) fn run(
     }
 }
 
-/// The remainder of a column of OP V outside the space is rounding if it is this much smaller than the
-/// column.
+/// The remainder of a column of OP V outside the space is only rounding if it is smaller than the column by
+/// this factor.
 const RANK: f64 = 1e-11;
 
-/// X ← Q of X = Q R, one column after the other; a column that depends on others or is only rounding is
-/// replaced by a random one orthogonal to all, with zeros in R. `None` if no direction is left.
+/// Replaces X by Q of X = Q R, column by column. A column that depends on others or is only rounding is
+/// replaced by a random one orthogonal to all others, with zeros in R. `None` if no direction is left.
 fn fill_up(
     problem: &Problem,
     window: &Window,
@@ -151,7 +151,7 @@ fn fill_up(
     Some(r)
 }
 
-/// Uniform in [-½, ½) by SplitMix64, the same for every number of threads.
+/// Uniform random numbers in [-½, ½) by SplitMix64; the same for every number of threads.
 fn random_block(n: usize, seed: u64) -> Vec<Row> {
     let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1405_7b7e_f767_814f;
     let mut random = || {
@@ -164,7 +164,7 @@ fn random_block(n: usize, seed: u64) -> Vec<Row> {
     (0..n).map(|_| std::array::from_fn(|_| random())).collect()
 }
 
-/// Factors A − σI, moving the shift by small steps while it sits on an eigenvalue.
+/// Factors A − σI, moving the shift by small steps as long as it lies on an eigenvalue.
 pub(super) fn factor_near(
     problem: &Problem,
     shift: &mut f64,

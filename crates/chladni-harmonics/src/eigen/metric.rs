@@ -4,19 +4,20 @@ use crate::ldlt::{Factor, Row, Symbolic, Workspace};
 use crate::simd::{Kernel, Lanes, dispatch};
 use crate::{HarmonicsError, SymmetricSparse};
 
-/// Steps of inverse iteration that estimate the smallest eigenvalue of B, and by how much they may be wrong.
+/// The number of steps of inverse iteration that estimate the smallest eigenvalue of B, and the factor by
+/// which the estimate may be wrong.
 const STEPS: usize = 20;
 const MARGIN: f64 = 2.0;
-/// Nothing is certified under a metric whose smallest eigenvalue is this share of its largest.
+/// Nothing is certified under a metric whose smallest eigenvalue is below this share of its largest.
 const FLATTEST: f64 = 1e-10;
 
 /// B = G Gᵀ with a unit diagonal, in the order of the problem's symbolic factorization.
 pub(super) struct Metric {
-    /// B, with entries at the places of A.
+    /// B, with entries stored at the places of A.
     pub matrix: SymmetricSparse,
     factor: Factor,
-    /// At least about 1 / (the smallest eigenvalue of B): no eigenvalue of A h = λ B h is further from 0 than this
-    /// times those of A.
+    /// At least about 1 / (the smallest eigenvalue of B): the eigenvalues of A h = λ B h are at most this
+    /// factor farther from 0 than those of A.
     pub stretch: f64,
 }
 
@@ -82,10 +83,10 @@ impl Metric {
     }
 }
 
-/// The largest eigenvalue of the inverse of what was factored, from below.
+/// A lower bound of the largest eigenvalue of the inverse of the factored matrix.
 fn largest_inverse(factor: &Factor, symbolic: &Symbolic) -> f64 {
     let n = symbolic.size();
-    // Rough, so that it has a share of every vector.
+    // A rough vector, which has a component along every eigenvector.
     let mut x: Vec<f64> = (0..n).map(|i| ((i * 2_654_435_761) % 1009) as f64 / 504.0 - 1.0).collect();
     let mut size = 0.0;
     for _ in 0..STEPS {

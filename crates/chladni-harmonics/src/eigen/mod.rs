@@ -2,6 +2,7 @@
 
 mod assemble;
 mod certify;
+mod columns;
 mod components;
 mod dense;
 mod found;
@@ -27,13 +28,13 @@ use problem::{Problem, ZEROS};
 use crate::platform::Instant;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, SolveProfile, canonical};
 
-/// Up to this many vertices a dense solve is quicker than slices.
+/// Up to this many vertices a dense solve is faster than slices.
 const DENSE: usize = 300;
-/// Up to this many vertices a dense solve is used if a large share of all pairs is asked for.
+/// Up to this many vertices a dense solve is used if a large share of all pairs is wanted.
 const DENSE_SHARE: usize = 4000;
 /// A dense solve of more vertices would hold four matrices of 3 GB.
 const DENSE_MOST: usize = 20_000;
-/// Columns of M H that are in memory at once where all scalar products are measured.
+/// The number of columns of M H in memory at once when all scalar products are measured.
 const COLUMNS: usize = 32;
 /// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
 pub(crate) const CLUSTER: f64 = 1e-7;
@@ -42,13 +43,13 @@ pub(crate) const CLUSTER: f64 = 1e-7;
 pub(crate) struct Solved {
     pub basis: Basis,
     pub cuts_cluster: bool,
-    /// Slices could not be certified, so everything was solved as a dense matrix.
+    /// Whether the slices could not be certified, and everything was solved as a dense matrix instead.
     pub fell_back_to_dense: bool,
     pub profile: SolveProfile,
 }
 
-/// Solves for the first `harmonics` pairs of `operator`; [`canonical`] chooses among equally good ones, for
-/// which a group of equal eigenvalues that K cuts is solved whole.
+/// Solves for the first `harmonics` pairs of `operator`. [`canonical`] chooses among equally good ones; for
+/// that, a group of equal eigenvalues that K cuts is solved as a whole.
 pub(crate) fn solve(
     operator: &Operator,
     harmonics: usize,
@@ -79,7 +80,7 @@ pub(crate) fn solve(
     Ok(solved)
 }
 
-/// The last resort where slices could not be certified, if affordable: a dense solve.
+/// The last resort if slices could not be certified: a dense solve, if affordable.
 fn or_dense(
     solved: Result<Solved, HarmonicsError>,
     pencil: Pencil,
@@ -96,8 +97,8 @@ fn or_dense(
     }
 }
 
-/// Solves for the first `harmonics` pairs of a connected surface, or of a given pencil without `zeros`;
-/// `problem` is built if needed. The stage counts pairs.
+/// Solves for the first `harmonics` pairs of a connected surface, or of a given pencil without `zeros`.
+/// `problem` is built if it is not given. The stage counts pairs.
 fn solve_connected(
     pencil: Pencil,
     zeros: usize,
@@ -119,7 +120,7 @@ fn solve_connected(
             return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason: reason.into() });
         }
         let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
-        // Where slivers make the largest eigenvalues huge, slices are more accurate for the lowest.
+        // If slivers make the largest eigenvalues huge, slices are more accurate for the lowest ones.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
             stage.advance(harmonics as u64);
             return Ok(solved);
@@ -133,7 +134,7 @@ fn solve_connected(
     Ok(solved)
 }
 
-/// λ = 0 of a connected surface: h = 1 / √area.
+/// The pair with λ = 0 of a connected surface: h = 1 / √area.
 fn constant(pencil: Pencil) -> Solved {
     let vectors = vec![pencil.mass.iter().sum::<f64>().sqrt().recip(); pencil.mass.len()];
     let certificate = certify(pencil, ZEROS, &[0.0], &vectors, true);
@@ -141,13 +142,13 @@ fn constant(pencil: Pencil) -> Solved {
     Solved { basis, cuts_cluster: false, fell_back_to_dense: false, profile: SolveProfile::default() }
 }
 
-/// The first position at or after K where neighboring `values` differ, or their end.
+/// The first position at or after K where neighboring `values` differ, or the end of `values`.
 pub(crate) fn cluster_end(values: &[f64], harmonics: usize) -> usize {
     let is_gap = |k: &usize| values[*k] - values[*k - 1] > CLUSTER * values[*k];
     (harmonics..values.len()).find(is_gap).unwrap_or(values.len())
 }
 
-/// Measures pairs of `pencil`, of which the first `zeros` have λ = 0.
+/// Certifies pairs of `pencil`, the first `zeros` of which have λ = 0, by measuring them.
 pub(crate) fn certify(
     pencil: Pencil,
     zeros: usize,
@@ -168,7 +169,7 @@ pub(crate) fn certify(
     }
     let h = MatRef::from_column_major_slice(vectors, n, k);
     let mut orthogonality = 0.0_f64;
-    // Some columns of M H at a time: all of them would take as much memory as H.
+    // A few columns of M H at a time: all of them would need as much memory as H.
     for (number, columns) in vectors.chunks(COLUMNS * n.max(1)).enumerate() {
         let weighted: Vec<f64> = columns.chunks_exact(n.max(1)).flat_map(|h| pencil.mass_times(h)).collect();
         let gram = h.transpose() * MatRef::from_column_major_slice(&weighted, n, weighted.len() / n.max(1));

@@ -1,18 +1,18 @@
-//! Blocks of eight columns made orthonormal.
+//! Orthonormalizes blocks of eight columns.
 
 use super::tall::{BLOCK, Small, multiply_right, overlap};
 use crate::ldlt::Row;
 
-/// Why a block was not made orthonormal.
+/// Why a block could not be orthonormalized.
 pub(super) enum Dependence {
-    /// The columns are dependent; X is as it was.
+    /// The columns are dependent; X is unchanged.
     Found,
-    /// They are so nearly dependent that rounding spoiled X.
+    /// The columns are so nearly dependent that rounding has spoiled X.
     Spoiled,
 }
 
-/// X ← Q of X = Q R by Cholesky on XᵀX, twice (Yamamoto et al. 2015). Columns count as dependent
-/// where the diagonal of R is not above `limits`. Returns R.
+/// Replaces X by Q of X = Q R, by Cholesky on XᵀX, twice (Yamamoto et al. 2015). Columns count as dependent
+/// if the diagonal of R is not above `limits`. Returns R.
 pub(super) fn orthonormalize(x: &mut [Row], limits: &Row) -> Result<Small, Dependence> {
     let (first, inverse) = cholesky(&overlap(x, x)).ok_or(Dependence::Found)?;
     if (0..BLOCK).any(|j| first[j][j] <= limits[j]) {
@@ -24,7 +24,7 @@ pub(super) fn orthonormalize(x: &mut [Row], limits: &Row) -> Result<Small, Depen
     Ok(product(&second, &first))
 }
 
-/// Upper triangular R with RᵀR = G, and its inverse.
+/// The upper triangular R with RᵀR = G, and its inverse.
 fn cholesky(gram: &Small) -> Option<(Small, Small)> {
     let mut r = [[0.0; 8]; BLOCK];
     for i in 0..BLOCK {

@@ -1,4 +1,4 @@
-//! Where the slices go: the counting function N(λ) sampled by inertia.
+//! Plans the slices from the counting function N(λ), sampled by inertia.
 
 use chladni_task::Task;
 use rayon::prelude::*;
@@ -7,36 +7,36 @@ use super::problem::{Problem, Profile};
 use super::window::Stopped;
 use crate::ldlt::{Factor, Workspace};
 
-/// Eigenpairs per slice that are aimed at.
+/// The number of eigenpairs per slice that is aimed at.
 const PER_SLICE: usize = 84;
-/// Up to this many slices the factors of the first counts are kept for them.
+/// Up to this many slices, the factors of the first counts are kept for them.
 const KEPT: usize = 8;
-/// How far counts may be from equal shares if slices are to start where the counts were taken.
+/// How far counts may differ from equal shares if slices are to start where the counts were taken.
 const UNEVEN: f64 = 0.12;
-/// How far a count may be from the line between its neighbors, in slices, before eigenvalues are
-/// thought to come in clumps (0.02 to 0.09 on shapes found in the wild, 0.28 to 0.43 on spheres).
+/// How far a count may be from the line between its neighbors, in slices, before the eigenvalues are
+/// assumed to come in clumps (0.02 to 0.09 on ordinary shapes, 0.28 to 0.43 on spheres).
 const CLUMPED: f64 = 0.2;
-/// Counts taken side by side in each round; not the number of threads, on which the plan must
-/// not depend.
+/// Number of counts taken in parallel in each round. It is not the number of threads, because the plan must
+/// not depend on that.
 const PROBES: usize = 4;
 
-/// A shift and what is to be found around it.
+/// A shift, and what to find around it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slice {
     pub shift: f64,
-    /// The slice's own part of the spectrum; 0 is the lower end of the first slice.
+    /// The slice's own part of the spectrum. 0 is the lower end of the first slice.
     pub low: f64,
     pub high: f64,
-    /// Eigenvalues that are thought to be in it.
+    /// The expected number of eigenvalues in it.
     pub expected: usize,
-    /// How many eigenvalues lie below each end, if counted.
+    /// The number of eigenvalues below each end, if counted.
     pub ends: Option<(usize, usize)>,
-    /// The last slice: it continues until it knows λ_K and a gap above it.
+    /// Whether this is the last slice, which continues until it knows λ_K and a gap above it.
     pub top: bool,
 }
 
-/// Slices that cover the `harmonics` smallest eigenvalues, with the factors at their shifts if the plan made
-/// them.
+/// Slices that cover the `harmonics` smallest eigenvalues, with the factors at their shifts if planning
+/// computed them.
 pub(super) fn plan(
     problem: &Problem,
     harmonics: usize,
@@ -44,13 +44,13 @@ pub(super) fn plan(
     task: &Task,
 ) -> Result<Vec<(Slice, Option<Factor>)>, Stopped> {
     let zeros = problem.zeros;
-    // Two more than asked for, so that the top slice has pairs on both sides of λ_K.
+    // Two more than requested, which gives the top slice pairs on both sides of λ_K.
     let wanted = (harmonics.max(zeros) + 2) as f64;
     let slices = slices(harmonics.saturating_sub(zeros));
     let step = (wanted - zeros as f64) / slices as f64;
     let mut counting = Counting(vec![(0.0, zeros as f64)]);
     if slices <= KEPT {
-        // Weyl's law is often so close that slices can start where it says.
+        // Weyl's law is often so accurate that slices can start where it says.
         let shifts: Vec<f64> = (0..slices).map(|i| weyl(problem, step * (i as f64 + 0.5))).collect();
         let factors = sample(problem, &shifts, &mut counting, profile)?;
         if let Some(slices) = counting.slices_between(wanted, step) {
@@ -63,8 +63,8 @@ pub(super) fn plan(
     bounds[0] = 0.0;
     let mut below = vec![None; slices + 1];
     if counting.roughness() > CLUMPED * step {
-        // To find a pair beyond each end, a run would have to resolve whole clumps there, at twice the cost;
-        // so it gets the counts instead.
+        // To find a pair beyond each end, a run would have to resolve whole clumps there, at twice the
+        // cost. It gets the counts instead.
         let mut counted = Counting(vec![(0.0, zeros as f64)]);
         sample(problem, &bounds[1..slices], &mut counted, profile)?;
         counted.0.push((bounds[slices], wanted));
@@ -80,17 +80,17 @@ pub(super) fn plan(
         .collect())
 }
 
-/// How many slices the pairs are found in.
+/// The number of slices for this number of pairs.
 pub(super) fn slices(pairs: usize) -> usize {
     let slices = pairs.div_ceil(PER_SLICE).max(1);
     if slices > 2 { slices.next_multiple_of(4) } else { slices }
 }
 
-/// Samples (λ, N(λ)) ascending in both, from (0, number of zeros) on.
+/// Samples (λ, N(λ)), ascending in both, beginning with (0, number of zeros).
 struct Counting(Vec<(f64, f64)>);
 
 impl Counting {
-    /// λ where N reaches `count`, linear between samples and beyond the last.
+    /// The λ where N reaches `count`: linear between the samples and beyond the last one.
     fn inverse(&self, count: f64) -> f64 {
         let samples = &self.0;
         let next = samples.partition_point(|s| s.1 < count).clamp(1, samples.len() - 1);
@@ -98,7 +98,7 @@ impl Counting {
         if b.1 > a.1 { a.0 + (b.0 - a.0) * (count - a.1) / (b.1 - a.1) } else { b.0 }
     }
 
-    /// N(λ), linear between samples and beyond the last.
+    /// N(λ): linear between the samples and beyond the last one.
     fn at(&self, lambda: f64) -> f64 {
         let samples = &self.0;
         let next = samples.partition_point(|s| s.0 < lambda).clamp(1, samples.len() - 1);
@@ -106,7 +106,7 @@ impl Counting {
         if b.0 > a.0 { a.1 + (b.1 - a.1) * (lambda - a.0) / (b.0 - a.0) } else { b.1 }
     }
 
-    /// How far a sample is from the line between its neighbors, at most.
+    /// The largest distance of a sample from the line between its neighbors.
     fn roughness(&self) -> f64 {
         let off = |w: &[(f64, f64)]| {
             (w[1].1 - w[0].1 - (w[2].1 - w[0].1) * (w[1].0 - w[0].0) / (w[2].0 - w[0].0)).abs()
@@ -114,8 +114,8 @@ impl Counting {
         self.0.windows(3).map(off).fold(0.0, f64::max)
     }
 
-    /// One slice around each sample after the first, if not many more than `step` eigenvalues
-    /// lie between them and half as many below and above them.
+    /// One slice around each sample after the first, if not many more than `step` eigenvalues lie between
+    /// samples and half as many below the first and above the last.
     fn slices_between(&self, wanted: f64, step: f64) -> Option<Vec<Slice>> {
         let (&(zero, zeros), samples) = self.0.split_first()?;
         let last = samples.last()?;
@@ -139,7 +139,7 @@ impl Counting {
     }
 }
 
-/// λ below which Weyl's law puts `count` eigenvalues: N(λ) ≈ λ area / 4π.
+/// The λ below which Weyl's law puts `count` eigenvalues: N(λ) ≈ λ area / 4π.
 fn weyl(problem: &Problem, count: f64) -> f64 {
     4.0 * std::f64::consts::PI * count / problem.area
 }
@@ -154,7 +154,7 @@ fn count(
 ) -> Result<(), Stopped> {
     let n = problem.matrix.size() as f64;
     let mut top = match counting.0[..] {
-        // Extrapolate through the last sample, and a little beyond.
+        // Extrapolates through the last sample, and a little beyond.
         [.., (lambda, count)] if lambda > 0.0 => lambda * (1.05 * wanted / count.max(1.0)).clamp(1.02, 4.0),
         _ => weyl(problem, wanted),
     };
@@ -173,8 +173,8 @@ fn count(
         let grow = ((wanted + 2.0) / reached.max(1.0)).clamp(1.02, 4.0);
         top = last * (1.0 + 1.3 * (grow - 1.0));
     }
-    // Where a quarter of all wanted pairs lies between two samples, N is not known well
-    // enough to cut there.
+    // If a quarter of all wanted pairs lies between two samples, N is not known well enough there to place
+    // cuts.
     for _ in 0..8 {
         task.check()?;
         let coarse = (wanted * 0.3).max(PER_SLICE as f64);
@@ -194,7 +194,7 @@ fn count(
     Ok(())
 }
 
-/// Counts at each of `probes`, or just beside it; and the factors, ascending in λ.
+/// The counts at each of `probes`, or just beside it, and the factors there, ascending in λ.
 fn sample(
     problem: &Problem,
     probes: &[f64],
@@ -223,7 +223,7 @@ fn sample(
     Ok(factors)
 }
 
-/// The number of eigenvalues below `lambda`, or a little beside it where it is an eigenvalue.
+/// The number of eigenvalues below `lambda`, or slightly beside it if `lambda` is an eigenvalue.
 pub(super) fn inertia(
     problem: &Problem,
     lambda: f64,

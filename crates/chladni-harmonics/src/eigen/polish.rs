@@ -1,4 +1,4 @@
-//! A last step of inverse iteration for the lowest pairs, from below the spectrum.
+//! A last step of inverse iteration for the lowest pairs, with a shift below the spectrum.
 
 use rayon::prelude::*;
 
@@ -8,15 +8,16 @@ use super::window::Pairs;
 use crate::ldlt::{Factor, Row, Workspace};
 use crate::platform::Instant;
 
-/// Rows of the new pairs that one thread makes at a time.
+/// The number of rows of the new pairs that one thread computes at a time.
 const ROWS: usize = 4096;
 
 /// The pairs after one step of (A − σI)⁻¹ with σ < 0 and a Rayleigh–Ritz projection.
 ///
-/// A shift inside the spectrum leaves errors of rounding times ‖A‖, which are rough and much larger than the
-/// smallest eigenvalues. Below the spectrum A − σI is positive definite; its factor is accurate, and rough
-/// errors shrink by λ over their own, large eigenvalue. If that factorization fails, the pairs are returned
-/// unchanged. `factor` is used only for its memory. Idle threads help; the result does not depend on them.
+/// A shift inside the spectrum leaves errors of the size of rounding times ‖A‖. They are rough (they
+/// consist of high harmonics) and can be much larger than the smallest eigenvalues. Below the spectrum A −
+/// σI is positive definite, its factor is accurate, and a rough error shrinks by the ratio of λ to the
+/// error's own, large eigenvalue. If that factorization fails, the pairs are returned unchanged. `factor`
+/// is used only for its memory. Idle threads help; the result does not depend on them.
 pub(super) fn polish(problem: &Problem, pairs: Pairs, mut factor: Factor, profile: &mut Profile) -> Pairs {
     let Some(&lowest) = pairs.values.first() else { return pairs };
     let sigma = -0.5 * lowest;
@@ -50,7 +51,7 @@ fn project(problem: &Problem, pairs: &Pairs, images: &Blocks, sigma: f64) -> Opt
         let entry = |i: usize, j: usize| products[i / BLOCK * ys.len() + j / BLOCK][i % BLOCK][j % BLOCK];
         faer::Mat::from_fn(count, count, |i, j| 0.5 * (entry(i, j) + entry(j, i)))
     };
-    // XᵀX is 1 but for small errors, whose squares vanish: its inverse root is (3 − XᵀX) / 2.
+    // XᵀX is 1 up to small errors, whose squares are negligible: its inverse root is (3 − XᵀX) / 2.
     let side_by_side =
         |with: &[&[Row]]| -> Vec<Small> { xs.par_iter().flat_map_iter(|x| overlaps(&[x], with)).collect() };
     let gram = symmetric(&side_by_side(&xs));
@@ -62,12 +63,12 @@ fn project(problem: &Problem, pairs: &Pairs, images: &Blocks, sigma: f64) -> Opt
     if thetas.iter().any(|theta| theta.is_nan() || *theta <= 0.0) {
         return None;
     }
-    // θ ascends where λ descends.
+    // θ ascends as λ descends.
     let column = |pair: usize| count - 1 - pair;
     let mut coefficients: Vec<Small> = vec![[[0.0; 8]; BLOCK]; ys.len() * ys.len()];
     for pair in 0..count {
         for i in 0..count {
-            // Minus, because the kernel subtracts.
+            // Negative, because the kernel subtracts.
             coefficients[i / BLOCK * ys.len() + pair / BLOCK][i % BLOCK][pair % BLOCK] =
                 -z[(i, column(pair))] / thetas[column(pair)];
         }

@@ -1,8 +1,8 @@
-//! The symmetric problem A x = λ x that slices work on, A = M^-½ S M^-½ in elimination order.
+//! The symmetric problem A x = λ x of the slices: A = M^-½ S M^-½ in elimination order.
 //!
-//! A mass matrix that is not diagonal is scaled by its diagonal D instead, A = D^-½ S D^-½ and
-//! B = D^-½ M D^-½ = G Gᵀ, and the problem is G⁻¹ A G⁻ᵀ x = λ x: vectors stay orthonormal in the plain sense, and
-//! nothing but factoring, solving, residuals and the last transformation knows of it.
+//! A mass matrix that is not diagonal is scaled by its diagonal D instead: A = D^-½ S D^-½ and B = D^-½ M
+//! D^-½ = G Gᵀ, and the problem is G⁻¹ A G⁻ᵀ x = λ x. Vectors stay orthonormal in the plain sense, and only
+//! factorization, solves, residuals and the last transformation need to know about B.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -13,14 +13,14 @@ use super::window::Window;
 use crate::ldlt::{Factor, Row, Symbolic, Workspace, ZeroPivot, nested_dissection};
 use crate::{HarmonicsError, Pencil, SolveProfile, SymmetricSparse, pages};
 
-/// Spare blocks that are handed out together if they fill large pages; smaller ones are handed out one by
-/// one, which was 6 to 12 % faster with 3,000 to 5,000 vertices and four threads.
+/// Spare blocks are handed out together if this many of them fill large pages, and otherwise one by one,
+/// which was 6 to 12 % faster with 3,000 to 5,000 vertices and four threads.
 const AT_ONCE: usize = 8;
 
-/// How many eigenvalues of a connected surface are exactly 0: its vector is √a.
+/// How many eigenvalues of a connected surface are exactly 0: one, with the vector √a.
 pub(super) const ZEROS: usize = 1;
 
-/// What all slices share.
+/// The data that all slices share.
 pub(super) struct Problem {
     pub symbolic: Symbolic,
     /// A, permuted.
@@ -29,20 +29,20 @@ pub(super) struct Problem {
     pub root_mass: Vec<f64>,
     /// a of each vertex, permuted.
     pub mass: Vec<f64>,
-    /// B, where M is not diagonal.
+    /// B, if M is not diagonal.
     metric: Option<Metric>,
-    /// How many eigenvalues are exactly 0 and known beforehand: [`ZEROS`] of a surface, none of a pencil that was
-    /// given.
+    /// How many eigenvalues are exactly 0 and known beforehand: [`ZEROS`] for a surface, none for a given
+    /// pencil.
     pub zeros: usize,
-    /// Σ a of a surface; for a pencil, the area of a surface with equally dense eigenvalues.
+    /// Σ a of a surface; for a given pencil, the area of a surface whose eigenvalues are as dense.
     pub area: f64,
     /// The largest A_vv.
     pub largest: f64,
-    /// Blocks that finished slices no longer need; fresh memory costs page faults.
+    /// Blocks that finished slices no longer need; they are reused because fresh memory costs page faults.
     spare: Mutex<Vec<Blocks>>,
 }
 
-/// Seconds of one thread in each part of the work.
+/// Seconds of thread time in each part of the work.
 pub(super) type Profile = SolveProfile;
 
 impl Problem {
@@ -68,7 +68,7 @@ impl Problem {
     /// The problem of a general pencil.
     ///
     /// # Errors
-    /// Where M is not diagonal, and not positive definite or nearly not.
+    /// M is not diagonal, and not positive definite or nearly singular.
     pub(super) fn given(pencil: Pencil) -> Result<Self, HarmonicsError> {
         let mut problem = Self { zeros: 0, ..Self::of(pencil) };
         if let Some(consistent) = pencil.consistent {
@@ -79,7 +79,7 @@ impl Problem {
         Ok(problem)
     }
 
-    /// How far an eigenvalue may be above those of D⁻¹ S, D the diagonal of M.
+    /// A factor by which an eigenvalue may exceed those of D⁻¹ S, where D is the diagonal of M.
     pub(super) fn stretch(&self) -> f64 {
         self.metric.as_ref().map_or(1.0, |metric| metric.stretch)
     }
@@ -100,7 +100,7 @@ impl Problem {
         }
     }
 
-    /// x ← (A − σI)⁻¹ x, or Gᵀ (A − σB)⁻¹ G x, with the `factor` of the shift.
+    /// x ← (A − σI)⁻¹ x, or Gᵀ (A − σB)⁻¹ G x, given the `factor` at the shift.
     pub(super) fn solve(&self, factor: &Factor, x: &mut [Row]) {
         match &self.metric {
             None => factor.solve(&self.symbolic, x),
@@ -108,7 +108,7 @@ impl Problem {
         }
     }
 
-    /// For each column x with value λ: ‖A x − λ x‖² of the symmetric problem, and Σ a r², Σ a s² with the
+    /// For each column x with value λ: ‖A x − λ x‖² of the symmetric problem, and Σ a r² and Σ a s² for the
     /// residual r and the image s in S h = λ M h.
     pub(super) fn residuals(&self, x: &[Row], values: &Row) -> [Row; 3] {
         match &self.metric {
@@ -117,14 +117,14 @@ impl Problem {
         }
     }
 
-    /// x ← G⁻ᵀ x: what is left to do is a factor 1/√a per row.
+    /// x ← G⁻ᵀ x. After this, only a factor of 1/√a per row is left to apply.
     pub(super) fn untransform(&self, x: &mut [Row]) {
         if let Some(metric) = &self.metric {
             metric.untransform(&self.symbolic, x);
         }
     }
 
-    /// Adds `lift` to all eigenvalues, whose mean distance it is about.
+    /// Adds `lift` to all eigenvalues; it is about their mean distance.
     pub(super) fn lift(&mut self, lift: f64) {
         self.matrix = match &self.metric {
             None => self.matrix.plus_diagonal(&vec![1.0; self.mass.len()], lift),
@@ -134,7 +134,7 @@ impl Problem {
         self.expect_spacing(lift);
     }
 
-    /// Tells about how far apart the eigenvalues lie: Weyl's law, the other way round.
+    /// Sets the approximate distance of the eigenvalues: Weyl's law, solved for the area.
     pub(super) fn expect_spacing(&mut self, spacing: f64) {
         self.area = 4.0 * std::f64::consts::PI / spacing;
     }
@@ -152,21 +152,20 @@ impl Problem {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
-    /// Takes spare blocks that are not needed any more.
+    /// Takes back blocks that are not needed any more.
     pub(super) fn give_back(&self, blocks: Vec<Blocks>) {
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).extend(blocks);
     }
 
-    /// The residual ‖A x − λ x‖ at which a pair counts as converged: small beside λ, for the
-    /// pair's own sake, and beside the width of the window, because the overlap of vectors
-    /// from different windows is at most the sum of their residuals over the distance of
-    /// their eigenvalues.
+    /// The residual ‖A x − λ x‖ at which a pair counts as converged. It is small relative to λ, for the
+    /// pair's own accuracy, and relative to the width of the window, because the overlap of vectors from
+    /// different windows is at most the sum of their residuals divided by the distance of their
+    /// eigenvalues.
     pub(super) fn tolerance(&self, lambda: f64, shift: f64, window: &Window) -> f64 {
         (2e-10 * lambda.abs()).min(2e-9 * window.width.max((lambda - shift).abs()))
     }
 
-    /// Where the window reaches down to zero: makes each column orthogonal to the vector of
-    /// λ = 0.
+    /// If the window reaches down to zero, makes each column orthogonal to the vector of λ = 0.
     pub(super) fn remove_constants(&self, from_zero: bool, x: &mut [Row]) {
         if !from_zero || self.zeros == 0 {
             return;

@@ -1,4 +1,4 @@
-//! All slices solved in parallel, joined, and repaired where their counts do not agree.
+//! Solves all slices in parallel, joins them, and repairs those whose counts do not agree.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -14,10 +14,10 @@ use super::{Solved, assemble};
 use crate::platform::Instant;
 use crate::{HarmonicsError, Pencil};
 
-/// Extra runs of a slice before the solve is given up.
+/// The largest number of extra runs before the solve is given up.
 const REPAIRS: usize = 100;
 
-/// Solves for the first `harmonics` pairs of `problem`, which is of `pencil`.
+/// Solves for the first `harmonics` pairs of `problem`, which belongs to `pencil`.
 pub(super) fn solve(
     problem: &Problem,
     pencil: Pencil,
@@ -30,9 +30,9 @@ pub(super) fn solve(
     let start = Instant::now();
     let slices = plan(problem, harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
-    // Progress: an equal share for each slice, the rest for assembling.
+    // Progress: an equal share for each slice, and the rest for assembling.
     let (share, count) = (harmonics / (slices.len() + 1), slices.len());
-    // The lowest slice has the most to do, as a rule, and the top one comes next.
+    // The lowest slice usually takes longest, and the top one comes next.
     let mut queue: Vec<_> = slices.into_iter().enumerate().collect();
     queue[1..].reverse();
     type Finished = Result<(Found, Profile), Stopped>;
@@ -51,7 +51,7 @@ pub(super) fn solve(
                     .and_then(|(found, tried)| found.finish(problem, tried, harmonics, &mut profile, task));
                 store(place, found.map(|found| (found, profile)));
             };
-            // Polishing is left to the first thread that finds no slice to begin.
+            // Polishing is left to the first thread that finds no slice left to begin.
             if place == 0 { scope.spawn(move |_| finish()) } else { finish() }
         });
     });
@@ -74,7 +74,7 @@ pub(super) fn solve(
     Ok(Solved { basis, cuts_cluster, fell_back_to_dense: false, profile })
 }
 
-/// Joins the slices, searching again wherever a count says that a pair is missing.
+/// Joins the slices, and searches again wherever a count shows that a pair is missing.
 fn mend(
     problem: &Problem,
     slices: &mut [Found],
@@ -95,7 +95,7 @@ fn mend(
                 slices[last].search(problem, 1, harmonics + 8 * (repair + 1), profile, task)?;
             }
             Join::Missing(below, above) => {
-                // The two slices beside the place, in turn.
+                // The two slices beside the place, alternately.
                 let which = if repair % 2 == 0 { below } else { above };
                 slices[which].search(problem, 1, harmonics + 1, profile, task)?;
                 top_count = None;

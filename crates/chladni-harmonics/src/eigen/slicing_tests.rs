@@ -1,4 +1,4 @@
-//! Faults planted into solved slices are found by their counts and mended.
+//! Faults that are planted into solved slices must be found by their counts and repaired.
 
 use super::super::found::{largest_residual, quiet_place};
 use super::super::polish::polish;
@@ -11,7 +11,7 @@ use chladni_mesh::TriMesh;
 #[path = "../../tests/shapes/mod.rs"]
 mod shapes;
 
-/// A bumpy torus: no symmetry, one component.
+/// A bumpy torus without symmetry, with one component.
 fn torus(around: u32, across: u32) -> TriMesh {
     use std::f64::consts::TAU;
     let positions = (0..around * across)
@@ -69,7 +69,7 @@ fn a_pair_that_is_missing_or_doubled_in_a_slice_is_noticed_and_mended() {
         assert!(known.cluster_end >= harmonics);
     };
     check(&|_| {}, false);
-    // One pair forgotten in the middle of a slice (the zeroed column stands for no vector).
+    // Removes one pair from the middle of a slice (the zeroed column represents no vector).
     let forget = |found: &mut Vec<Found>| {
         let shift = found[1].slice.shift;
         let pairs = &mut found[1].runs[0];
@@ -79,7 +79,7 @@ fn a_pair_that_is_missing_or_doubled_in_a_slice_is_noticed_and_mended() {
     check(&forget, true);
 }
 
-/// Removes a pair: its value goes, and later columns move up.
+/// Removes a pair: its value is dropped, and later columns move up.
 fn forget_column(pairs: &mut Pairs, column: usize) {
     use super::super::tall::BLOCK;
     let count = pairs.values.len();
@@ -143,7 +143,7 @@ fn where_eigenvalues_come_in_clumps_slices_know_how_many_are_theirs() {
         }
         slices.iter().all(|(slice, _)| slice.ends.is_some())
     };
-    // Clumps of 2 l + 1, and a shape that has none.
+    // A sphere has clumps of 2 l + 1 eigenvalues; the other shape has none.
     assert!(ends(&shapes::icosphere(3)));
     assert!(!ends(&torus(40, 20)));
 }
@@ -153,7 +153,7 @@ fn a_shift_that_has_to_move_moves_to_a_wide_gap() {
     let values = [1.0, 2.0, 2.125, 2.25, 3.0, 3.125, 5.125];
     assert_eq!(quiet_place(&values, 2.12, 1.0, 1), Some(1.75));
     assert_eq!(quiet_place(&values, 2.12, 1.0, 2), Some(2.4375));
-    // The middle of the widest gap is where it is already, or there is none so near.
+    // The shift is already in the middle of the widest gap, or there is no gap this near.
     assert_eq!(quiet_place(&values, 4.0, 0.5, 1), None);
     assert_eq!(quiet_place(&values, 4.0, 1.5, 1), Some(2.8125));
     assert_eq!(quiet_place(&[], 4.0, 1.5, 1), None);

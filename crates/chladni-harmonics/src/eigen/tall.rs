@@ -8,27 +8,27 @@ use crate::ldlt::Row;
 use crate::simd::{Kernel, Lanes, dispatch};
 use crate::{SymmetricSparse, pages};
 
-/// Columns of a block.
+/// The number of columns of a block.
 pub(super) const BLOCK: usize = 8;
 
-/// Tall blocks of eight columns, one after the other in memory.
+/// Tall blocks of eight columns, stored one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blocks {
     rows: Vec<Row>,
-    /// Rows of a block.
+    /// The number of rows of a block.
     n: usize,
 }
 
 impl Blocks {
-    /// `count` blocks of `n` rows, to be written before they are read.
+    /// `count` blocks of `n` rows, which must be written before they are read.
     pub(super) fn untouched(n: usize, count: usize) -> Self {
         Self { rows: pages::zeroed(n * count), n }
     }
 
-    /// `count` blocks of `n` rows of zeros, to be added to.
+    /// `count` blocks of `n` rows of zeros, for adding to.
     pub(super) fn zeroed(n: usize, count: usize) -> Self {
         let mut blocks = Self::untouched(n, count);
-        // Fresh pages that are read before they are written cost two faults instead of one.
+        // Written now: a fresh page that is read before it is written costs two page faults instead of one.
         blocks.rows.fill([0.0; 8]);
         blocks
     }
@@ -49,18 +49,18 @@ impl Blocks {
 /// An 8×8 matrix, row after row.
 pub(super) type Small = [Row; BLOCK];
 
-/// Rows that are worked on while they lie in the first cache.
+/// The number of rows that are processed while they are in the first-level cache.
 const PANEL: usize = 64;
 
-/// VᵀX for each block V of `basis` and each X of `xs`, those of one V side by side; the basis
-/// is read once for all of `xs`.
+/// VᵀX for each block V of `basis` and each X of `xs`; the products of one V are stored side by side. The
+/// basis is read once for all of `xs`.
 pub(super) fn overlaps(basis: &[&[Row]], xs: &[&[Row]]) -> Vec<Small> {
     let mut sums = vec![[[0.0; 8]; BLOCK]; basis.len() * xs.len()];
     dispatch(Overlaps { basis, xs, upper: false, sums: &mut sums });
     sums
 }
 
-/// VᵀX for each pair of `blocks` in which V does not come after X; others may be skipped.
+/// VᵀX for each pair of `blocks` in which V does not come after X; other pairs may be skipped.
 pub(super) fn upper_overlaps(blocks: &[&[Row]]) -> Vec<Small> {
     let mut sums = vec![[[0.0; 8]; BLOCK]; blocks.len() * blocks.len()];
     dispatch(Overlaps { basis: blocks, xs: blocks, upper: true, sums: &mut sums });
@@ -77,7 +77,7 @@ pub(super) fn overlap(v: &[Row], x: &[Row]) -> Small {
 struct Overlaps<'a> {
     basis: &'a [&'a [Row]],
     xs: &'a [&'a [Row]],
-    /// Pairs in which V comes after X may be skipped.
+    /// Whether pairs in which V comes after X may be skipped.
     upper: bool,
     sums: &'a mut [Small],
 }
@@ -107,8 +107,8 @@ impl Kernel for Overlaps<'_> {
     }
 }
 
-/// The rows to read after those of block `b` in `panel`: the same rows of the next block. Panels are too
-/// short for the processor's own prefetching.
+/// The rows to prefetch after those of block `b` in `panel`: the same rows of the next block. Panels are
+/// too short for the processor's own prefetching.
 #[inline(always)]
 fn upcoming<'a>(basis: &[&'a [Row]], b: usize, panel: &Range<usize>) -> &'a [Row] {
     match basis.get(b + 1) {
@@ -147,8 +147,8 @@ fn add_overlaps<L: Lanes, const X: usize>(
     }
 }
 
-/// X ← X − Σ V C over the blocks V of `basis`, for each X of `xs`; the coefficients C of one V
-/// lie side by side. The basis is read once for all of `xs`.
+/// X ← X − Σ V C over the blocks V of `basis`, for each X of `xs`. The coefficients C of one V are stored
+/// side by side. The basis is read once for all of `xs`.
 pub(super) fn subtract_products(xs: &mut [&mut [Row]], basis: &[&[Row]], coefficients: &[Small]) {
     dispatch(SubtractProducts { xs, basis, coefficients });
 }
@@ -192,7 +192,7 @@ struct Coefficients<'a> {
     count: usize,
 }
 
-/// One panel of X blocks, from number `at` on, R rows at a time.
+/// One panel of X blocks, starting with number `at`, R rows at a time.
 #[inline(always)]
 fn subtract_panel<L: Lanes, const X: usize, const R: usize>(
     lanes: L,
@@ -249,8 +249,7 @@ fn subtract_rows<L: Lanes, const X: usize, const R: usize>(
     }
 }
 
-/// X ← X R⁻¹ for an upper triangular R given by its inverse.
-/// X ← X R.
+/// X ← X R. Callers pass the inverse of an upper triangular R to get X R⁻¹.
 pub(super) fn multiply_right(x: &mut [Row], right: &Small) {
     dispatch(MultiplyRight { x, right });
 }
@@ -326,44 +325,6 @@ impl Kernel for Residuals<'_> {
             lanes.store(sum, out);
         }
         out
-    }
-}
-
-/// Writes each column of a block in another order of rows and with a factor per row: where
-/// `places` says (row, factor), the column gets factor times that row of the block.
-pub(super) fn write_columns(block: &[Row], places: &[(u32, f64)], columns: &mut [Option<&mut [f64]>; BLOCK]) {
-    dispatch(WriteColumns { block, places, columns });
-}
-
-struct WriteColumns<'a, 'b> {
-    block: &'a [Row],
-    places: &'a [(u32, f64)],
-    columns: &'a mut [Option<&'b mut [f64]>; BLOCK],
-}
-
-impl Kernel for WriteColumns<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
-        let Self { block, places, columns } = self;
-        let (eights, rest) = places.as_chunks::<8>();
-        for (at, places) in eights.iter().enumerate() {
-            let rows =
-                places.map(|(row, factor)| lanes.mul(lanes.splat(factor), lanes.load(&block[row as usize])));
-            for (values, column) in lanes.transpose(rows).into_iter().zip(columns.iter_mut()) {
-                if let Some(eight) = column.as_mut().and_then(|c| c[8 * at..].first_chunk_mut()) {
-                    lanes.store(values, eight);
-                }
-            }
-        }
-        for (at, &(row, factor)) in rest.iter().enumerate() {
-            for (value, column) in block[row as usize].iter().zip(columns.iter_mut()) {
-                if let Some(column) = column {
-                    column[8 * eights.len() + at] = factor * value;
-                }
-            }
-        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! What one run has to find around its shift, what it found, and why it stopped.
+//! What one run must find around its shift, what it found, and why it stopped.
 
 use chladni_task::Cancelled;
 
@@ -14,16 +14,16 @@ pub(super) enum Reach {
     Count(usize),
 }
 
-/// What one run has to find around its shift.
+/// The part of the spectrum that one run must find around its shift.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     pub below: Reach,
     pub above: Reach,
-    /// Zero lies in the window: its known eigenvectors are deflated.
+    /// Whether zero lies in the window: then its known eigenvectors are deflated.
     pub from_zero: bool,
-    /// How wide the window is in λ.
+    /// The width of the window in λ.
     pub width: f64,
-    /// How many pairs are expected, which only decides when to check first.
+    /// The expected number of pairs, which only decides when to check convergence first.
     pub expected: usize,
 }
 
@@ -32,18 +32,18 @@ pub(super) struct Window {
 pub(super) struct Pairs {
     /// Eigenvalues, ascending.
     pub values: Vec<f64>,
-    /// Their orthonormal vectors, BLOCK to a block in the order of `values`; the last block
-    /// is filled up with zeros.
+    /// The orthonormal vectors, BLOCK to a block, in the order of `values`. The last block is padded with
+    /// zeros.
     pub blocks: Blocks,
 }
 
-/// Why a run stopped without its pairs.
+/// Why a run stopped without finding its pairs.
 #[derive(Debug)]
 pub(super) enum Stopped {
     Cancelled,
     /// The shift is too close to an eigenvalue, or the factorization lost its precision.
     BadShift,
-    /// The space was used up before the window had converged.
+    /// The space was exhausted before the window had converged.
     Exhausted,
 }
 

@@ -1,4 +1,4 @@
-//! The Laplacian that the papers print: the cotangents of the mesh's own triangles.
+//! The Laplacian of the papers, from the cotangents of the mesh's own triangles.
 
 use super::cover::{Edges, ends};
 use super::intrinsic::mixed_voronoi_parts;
@@ -7,18 +7,19 @@ use crate::SymmetricSparse;
 /// The cotangents of a triangle are meaningless if its height is below this share of its longest side.
 const FLAT: f64 = 1e-10;
 
-/// Why a mesh has no cotangent Laplacian; vertices are those of the operator.
+/// Why a mesh has no cotangent Laplacian. Vertices are those of the operator.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Refusal {
-    /// There is a formula for one triangle on an edge and for two.
+    /// The formula covers edges with one triangle or two.
     CrowdedEdge { ends: [u32; 2], triangles: usize },
-    /// Cotangents divide by the area.
+    /// Cotangents divide by the area of the triangle.
     FlatTriangle { corners: [u32; 3] },
 }
 
-/// S with -(cot β + cot β')/2 off the diagonal, of an edge at a boundary -cot β / 2, and the mixed
-/// Voronoi areas a, of a welded surface. Obtuse pairs give values above zero off the diagonal; S is
-/// positive semi-definite all the same, being the energy of linear functions on the triangles.
+/// S and the mixed Voronoi areas a of a welded surface. The off-diagonal value of S is -(cot β + cot β')/2
+/// for an inner edge and -cot β / 2 for a boundary edge. Pairs of obtuse angles give positive off-diagonal
+/// values. S is nevertheless positive semi-definite, because it is the energy of piecewise linear
+/// functions.
 pub(crate) fn cotangent_laplacian(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -42,12 +43,12 @@ pub(crate) fn cotangent_laplacian(
             mass[corners[i] as usize] += parts[i];
         }
     }
-    // Both sides of an edge are summed there.
+    // The constructor adds the contributions of both sides of an edge.
     Ok((SymmetricSparse::laplacian(positions.len(), &sides), mass))
 }
 
-/// A triangle: of each side, i from corner i to the next, the squared length and the cotangent of
-/// the angle opposite.
+/// For each side of a triangle (side i runs from corner i to the next): its squared length and the
+/// cotangent of the angle opposite to it.
 struct TriangleMeasures {
     square: [f64; 3],
     area: f64,
@@ -65,7 +66,8 @@ impl TriangleMeasures {
         let [u, v] = [side[0], side[1]];
         let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
         let twice_area = dot(cross, cross).sqrt();
-        // The angle opposite side i lies between the other two sides, of which one ends and one starts there.
+        // The angle opposite to side i lies between the other two sides, one of which ends there and the
+        // other starts.
         let cotangent = std::array::from_fn(|i| -dot(side[(i + 1) % 3], side[(i + 2) % 3]) / twice_area);
         Self { square: side.map(|s| dot(s, s)), area: 0.5 * twice_area, cotangent }
     }

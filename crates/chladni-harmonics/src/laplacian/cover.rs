@@ -1,5 +1,5 @@
-//! The edge-manifold surface on which edges are flipped: the mesh itself where it is closed,
-//! edge-manifold and oriented, its tufted cover otherwise.
+//! The edge-manifold surface on which edges are flipped: the mesh itself if it is closed, edge-manifold and
+//! oriented, otherwise its tufted cover.
 
 /// Triangles glued side to side, with a length on every side and no boundary.
 ///
@@ -8,11 +8,11 @@
 pub(crate) struct Cover {
     /// How often the surface is covered: 1 or 2.
     pub sheets: usize,
-    /// The vertex each side starts from.
+    /// The vertex from which each side starts.
     pub tail: Vec<u32>,
-    /// The side glued to each side; it runs the other way.
+    /// The side glued to each side, which runs in the opposite direction.
     pub twin: Vec<u32>,
-    /// The length of each side, the same on both of a glued pair.
+    /// The length of each side, equal for both sides of a glued pair.
     pub length: Vec<f64>,
 }
 
@@ -27,7 +27,7 @@ pub(crate) fn previous(h: u32) -> u32 {
 }
 
 impl Cover {
-    /// Covers a soup of triangles with three different corners each.
+    /// The cover of unconnected triangles, each with three different corners.
     pub(crate) fn of(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
         let edges = Edges::of(positions.len(), triangles);
         if edges.are_closed_and_oriented(triangles) {
@@ -46,11 +46,11 @@ impl Cover {
         cover
     }
 
-    /// The tufted cover (Sharp & Crane 2020, §3): every triangle twice, front and back; around
+    /// The tufted cover (Sharp & Crane 2020, §3): every triangle occurs twice, as front and back. Around
     /// each edge, in the order of the dihedral angle, the facing sides of neighbors are glued.
     fn tufted(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Self {
         let m = triangles.len() as u32;
-        // The back of (a, b, c) is (a, c, b); it follows all the fronts.
+        // The back of (a, b, c) is (a, c, b). All backs follow all fronts.
         let fronts = triangles.iter().flatten().copied();
         let backs = triangles.iter().flat_map(|&[a, b, c]| [a, c, b]);
         let tail: Vec<u32> = fronts.chain(backs).collect();
@@ -65,8 +65,8 @@ impl Cover {
             for i in 0..around.len() {
                 let (side, along) = around[i];
                 let (following, following_along) = around[(i + 1) % around.len()];
-                // With the edge as axis, a triangle that runs along it has its front toward
-                // growing angles, one that runs against it its back.
+                // With the edge as axis, a triangle that runs along the edge has its front toward growing
+                // angles; one that runs against it has its back there.
                 let growing = if along { side } else { back(side) };
                 let shrinking = if following_along { back(following) } else { following };
                 cover.glue(growing, shrinking, length);
@@ -82,8 +82,8 @@ impl Cover {
         self.length[b as usize] = length;
     }
 
-    /// Adds the least constant to all lengths that gives every triangle a slack of `factor`
-    /// mean lengths (Sharp & Crane 2020, eq. 9 and 10). Nothing changes on a sound mesh.
+    /// Adds to all lengths the smallest constant that gives every triangle a slack of `factor` mean lengths
+    /// (Sharp & Crane 2020, eq. 9 and 10). It is 0 for a sound mesh.
     pub(crate) fn mollify(&mut self, factor: f64) {
         let slack = factor * self.length.iter().sum::<f64>() / self.length.len().max(1) as f64;
         let mut missing = 0.0_f64;
@@ -102,22 +102,22 @@ fn edge_length(positions: &[[f64; 3]], triangles: &[[u32; 3]], side: u32) -> f64
     (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The vertices a side of the soup runs between.
+/// The two vertices of a side.
 pub(super) fn ends(triangles: &[[u32; 3]], side: u32) -> (u32, u32) {
     let t = triangles[side as usize / 3];
     let i = side as usize % 3;
     (t[i], t[(i + 1) % 3])
 }
 
-/// The sides of one edge in the order of their triangles' angle around it, each with whether
-/// it runs from the smaller to the larger vertex.
+/// The sides at one edge, in the order of their triangles' angle around it, each with whether it runs from
+/// the smaller to the larger vertex index.
 fn radial_order(positions: &[[f64; 3]], triangles: &[[u32; 3]], sides: &[u32], order: &mut Vec<(u32, bool)>) {
     let along = |side: u32| {
         let (u, v) = ends(triangles, side);
         u < v
     };
     if sides.len() <= 2 {
-        // One order only, up to rotation.
+        // Up to rotation there is only one order.
         order.extend(sides.iter().map(|&s| (s, along(s))));
         return;
     }
@@ -146,11 +146,11 @@ fn radial_order(positions: &[[f64; 3]], triangles: &[[u32; 3]], sides: &[u32], o
     order.extend(angles.into_iter().map(|(_, s)| (s, along(s))));
 }
 
-/// The sides of a soup grouped by the edge they lie on.
+/// The sides of all triangles, grouped by edge.
 pub(super) struct Edges {
-    /// All sides, those of one edge together, ascending.
+    /// All sides, grouped by edge; ascending within each edge.
     sides: Vec<u32>,
-    /// Where each edge begins in `sides`, and the end.
+    /// The start of each edge in `sides`, and the end of the last one.
     starts: Vec<usize>,
 }
 

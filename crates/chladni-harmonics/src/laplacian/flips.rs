@@ -1,14 +1,14 @@
-//! Edge flips until the cover is intrinsically Delaunay.
+//! Flips edges until the cover is intrinsically Delaunay.
 
 use super::cover::{Cover, next, previous};
 use super::intrinsic::cotangents;
 use crate::HarmonicsError;
 
-/// A cotangent sum above this counts as Delaunay: four points on one circle would flip for ever.
+/// A cotangent sum above this counts as Delaunay; otherwise four points on a circle would be flipped
+/// forever.
 const TOLERANCE: f64 = -1e-10;
 
-/// Flips every edge whose opposite angles sum to more than π until there is none
-/// (Bobenko & Springborn 2007).
+/// Flips edges whose opposite angles sum to more than π until there are none (Bobenko & Springborn 2007).
 pub(super) fn flip_to_delaunay(cover: &mut Cover) -> Result<(), HarmonicsError> {
     let sides = cover.tail.len();
     let mut waiting: Vec<u32> = (0..sides as u32).filter(|&h| h < cover.twin[h as usize]).collect();
@@ -16,8 +16,8 @@ pub(super) fn flip_to_delaunay(cover: &mut Cover) -> Result<(), HarmonicsError> 
     for &h in &waiting {
         is_waiting[h as usize] = true;
     }
-    // The number of flips is finite, a few per edge on all meshes seen; the bound only stops rounding from
-    // flipping an edge back and forth.
+    // The number of flips is finite, and a few per edge on all meshes seen. The bound only stops rounding
+    // from flipping an edge back and forth.
     let mut budget = 200 * sides + 10_000;
     while let Some(h) = waiting.pop() {
         is_waiting[h as usize] = false;
@@ -47,8 +47,8 @@ fn opposite_cotangent(cover: &Cover, h: u32) -> f64 {
     cotangents([cover.length[f], cover.length[f + 1], cover.length[f + 2]]).1[h as usize % 3]
 }
 
-/// Replaces the diagonal of the quadrilateral of two triangles by the other one. `false` and
-/// no change where rounding leaves no sound length for it.
+/// Replaces the diagonal of the quadrilateral formed by two triangles with the other one. Returns `false`
+/// and changes nothing if rounding makes the new length unusable.
 fn flip(cover: &mut Cover, h: u32) -> bool {
     let t = cover.twin[h as usize];
     let (h1, h2, t1, t2) = (next(h), previous(h), next(t), previous(t));
@@ -68,7 +68,7 @@ fn flip(cover: &mut Cover, h: u32) -> bool {
         return false;
     }
     let (w, x) = (tail(h2), tail(t2));
-    // Triangle of h becomes (w → x, x → v, v → w), triangle of t becomes (x → w, w → u, u → x).
+    // The triangle of h becomes (w → x, x → v, v → w), that of t becomes (x → w, w → u, u → x).
     let moved = [(t2, h1), (h1, h2), (h2, t1), (t1, t2)];
     let renamed = |s: u32| moved.iter().find(|(old, _)| *old == s).map_or(s, |(_, new)| *new);
     let values = moved.map(|(old, _)| (tail(old), length(old), renamed(cover.twin[old as usize])));

@@ -1,9 +1,9 @@
-//! Angles, weights and areas of triangles that are known by their lengths alone.
+//! Angles, weights and areas of triangles that are given only by their side lengths.
 
 use super::cover::{Cover, next};
 
-/// Area, and cotangent of the angle opposite to each side, of a triangle of these lengths.
-/// A triangle that rounding has flattened counts as one of tiny area.
+/// Area of a triangle with these side lengths, and the cotangent of the angle opposite to each side. A
+/// triangle that rounding has flattened gets a tiny positive area.
 pub(super) fn cotangents(length: [f64; 3]) -> (f64, [f64; 3]) {
     let mut sorted = length;
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -17,8 +17,8 @@ pub(super) fn cotangents(length: [f64; 3]) -> (f64, [f64; 3]) {
     (area, cotangent)
 }
 
-/// Area · ∇φ of the hat function φ of each corner of a triangle of these lengths, in a plane of its own: half of
-/// the opposite side, turned by a quarter.
+/// Area · ∇φ of the hat function φ of each corner of a triangle with these side lengths, in the plane of
+/// the triangle: half of the opposite side, rotated by 90°.
 pub(crate) fn hat_slopes(length: [f64; 3]) -> [[f64; 2]; 3] {
     let [along, _, back] = length;
     let x = (along * along + back * back - length[1] * length[1]) / (2.0 * along);
@@ -27,8 +27,8 @@ pub(crate) fn hat_slopes(length: [f64; 3]) -> [[f64; 2]; 3] {
     [[-0.5 * y, 0.5 * (x - along)], [0.5 * y, -0.5 * x], [0.0, 0.5 * along]]
 }
 
-/// (cot β + cot β') / 2 of every edge between two vertices, times `share`. On a Delaunay cover they are
-/// negative only by rounding, which is clamped to 0.
+/// (cot β + cot β') / 2 of every edge between two different vertices, times `share`. On a Delaunay cover
+/// only rounding makes them negative; negative values are clamped to 0.
 pub(super) fn cotangent_weights(cover: &Cover, share: f64) -> Vec<(u32, u32, f64)> {
     let cotangent: Vec<f64> = cover.length.as_chunks::<3>().0.iter().flat_map(|l| cotangents(*l).1).collect();
     let mut edges = Vec::with_capacity(cover.tail.len() / 2);
@@ -44,8 +44,8 @@ pub(super) fn cotangent_weights(cover: &Cover, share: f64) -> Vec<(u32, u32, f64
     edges
 }
 
-/// The mixed Voronoi area (Meyer et al. 2003) of each vertex, times `share`: positive, and
-/// summing to the area of the surface.
+/// The mixed Voronoi area (Meyer et al. 2003) of each vertex, times `share`. All are positive, and they sum
+/// to the area of the surface.
 pub(super) fn mixed_voronoi_areas(cover: &Cover, vertices: usize, share: f64) -> Vec<f64> {
     let mut mass = vec![0.0; vertices];
     for (f, length) in cover.length.as_chunks::<3>().0.iter().enumerate() {
@@ -58,7 +58,7 @@ pub(super) fn mixed_voronoi_areas(cover: &Cover, vertices: usize, share: f64) ->
     mass
 }
 
-/// What each corner of a triangle gets of its area: corner i lies between sides i and i − 1 and
+/// The share of a triangle's area that each corner gets. Corner i lies between sides i and i − 1 and
 /// opposite to side i + 1.
 pub(super) fn mixed_voronoi_parts(square: [f64; 3], area: f64, cotangent: [f64; 3]) -> [f64; 3] {
     let obtuse = cotangent.iter().position(|c| *c < 0.0);
@@ -72,7 +72,7 @@ pub(super) fn mixed_voronoi_parts(square: [f64; 3], area: f64, cotangent: [f64; 
     })
 }
 
-/// A third of the area of its triangles for each vertex, times `share`.
+/// For each vertex a third of the area of its triangles, times `share`.
 #[cfg(test)]
 pub(super) fn barycentric_areas(cover: &Cover, vertices: usize, share: f64) -> Vec<f64> {
     let mut mass = vec![0.0; vertices];

@@ -1,5 +1,5 @@
-//! Two Laplacians: the intrinsic Delaunay one of any triangle soup, and the papers' plain cotangents
-//! (docs/laplacian.md).
+//! Two Laplacians: the intrinsic Delaunay Laplacian of any triangle mesh, and the papers' plain cotangent
+//! Laplacian (docs/laplacian.md).
 
 mod cotangent;
 mod cover;
@@ -16,7 +16,7 @@ pub(crate) use intrinsic::hat_slopes;
 /// between the sum of two sides and the third (Sharp & Crane 2020, §4.5).
 pub(crate) const MOLLIFY: f64 = 1e-5;
 
-/// S and a of a welded surface: no positive value off the diagonal of S, all areas positive.
+/// S and a of a welded surface. S has no positive value off the diagonal, and all areas are positive.
 pub(crate) fn delaunay_laplacian(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -35,7 +35,7 @@ pub(crate) fn cover_laplacian(cover: &Cover, vertices: usize) -> (SymmetricSpars
     (SymmetricSparse::laplacian(vertices, &edges), mass)
 }
 
-/// The surface in triangles that are Delaunay in its own geometry.
+/// An intrinsic Delaunay triangulation of the surface.
 pub(crate) fn delaunay_cover(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],

@@ -1,4 +1,4 @@
-//! The operator's promises on meshes that a plain cotangent Laplacian breaks on.
+//! The properties of the operator on meshes where a plain cotangent Laplacian lacks them.
 
 use super::cover::Cover;
 use super::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_cover, delaunay_laplacian, intrinsic};
@@ -88,7 +88,7 @@ fn covers_are_glued_in_pairs_that_run_opposite_ways_before_and_after_flips() {
     assert!((areas.iter().sum::<f64>() - voronoi.iter().sum::<f64>()).abs() < 1e-12);
 }
 
-/// The rows of a method in reference_eigenvalues.csv: file and λ_0 … λ_10.
+/// The rows for one method in reference_eigenvalues.csv: file and λ_0 … λ_10.
 fn reference(method: &str) -> Vec<(String, Vec<f64>)> {
     let Some(path) = chladni_testdata::shared("meshes/reference_eigenvalues.csv") else { return Vec::new() };
     let text = std::fs::read_to_string(path).unwrap();
@@ -118,12 +118,12 @@ fn first_eigenvalues(file: &str, laplacian: Laplacian, barycentric: bool) -> Opt
     Some(solved.basis.eigenvalues.iter().map(|l| l * operator.frame.scale.powi(2)).collect())
 }
 
-/// robust_laplacian builds the same operator with a third of each triangle's area per corner;
-/// given that mass, all digits that the table prints must agree.
+/// robust_laplacian builds the same operator with a third of each triangle's area per corner. With that
+/// mass, all digits in the table must agree.
 #[test]
 fn eigenvalues_agree_with_robust_laplacian() {
     for (file, exact) in reference("robust_laplacian") {
-        // The largest is left to the benchmark.
+        // The largest meshes are left to the benchmark.
         if file.contains("igea") || file.contains("koala") {
             continue;
         }
@@ -149,8 +149,8 @@ fn eigenvalues_are_near_those_of_the_plain_cotangent_operator() {
     }
 }
 
-/// Weights below zero are cut off, which must be no more than rounding: were an edge left that is
-/// not Delaunay, the operator would be another one, and heat could ring.
+/// Negative weights are clamped to 0, which must remove no more than rounding errors. If an edge were left
+/// that is not Delaunay, the operator would be a different one, and heat could oscillate.
 #[test]
 fn every_edge_of_the_cover_is_delaunay_to_rounding() {
     let mut meshes: Vec<(String, chladni_mesh::TriMesh)> = ["head", "octopus", "template"]
@@ -223,7 +223,7 @@ fn what_has_no_plain_cotangents_is_refused_with_its_place() {
     let line = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let flat = cotangent_laplacian(&line, &[[0, 1, 3], [0, 1, 2]]).unwrap_err();
     assert_eq!(flat, Refusal::FlatTriangle { corners: [0, 1, 2] });
-    // The file's own vertices are named: vertex 0 of the operator is vertex 1 here.
+    // Errors name the vertices of the file: vertex 0 of the operator is vertex 1 here.
     let mesh = chladni_mesh::TriMesh {
         positions: std::iter::once([9.0; 3]).chain(fan).collect(),
         triangles: vec![[1, 2, 3], [1, 2, 4], [1, 2, 5]],

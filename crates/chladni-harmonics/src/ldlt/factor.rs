@@ -6,25 +6,26 @@ use super::panel::{diagonal_len, pack};
 use crate::simd::{Kernel, Lanes, dispatch};
 use crate::{SymmetricSparse, pages};
 
-/// L and D of one shift.
+/// L and D for one shift.
 #[derive(Debug, Default)]
 pub(crate) struct Factor {
     /// Values of L in the layout of [`Symbolic`].
     pub values: Vec<f64>,
-    /// For each position, its column in the supernode, by new index (see [`eliminate`]).
+    /// For each position, the column of the supernode that was eliminated there, by new index (see
+    /// [`eliminate`]).
     pub order: Vec<u32>,
-    /// 1 / D, by new index and in that order.
+    /// 1 / D, by new index, in elimination order.
     pub inverse_pivots: Vec<f64>,
-    /// How many pivots are negative: the number of eigenvalues of A below σ (Sylvester).
+    /// The number of negative pivots, which is the number of eigenvalues of A below σ (Sylvester).
     pub below_shift: usize,
 }
 
-/// Space reused between factorizations.
+/// Memory that is reused between factorizations.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     front: Vec<f64>,
     packed: Vec<f64>,
-    /// Schur complements waiting for their parents, as a stack.
+    /// A stack of Schur complements that wait for their parents.
     waiting: Vec<f64>,
 }
 
@@ -68,7 +69,7 @@ impl Kernel for Factorize<'_> {
         factor.below_shift = 0;
         let mut place = vec![0_u32; symbolic.size()];
         let mut pivots = Vec::new();
-        // Fronts waiting for their parents: (supernode, where its complement is stored).
+        // The fronts that wait for their parents: (supernode, where its complement is stored).
         let mut finished: Vec<(usize, usize)> = Vec::new();
         for (s, node) in symbolic.supernodes.iter().enumerate() {
             let size = node.width + node.below;
@@ -124,7 +125,7 @@ impl Kernel for Factorize<'_> {
     }
 }
 
-/// Adds a child's complement (lower triangle, row after row) to its places in the front.
+/// Adds the complement of a child (lower triangle, row by row) to its places in the front.
 #[inline(always)]
 fn extend_add(front: &mut [f64], ld: usize, into: &[u32], complement: &[f64]) {
     let mut at = 0;

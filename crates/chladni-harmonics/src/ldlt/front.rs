@@ -1,27 +1,28 @@
-//! The dense part of the factorization: eliminating the first columns of one front.
+//! The dense part of the factorization: eliminates the first columns of one front.
 
 use crate::simd::Lanes;
 
-/// Columns eliminated at a time, and columns of an update tile: two vectors.
+/// The number of columns eliminated at a time, which is also the number of columns of an update tile: two
+/// vectors.
 pub(super) const TILE: usize = 16;
-/// Rows of an update tile.
+/// The number of rows of an update tile.
 const TALL: usize = 8;
 
 /// A pivot so small that, in f64, the shift is indistinguishable from an eigenvalue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ZeroPivot;
 
-/// Distance between the rows of a front of `size` rows, and the number of rows to allocate.
+/// The distance between the rows of a front of `size` rows, and the number of rows to allocate.
 pub(super) fn stride(size: usize) -> usize {
     size.next_multiple_of(TILE)
 }
 
-/// Eliminates the first `width` columns of the symmetric front `f` (row-major, lower triangle, [`stride`]
-/// rows that far apart): column k < width then holds L below the diagonal, `pivots[k]` = D_kk, and the rest
-/// holds its Schur complement. Within each [`TILE`] of columns the largest diagonal is eliminated first,
-/// which keeps L from growing where a shift inside the spectrum makes a pivot small: position k is column
-/// `order[k]` of the front. Values above the diagonal or past `size` are garbage. `packed` is scratch of
-/// `stride · width` values.
+/// Eliminates the first `width` columns of the symmetric front `f` (row-major, lower triangle, rows
+/// [`stride`] apart). Afterwards column k < width holds L below the diagonal, `pivots[k]` = D_kk, and the
+/// rest of the front holds its Schur complement. Within each [`TILE`] of columns the largest diagonal value
+/// is eliminated first, which keeps L from growing if a shift inside the spectrum makes a pivot small:
+/// position k is column `order[k]` of the front. Values above the diagonal or beyond `size` are
+/// meaningless. `packed` is scratch memory of `stride · width` values.
 #[inline(always)]
 pub(super) fn eliminate<L: Lanes>(
     lanes: L,
@@ -54,7 +55,7 @@ pub(super) fn eliminate<L: Lanes>(
                 &mut packed[tile * width * TILE..],
             );
         }
-        // The columns that are still to be eliminated.
+        // The columns that remain to be eliminated.
         if k1 < width {
             update(lanes, f, ld, size, (k1, width), (k0, k1), width, packed);
         }
@@ -68,9 +69,9 @@ pub(super) fn eliminate<L: Lanes>(
 
 /// An eliminated diagonal block.
 struct Eliminated {
-    /// Its L, in the order of elimination.
+    /// The block's L, in elimination order.
     lower: [[f64; TILE]; TILE],
-    /// For each position, its column of the block.
+    /// For each position, the eliminated column of the block.
     order: [usize; TILE],
 }
 
@@ -89,7 +90,7 @@ fn eliminate_diagonal_block<L: Lanes>(
     let mut block = [[[0.0_f64; 8]; 2]; TILE];
     let mut lower = [[0.0_f64; TILE]; TILE];
     let mut order: [usize; TILE] = std::array::from_fn(|k| k);
-    // Mirrored, so that the update of a row runs over contiguous columns.
+    // Mirrored: the update of a row then runs over contiguous columns.
     for i in 0..kb {
         for j in 0..=i {
             let value = f[(k0 + i) * ld + k0 + j];
@@ -113,7 +114,7 @@ fn eliminate_diagonal_block<L: Lanes>(
                 row[k / 8][k % 8] = row[largest / 8][largest % 8];
                 row[largest / 8][largest % 8] = kept;
             }
-            // These two rows of L in the earlier blocks.
+            // The same two rows of L in the earlier blocks.
             let (upper, low) = f.split_at_mut((k0 + largest) * ld);
             upper[(k0 + k) * ld..(k0 + k) * ld + k0].swap_with_slice(&mut low[..k0]);
         }
@@ -141,7 +142,7 @@ fn eliminate_diagonal_block<L: Lanes>(
     Ok(Eliminated { lower, order })
 }
 
-/// L of one tile of rows below the block `ks`², and D Lᵀ of it, packed column after column.
+/// L for one tile of rows below the block `ks`², and its product D Lᵀ, packed column by column.
 #[inline(always)]
 fn solve_rows_below<L: Lanes>(
     lanes: L,
@@ -227,7 +228,7 @@ fn update<L: Lanes>(
     for tile in columns.0 / TILE..columns.1.div_ceil(TILE) {
         let j0 = tile * TILE;
         let valid = (columns.0.max(j0) - j0, columns.1.min(j0 + TILE) - j0);
-        // Past the last row there is only garbage to spoil.
+        // Beyond the last row, only meaningless values are overwritten.
         let valid = if j0 + TILE >= size && valid.1 == size - j0 { (valid.0, TILE) } else { valid };
         let p = packed[(tile * width + ks.0) * TILE..(tile * width + ks.1) * TILE]
             .as_chunks::<8>()

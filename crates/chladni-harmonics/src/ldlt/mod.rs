@@ -1,5 +1,5 @@
-//! Sparse L D Lᵀ of A − σI for many shifts of one matrix: ordered and analyzed once,
-//! factored by the multifrontal method, solved for blocks of right-hand sides.
+//! Sparse L D Lᵀ factorization of A − σI for many shifts of one matrix: ordered and analyzed once, factored
+//! by the multifrontal method, solved for blocks of right-hand sides.
 
 mod factor;
 mod front;

@@ -10,7 +10,7 @@ const LEAF: usize = 400;
 /// Parts larger than this are dissected in parallel on two threads.
 const PARALLEL: usize = 3000;
 
-/// An order of elimination, as the old index of each new one. Does not depend on threads.
+/// An elimination order, as the old index for each new one. It does not depend on the number of threads.
 pub(crate) fn nested_dissection(matrix: &SymmetricSparse) -> Vec<u32> {
     let n = matrix.size();
     let mut graph = Graph { starts: vec![0], neighbors: Vec::with_capacity(matrix.rows.len() - n) };
@@ -24,10 +24,10 @@ pub(crate) fn nested_dissection(matrix: &SymmetricSparse) -> Vec<u32> {
     order
 }
 
-/// A part of the whole graph under local names.
+/// A part of the graph with local vertex indices.
 struct Part {
     graph: Graph,
-    /// The vertex of the whole graph that each local one is.
+    /// For each local vertex its index in the whole graph.
     name: Vec<u32>,
 }
 
@@ -52,7 +52,7 @@ impl Part {
     }
 }
 
-/// Writes the names of `part` in order of elimination: left part, right part, separator.
+/// Writes the vertices of `part` in elimination order: left part, right part, separator.
 fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
     let n = part.name.len();
     if n <= LEAF {
@@ -66,7 +66,7 @@ fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
     let names = (0..n).filter(|&v| sides[v] == SEPARATOR).map(|v| part.name[v]);
     separator.iter_mut().zip(names).for_each(|(slot, name)| *slot = name);
     if left.name.len() == n || right.name.len() == n {
-        // Nothing was split off; keep the order rather than recurse forever.
+        // Nothing was split off: keep the order instead of recursing forever.
         order.copy_from_slice(&part.name);
     } else if n > PARALLEL {
         rayon::join(|| dissect(whole, &left, first), || dissect(whole, &right, second));
@@ -76,8 +76,8 @@ fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
     }
 }
 
-/// Orders a small part by minimum degree. Neighbors in the surrounding separators count, though they are
-/// eliminated later.
+/// Orders a small part by minimum degree. Neighbors in the surrounding separators count too, although they
+/// are eliminated later.
 fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
     let mut around: Vec<u32> = part.iter().flat_map(|&v| whole.of(v)).copied().collect();
     around.sort_unstable();
@@ -88,7 +88,7 @@ fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
         named
     };
     let mut outside = part.len();
-    // The number of each vertex around: its own inside the part, the next one outside.
+    // The index of each vertex around: its local one inside the part, the next free one outside.
     let number: Vec<usize> = around
         .iter()
         .map(|&v| {
@@ -102,7 +102,7 @@ fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
         })
         .collect();
     let words = outside.div_ceil(64);
-    // Row i of the bit matrix is what vertex i of the part is joined to, itself excepted.
+    // Row i of the bit matrix holds the neighbors of vertex i of the part, without itself.
     let mut joined = vec![0_u64; words * part.len()];
     for (row, (i, &v)) in joined.chunks_exact_mut(words).zip(part.iter().enumerate()) {
         for at in whole.of(v).iter().filter_map(|u| around.binary_search(u).ok()) {
@@ -130,7 +130,7 @@ fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
     }
 }
 
-/// A separator, or, where there are several components, a division of them that cuts none.
+/// A separator; or, if there are several components, a partition of them that cuts none.
 fn split(graph: &Graph) -> Vec<u8> {
     let mut met = vec![false; graph.size()];
     let mut queue = vec![0];
@@ -143,7 +143,7 @@ fn split(graph: &Graph) -> Vec<u8> {
     if reached < graph.size() { deal_components(graph) } else { separate(graph) }
 }
 
-/// Whole components to the emptier side, the largest first.
+/// Assigns whole components, largest first, to the side that is lighter so far.
 fn deal_components(graph: &Graph) -> Vec<u8> {
     let n = graph.size();
     let mut component = vec![u32::MAX; n];

@@ -1,17 +1,17 @@
-//! The memory layout of L: panels of eight rows, column after column, so that a solve reads one cache line
-//! for eight products.
+//! The memory layout of L: panels of eight rows, stored column by column. A solve reads one cache line for
+//! eight products.
 
 /// Rows of a panel; the last one of a block may have fewer.
 pub(super) const PANEL: usize = 8;
 
-/// Values that the diagonal block of a supernode of this width takes: for each panel of rows
-/// what is left of its triangle, then the triangle as a square.
+/// The number of values that the diagonal block of a supernode of this width takes: for each panel of rows,
+/// the remaining rectangle and then the triangle, stored as a square.
 pub(super) fn diagonal_len(width: usize) -> usize {
     let (panels, last) = (width / PANEL, width % PANEL);
     PANEL * PANEL * (panels * (panels + 1) / 2) + last * width
 }
 
-/// Writes the first `width` columns of a front of `size` rows, `ld` apart, to `values`.
+/// Writes the first `width` columns of a front of `size` rows, which are `ld` apart, to `values`.
 #[inline(always)]
 pub(super) fn pack(front: &[f64], ld: usize, width: usize, size: usize, values: &mut [f64]) {
     let mut rest = values;

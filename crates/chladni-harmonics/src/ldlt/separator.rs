@@ -1,5 +1,5 @@
-//! Small vertex separators of a connected graph, by coarsening it, cutting the coarsest graph and
-//! improving the cut on the way back (Karypis & Kumar 1998; Hendrickson & Rothberg 1998).
+//! Small vertex separators of a connected graph: coarsens the graph, cuts the coarsest one, and improves
+//! the cut on the way back (Karypis & Kumar 1998; Hendrickson & Rothberg 1998).
 
 use std::collections::BinaryHeap;
 
@@ -10,7 +10,8 @@ pub(super) const SEPARATOR: u8 = 2;
 
 /// Coarsening stops at about this many vertices.
 const COARSEST: usize = 120;
-/// Cuts of the coarsest graph that are tried; more for a large graph, whose separator weighs more.
+/// The number of cuts of the coarsest graph that are tried; larger for a large graph, whose separator
+/// matters more.
 const TRIALS: usize = 3;
 const TRIALS_OF_LARGE: usize = 12;
 const LARGE: u64 = 3000;
@@ -33,16 +34,16 @@ impl Graph {
     }
 }
 
-/// A graph whose vertices and edges stand for several of the original one.
+/// A graph whose vertices and edges represent several of the original graph.
 struct Level {
     graph: Graph,
-    /// Of each entry of `graph.neighbors`.
+    /// The weight of each entry of `graph.neighbors`.
     edge_weights: Vec<u32>,
     vertex_weights: Vec<u32>,
     total: u64,
 }
 
-/// The side of each vertex of a connected `graph`; no edge joins LEFT and RIGHT.
+/// Computes the side of each vertex of a connected `graph`. No edge joins LEFT and RIGHT.
 pub(super) fn separate(graph: &Graph) -> Vec<u8> {
     let n = graph.size();
     let finest = Level {
@@ -58,7 +59,7 @@ pub(super) fn separate(graph: &Graph) -> Vec<u8> {
             break;
         }
         let (coarse, map) = fine.coarser();
-        // A star shrinks by one vertex at a time; its cut may as well be found here.
+        // A star shrinks by one vertex at a time; it is cut at this level.
         if coarse.graph.size() * 20 > fine.graph.size() * 19 {
             break;
         }
@@ -74,7 +75,7 @@ pub(super) fn separate(graph: &Graph) -> Vec<u8> {
 }
 
 impl Level {
-    /// Merges pairs of neighbors joined by heavy edges; and each vertex's place in the result.
+    /// Merges pairs of neighbors joined by heavy edges. Also returns each vertex's index in the result.
     fn coarser(&self) -> (Self, Vec<u32>) {
         let n = self.graph.size();
         let heaviest = (self.total / (COARSEST as u64 / 2)).max(2);
@@ -148,7 +149,8 @@ impl Level {
         best.map_or_else(|| vec![LEFT; n], |(_, part)| part)
     }
 
-    /// Left is what a breadth-first search from `seed` reaches first, up to half of the weight.
+    /// A cut whose left side is what a breadth-first search from `seed` reaches first, up to half of the
+    /// weight.
     fn grown(&self, seed: u32) -> Vec<u8> {
         let n = self.graph.size();
         let mut part = vec![RIGHT; n];
@@ -184,9 +186,9 @@ impl Level {
         sums
     }
 
-    /// Makes the separator lighter by moving its vertices to a side, each pulling its neighbors
-    /// of the other side into the separator, best moves first, also through worse states
-    /// (Fiduccia & Mattheyses 1982). Sides stay in balance.
+    /// Makes the separator lighter by moving its vertices to a side; each vertex pulls its neighbors on the
+    /// other side into the separator. The best moves come first, and intermediate states may be worse
+    /// (Fiduccia & Mattheyses 1982). The sides stay balanced.
     fn improve(&self, part: &mut [u8]) {
         let mut moves = Moves {
             level: self,
@@ -206,16 +208,16 @@ impl Level {
     }
 }
 
-/// One improvement of a separator under way.
+/// The state of one improvement of a separator.
 struct Moves<'a> {
     level: &'a Level,
-    /// Weight on each side and of the separator.
+    /// The weight of each side and of the separator.
     sums: [u64; 3],
     largest_side: u64,
     /// The last pass in which each vertex was moved out of the separator.
     moved: Vec<u8>,
     heap: BinaryHeap<(i64, u32, u8)>,
-    /// What has been changed since the best state, and what it was.
+    /// The vertices changed since the best state, with their sides in it.
     log: Vec<(u32, u8)>,
 }
 
@@ -224,7 +226,8 @@ impl Moves<'_> {
         u64::from(self.level.vertex_weights[v as usize])
     }
 
-    /// The gain of moving v out of the separator to `side`: its weight, less those it pulls in.
+    /// The gain of moving v out of the separator to `side`: its weight minus that of the vertices it pulls
+    /// in.
     fn gain(&self, part: &[u8], v: u32, side: u8) -> i64 {
         let pulled = self.level.graph.of(v).iter().filter(|&&u| part[u as usize] == 1 - side);
         self.weight(v) as i64 - pulled.map(|&u| self.weight(u) as i64).sum::<i64>()
@@ -256,7 +259,7 @@ impl Moves<'_> {
             }
             let now = self.gain(part, v, side);
             if now != claimed {
-                // Stale: it comes back under its true gain.
+                // A stale entry: it is queued again with its true gain.
                 self.heap.push((now, v, side));
                 continue;
             }
@@ -299,7 +302,7 @@ impl Moves<'_> {
     }
 }
 
-/// All of 0 .. n once, in an order that follows no pattern of the mesh and is always the same.
+/// All numbers of 0 .. n once, in a fixed order that is unrelated to the order of the mesh.
 fn scattered(n: usize) -> impl Iterator<Item = u32> {
     let gcd = |mut a: usize, mut b: usize| {
         while b != 0 {

@@ -1,4 +1,4 @@
-//! Solving with many right-hand sides at once.
+//! Solves for many right-hand sides at once.
 
 use super::front::TILE;
 use super::panel::{PANEL, diagonal_len};
@@ -10,24 +10,23 @@ use crate::simd::{Kernel, Lanes, dispatch};
 pub(crate) type Row = [f64; 8];
 
 impl Factor {
-    /// Overwrites the block `x` (n rows of right-hand sides, new order) by (A − σI)⁻¹ x.
+    /// Replaces the block `x` (n rows of right-hand sides, new order) with (A − σI)⁻¹ x.
     pub(crate) fn solve(&self, symbolic: &Symbolic, x: &mut [Row]) {
         dispatch(Solve { factor: self, symbolic, x, part: Part::Whole });
     }
 
-    /// Of a positive definite A − σI = G Gᵀ: overwrites `x` by G⁻¹ x, whose rows are in the order of
-    /// elimination.
+    /// For a positive definite A − σI = G Gᵀ: replaces `x` with G⁻¹ x, whose rows are in elimination order.
     pub(crate) fn solve_half(&self, symbolic: &Symbolic, x: &mut [Row]) {
         dispatch(Solve { factor: self, symbolic, x, part: Part::Forward });
     }
 
-    /// Overwrites `x`, rows in the order of elimination, by G⁻ᵀ x (see [`solve_half`](Self::solve_half)).
+    /// Replaces `x`, with rows in elimination order, with G⁻ᵀ x (see [`solve_half`](Self::solve_half)).
     pub(crate) fn solve_transposed_half(&self, symbolic: &Symbolic, x: &mut [Row]) {
         dispatch(Solve { factor: self, symbolic, x, part: Part::Backward });
     }
 }
 
-/// Of L D Lᵀ = A − σI: all of it, L √D, or its transpose.
+/// The part of L D Lᵀ = A − σI to solve with: all of it, L √D, or the transpose of L √D.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Part {
     Whole,
@@ -80,8 +79,8 @@ impl Kernel for Solve<'_> {
     }
 }
 
-/// Puts the rows of a supernode in the order of elimination, or `back`. They move within
-/// groups of [`TILE`] only.
+/// Permutes the rows of a supernode to elimination order, or `back`. Rows move only within groups of
+/// [`TILE`].
 #[inline(always)]
 pub(super) fn reorder<T: Copy + Default>(own: &mut [T], order: &[u32], back: bool) {
     for (group, (rows, order)) in own.chunks_mut(TILE).zip(order.chunks(TILE)).enumerate() {
@@ -102,7 +101,7 @@ pub(super) fn reorder<T: Copy + Default>(own: &mut [T], order: &[u32], back: boo
     }
 }
 
-/// The diagonal block of a supernode, what is below it, and which rows that is.
+/// The diagonal block of a supernode, the values below it, and their rows.
 #[inline(always)]
 pub(super) fn parts<'a>(
     factor: &'a Factor,
@@ -115,7 +114,7 @@ pub(super) fn parts<'a>(
     (diagonal, below, &symbolic.rows[node.rows_start..node.rows_start + node.below])
 }
 
-/// Calls a function for a panel of 1 to 7 rows with their number as a constant, so that they stay in
+/// Calls a function for a panel of 1 to 7 rows with the number of rows as a constant, which keeps them in
 /// registers.
 macro_rules! sized {
     ($size:expr, $function:ident($($argument:expr),*)) => {
@@ -132,7 +131,7 @@ macro_rules! sized {
     };
 }
 
-/// The R rows of L in a panel, times `x`.
+/// The R rows of L in a panel, multiplied by `x`.
 #[inline(always)]
 fn products<L: Lanes, const R: usize>(lanes: L, panel: &[f64], x: &[Row]) -> [L::V; R] {
     let mut sum = [lanes.splat(0.0); R];
@@ -149,7 +148,7 @@ fn products<L: Lanes, const R: usize>(lanes: L, panel: &[f64], x: &[Row]) -> [L:
 #[inline(always)]
 fn subtract_transposed<L: Lanes, const R: usize>(lanes: L, panel: &[f64], x: &[L::V; R], own: &mut [Row]) {
     for (l, own) in panel.as_chunks::<R>().0.iter().zip(own) {
-        // Two sums, because a single one would wait for its own result.
+        // Two partial sums: each addition to a single one would wait for the previous result.
         let mut sum = [lanes.load(own), lanes.splat(0.0)];
         for r in 0..R {
             sum[r % 2] = lanes.mul_sub_from(lanes.splat(l[r]), x[r], sum[r % 2]);
@@ -170,7 +169,7 @@ fn forward_diagonal<L: Lanes>(lanes: L, mut diagonal: &[f64], own: &mut [Row]) {
     sized!(own.len() - whole, forward_group(lanes, diagonal, own, whole));
 }
 
-/// Rows `i .. i + R` of L₁₁⁻¹, given all rows before them.
+/// Solves rows `i .. i + R` of L₁₁⁻¹, given all rows before them.
 #[inline(always)]
 fn forward_group<L: Lanes, const R: usize>(lanes: L, group: &[f64], own: &mut [Row], i: usize) {
     let (left, triangle) = group.split_at(R * i);
@@ -207,7 +206,7 @@ fn backward_diagonal<L: Lanes>(lanes: L, mut diagonal: &[f64], own: &mut [Row]) 
     }
 }
 
-/// Rows `i .. i + R` of L₁₁⁻ᵀ, and their share taken out of all rows before them.
+/// Solves rows `i .. i + R` of L₁₁⁻ᵀ, and subtracts their contribution from all rows before them.
 #[inline(always)]
 fn backward_group<L: Lanes, const R: usize>(lanes: L, group: &[f64], own: &mut [Row], i: usize) {
     let (left, triangle) = group.split_at(R * i);

@@ -1,5 +1,5 @@
-//! Solving with a single right-hand side, where every value of L is used once, so that reading L takes all
-//! the time.
+//! Solves for a single right-hand side. Every value of L is used only once, and reading L takes all of the
+//! time.
 
 use super::panel::{PANEL, diagonal_len};
 use super::solve::{parts, reorder};
@@ -7,7 +7,7 @@ use super::{Factor, Symbolic};
 use crate::simd::{Kernel, Lanes, dispatch};
 
 impl Factor {
-    /// Overwrites `x` (n values, new order) by (A − σI)⁻¹ x.
+    /// Replaces `x` (n values, new order) with (A − σI)⁻¹ x.
     pub(crate) fn solve_one(&self, symbolic: &Symbolic, x: &mut [f64]) {
         dispatch(SolveOne { factor: self, symbolic, x });
     }
@@ -92,12 +92,12 @@ impl Kernel for SolveOne<'_> {
     }
 }
 
-/// The `size` rows of L in a panel, times `x`.
+/// The `size` rows of L in a panel, multiplied by `x`.
 #[inline(always)]
 fn products<L: Lanes>(lanes: L, panel: &[f64], size: usize, x: &[f64]) -> [f64; PANEL] {
     let mut sums = [0.0; PANEL];
     if size == PANEL {
-        // Two sums, because a single one would wait for its own result.
+        // Two partial sums: each addition to a single one would wait for the previous result.
         let mut lane = [lanes.splat(0.0); 2];
         let columns = panel.as_chunks::<PANEL>().0;
         let (pairs, last) = columns.as_chunks::<2>();
@@ -127,7 +127,7 @@ fn subtract_transposed<L: Lanes>(lanes: L, panel: &[f64], size: usize, x: &[f64;
         let (blocks, last) = panel.as_chunks::<PANEL>().0.as_chunks::<PANEL>();
         let (owns, last_own) = own.as_chunks_mut::<PANEL>();
         for (l, own) in blocks.iter().zip(owns) {
-            // Eight columns of products, turned so that their sums are sums of rows.
+            // Eight columns of products, transposed: their column sums become sums of rows.
             let rows = lanes.transpose(std::array::from_fn(|k| lanes.mul(lanes.load(&l[k]), x)));
             let sum =
                 |a: usize| lanes.add(lanes.add(rows[a], rows[a + 1]), lanes.add(rows[a + 2], rows[a + 3]));

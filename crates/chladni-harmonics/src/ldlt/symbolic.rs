@@ -1,4 +1,4 @@
-//! Where the entries of L are: elimination tree, supernodes and their rows.
+//! The pattern of L: elimination tree, supernodes and their rows.
 
 use super::panel::diagonal_len;
 use crate::SymmetricSparse;
@@ -6,28 +6,29 @@ use crate::SymmetricSparse;
 /// Consecutive columns of L that share the rows below them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Supernode {
-    /// First column and number of columns.
+    /// The first column and the number of columns.
     pub first: usize,
     pub width: usize,
-    /// Its rows below are `rows[rows_start ..][.. below]` of the analysis.
+    /// The rows below it are `rows[rows_start ..][.. below]` of the analysis.
     pub rows_start: usize,
     pub below: usize,
-    /// Its values of L: the diagonal block, then what is below (see [`super::panel`]).
+    /// The start of its values of L: the diagonal block, followed by the values below it (see
+    /// [`super::panel`]).
     pub values_start: usize,
-    /// How many supernodes hang directly below it in the tree; in postorder they are the last
-    /// ones that were finished and not yet used.
+    /// The number of its children in the tree. In postorder they are the last supernodes that were finished
+    /// and not used yet.
     pub children: usize,
 }
 
-/// The analysis of one pattern, good for every shift.
+/// The analysis of one pattern, valid for every shift.
 #[derive(Debug)]
 pub(crate) struct Symbolic {
-    /// The old index of each new one: the elimination order, postordered.
+    /// For each new index the old one: the elimination order, postordered.
     pub old: Vec<u32>,
     pub supernodes: Vec<Supernode>,
-    /// Rows below each supernode, ascending, in new indices.
+    /// The rows below each supernode, ascending, in new indices.
     pub rows: Vec<u32>,
-    /// For each of `rows` its place in the front of the supernode's parent.
+    /// For each of `rows`, its place in the front of the supernode's parent.
     pub into_parent: Vec<u32>,
     /// Number of stored values of L.
     pub values: usize,
@@ -36,11 +37,11 @@ pub(crate) struct Symbolic {
 const NONE: u32 = u32::MAX;
 
 impl Symbolic {
-    /// Analyses `matrix` eliminated in the order `old` (old index of each new one).
+    /// Analyzes `matrix`, eliminated in the order `old` (the old index for each new one).
     pub(crate) fn of(matrix: &SymmetricSparse, old: Vec<u32>) -> Self {
         let (lower, parent) = lower_rows_and_tree(matrix, &old);
         let counts = column_counts(&lower, &parent);
-        // Children before parents and side by side.
+        // Children come before their parents, and siblings are adjacent.
         let post = postorder(&parent);
         let place = inverse(&post);
         let parent: Vec<u32> = post
@@ -63,7 +64,7 @@ impl Symbolic {
         for (s, &(first, end)) in spans.iter().enumerate() {
             of_column[first..end].fill(s as u32);
         }
-        // Columns of the lower triangle, from the rows.
+        // The columns of the lower triangle, from its rows.
         let columns = lower.transposed();
         let mut mark = vec![NONE; n];
         let mut children: Vec<Vec<u32>> = vec![Vec::new(); spans.len()];
@@ -140,7 +141,7 @@ impl Rows {
         &self.indices[self.starts[i]..self.starts[i + 1]]
     }
 
-    /// The lower triangle of the same matrix in another order that has children before parents.
+    /// The lower triangle of the same matrix in another order that keeps children before parents.
     fn renamed(&self, order: &[u32]) -> Self {
         let new = inverse(order);
         let ends = |i: usize, j: u32| {
@@ -187,8 +188,8 @@ impl Rows {
     }
 }
 
-/// The entries left of the diagonal of each row in the new order, and the elimination tree
-/// (Liu 1990, with path compression).
+/// The entries left of the diagonal in each row of the new order, and the elimination tree (Liu 1990, with
+/// path compression).
 fn lower_rows_and_tree(matrix: &SymmetricSparse, old: &[u32]) -> (Rows, Vec<u32>) {
     let n = old.len();
     let new = inverse(old);
@@ -220,7 +221,7 @@ fn lower_rows_and_tree(matrix: &SymmetricSparse, old: &[u32]) -> (Rows, Vec<u32>
     (rows, parent)
 }
 
-/// The vertices of a forest, children before parents and subtrees side by side.
+/// The vertices of a forest, with children before parents and each subtree contiguous.
 fn postorder(parent: &[u32]) -> Vec<u32> {
     let n = parent.len();
     // Children as linked lists, in ascending order.
@@ -249,7 +250,8 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
     order
 }
 
-/// Entries below the diagonal in each column of L, by climbing the tree from each row's entries.
+/// The number of entries below the diagonal in each column of L, by climbing the tree from the entries of
+/// each row.
 fn column_counts(lower: &Rows, parent: &[u32]) -> Vec<u32> {
     let n = parent.len();
     let mut count = vec![0; n];
@@ -268,7 +270,8 @@ fn column_counts(lower: &Rows, parent: &[u32]) -> Vec<u32> {
     count
 }
 
-/// The overhead of a supernode in a solve, in stored values: merging two is worth this many stored zeros.
+/// The overhead of a supernode in a solve, in stored values: merging two supernodes is worth this many
+/// stored zeros.
 const OVERHEAD: usize = 32;
 
 /// A group of columns that are eliminated together.
@@ -278,9 +281,9 @@ struct Group {
     parent: u32,
 }
 
-/// An order of the columns of a postordered tree and its cut into supernodes, as (first, end): columns with
-/// equal rows, and a supernode with its parent wherever the extra stored zeros cost less than a separate
-/// supernode (Ashcraft & Grimes 1989).
+/// An order of the columns of a postordered tree, and its partition into supernodes, as (first, end).
+/// Columns with equal rows are joined, and a supernode is merged with its parent if the additional stored
+/// zeros cost less than a separate supernode (Ashcraft & Grimes 1989).
 fn supernodes(parent: &[u32], counts: &[u32]) -> (Vec<u32>, Vec<(usize, usize)>) {
     let n = parent.len();
     let mut groups: Vec<Group> = Vec::new();
@@ -304,7 +307,7 @@ fn supernodes(parent: &[u32], counts: &[u32]) -> (Vec<u32>, Vec<(usize, usize)>)
             children[of_column[up as usize] as usize].push(g as u32);
         }
     }
-    // Children come before parents, so that each child is already complete.
+    // Children come before parents: each child is already complete.
     for g in 0..groups.len() {
         let mut own = std::mem::take(&mut children[g]);
         own.sort_by_key(|&c| std::cmp::Reverse(groups[c as usize].below));
@@ -344,12 +347,12 @@ fn supernodes(parent: &[u32], counts: &[u32]) -> (Vec<u32>, Vec<(usize, usize)>)
     (order, spans)
 }
 
-/// `values` in another order.
+/// `values` in the new order.
 fn renamed(order: &[u32], values: &[u32]) -> Vec<u32> {
     order.iter().map(|&v| values[v as usize]).collect()
 }
 
-/// The new index of each old one.
+/// For each old index the new one.
 fn inverse(order: &[u32]) -> Vec<u32> {
     let mut new = vec![0; order.len()];
     for (i, &v) in order.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The factorization against the matrix it came from.
+//! Compares the factorization with the matrix that was factored.
 
 use super::solve::{Part, Solve};
 use super::solve_one::SolveOne;
@@ -45,7 +45,7 @@ fn solves(side: u32, shift: f64) -> usize {
             check_solution(&matrix, shift, &x, &b);
         }
         if factor.below_shift == 0 {
-            // The two halves, one after the other, are the whole.
+            // Solving the two halves one after the other equals solving the whole.
             let mut halves = b.clone();
             for part in [Part::Forward, Part::Backward] {
                 run_for(processor, Solve { factor: &factor, symbolic: &symbolic, x: &mut halves, part });

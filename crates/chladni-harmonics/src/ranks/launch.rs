@@ -1,4 +1,4 @@
-//! The ranks as processes: found, started, watched, ended.
+//! Finds, starts, watches and ends the processes of the ranks.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -11,14 +11,14 @@ use chladni_task::{Cancelled, Task};
 use super::Ranks;
 use crate::HarmonicsError;
 
-/// Between two looks at whether the work was cancelled.
+/// Time between two checks whether the work was cancelled.
 const LOOK: Duration = Duration::from_millis(50);
-/// For mpirun to end its ranks before it is ended itself.
+/// Time that mpirun gets to end its ranks before it is killed.
 const FAREWELL: Duration = Duration::from_secs(10);
-/// Of what goes wrong, this many lines are kept.
+/// The number of lines of error output that are kept.
 const LINES: usize = 200;
 
-/// What starts ranks on this machine.
+/// The command that starts ranks on this machine.
 pub(super) struct Launcher {
     python: PathBuf,
     is_open_mpi: bool,
@@ -35,8 +35,8 @@ fn output(command: &mut Command) -> Option<String> {
 }
 
 impl Launcher {
-    /// Looks for mpirun, and for a Python that has slepc4py: the one that `CHLADNI_MPI_PYTHON` names, else the PATH's, else
-    /// the system's.
+    /// Finds mpirun, and a Python that has slepc4py: the one that `CHLADNI_MPI_PYTHON` names, otherwise the
+    /// first on the PATH, otherwise the system's.
     pub(super) fn find(worker: &Path) -> Result<Self, HarmonicsError> {
         let version = output(Command::new("mpirun").arg("--version"));
         let version = version.ok_or_else(|| missing("mpirun is not on the PATH"))?;
@@ -56,8 +56,8 @@ impl Launcher {
         match (&ranks.hosts, self.is_open_mpi) {
             (Some(hosts), true) => command.arg("--hostfile").arg(hosts),
             (Some(hosts), false) => command.arg("-f").arg(hosts),
-            // More ranks than cores are slow, not wrong. Ranks that wait let others work: where a machine has more to do, that is
-            // three times as fast.
+            // More ranks than cores are slow but not wrong. Ranks that yield while they wait are three
+            // times as fast on a machine that has other work to do.
             (None, true) => {
                 command.args(["--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1"])
             }
@@ -68,7 +68,7 @@ impl Launcher {
         command
     }
 
-    /// Runs all ranks to their end; the stages that they report are those of `task`.
+    /// Runs all ranks to their end. The stages that they report become those of `task`.
     pub(super) fn run(
         &self,
         ranks: &Ranks,
@@ -101,13 +101,13 @@ impl Launcher {
     }
 }
 
-/// The lines of a pipe, as they come; those beyond the first are dropped where nobody takes them.
+/// The lines of a pipe as they arrive. If nobody reads them, all but the first ones are dropped.
 fn lines(pipe: Option<impl std::io::Read + Send + 'static>) -> Receiver<String> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
         let Some(pipe) = pipe else { return };
         let mut sent = 0;
-        // Read to the end in any case: a full pipe would stop the ranks.
+        // The pipe is read to its end in any case: a full pipe would block the ranks.
         for line in BufReader::new(pipe).split(b'\n').map_while(Result::ok) {
             sent += 1;
             if sent <= LINES {
@@ -118,7 +118,7 @@ fn lines(pipe: Option<impl std::io::Read + Send + 'static>) -> Receiver<String> 
     receiver
 }
 
-/// What a rank itself said, or else mpirun's first sentence.
+/// The reason that a rank gave, or otherwise mpirun's first sentence.
 fn reason(complaints: &[String]) -> String {
     if complaints.iter().any(|line| line.contains("attempt to run as root")) {
         return "Open MPI runs as root only where OMPI_ALLOW_RUN_AS_ROOT=1 and OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 are set"
@@ -139,7 +139,8 @@ impl Drop for Running {
         if matches!(self.0.try_wait(), Ok(Some(_))) {
             return;
         }
-        // Asked to, mpirun ends its ranks on all hosts; killed, it would leave them behind.
+        // After a request to terminate, mpirun ends its ranks on all hosts; if it were killed, it would
+        // leave them behind.
         let asked = Command::new("kill").args(["-TERM", &self.0.id().to_string()]).status();
         let until = Instant::now() + FAREWELL;
         while asked.as_ref().is_ok_and(std::process::ExitStatus::success) && Instant::now() < until {

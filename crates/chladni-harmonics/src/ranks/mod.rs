@@ -1,8 +1,9 @@
-//! Harmonics of meshes that outgrow one machine: the operator is built and the basis certified here, and SLEPc solves in
-//! between, on the ranks of MPI (docs/scale.md).
+//! Harmonics of meshes that are too large for one machine: the operator is built and the basis certified
+//! here; in between, SLEPc solves on the ranks of MPI (docs/scale.md).
 //!
-//! The ranks run a small Python program, because slepc4py is packaged for every system that has MPI, while bindings of our
-//! own would tie the build to one version of four C libraries. It travels inside this crate.
+//! The ranks run a small Python program, because slepc4py is packaged for every system that has MPI, while
+//! bindings of our own would tie the build to one version of four C libraries. The program is part of this
+//! crate.
 
 mod launch;
 mod pairs;
@@ -26,44 +27,48 @@ use launch::Launcher;
 use pairs::Pairs;
 use petsc::ScaledOperator;
 
-/// What every rank runs.
+/// The program that every rank runs.
 const WORKER: &str = include_str!("worker.py");
-/// More are a slip of the finger.
+/// A larger number of ranks is taken for a typing error.
 const MOST: usize = 65_536;
-/// Without other hosts: more, and the machine would do nothing but switch between them.
+/// The largest number of ranks per core without other hosts; with more, the machine would only switch
+/// between them.
 const MOST_PER_CORE: usize = 8;
 
 /// Where a solve by SLEPc runs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ranks {
-    /// MPI processes, one core each.
+    /// The number of MPI processes, one core each.
     pub count: usize,
-    /// The ranks are split into this many groups of equal size, each with a factor of its own and its own part of the
-    /// spectrum: quicker, with as many times the memory. 1 keeps one factor, spread over all.
+    /// The number of groups of equal size into which the ranks are split. Each group has its own factor and
+    /// its own part of the spectrum: faster, but with as many times the memory. 1 keeps a single factor,
+    /// spread over all ranks.
     pub groups: usize,
-    /// A host file of MPI; this machine alone without.
+    /// A host file of MPI; `None` for this machine alone.
     pub hosts: Option<PathBuf>,
-    /// The folder of the operator and the vectors on their way, which all hosts must see under this name; the system's
-    /// folder of temporary files unless given. What is written there is private and removed.
+    /// The folder for the operator and the vectors, which all hosts must see under this name; `None` for
+    /// the system's folder of temporary files. What is written there is private and removed afterwards.
     pub scratch: Option<PathBuf>,
 }
 
-/// How the ranks solved.
+/// A report on how the ranks solved.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct RanksReport {
-    /// MPI processes.
+    /// The number of MPI processes.
     pub ranks: usize,
-    /// Groups of them with a factor each.
+    /// The number of groups, each with its own factor.
     pub groups: usize,
-    /// Whose factors the eigenvalues were counted with; the certificate's residuals and scalar products are measured here.
+    /// The program whose factors counted the eigenvalues. (The residuals and scalar products of the
+    /// certificate are measured here.)
     pub counted_by: &'static str,
-    /// Each shift (working units) with the number of eigenvalues below it, from the inertia of its factor.
+    /// Each shift (in working units) and the number of eigenvalues below it, from the inertia of its
+    /// factor.
     pub counts: Vec<(f64, usize)>,
-    /// The largest memory of each rank, in bytes.
+    /// The peak memory of each rank, in bytes.
     pub peak_bytes: Vec<u64>,
-    /// Values in a factor, over all ranks.
+    /// The number of values in a factor, over all ranks.
     pub factor_entries: f64,
-    /// Additions and multiplications that it takes.
+    /// The number of additions and multiplications in one factorization.
     pub factor_flops: f64,
     /// Seconds of rank 0: reading, counting, solving, polishing.
     pub seconds: RanksSeconds,
@@ -72,17 +77,17 @@ pub struct RanksReport {
 /// Wall-clock seconds of rank 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RanksSeconds {
-    /// The operator, from disk.
+    /// Reading the operator from disk.
     pub read: f64,
-    /// Looking for the bounds of the spectrum that is asked for.
+    /// Finding the bounds of the requested part of the spectrum.
     pub count: f64,
     /// Krylov–Schur in all slices.
     pub solve: f64,
-    /// One step of inverse iteration of all vectors, and writing them.
+    /// One step of inverse iteration for all vectors, and writing them.
     pub polish: f64,
 }
 
-/// What the ranks read.
+/// The settings that the ranks read.
 #[derive(Serialize)]
 struct Settings {
     harmonics: usize,
@@ -92,7 +97,7 @@ struct Settings {
 }
 
 impl Ranks {
-    /// `count` ranks of one group on this machine.
+    /// A single group of `count` ranks on this machine.
     pub fn here(count: usize) -> Self {
         Self { count, groups: 1, hosts: None, scratch: None }
     }
@@ -100,8 +105,8 @@ impl Ranks {
     /// Checks, before any work, what can be checked.
     ///
     /// # Errors
-    /// [`HarmonicsError::NoRanks`] for no ranks or absurdly many, groups that do not divide them, and files that are not
-    /// there.
+    /// [`HarmonicsError::NoRanks`] for no ranks or absurdly many, for groups that do not divide them, and
+    /// for files that do not exist.
     pub fn check(&self) -> Result<(), HarmonicsError> {
         let refused = |reason: String| Err(HarmonicsError::NoRanks { reason });
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -127,14 +132,14 @@ impl Ranks {
 }
 
 impl Body {
-    /// The body of `mesh` with harmonics of `operator`, which is of it, solved by SLEPc on `ranks`. Nothing is cached.
+    /// A body from `mesh` with harmonics of its `operator`, solved by SLEPc on `ranks`. Nothing is cached.
     ///
-    /// The certificate is measured here, except that eigenvalues are counted with the factors that MUMPS made at the bounds
-    /// of all slices. K is at most half of N.
+    /// The certificate is measured here, except that eigenvalues are counted with the factors that MUMPS
+    /// computed at the bounds of all slices. K is at most half of N.
     ///
     /// # Errors
-    /// [`HarmonicsError::NoRanks`] where MPI or slepc4py is missing or the ranks asked for cannot be,
-    /// [`HarmonicsError::RanksFailed`] where they fail, and as [`Body::build`].
+    /// [`HarmonicsError::NoRanks`] if MPI or slepc4py is missing or the requested ranks are impossible,
+    /// [`HarmonicsError::RanksFailed`] if the ranks fail, and the errors of [`Body::build`].
     pub fn solve_on_ranks(
         mesh: &TriMesh,
         operator: &Operator,
@@ -169,7 +174,7 @@ impl Body {
     }
 }
 
-/// K pairs, or more where K would cut a group of equal eigenvalues; and how they were found.
+/// K pairs, or more if K would cut a group of equal eigenvalues; and a report on how they were found.
 fn solve(
     operator: &Operator,
     harmonics: usize,
@@ -210,7 +215,7 @@ fn solve(
             eigenvalues.len()
         )));
     }
-    // Below λ = 0 there is none, and the last bound lies beyond a gap of 10⁻⁶.
+    // There are none below λ = 0, and the last bound lies beyond a gap of 10⁻⁶.
     const { assert!(CLUSTER < 1e-6) };
     let keep = if harmonics < zeros { zeros } else { cluster_end(&eigenvalues, harmonics) };
     eigenvalues.truncate(keep);
@@ -260,7 +265,8 @@ fn write_problem(folder: &Path, operator: &Operator, settings: &Settings) -> Res
     write().map_err(|error: std::io::Error| unwritten(&error))
 }
 
-/// X to H = M^-½ X, in place, without any share of the constants of the components, which fill the first columns.
+/// Converts X to H = M^-½ X, in place, and removes the components along the constants of the connected
+/// components, which fill the first columns.
 fn to_harmonics(vectors: &mut [f64], operator: &Operator) {
     let (n, zeros) = (operator.vertices(), operator.components());
     let mut area = vec![0.0; zeros];

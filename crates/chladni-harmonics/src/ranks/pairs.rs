@@ -1,4 +1,4 @@
-//! What the ranks leave in their folder, put together.
+//! Combines the results that the ranks leave in their folder.
 
 use std::fs::{self, File};
 use std::io::{BufReader, Read};
@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::RanksSeconds;
 use crate::{HarmonicsError, pages};
 
-/// What each rank leaves.
+/// The result of one rank.
 #[derive(Deserialize)]
 struct Part {
     rows: [usize; 2],
@@ -22,11 +22,11 @@ struct Part {
     seconds: RanksSeconds,
 }
 
-/// What all ranks found together: pairs of A = M^-½ S M^-½ above 0.
+/// The combined results of all ranks: the pairs of A = M^-½ S M^-½ with λ above 0.
 #[derive(Default)]
 pub(super) struct Pairs {
     pub(super) eigenvalues: Vec<f64>,
-    /// Columns of zeros, in which the constants will lie, and then N values of each pair.
+    /// Columns of zeros for the constants, followed by the N values of each pair.
     pub(super) vectors: Vec<f64>,
     pub(super) counts: Vec<(f64, usize)>,
     pub(super) peak_bytes: Vec<u64>,
@@ -74,7 +74,7 @@ impl Pairs {
         if next_row == n { Ok(pairs) } else { Err(HarmonicsError::not_certified("rows are missing")) }
     }
 
-    /// Whether below every shift there are as many pairs as its factor counts.
+    /// Whether the number of pairs below every shift is the count of its factor.
     pub(super) fn counts_match(&self, zeros: usize) -> bool {
         let below = |shift: f64| zeros + self.eigenvalues.iter().filter(|value| **value < shift).count();
         self.counts.iter().all(|&(shift, count)| below(shift) == count)

@@ -1,14 +1,14 @@
-//! PETSc's binary format: what ranks read their rows from.
+//! PETSc's binary format, from which ranks read their rows.
 
 use std::io::{self, Write};
 
 use crate::{HarmonicsError, Pencil};
 
-/// How the format marks a sparse matrix.
+/// The number that marks a sparse matrix in this format.
 const MATRIX: i32 = 1_211_216;
 
-/// A = M^-½ S M^-½, row after row, numbers in big-endian order and indices of 32 bits, as PETSc has them unless it is built
-/// for more.
+/// A = M^-½ S M^-½, row by row, with big-endian numbers and 32-bit indices, which PETSc expects unless it
+/// is built for larger ones.
 pub(super) struct ScaledOperator<'a> {
     pencil: Pencil<'a>,
     rows: i32,
@@ -16,7 +16,7 @@ pub(super) struct ScaledOperator<'a> {
 }
 
 impl<'a> ScaledOperator<'a> {
-    /// Of `pencil`, whose M is diagonal.
+    /// The scaled operator of `pencil`, whose M must be diagonal.
     pub(super) fn of(pencil: Pencil<'a>) -> Result<Self, HarmonicsError> {
         let (rows, entries) = (pencil.mass.len(), pencil.stiffness.values.len());
         let (Ok(rows), Ok(entries)) = (i32::try_from(rows), i32::try_from(entries)) else {
@@ -41,7 +41,7 @@ impl<'a> ScaledOperator<'a> {
         let inverse_root: Vec<f64> = mass.iter().map(|a| a.sqrt().recip()).collect();
         for j in 0..stiffness.size() {
             for (i, value) in stiffness.column(j) {
-                // Symmetric to the last bit: the product of the two scales comes first.
+                // Symmetric to the last bit, because the two scales are multiplied first.
                 file.write_all(&((inverse_root[i] * inverse_root[j]) * value).to_be_bytes())?;
             }
         }

@@ -1,4 +1,4 @@
-//! What is solved: a family, a problem, and how many harmonics of it.
+//! The cases: a family, a problem, and the number of harmonics to solve for.
 
 use chladni_harmonics::{
     Basis, BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator, Pencil, SymmetricSparse,
@@ -23,17 +23,17 @@ pub enum Problem {
     Pencil { stiffness: SymmetricSparse, mass: Vec<f64>, known: Option<Vec<f64>> },
 }
 
-/// A pencil, and what is known of it otherwise.
+/// A pencil, and its known spectrum.
 pub struct Known {
     pub stiffness: SymmetricSparse,
     pub mass: Vec<f64>,
-    /// Eigenvalues that are 0, where the solver knows that beforehand.
+    /// The number of zero eigenvalues, if the solver knows them beforehand.
     pub zeros: usize,
     /// All eigenvalues, ascending.
     pub spectrum: Vec<f64>,
 }
 
-/// What the solver gives.
+/// The result of the solver.
 #[derive(Debug, PartialEq)]
 pub struct Found {
     pub basis: Basis,
@@ -41,10 +41,10 @@ pub struct Found {
 }
 
 impl Case {
-    /// The same case for the same seed.
+    /// The case of a seed; the same seed gives the same case.
     pub fn of(seed: u64) -> Self {
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
-        // One in eight is large enough to be solved by slices.
+        // One case in eight is large enough to be solved by slices.
         let most = if rng.random_bool(0.125) { 900 } else { 150 };
         let (family, problem) = match seed % 10 {
             0 => ("multiple eigenvalues", pencils::multiple(rng, most)),
@@ -59,7 +59,7 @@ impl Case {
             _ => ("tiny and huge meshes", Problem::Mesh(meshes::far_scaled(rng, most))),
         };
         let n = problem.vertices();
-        // Any K of small problems; of large ones mostly what slices are for.
+        // Any K for small problems; for large ones mostly those that are solved by slices.
         let share = if n <= 300 { 1.0 } else { 0.34 };
         let harmonics = match rng.random_range(0..8) {
             0 => n,

@@ -1,27 +1,27 @@
-//! Whether what the solver said of a case is true.
+//! Judges whether the solver's statements about a case are true.
 
 use chladni_harmonics::{Basis, Certificate, HarmonicsError, SymmetricSparse};
 
 use crate::cases::{Case, Found, Known};
 
-/// What became of a case.
+/// The verdict on a case.
 pub enum Verdict {
-    /// Certified as of a sound mesh, and so it is.
+    /// Certified as precise, which is true.
     Certified {
         residual: f64,
     },
-    /// Returned with a warning that is true; every eigenvalue is right within it.
+    /// Returned with a warning, which is true; every eigenvalue is right within the stated error.
     Warned,
     Refused(String),
     Wrong(String),
 }
 
-/// Where a residual is rounding, measuring it in another order gives another one.
+/// If a residual consists of rounding errors, measuring it in another order gives another value.
 const AGAIN: f64 = 1.5;
-/// Rounding of eigenvalues, as a share of the largest.
+/// Rounding errors of eigenvalues, as a share of the largest one.
 const ROUNDING: f64 = 2e-13;
 
-/// Solves a case and compares.
+/// Solves a case and compares the result with what is known.
 pub fn judge(case: &Case) -> Verdict {
     let Known { stiffness, mass, zeros, spectrum: exact } = match case.problem.pencil() {
         Ok(known) => known,
@@ -62,7 +62,7 @@ pub fn judge(case: &Case) -> Verdict {
     if stated.is_precise() { Verdict::Certified { residual } } else { Verdict::Warned }
 }
 
-/// A refusal with a reason is honest where the mesh has no harmonics at all.
+/// An error with a reason is right if the mesh has no harmonics at all.
 fn refused(refusal: &HarmonicsError) -> Verdict {
     match refusal {
         HarmonicsError::ZeroArea { .. } | HarmonicsError::NoTriangle => Verdict::Warned,
@@ -70,7 +70,7 @@ fn refused(refusal: &HarmonicsError) -> Verdict {
     }
 }
 
-/// The first eigenvalue that is not the one in its place.
+/// Describes the first eigenvalue that is not the one expected in its place.
 fn missed(basis: &Basis, exact: &[f64], residual: f64, lift: f64) -> Option<String> {
     let scale = exact.last().copied().unwrap_or(0.0);
     let share = 1e-9_f64.max(2.0 * residual);
@@ -82,13 +82,15 @@ fn missed(basis: &Basis, exact: &[f64], residual: f64, lift: f64) -> Option<Stri
     Some(format!("eigenvalue {k} is {value:e}, not {exact:e} (the largest is {scale:e})"))
 }
 
-/// At most this is added to the eigenvalues of a pencil that is given, before residuals are measured.
+/// The largest shift that the solver adds to the eigenvalues of a given pencil before it measures
+/// residuals.
 fn lift(exact: &[f64], k: usize) -> f64 {
     let largest = exact.last().copied().unwrap_or(0.0);
     exact.get(2 * k).map_or(4.0 * largest, |above| 1.2 * above) / k as f64 + 1e-9 * largest
 }
 
-/// Largest ‖S h − λ M h‖ / ‖(S + tM) h‖ beyond what rounding of S h may leave, where t = 0 unless a pencil was given.
+/// The largest ‖S h − λ M h‖ / ‖(S + tM) h‖ beyond what rounding of S h may leave; t = 0 unless a pencil
+/// was given.
 fn largest_residual(stiffness: &SymmetricSparse, basis: &Basis, zeros: usize, lift: f64) -> f64 {
     (zeros..basis.harmonics())
         .map(|k| {

@@ -1,8 +1,9 @@
-//! The certificate attacked: random pencils and meshes that are hard for an eigensolver, each compared with a
-//! spectrum that is known otherwise.
+//! An attack on the certificate: random pencils and meshes that are hard for an eigensolver, each compared
+//! with a spectrum that is known independently.
 //!
-//! A test takes a few hundred cases. A campaign: `CHLADNI_CASES=100000 CHLADNI_SEED=1 cargo test --release
-//! -p chladni-harmonics --test campaign -- --nocapture` prints what became of each family (docs/trust.md).
+//! As a test it runs a few hundred cases. As a campaign, `CHLADNI_CASES=100000 CHLADNI_SEED=1 cargo test
+//! --release -p chladni-harmonics --test campaign -- --nocapture` prints the results of each family
+//! (docs/trust.md).
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -21,13 +22,13 @@ use std::sync::Mutex;
 use cases::Case;
 use judge::Verdict;
 
-/// What became of the cases of one family.
+/// The results of the cases of one family.
 #[derive(Default)]
 struct Tally {
     certified: usize,
     warned: usize,
     refused: usize,
-    /// Largest relative residual of a basis that was certified, as measured here.
+    /// Largest relative residual of a certified basis, as measured here.
     residual: f64,
 }
 
@@ -35,7 +36,8 @@ fn setting(name: &str, usual: u64) -> u64 {
     std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(usual)
 }
 
-/// Cases in which something was wrong once: runs of a slice that found no pair at all, and a small eigenvalue taken for 0.
+/// Cases that failed once: runs of a slice that found no pair at all, and a small eigenvalue that was taken
+/// for 0.
 const FOUND: [u64; 4] = [10_000_141, 10_000_900, 10_002_341, 10_025_662];
 
 #[test]
@@ -43,7 +45,7 @@ fn no_certificate_is_wrong_and_no_pair_is_missed() {
     let (cases, first) = (setting("CHLADNI_CASES", 400), setting("CHLADNI_SEED", 1));
     let queue = Mutex::new((first..first + cases).chain(FOUND));
     let judged = Mutex::new(Vec::new());
-    // Threads of our own: one of rayon's would begin another case while it waits for the pool of the solver.
+    // Separate threads: one of rayon's would begin another case while it waits for the pool of the solver.
     std::thread::scope(|scope| {
         for _ in 0..rayon::current_num_threads() {
             scope.spawn(|| {

@@ -1,4 +1,4 @@
-//! Meshes that are hard to solve for.
+//! Meshes that are hard for an eigensolver.
 
 use chladni_mesh::{TriMesh, samples};
 use rand::RngExt;
@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::pencils::size;
 use crate::shapes;
 
-/// A curved sheet whose columns and rows have widths over up to eight orders of magnitude.
+/// A curved sheet whose column and row widths span up to eight orders of magnitude.
 pub fn graded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     let columns = (size(rng, 9, most) as f64).sqrt().ceil() as usize;
     let decades = rng.random_range(0.0..8.0);
@@ -35,7 +35,7 @@ pub fn graded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     TriMesh { positions, ..sheet }
 }
 
-/// A sound mesh with some vertices moved almost onto a neighbor, or almost onto a line.
+/// A sound mesh with some vertices moved almost onto a neighbor or a line.
 pub fn slivers(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     let mut mesh = sound(rng, most);
     let thin = 10_f64.powf(rng.random_range(-9.0..-1.0));
@@ -53,7 +53,7 @@ pub fn slivers(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     mesh
 }
 
-/// Parts of many sizes, some of them equal.
+/// Components of many sizes, some of them equal.
 pub fn disconnected(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     let kinds: Vec<TriMesh> = (0..rng.random_range(1..4)).map(|_| sound(rng, most.min(100))).collect();
     let mut parts: Vec<TriMesh> = Vec::new();
@@ -70,7 +70,7 @@ pub fn disconnected(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     shapes::beside(&parts, [3.0, 0.0, 0.0])
 }
 
-/// Triangles on few points, however they fall: edges of many triangles, bodies that share a vertex.
+/// Random triangles on few points: edges with many triangles, bodies that share a vertex.
 pub fn crowded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     let n = size(rng, 4, most.min(400)) as u32;
     let mut point = || std::array::from_fn(|_| rng.random_range(-1.0..1.0));
@@ -87,7 +87,7 @@ pub fn crowded(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     shapes::mesh(positions, triangles)
 }
 
-/// Any of the others, a millionth of a millionth or a million million times the size.
+/// Any of the other meshes, scaled by 10⁻¹² or 10¹².
 pub fn far_scaled(rng: &mut ChaCha8Rng, most: usize) -> TriMesh {
     let mesh = match rng.random_range(0..4) {
         0 => graded(rng, most),

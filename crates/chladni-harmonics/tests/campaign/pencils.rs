@@ -1,4 +1,4 @@
-//! Pencils with spectra of our choice.
+//! Pencils with prescribed spectra.
 
 use std::f64::consts::PI;
 
@@ -9,13 +9,13 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cases::Problem;
 
-/// A size: small ones are as likely as large ones of ten times the size.
+/// A random size: small sizes are as likely as sizes ten times as large.
 pub fn size(rng: &mut ChaCha8Rng, least: usize, most: usize) -> usize {
     let least = if most > 300 { 310 } else { least };
     ((least as f64).ln() + rng.random::<f64>() * (most as f64 / least as f64).ln()).exp().round() as usize
 }
 
-/// A few different eigenvalues, each many times; 0 may be one of them.
+/// A few different eigenvalues, each with a high multiplicity; 0 may be one of them.
 pub fn multiple(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     let n = size(rng, 2, most);
     let levels: Vec<f64> = (0..rng.random_range(1..9)).map(|_| rng.random_range(0.0..10.0)).collect();
@@ -28,7 +28,7 @@ pub fn multiple(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     rotated(rng, spectrum)
 }
 
-/// Eigenvalues in clusters, from just distinguishable to not at all.
+/// Eigenvalues in clusters, from barely distinguishable to indistinguishable.
 pub fn clustered(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     let n = size(rng, 3, most);
     let centers: Vec<f64> = (0..rng.random_range(1..7)).map(|_| rng.random_range(0.1..10.0)).collect();
@@ -40,7 +40,7 @@ pub fn clustered(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     rotated(rng, spectrum)
 }
 
-/// Eigenvalues over up to ten orders of magnitude.
+/// Eigenvalues that span up to ten orders of magnitude.
 pub fn graded(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     let n = size(rng, 2, most);
     let decades = rng.random_range(1.0..10.0);
@@ -48,7 +48,7 @@ pub fn graded(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     rotated(rng, spectrum)
 }
 
-/// M^½ Q Λ Qᵀ M^½ with Q the product of rotations of neighboring rows, the rows shuffled.
+/// M^½ Q Λ Qᵀ M^½, where Q is a product of rotations of neighboring rows; the rows are shuffled.
 fn rotated(rng: &mut ChaCha8Rng, mut spectrum: Vec<f64>) -> Problem {
     let n = spectrum.len();
     let mut a = vec![vec![0.0; n]; n];
@@ -90,7 +90,7 @@ fn rotated(rng: &mut ChaCha8Rng, mut spectrum: Vec<f64>) -> Problem {
     Problem::Pencil { stiffness, mass, known: Some(spectrum) }
 }
 
-/// Equal parts, which share every eigenvalue, their rows in any order.
+/// Equal components, which share every eigenvalue, with their rows in random order.
 pub fn duplicated(rng: &mut ChaCha8Rng, most: usize) -> Problem {
     let part = match rng.random_range(0..3) {
         0 => multiple(rng, most.min(60)),

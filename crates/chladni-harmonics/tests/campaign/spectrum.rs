@@ -1,9 +1,10 @@
-//! All eigenvalues of a small pencil, by another way than the solver's.
+//! All eigenvalues of a small pencil, computed independently of the solver.
 
 use chladni_harmonics::SymmetricSparse;
 use faer::{Mat, Side};
 
-/// Up to this many vertices by Jacobi's rotations, which are accurate for the smallest, too; the rest by faer.
+/// Up to this many vertices Jacobi rotations are used, which are accurate even for the smallest
+/// eigenvalues; beyond it, faer.
 const JACOBI: usize = 80;
 
 /// The eigenvalues of M^-½ S M^-½, ascending.

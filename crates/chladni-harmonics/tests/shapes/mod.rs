@@ -1,4 +1,4 @@
-//! Meshes with known spectra, made in code.
+//! Meshes with known spectra, generated in code.
 #![allow(dead_code, reason = "each test file uses some of them")]
 
 use std::collections::HashMap;
@@ -67,7 +67,7 @@ pub fn icosphere(levels: u32) -> TriMesh {
     mesh(positions, triangles)
 }
 
-/// The unit square as cells × cells squares of two triangles.
+/// The unit square, as cells × cells squares of two triangles each.
 pub fn square(cells: u32) -> TriMesh {
     let side = cells + 1;
     let positions = (0..side * side)
@@ -82,7 +82,7 @@ pub fn square(cells: u32) -> TriMesh {
     mesh(positions, triangles)
 }
 
-/// Meshes side by side, each moved by its number times `offset`.
+/// Meshes side by side, each moved by its index times `offset`.
 pub fn beside(parts: &[TriMesh], offset: [f64; 3]) -> TriMesh {
     let mut all = TriMesh::default();
     for (number, part) in parts.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! From a mirror to classes: what it does to each harmonic, and to groups of repeated ones.
+//! Derives classes from a mirror: how it acts on each harmonic, and on groups of repeated ones.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ pub struct Rotation {
 }
 
 impl Rotation {
-    /// Mixes the group in `basis`; does nothing where the basis has too few harmonics.
+    /// Mixes the group in `basis`. Does nothing if the basis has too few harmonics.
     pub fn apply(&self, basis: &mut Basis) {
         let (n, size) = (basis.vertices(), self.mix.len());
         let Some(group) = basis.vectors.get_mut(self.first * n..(self.first + size) * n) else { return };
@@ -36,8 +36,8 @@ impl Rotation {
     }
 }
 
-/// ⟨H_k, H_k∘T⟩ / (‖H_k‖ ‖H_k∘T‖) for each harmonic, after the rotation of each group of
-/// repeated eigenvalues that takes the mirror apart into +1 and −1.
+/// ⟨H_k, H_k∘T⟩ / (‖H_k‖ ‖H_k∘T‖) for each harmonic, after each group of repeated eigenvalues has been
+/// rotated such that the mirror acts on each of its harmonics as +1 or −1.
 pub(super) fn mirrored(
     body: &Body,
     image: &[OnSurface],
@@ -62,8 +62,8 @@ pub(super) fn mirrored(
     Ok((scores, rotations))
 }
 
-/// The rotation of each group of repeated eigenvalues, chosen by the geometry alone because there is no
-/// mirror.
+/// The rotation of each group of repeated eigenvalues without a mirror: it is determined by the geometry
+/// alone.
 pub(super) fn unmirrored(
     body: &Body,
     settings: &SymmetrySettings,
@@ -84,10 +84,10 @@ pub(super) fn unmirrored(
         .collect()
 }
 
-/// Runs of harmonics whose neighboring eigenvalues differ by less than `gap`, relatively.
-/// The constant harmonics of a shape in several components are one such run.
+/// Ranges of harmonics whose neighboring eigenvalues have a relative difference below `gap`. The constant
+/// harmonics of a shape with several components form such a range.
 pub(crate) fn repeated(basis: &Basis, gap: f64) -> Vec<Range<usize>> {
-    /// Larger groups are not repeated eigenvalues but a crowded spectrum.
+    /// Larger groups are a crowded spectrum rather than repeated eigenvalues.
     const LARGEST: usize = 24;
     let constant = first_waving(basis);
     let lambda = &basis.eigenvalues;
@@ -119,7 +119,8 @@ fn classify(
         .collect();
     let inner =
         |f: &[f64], g: &[f64]| -> f64 { f.iter().zip(g).zip(&basis.mass).map(|((f, g), a)| a * f * g).sum() };
-    // ‖H_k∘T‖ falls below 1 where the mirror image misses the shape; that must not count as asymmetry.
+    // ‖H_k∘T‖ falls below 1 where the mirror image misses the shape. Dividing by it keeps that from
+    // counting as asymmetry.
     let norms: Vec<f64> = images.iter().map(|h| inner(h, h).sqrt().max(f64::MIN_POSITIVE)).collect();
     let mut matrix = vec![vec![0.0; size]; size];
     for i in 0..size {
@@ -143,8 +144,8 @@ fn classify(
     (scores, Some(Rotation { first: group.start, mix }))
 }
 
-/// Columns of `mix` that belong to one class are still an arbitrary basis; the geometry fixes it, as for the
-/// harmonics of one eigenvalue.
+/// Within one class, the columns of `mix` are still an arbitrary basis; the geometry determines it, as for
+/// the harmonics of one eigenvalue.
 fn choose_within_classes(
     body: &Body,
     group: &Range<usize>,

@@ -1,4 +1,4 @@
-//! Which harmonics are symmetric and which antisymmetric (docs/symmetry.md).
+//! Classifies harmonics as symmetric or antisymmetric (docs/symmetry.md).
 
 mod cluster;
 mod paper;
@@ -14,7 +14,7 @@ use crate::MusicError;
 pub use cluster::Rotation;
 pub(crate) use cluster::repeated;
 
-/// What the mirror does to a harmonic.
+/// How the mirror acts on a harmonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Class {
     /// H(T v) = H(v).
@@ -39,28 +39,28 @@ impl Class {
 /// How the classes were found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SymmetryMethod {
-    /// By applying this mirror plane, found from the pairs and refined.
+    /// By applying this mirror plane, which was found from the pairs and refined.
     Mirror(MirrorPlane),
-    /// By the paper's vote alone: the shape has no mirror plane, the classes are rough.
+    /// Only by the paper's vote, because the shape has no mirror plane. The classes are rough.
     Vote,
 }
 
 /// Settings of the symmetry test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SymmetrySettings {
-    /// n_k: how many non-constant harmonics the extrema and signatures are taken of.
+    /// n_k: the number of non-constant harmonics used for extrema and signatures.
     pub signature_harmonics: usize,
-    /// c: for how many of them a vertex must be an extremum; lowered until 8 vertices remain.
+    /// c: of how many of them a vertex must be an extremum; lowered until 8 vertices remain.
     pub least_extrema: usize,
-    /// Neighboring eigenvalues whose relative gap is below this count as repeated.
+    /// Neighboring eigenvalues with a relative difference below this count as repeated.
     pub cluster_gap: f64,
-    /// |⟨H, H∘T⟩| below this is undecided, (0, 1).
+    /// A harmonic with |⟨H, H∘T⟩| below this is undecided, in (0, 1).
     pub decided: f64,
-    /// A mirror plane may miss the shape by at most this share of its bounding box's diagonal
-    /// (root mean square over the best nine tenths of the vertices).
+    /// The largest misfit of a mirror plane, as a share of the diagonal of the shape's bounding box (root
+    /// mean square over the best nine tenths of the vertices).
     pub plane_tolerance: f64,
-    /// Uses the paper's vote alone, even where there is a mirror plane: symmetric where a majority of pairs
-    /// says so, antisymmetric otherwise.
+    /// Whether to use only the paper's vote, even if there is a mirror plane: a harmonic is symmetric if a
+    /// majority of pairs says so, and otherwise antisymmetric.
     pub by_vote: bool,
 }
 
@@ -78,7 +78,7 @@ impl Default for SymmetrySettings {
 }
 
 impl SymmetrySettings {
-    /// The class of a harmonic of this score.
+    /// The class of a harmonic with this score.
     fn class(&self, score: f64) -> Class {
         match score {
             s if s >= self.decided => Class::Symmetric,
@@ -93,34 +93,34 @@ impl SymmetrySettings {
 pub struct Symmetry {
     /// The class of each of the K harmonics, after [`rotations`](Self::rotations).
     pub classes: Vec<Class>,
-    /// ⟨H_k, H_k∘T⟩ in [−1, 1], or for the vote (votes for − votes against) / pairs.
+    /// ⟨H_k, H_k∘T⟩ in [−1, 1]; for the vote, (votes for − votes against) / pairs.
     pub scores: Vec<f64>,
-    /// For how many of the first n_k harmonics each vertex is an extremum (N values).
+    /// For each of the N vertices, of how many of the first n_k harmonics it is an extremum.
     pub extrema_counts: Vec<u8>,
-    /// The vertices that are an extremum often enough.
+    /// The vertices that are extrema often enough.
     pub extrema: Vec<u32>,
-    /// Extrema that the symmetry is likely to exchange.
+    /// Pairs of extrema that the symmetry is likely to exchange.
     pub pairs: Vec<[u32; 2]>,
-    /// How repeated eigenvalues' harmonics are to be mixed so that they have a class.
+    /// The rotations of repeated eigenvalues' harmonics after which each has a class.
     pub rotations: Vec<Rotation>,
     /// How the classes were found.
     pub method: SymmetryMethod,
 }
 
 impl Symmetry {
-    /// Classifies the harmonics of `body` with the usual settings.
+    /// Classifies the harmonics of `body` with the default settings.
     ///
     /// # Errors
-    /// As [`with`](Self::with).
+    /// Those of [`with`](Self::with).
     pub fn of(body: &Body, task: &Task) -> Result<Self, MusicError> {
         Self::with(body, &SymmetrySettings::default(), task)
     }
 
-    /// Classifies the harmonics of `body`: the paper's test for extrema and pairs, from them
-    /// a mirror plane, and from that the class of each harmonic and cluster.
+    /// Classifies the harmonics of `body`: the paper's test gives extrema and pairs, these give a mirror
+    /// plane, and the plane gives the class of each harmonic and group of repeated ones.
     ///
     /// # Errors
-    /// A body without harmonics or vertices, or the task was cancelled.
+    /// A body without harmonics or vertices, or a cancelled task.
     pub fn with(body: &Body, settings: &SymmetrySettings, task: &Task) -> Result<Self, MusicError> {
         let basis = &*body.basis;
         if basis.harmonics() == 0 || basis.vertices() == 0 || body.positions.len() != basis.vertices() {
@@ -162,8 +162,8 @@ impl Symmetry {
         Self { classes, scores, extrema_counts: counts, extrema: vertices, pairs, rotations, method }
     }
 
-    /// `body` with the harmonics of repeated eigenvalues mixed as the classes assume. The
-    /// basis is copied only where something is to be mixed.
+    /// `body` with the harmonics of repeated eigenvalues rotated as the classes assume. The basis is copied
+    /// only if something must be rotated.
     pub fn rotated(&self, body: &Body) -> Body {
         if self.rotations.is_empty() {
             return body.clone();
@@ -176,8 +176,8 @@ impl Symmetry {
     }
 }
 
-/// The best mirror plane, and the mirror as a map of the surface; `None` where no plane fits
-/// within the tolerance.
+/// The best mirror plane, and the mirror as a map of the surface; `None` if no plane fits within the
+/// tolerance.
 fn mirror(
     body: &Body,
     pairs: &[[u32; 2]],

@@ -1,4 +1,4 @@
-//! The paper's fast test (section 5b): extrema, pairs of nearest signature, and the vote.
+//! The paper's fast test (section 5b): extrema, pairs with the nearest signatures, and the vote.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -8,14 +8,14 @@ use chladni_mesh::vertex_neighbors;
 
 use super::{SymmetrySettings, first_waving, repeated};
 
-/// At least this many extrema must remain.
+/// The smallest number of extrema that must remain.
 const LEAST_KEPT: usize = 8;
-/// H_i ≈ ±H_j where |H_i ∓ H_j| is at most this share of |H_i| + |H_j|.
+/// H_i ≈ ±H_j if |H_i ∓ H_j| is at most this share of |H_i| + |H_j|.
 const ALIKE: f64 = 0.2;
 
-/// The extrema that many harmonics share, and which of them look alike.
+/// The vertices that are extrema of many harmonics, and the pairs among them that look alike.
 pub(super) struct Extrema {
-    /// For how many of the first n_k harmonics each vertex is an extremum.
+    /// For each vertex, of how many of the first n_k harmonics it is an extremum.
     pub counts: Vec<u8>,
     pub vertices: Vec<u32>,
     pub pairs: Vec<[u32; 2]>,
@@ -45,8 +45,8 @@ impl Extrema {
         Self { counts, vertices, pairs }
     }
 
-    /// For each harmonic (pairs with H_i ≈ H_j minus pairs with H_i ≈ −H_j) / pairs; those of a
-    /// repeated eigenvalue vote together, with H_i the row of their values at i.
+    /// For each harmonic, (pairs with H_i ≈ H_j minus pairs with H_i ≈ −H_j) / pairs. The harmonics of a
+    /// repeated eigenvalue vote together, where H_i is the row of their values at i.
     pub(super) fn vote(&self, basis: &Basis, settings: &SymmetrySettings) -> Vec<f64> {
         let first = first_waving(basis);
         let mut scores = vec![1.0; first];
@@ -69,8 +69,8 @@ impl Extrema {
     }
 }
 
-/// The harmonics of one eigenvalue as the test sees them: a single one as it is; of several, the norm of
-/// their values at a vertex, which does not depend on the choice of basis.
+/// The harmonics of one eigenvalue as a single function: one harmonic is used as it is; of several, the
+/// norm of their values at a vertex, which does not depend on the choice of basis.
 struct Tone<'a> {
     harmonics: Range<usize>,
     values: Cow<'a, [f64]>,
@@ -82,12 +82,12 @@ impl Tone<'_> {
         let h = &self.values;
         let least = ring.iter().all(|&w| h[w as usize] > h[v]);
         let most = ring.iter().all(|&w| h[w as usize] < h[v]);
-        // For several harmonics, a minimum of the norm means nothing.
+        // The norm of several harmonics has no meaningful minimum.
         !ring.is_empty() && (most || (least && self.harmonics.len() == 1))
     }
 }
 
-/// The first n_k non-constant harmonics, and what repeats the last of them.
+/// The first n_k non-constant harmonics, and further ones that repeat the eigenvalue of the last.
 fn tones<'a>(basis: &'a Basis, settings: &SymmetrySettings) -> Vec<Tone<'a>> {
     let first = first_waving(basis);
     let last = first + settings.signature_harmonics.min(255);
@@ -106,7 +106,7 @@ fn tones<'a>(basis: &'a Basis, settings: &SymmetrySettings) -> Vec<Tone<'a>> {
         .collect()
 }
 
-/// Mutually nearest absolute GPS signatures |H_k(i)| / √λ_k among `vertices`.
+/// Pairs of `vertices` whose absolute GPS signatures |H_k(i)| / √λ_k are mutually nearest.
 fn pairs(vertices: &[u32], tones: &[Tone<'_>]) -> Vec<[u32; 2]> {
     let signatures: Vec<Vec<f64>> = vertices
         .iter()

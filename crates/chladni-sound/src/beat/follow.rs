@@ -1,11 +1,11 @@
-//! The beat while listening: no future samples.
+//! Beat tracking while listening, from past samples only.
 
 use super::meter::{Meter, Normaliser};
 use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::SoundError;
 use crate::structure::{BarFollower, HeardBar};
 
-/// What is known about the beat at a time.
+/// What is known about the beat at some time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeatMoment {
     /// Beats per minute; 0 before anything was heard.
@@ -14,23 +14,23 @@ pub struct BeatMoment {
     pub phase: f64,
     /// When the next beat is expected, in seconds.
     pub next_beat_secs: f64,
-    /// Belief in tempo and phase, in [0, 1].
+    /// Confidence in tempo and phase, in [0, 1].
     pub confidence: f64,
 }
 
-/// Share of the belief that is spread over all states at each beat, so that a lost tracker can
+/// The share of the belief that is spread over all states at each beat. It lets a tracker that is wrong
 /// find another tempo.
 const DOUBT: f32 = 0.001_35;
-/// Beats are not announced closer together than this share of a beat.
+/// The smallest time between two announced beats, in beats.
 const SHORTEST_GAP: f64 = 0.6;
-/// A beat that is only recognized this long after it happened is still announced.
+/// A beat that is recognized this late is still announced.
 const LATEST_SECS: f64 = 0.06;
 
-/// Follows the beat of a stream of samples: a forward filter over the bar pointer's states. What
-/// it says about a time depends on no sample after it.
+/// Follows the beat of a stream of samples: a forward filter over the states of the bar pointer. Its
+/// statement about a time depends on no sample after it.
 pub struct BeatFollower {
     meter: Meter,
-    /// e^(z · expected) needs one exponential per state; these are its inputs and output.
+    /// The exponents of e^(z · expected) and the results: one exponential per state is enough.
     belief: Vec<f32>,
     arriving: Vec<f32>,
     /// Probability of changing from tempo j to tempo i.
@@ -46,10 +46,10 @@ pub struct BeatFollower {
     pending: Option<f64>,
     bars: BarFollower,
     begun: Option<HeardBar>,
-    /// Beats announced per beat tracked: 2 after "double", ½ after "halve".
+    /// How many beats are announced per beat tracked: 2 after "double", ½ after "halve".
     speed: f64,
     taps: Taps,
-    /// Slow mean of how strong the onsets on the beats are.
+    /// Slow mean of the onset strength at the beats.
     clarity: f64,
 }
 
@@ -60,7 +60,7 @@ struct Best {
     mass: f32,
 }
 
-/// The last few taps of a hand.
+/// The last few taps of the user.
 #[derive(Default)]
 struct Taps {
     secs: [f64; 8],
@@ -68,10 +68,10 @@ struct Taps {
 }
 
 impl BeatFollower {
-    /// For samples at `rate_hz`.
+    /// A follower for samples at `rate_hz`.
     ///
     /// # Errors
-    /// A rate out of the range of this crate.
+    /// A rate outside [[`MIN_RATE_HZ`](crate::MIN_RATE_HZ), [`MAX_RATE_HZ`](crate::MAX_RATE_HZ)].
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         let meter = Meter::new();
         let states = meter.expected.len();
@@ -97,7 +97,7 @@ impl BeatFollower {
         })
     }
 
-    /// Takes the next samples that have been heard.
+    /// Takes the next samples that were heard.
     pub fn push(&mut self, left: &[f32], right: &[f32]) {
         self.samples_heard += left.len().min(right.len()) as u64;
         let mut fresh = std::mem::take(&mut self.fresh);
@@ -116,12 +116,12 @@ impl BeatFollower {
         self.samples_heard as f64 / self.rate_hz
     }
 
-    /// A beat that was due since the last call, if any.
+    /// The time of a beat that became due since the last call, if there is one.
     pub fn take_beat(&mut self) -> Option<f64> {
         self.pending.take()
     }
 
-    /// A bar that has begun since the last call, if any.
+    /// A bar that has begun since the last call, if there is one.
     pub fn take_bar(&mut self) -> Option<HeardBar> {
         self.begun.take()
     }
@@ -131,7 +131,7 @@ impl BeatFollower {
         self.moment_at(self.now_secs())
     }
 
-    /// Tempo, phase and confidence at a time, at or after what was heard: the beat is extrapolated.
+    /// Tempo, phase and confidence at a time not before the last sample; the beat is extrapolated.
     pub fn moment_at(&self, secs: f64) -> BeatMoment {
         if self.best.period == 0 {
             return BeatMoment::default();
@@ -147,17 +147,18 @@ impl BeatFollower {
         }
     }
 
-    /// Announce twice as many beats.
+    /// Announces twice as many beats from now on.
     pub fn double(&mut self) {
         self.speed = (self.speed * 2.0).min(4.0);
     }
 
-    /// Announce half as many beats.
+    /// Announces half as many beats from now on.
     pub fn halve(&mut self) {
         self.speed = (self.speed / 2.0).max(0.25);
     }
 
-    /// A tap by hand at a time: it sets the phase at once, and from the second tap on the tempo.
+    /// Takes a tap of the user at a time. Each tap sets the phase at once; from the second tap on, also the
+    /// tempo.
     pub fn tap(&mut self, secs: f64) {
         let gap = self.taps.add(secs);
         self.speed = 1.0;
@@ -166,7 +167,8 @@ impl BeatFollower {
         self.belief.fill(DOUBT / count);
         for tempo in &self.meter.tempi {
             let period = tempo.period as f64;
-            // A gap within 8 % of a tempo supports it; without a gap the last best tempo does.
+            // A gap within 8 % of a tempo supports that tempo. Without a gap, the last best tempo is
+            // supported.
             let wanted = gap.map_or(self.best.period as f64, |gap| gap * ONSET_RATE_HZ);
             let off = if wanted > 0.0 { (period / wanted).ln() / 0.04 } else { 0.0 };
             let place = frames_ago.rem_euclid(period) as usize % tempo.period;
@@ -177,7 +179,7 @@ impl BeatFollower {
         self.find_best();
     }
 
-    /// Forgets everything, as after a seek; taps and halving too.
+    /// Forgets everything, as after a seek, including taps, doubling and halving.
     ///
     /// # Errors
     /// None in practice: the rate was accepted before.
@@ -186,12 +188,12 @@ impl BeatFollower {
         Ok(())
     }
 
-    /// Ring index of place 0 is (−t) mod period, t being the frame last heard.
+    /// The ring index of place 0: (−t) mod period, where t is the last frame heard.
     fn ring_start(&self, period: usize) -> usize {
         (self.frames_heard.saturating_sub(1) % period as u64) as usize
     }
 
-    /// One frame: advance, perhaps change tempo at a beat, weight by what was heard.
+    /// Processes one frame: advances, perhaps changes tempo at a beat, and weights the states by the onset.
     fn step(&mut self, onset: Onset) {
         let z = self.normaliser.next(onset);
         let t = self.frames_heard;
@@ -232,7 +234,7 @@ impl BeatFollower {
         let count = self.belief.len() as f32;
         if sum > 0.0 && sum.is_finite() {
             let scale = 1.0 / sum;
-            // Keep every state possible, so that it can recover.
+            // Keeps every state possible: a wrong tempo can be corrected later.
             let least = 1e-9 / count;
             for b in &mut self.belief {
                 *b = (*b * scale).max(least);
@@ -264,11 +266,11 @@ impl BeatFollower {
     }
 
     fn confidence(&self) -> f64 {
-        // Mean deviation near beats: chance gives 0.4, a clear pulse more than 1.5.
+        // Mean deviation near beats: random onsets give 0.4, a clear pulse more than 1.5.
         ((self.clarity - 0.4) / 1.1).clamp(0.0, 1.0)
     }
 
-    /// A time at which a beat began and the time between beats, as announced.
+    /// The time of a beat and the time between beats, as announced.
     fn grid(&self) -> (f64, f64) {
         let frame_secs = self.frames_heard.saturating_sub(1) as f64 / ONSET_RATE_HZ;
         let begin = frame_secs - self.best.place as f64 / ONSET_RATE_HZ;
@@ -292,7 +294,7 @@ impl BeatFollower {
 }
 
 impl Taps {
-    /// The time between taps once there are two; a pause of 2 s starts over.
+    /// The time between taps, once there are two. A pause of 2 s starts over.
     fn add(&mut self, secs: f64) -> Option<f64> {
         let last = self.count.checked_sub(1).map(|i| self.secs[i]);
         if last.is_some_and(|last| !(0.0..2.0).contains(&(secs - last))) {

@@ -1,49 +1,50 @@
-//! The bar pointer: all tempi and all positions within a beat that the music may be at.
+//! The bar pointer: the states (tempo, position within a beat) in which the music may be.
 //!
-//! A pointer walks through a beat of `period` frames one frame at a time and may change its period only when
-//! a beat begins (N. Whiteley, A. T. Cemgil and S. Godsill, ISMIR 2006, in the form of F. Krebs, S. Böck and
-//! G. Widmer, "An efficient state-space model for joint tempo and meter tracking", ISMIR 2015). The
-//! observation is not a network's beat activation as there but onset strength, so its log-likelihood is a
-//! product: the observed strength, less its mean, times the strength expected at this position, less its
-//! mean. Random onsets then favor no tempo, while a beat without an onset and an onset off the beat both
-//! count against a path.
+//! A pointer walks through a beat of `period` frames, one frame at a time, and may change its period only
+//! when a beat begins (N. Whiteley, A. T. Cemgil and S. Godsill, ISMIR 2006, in the form of F. Krebs, S.
+//! Böck and G. Widmer, "An efficient state-space model for joint tempo and meter tracking", ISMIR 2015).
+//! Here the observation is onset strength instead of the beat activation of a network, and its
+//! log-likelihood is a product: the observed strength minus its mean, times the strength expected at this
+//! position minus its mean. Random onsets then favor no tempo, while a beat without an onset and an onset
+//! off the beat both count against a path.
 
 use super::onset::{ONSET_RATE_HZ, Onset};
 
 pub(super) const SLOWEST_BPM: f64 = 42.0;
 pub(super) const FASTEST_BPM: f64 = 216.0;
-/// Expected onsets around a beat: a Gaussian of this many frames (20 ms).
+/// Width of the Gaussian of expected onsets around a beat, in frames (20 ms).
 const BEAT_WIDTH: f64 = 2.0;
 /// The strength expected halfway between two beats, as a share of that on a beat.
 const OFFBEAT: f64 = 0.17;
-/// The same two thirds of the way, where the second note of a shuffle is.
+/// The same at two thirds of the beat, where a shuffle has its second note.
 const SHUFFLE: f64 = 0.1;
 /// A change of period by the factor r costs this times |ln r|.
 const TEMPO_STIFFNESS: f64 = 90.0;
-/// Preferred tempo and its spread in octaves (as D. Ellis 2007, narrower).
+/// Preferred tempo and its spread in octaves (as D. Ellis 2007, but narrower).
 const PREFERRED_BPM: f64 = 118.0;
 const SPREAD_OCTAVES: f64 = 0.8;
-/// The cost of a beat, in the units of the log-likelihood: of two tempi that explain the same onsets the
-/// slower is simpler.
+/// The cost of a beat, in units of the log-likelihood: of two tempi that explain the same onsets, the
+/// slower one is simpler.
 const BEAT_COST: f64 = 4.0;
-/// How much an onset one standard deviation above the mean says, in nats.
+/// The weight, in nats, of an onset one standard deviation above the mean.
 const TRUST: f64 = 0.6;
 
-/// One tempo's place among the states.
+/// The place of one tempo among the states.
 #[derive(Clone, Copy)]
 pub(super) struct Tempo {
     /// Frames per beat.
     pub period: usize,
-    /// Its first state.
+    /// The index of its first state.
     pub first: usize,
 }
 
 /// All tempi, the onset strength expected at each position, and the costs of tempo changes.
 pub(super) struct Meter {
     pub tempi: Vec<Tempo>,
-    /// For each state the expected onset strength, weighted by how likely the tempo is.
+    /// For each state, the expected onset strength, weighted by the probability of the tempo.
     pub expected: Vec<f32>,
-    /// Log-probability of going from tempo j (row) to tempo i, less the cost of the beat that begins.
+    /// Log-probability of going from tempo j (row) to tempo i (column), minus the cost of the beat that
+    /// begins.
     pub change: Vec<f32>,
 }
 
@@ -71,7 +72,7 @@ impl Meter {
     }
 }
 
-/// How strong an onset is expected at a place within a beat of this period.
+/// The onset strength expected at a place within a beat of this period.
 fn template(place: usize, period: usize) -> f64 {
     let bump = |centre: f64| {
         let off = (place as f64 - centre).abs();
@@ -87,15 +88,15 @@ fn preference(period: usize) -> f64 {
     (-0.5 * ((bpm / PREFERRED_BPM).log2() / SPREAD_OCTAVES).powi(2)).exp()
 }
 
-/// The weight of onsets in the bass relative to those in all bands.
+/// The weight of bass onsets relative to onsets in all bands.
 const BASS: f32 = 0.5;
 
 fn mix(all: f32, bass: f32) -> f32 {
     (all + BASS * bass) / (1.0 + BASS * BASS).sqrt()
 }
 
-/// Normalizes onset strength to mean 0 and deviation about 1 over the last seconds, separately for all bands
-/// and the bass, and mixes the two.
+/// Normalizes onset strength to mean 0 and standard deviation about 1 over the last seconds, separately for
+/// all bands and for the bass, and mixes the two.
 #[derive(Clone, Copy)]
 pub(super) struct Normaliser {
     all: Level,
@@ -111,7 +112,7 @@ impl Normaliser {
         mix(self.all.next(onset.all), self.bass.next(onset.bass))
     }
 
-    /// All onsets at once, normalized over what follows as much as over what came before.
+    /// Normalizes all onsets of a song, using the future as much as the past.
     pub fn both_ways(onsets: &[Onset]) -> Vec<f32> {
         let part = |of: fn(&Onset) -> f32| Level::both_ways(&onsets.iter().map(of).collect::<Vec<_>>());
         let (all, bass) = (part(|onset| onset.all), part(|onset| onset.bass));
@@ -119,7 +120,7 @@ impl Normaliser {
     }
 }
 
-/// Mean and deviation of one strength over the last seconds.
+/// Running mean and standard deviation of one strength over the last seconds.
 #[derive(Clone, Copy)]
 struct Level {
     mean: f64,
@@ -127,9 +128,9 @@ struct Level {
     weight: f64,
 }
 
-/// Memory of the level.
+/// Time constant of the running mean.
 const NORMAL_SECS: f64 = 3.7;
-/// No onset says more than this many deviations.
+/// Onsets are limited to this many standard deviations.
 const MOST: f64 = 4.0;
 
 impl Level {
@@ -149,7 +150,7 @@ impl Level {
     fn value(&self, onset: f64) -> f32 {
         let mean = self.mean / self.weight;
         let deviation = (self.square / self.weight - mean * mean).max(0.0).sqrt();
-        // Below this the flux is rounding noise: silence has no onsets.
+        // A smaller deviation is rounding noise: silence has no onsets.
         if deviation < 1e-4 { 0.0 } else { ((onset - mean) / deviation).min(MOST) as f32 }
     }
 

@@ -1,4 +1,4 @@
-//! When to move: onsets, tempo and beats, after the fact or while listening.
+//! Onsets, tempo and beats, of a whole song or while listening.
 
 mod follow;
 mod meter;

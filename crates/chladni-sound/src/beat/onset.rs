@@ -1,10 +1,10 @@
 //! Onset strength: how much new sound begins at each moment.
 //!
-//! Spectral flux over logarithmic bands with a maximum filter, so that a vibrato that moves into the next
-//! band does not count as an onset: SuperFlux (S. Böck and G. Widmer, "Maximum filter vibrato suppression for
-//! onset detection", DAFx 2013). Unlike there, magnitudes are taken relative to a slow follower of the level,
-//! so that a quiet master has the same onsets, and both channels are used. Onsets in the bass are kept apart:
-//! a drum is more often on the beat than a cymbal.
+//! Spectral flux over logarithmic bands with a maximum filter, which keeps a vibrato that moves into the
+//! next band from counting as an onset: SuperFlux (S. Böck and G. Widmer, "Maximum filter vibrato
+//! suppression for onset detection", DAFx 2013). Differences from the paper: magnitudes are taken relative
+//! to a slow follower of the level, which gives a quiet master the same onsets; and both channels are used.
+//! Onsets in the bass are kept separately, because a drum is more often on the beat than a cymbal.
 
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -19,28 +19,28 @@ const WINDOW_SECS: f64 = 0.046;
 const BANDS_PER_OCTAVE: f64 = 24.0;
 const LOWEST_HZ: f64 = 30.0;
 const HIGHEST_HZ: f64 = 17_000.0;
-/// Bands below this are the bass.
+/// Bands below this frequency are the bass.
 const BASS_HZ: f64 = 250.0;
-/// Compression: a band 20 dB below the level counts as ln 2, so that what is loud counts more.
+/// Compression: a band 20 dB below the level counts as ln 2. Loud sounds count more.
 const COMPRESSION: f32 = 10.0;
 /// The level falls to 1/e in this time.
 const LEVEL_SECS: f64 = 10.0;
-/// Amplitude of the loudest band below which all is noise (−90 dB).
+/// Amplitude of the loudest band below which everything counts as noise (−90 dB).
 const FLOOR: f32 = 3e-5;
-/// A frame is compared with the one this many frames before: there the window has moved by about
-/// half its effective width.
+/// A frame is compared with the one this many frames before it: by then the window has moved by about half
+/// its effective width.
 const LAG: usize = 2;
 
-/// How much new sound begins at a moment, each at least 0.
+/// Strength of the onsets at one moment; each value is at least 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Onset {
-    /// In all bands: their mean flux.
+    /// The mean flux of all bands.
     pub all: f32,
-    /// In the bands below 250 Hz.
+    /// The mean flux of the bands below 250 Hz.
     pub bass: f32,
 }
 
-/// Streaming onset strength. Value n belongs to the time n / [`ONSET_RATE_HZ`] and needs
+/// Computes onset strength from a stream. Value n belongs to the time n / [`ONSET_RATE_HZ`] and needs
 /// [`latency_secs`](Self::latency_secs) of sound after it.
 pub struct OnsetDetector {
     rate_hz: f64,
@@ -49,28 +49,28 @@ pub struct OnsetDetector {
     samples: Vec<f32>,
     bins: Vec<Complex<f32>>,
     scratch: Vec<Complex<f32>>,
-    /// For each band its first bin and its triangular weights.
+    /// For each band, its first bin and its triangular weights.
     bands: Vec<(usize, Vec<f32>)>,
-    /// How many of them are the bass.
+    /// How many of the bands are the bass.
     bass: usize,
     channels: [Channel; 2],
-    /// Number (in samples) of the first sample that is kept.
+    /// The number of the first sample that is kept.
     kept_from: i64,
     frames_done: u64,
     level: f32,
 }
 
-/// One channel's samples on their way and its last band magnitudes, newest last.
+/// The pending samples of one channel, and the magnitudes of its last frames, newest last.
 struct Channel {
     samples: Vec<f32>,
     past: [Vec<f32>; LAG + 1],
 }
 
 impl OnsetDetector {
-    /// For samples at `rate_hz`.
+    /// A detector for samples at `rate_hz`.
     ///
     /// # Errors
-    /// A rate out of the range of this crate.
+    /// A rate outside [[`MIN_RATE_HZ`](crate::MIN_RATE_HZ), [`MAX_RATE_HZ`](crate::MAX_RATE_HZ)].
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         crate::check_rate("onset detector", rate_hz)?;
         let rate = f64::from(rate_hz);
@@ -82,7 +82,7 @@ impl OnsetDetector {
         let bass = bands.iter().take_while(|band| centre_hz(band) < BASS_HZ).count();
         let quiet = vec![0.0; bands.len()];
         let channel = || Channel {
-            // Before the first sample there was silence.
+            // Before the first sample there is silence.
             samples: vec![0.0; n / 2],
             past: std::array::from_fn(|_| quiet.clone()),
         };
@@ -107,12 +107,12 @@ impl OnsetDetector {
         })
     }
 
-    /// How much sound after its time a value needs.
+    /// How much sound after its time a value needs, in seconds.
     pub fn latency_secs(&self) -> f64 {
         self.window.len() as f64 / 2.0 / self.rate_hz
     }
 
-    /// Takes the next samples and appends the values that are now known to `out`.
+    /// Takes the next samples and appends the values that are now complete to `out`.
     pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<Onset>) {
         let count = left.len().min(right.len());
         self.channels[0].samples.extend_from_slice(&left[..count]);
@@ -126,7 +126,7 @@ impl OnsetDetector {
             }
             out.push(self.frame(start));
             self.frames_done += 1;
-            // Moving the rest to the front occasionally is cheaper than after every frame.
+            // Moving the rest to the front now and then is cheaper than after every frame.
             if start > 8 * n {
                 for channel in &mut self.channels {
                     channel.samples.drain(..start);
@@ -167,7 +167,7 @@ impl OnsetDetector {
     }
 }
 
-/// Sum over some bands of the rise above the loudest of three neighbors `LAG` frames ago.
+/// The sum over some bands of the rise above the loudest of the three neighboring bands `LAG` frames ago.
 fn flux(past: &[Vec<f32>; LAG + 1], scale: f32, bands: std::ops::Range<usize>) -> f32 {
     let (before, now) = (&past[0], &past[LAG]);
     let last = now.len().saturating_sub(1);
@@ -183,8 +183,7 @@ fn flux(past: &[Vec<f32>; LAG + 1], scale: f32, bands: std::ops::Range<usize>) -
     sum
 }
 
-/// Triangular bands in equal steps of pitch; where bins are further apart than that, one band per
-/// bin.
+/// Triangular bands in equal steps of pitch; where the bins are farther apart than that, one band per bin.
 fn bands(rate_hz: f64, n: usize) -> Vec<(usize, Vec<f32>)> {
     let bin_hz = rate_hz / n as f64;
     let top = HIGHEST_HZ.min(0.48 * rate_hz);
@@ -243,7 +242,7 @@ mod tests {
     #[test]
     fn a_drum_is_heard_in_the_bass_and_a_cymbal_is_not() {
         let hit = |wave: &dyn Fn(f32) -> f32| -> Onset {
-            // Twice, so that the second finds a level to be measured against.
+            // Two clicks: the second one is measured against the level of the first.
             let sound: Vec<f32> = (0..66_150)
                 .map(|n| (n % 33_075) as f32 / 44_100.0)
                 .map(|t| wave(t) * (t / 0.02).min(1.0) * (-t / 0.1).exp())

@@ -1,4 +1,4 @@
-//! How well beats agree with the truth.
+//! A measure of how well beats agree with the truth.
 
 /// Precision, recall and their harmonic mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,8 +11,8 @@ pub struct BeatScore {
     pub f_measure: f64,
 }
 
-/// Pairs found and true beats (both ascending, in seconds) one to one within ±`window_secs`; 0.07 is
-/// customary.
+/// Compares found and true beats (both ascending, in seconds), which are matched one to one within
+/// ±`window_secs`. The customary window is 0.07.
 pub fn beat_score(found: &[f64], truth: &[f64], window_secs: f64) -> BeatScore {
     let (mut i, mut j, mut hits) = (0, 0, 0usize);
     while i < found.len() && j < truth.len() {

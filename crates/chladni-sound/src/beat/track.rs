@@ -1,4 +1,4 @@
-//! Beats of a whole song.
+//! Beat tracking of a whole song.
 
 use chladni_task::{Cancelled, Task};
 
@@ -8,23 +8,23 @@ use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::structure::{HeardBar, structure};
 use crate::{Bar, ENERGY_RATE_HZ, Section, Song, SoundError};
 
-/// The beats of a song, what they group into, and how much goes on.
+/// The beats of a song, its bars and sections, and its energy.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Beats {
-    /// Beats per minute; 0 where no beat was found. An octave (half, double) is a matter of taste:
+    /// Beats per minute; 0 if no beat was found. Which octave (half, double) is right is a matter of taste:
     /// see [`other_octaves_bpm`](Self::other_octaves_bpm).
     pub tempo_bpm: f64,
     /// Times of the beats, ascending.
     pub beats_secs: Vec<f64>,
-    /// How much the onsets lie on the beats, from 0 (not at all) to 1 (all of them).
+    /// How much of the onset strength lies on the beats, from 0 (none) to 1 (all).
     pub confidence: f64,
-    /// Half and twice the tempo: what other listeners may tap.
+    /// Half and twice the tempo, which other listeners may tap.
     pub other_octaves_bpm: [f64; 2],
-    /// Ascending; each begins with a beat.
+    /// The bars, ascending; each begins with a beat.
     pub bars: Vec<Bar>,
-    /// Ascending; each begins with a bar.
+    /// The sections, ascending; each begins with a bar.
     pub sections: Vec<Section>,
-    /// How much goes on, in [0, 1]: [`ENERGY_RATE_HZ`] values a second from the song's beginning on.
+    /// Energy in [0, 1]: [`ENERGY_RATE_HZ`] values per second, from the beginning of the song.
     pub energy: Vec<f32>,
 }
 
@@ -35,12 +35,12 @@ impl Beats {
         Self { tempo_bpm, beats_secs, confidence, other_octaves_bpm, ..Self::default() }
     }
 
-    /// With the bars that were heard while listening.
+    /// Adds the bars that were found while listening.
     fn with_heard(self, bars: &[HeardBar], secs: f64) -> Self {
         let sections = bars.iter().enumerate().filter(|(i, bar)| *i == 0 || bar.begins_section);
         let named = |(i, (_, bar)): (usize, (usize, &HeardBar))| Section {
             at_secs: bar.at_secs,
-            // A listener does not look for what it has heard before.
+            // While listening, sections are not compared with earlier ones: each gets the next letter.
             name: (b'A' + (i % 26) as u8) as char,
             energy: bar.energy,
         };
@@ -59,10 +59,10 @@ impl Beats {
     }
 }
 
-/// The most likely beats, given the whole song: the best path of the bar pointer (Viterbi).
+/// The most probable beats, given the whole song: the best path of the bar pointer (Viterbi).
 ///
 /// # Errors
-/// A rate out of range, or the task was cancelled.
+/// A rate outside the supported range, or a cancelled task.
 pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let onsets = onsets(song, task)?;
     let heard = Normaliser::both_ways(&onsets);
@@ -76,11 +76,11 @@ pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     Ok(Beats { bars: structure.bars, sections: structure.sections, energy: structure.energy, ..beats })
 }
 
-/// The beats without knowledge of the future: what [`BeatFollower`] announces while the song is played to it
-/// in blocks of 10 ms.
+/// The beats found without knowledge of the future: those that [`BeatFollower`] announces while it gets the
+/// song in blocks of 10 ms.
 ///
 /// # Errors
-/// A rate out of range, or the task was cancelled.
+/// A rate outside the supported range, or a cancelled task.
 pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let mut follower = BeatFollower::new(song.rate_hz)?;
     let block = (song.rate_hz / 100) as usize;
@@ -106,18 +106,18 @@ fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {
         detector.push(left, right, &mut onsets);
         stage.advance(left.len() as u64);
     }
-    // Silence after the end completes the window of the last values.
+    // Silence after the end completes the windows of the last values.
     let silence = vec![0.0; (detector.latency_secs() * f64::from(song.rate_hz)) as usize + 1];
     detector.push(&silence, &silence, &mut onsets);
     Ok(onsets)
 }
 
-/// Frames at which the best path through the meter begins a beat.
+/// The frames at which the most probable path through the meter begins a beat.
 fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Cancelled> {
     let stage = task.stage("tracking beats", heard.len() as u64);
     let count = meter.tempi.len();
-    // The positions of a tempo form a ring: advancing moves its start, not its values. Position p of tempo i
-    // at frame t is at ring index (p − t) mod period.
+    // The positions of a tempo form a ring: advancing moves the start of the ring, not its values. Position
+    // p of tempo i at frame t is at ring index (p − t) mod period.
     let mut score = vec![0.0f32; meter.expected.len()];
     let mut came_from = vec![0u16; heard.len() * count];
     let mut arriving = vec![0.0f32; count];
@@ -127,7 +127,7 @@ fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Ca
             stage.advance(1024);
         }
         let begin = |i: usize| meter.tempi[i].first + ring(0, t, meter.tempi[i].period);
-        // Paths at the last position of each tempo now begin a beat.
+        // Paths at the last position of each tempo begin a beat now.
         for (i, value) in arriving.iter_mut().enumerate() {
             *value = score[begin(i)];
         }
@@ -158,7 +158,7 @@ fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Ca
     Ok(walk_back(meter, &score, &came_from, heard.len()))
 }
 
-/// Ring index of `place` at frame `t`.
+/// The ring index of `place` at frame `t`.
 fn ring(place: usize, t: usize, period: usize) -> usize {
     (place + period - t % period) % period
 }
@@ -185,13 +185,13 @@ fn walk_back(meter: &Meter, score: &[f32], came_from: &[u16], frames: usize) -> 
     beats
 }
 
-/// Largest value within ±50 ms of a frame.
+/// The largest value within ±50 ms of a frame.
 fn peak_near(heard: &[f32], frame: usize) -> f32 {
     let range = frame.saturating_sub(5)..(frame + 6).min(heard.len());
     heard[range].iter().fold(0.0f32, |a, &b| a.max(b))
 }
 
-/// Beats before the first onset and after the last are mere extrapolation: cut off.
+/// Removes beats before the first onset and after the last one: they are only extrapolated.
 fn within_the_music<'a>(beats: &'a [usize], heard: &[f32]) -> &'a [usize] {
     let strengths: Vec<f32> = beats.iter().map(|&f| peak_near(heard, f)).collect();
     let mean = strengths.iter().sum::<f32>() / strengths.len().max(1) as f32;
@@ -202,8 +202,8 @@ fn within_the_music<'a>(beats: &'a [usize], heard: &[f32]) -> &'a [usize] {
     }
 }
 
-/// If the pulses halfway between beats are at least this strong relative to the beats, nothing groups the
-/// pulses in pairs.
+/// If the pulses halfway between the beats have at least this share of the beats' strength, nothing groups
+/// the pulses in pairs.
 const UNGROUPED: f32 = 0.95;
 
 /// The beats, or twice as many if the pulses between them are as strong.
@@ -211,7 +211,7 @@ fn at_the_pulse(beats: &[usize], heard: &[f32]) -> Vec<usize> {
     let between: Vec<usize> = beats.windows(2).map(|w| (w[0] + w[1]).div_ceil(2)).collect();
     let strength = |frames: &[usize]| frames.iter().map(|&f| peak_near(heard, f)).sum::<f32>();
     let fast = beats.len() > 1 && tempo_of_frames(beats) * 2.0 <= FASTEST_BPM;
-    // The last beat has none after it.
+    // There is no pulse after the last beat.
     if !fast || strength(&between) < UNGROUPED * strength(&beats[..between.len()]) {
         return beats.to_vec();
     }
@@ -223,8 +223,8 @@ fn tempo_of_frames(beats: &[usize]) -> f64 {
     tempo_of(&beats.iter().map(|&frame| frame as f64 / ONSET_RATE_HZ).collect::<Vec<_>>())
 }
 
-/// Mean strength of the beats over the mean of equally many strongest peaks, rescaled so that beats at random
-/// get 0.
+/// The mean strength at the beats, relative to the mean of equally many of the strongest peaks, scaled to
+/// give 0 for random beats.
 fn agreement(strengths: impl ExactSizeIterator<Item = f32>, heard: &[f32]) -> f64 {
     let count = strengths.len();
     if count < 2 {
@@ -240,7 +240,7 @@ fn agreement(strengths: impl ExactSizeIterator<Item = f32>, heard: &[f32]) -> f6
     if best <= 0.0 { 0.0 } else { f64::from(((mean / best - CHANCE) / (1.0 - CHANCE)).clamp(0.0, 1.0)) }
 }
 
-/// The onset's exact time near a beat, between frames: the centroid of what is above the mean.
+/// The time of the onset near a beat, finer than a frame: the centroid of the strength above the mean.
 fn refined(heard: &[f32], frame: usize) -> f64 {
     let (mut sum, mut moment) = (0.0, 0.0);
     for f in frame.saturating_sub(2)..(frame + 3).min(heard.len()) {
@@ -251,8 +251,8 @@ fn refined(heard: &[f32], frame: usize) -> f64 {
     if sum > 0.5 { moment / sum } else { frame as f64 }
 }
 
-/// Tempo of the straight line through the beats, in pieces where the tempo moves: the median gap
-/// picks the piece, the mean of the gaps near it is exact.
+/// The tempo of the straight line through the beats. If the tempo changes, the median gap selects a piece,
+/// and the mean of the gaps near it is exact.
 fn tempo_of(beats_secs: &[f64]) -> f64 {
     let mut gaps: Vec<f64> = beats_secs.windows(2).map(|w| w[1] - w[0]).collect();
     gaps.sort_by(f64::total_cmp);

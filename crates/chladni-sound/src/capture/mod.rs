@@ -1,8 +1,8 @@
-//! Listening: a microphone, or what the machine itself plays.
+//! Capture: records a microphone, or what the machine itself plays.
 //!
 //! Windows (WASAPI) and macOS (14.6 and later) let an output device be recorded directly. Linux sound
-//! servers offer each sink's monitor as a source, which ALSA cannot name; there the
-//! server's own `parec` is run (PulseAudio, or PipeWire with its PulseAudio service).
+//! servers offer the monitor of each sink as a source, but ALSA cannot name it; there the server's own
+//! `parec` is run (PulseAudio, or PipeWire with its PulseAudio service).
 
 mod monitor;
 mod source;
@@ -22,40 +22,41 @@ const RING_FRAMES: usize = 1 << 16;
 /// The meter's peak falls by 20 dB in this time.
 const METER_FALL_SECS: f32 = 1.0;
 
-/// How loud what is captured is.
+/// The loudness of what is captured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CaptureLevel {
-    /// Largest amplitude, falling by 20 dB per second.
+    /// Largest amplitude; it falls by 20 dB per second.
     pub peak: f32,
     /// Root mean square of the last block.
     pub rms: f32,
 }
 
-/// A running capture. Dropping it ends it.
+/// A running capture. Dropping it ends the capture.
 pub struct Capture {
     rate_hz: u32,
     consumer: Consumer<Frame>,
     history: History,
     level: CaptureLevel,
-    /// Set by whatever delivers the samples when it is gone.
+    /// Set by whatever delivers the samples when it ends.
     lost: Arc<AtomicBool>,
     _feed: Feed,
 }
 
-/// Kept only to be dropped: dropping stops it.
+/// The running source. It is kept only to be dropped, which stops it.
 enum Feed {
     Device { _stream: cpal::Stream },
     Monitor { _recorder: monitor::Recorder },
     Own,
 }
 
-/// The end of a capture into which the program itself writes. Dropping it acts like losing the device.
+/// The writing end of a capture into which the program itself writes. Dropping it has the effect of losing
+/// the device.
 pub struct CaptureFeed {
     inlet: Inlet,
 }
 
 impl CaptureFeed {
-    /// Adds frames: as many as the shorter of the two has. What does not fit is dropped.
+    /// Adds as many frames as the shorter of the two slices has. Frames that do not fit are dropped.
     pub fn push(&mut self, left: &[f32], right: &[f32]) {
         left.iter().zip(right).for_each(|(&l, &r)| self.inlet.push([l, r]));
     }
@@ -67,7 +68,7 @@ impl Drop for CaptureFeed {
     }
 }
 
-/// The writing end, which device callbacks own: no allocation, no lock.
+/// The writing end, owned by a device callback: it must neither allocate nor lock.
 struct Inlet {
     producer: Producer<Frame>,
     lost: Arc<AtomicBool>,
@@ -80,16 +81,16 @@ fn inlet() -> (Inlet, Consumer<Frame>) {
 
 impl Inlet {
     fn push(&mut self, frame: Frame) {
-        // Nobody takes them: what is newest is let go, and the device does not wait.
+        // If the ring is full, nobody reads it: the newest frame is dropped, and the device does not wait.
         let _ = self.producer.push(frame);
     }
 }
 
 impl Capture {
-    /// Opens a source and begins to listen.
+    /// Opens a source and begins to capture.
     ///
     /// # Errors
-    /// The source is gone, busy or forbidden, or has no format that can be read.
+    /// The source no longer exists, is busy or forbidden, or has no format that can be read.
     pub fn start(source: &CaptureSource) -> Result<Self, SoundError> {
         let (inlet, consumer) = inlet();
         let lost = Arc::clone(&inlet.lost);
@@ -106,10 +107,10 @@ impl Capture {
         Ok(Self::new(rate_hz, consumer, lost, feed))
     }
 
-    /// A capture of what the program itself writes, at `rate_hz`.
+    /// A capture of samples at `rate_hz` that the program itself writes.
     ///
     /// # Errors
-    /// A rate out of the range of this crate.
+    /// A rate outside [[`MIN_RATE_HZ`](crate::MIN_RATE_HZ), [`MAX_RATE_HZ`](crate::MAX_RATE_HZ)].
     ///
     /// ```
     /// let (mut capture, mut feed) = chladni_sound::Capture::fed(48_000)?;
@@ -138,7 +139,8 @@ impl Capture {
         self.rate_hz
     }
 
-    /// Takes what has arrived since the last call and appends it to `left` and `right`.
+    /// Takes the frames that have arrived since the last call and appends them to `left` and `right`.
+    /// Returns their number.
     pub fn take(&mut self, left: &mut Vec<f32>, right: &mut Vec<f32>) -> usize {
         let count = self.consumer.slots();
         let (mut peak, mut square) = (0.0f32, 0.0f32);
@@ -158,17 +160,17 @@ impl Capture {
         count
     }
 
-    /// Copies the newest samples that [`take`](Self::take) has seen.
+    /// Copies the newest frames that [`take`](Self::take) has taken.
     pub fn window(&self, left: &mut [f32], right: &mut [f32]) {
         self.history.window(self.history.written() as i64, left, right);
     }
 
-    /// The meter.
+    /// The current loudness.
     pub fn level(&self) -> CaptureLevel {
         self.level
     }
 
-    /// Whether the device is gone, so that a new capture must be started.
+    /// Whether the device is lost. To continue, start a new capture.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
     }

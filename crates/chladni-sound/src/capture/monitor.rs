@@ -1,4 +1,4 @@
-//! A PulseAudio or PipeWire monitor, through the server's own recorder.
+//! Captures a PulseAudio or PipeWire monitor with the server's own recorder.
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -7,11 +7,11 @@ use std::sync::atomic::Ordering;
 use super::Inlet;
 use crate::SoundError;
 
-/// The server converts to this.
+/// The rate to which the server converts.
 pub(super) const RATE_HZ: u32 = 48_000;
 const BYTES_PER_FRAME: usize = 8;
 
-/// Names of the monitors that the sound server offers; none where there is no server.
+/// Names of the monitors that the sound server offers; empty without a server.
 pub(super) fn names() -> Vec<String> {
     let listed = Command::new("pactl").args(["list", "short", "sources"]).stderr(Stdio::null()).output();
     let Ok(listed) = listed else { return Vec::new() };
@@ -23,7 +23,7 @@ pub(super) fn names() -> Vec<String> {
         .collect()
 }
 
-/// A running `parec` and the thread that reads it.
+/// A running `parec` process and the thread that reads its output.
 pub(super) struct Recorder {
     child: Child,
 }
@@ -55,7 +55,7 @@ impl Recorder {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        // The reading thread ends with the pipe.
+        // The reading thread ends when the pipe does.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,4 +1,4 @@
-//! What can be listened to, and opening it.
+//! The sources that can be captured, and how they are opened.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -10,29 +10,29 @@ use cpal::{ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
 use super::{Inlet, monitor};
 use crate::SoundError;
 
-/// What a source hears.
+/// What a source captures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaptureKind {
-    /// The room: a microphone or a line in.
+    /// The room: a microphone or a line input.
     Input,
-    /// What this machine plays.
+    /// The sound that this machine plays.
     Loopback,
 }
 
-/// Something that can be listened to.
+/// A source that can be captured.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaptureSource {
     /// Its name for display.
     pub name: String,
-    /// Room or machine.
+    /// Whether it captures the room or this machine.
     pub kind: CaptureKind,
-    /// The device's id among the host's devices.
+    /// The id of the device within the audio host.
     pub(super) device: Option<String>,
-    /// The sound server's name of a monitor.
+    /// The sound server's name for a monitor.
     pub(super) monitor: Option<String>,
 }
 
-/// What can be listened to now: the default input first, then loopbacks, then other inputs.
+/// The sources that can be captured now: the default input first, then loopbacks, then other inputs.
 ///
 /// # Errors
 /// The sound system does not answer.
@@ -63,8 +63,8 @@ pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
     Ok(sources)
 }
 
-/// Whether it is one of the ALSA plugins that convert or discard samples, which are listed among the inputs
-/// but offer nothing that their own source does not.
+/// Whether the device is one of the ALSA plugins that convert or discard samples. They are listed among the
+/// inputs but offer nothing beyond their source.
 fn is_converter(device: &cpal::Device) -> bool {
     const CONVERTERS: [&str; 11] = [
         "null",
@@ -84,7 +84,7 @@ fn is_converter(device: &cpal::Device) -> bool {
     name.is_some_and(|name| CONVERTERS.contains(&name))
 }
 
-/// Opens a device; a loopback is an output device that is asked for input.
+/// Opens a device. A loopback is an output device that is opened as an input.
 pub(super) fn open(source: &CaptureSource, inlet: Inlet) -> Result<(u32, cpal::Stream), SoundError> {
     let failed = |what: String| SoundError::Device { what: format!("{}: {what}", source.name) };
     let host = cpal::default_host();
@@ -123,7 +123,7 @@ where
     let take = move |data: &[T], _: &cpal::InputCallbackInfo| {
         for frame in data.chunks_exact(channels) {
             let left = cpal::Sample::to_sample::<f32>(frame[0]);
-            // A single channel goes to both sides.
+            // A single channel is used for both sides.
             let right = frame.get(1).map_or(left, |&right| cpal::Sample::to_sample::<f32>(right));
             inlet.push([left, right]);
         }

@@ -1,4 +1,4 @@
-//! Any number of channels to two.
+//! Mixes any number of channels down to two.
 //!
 //! Gains follow ITU-R BS.775-3, annex 4 (center and surrounds at −3 dB, low-frequency effects
 //! left out), then the larger of the two sums is scaled to 1 so that the mix cannot clip
@@ -15,7 +15,7 @@ pub(crate) struct Downmix {
 }
 
 impl Downmix {
-    /// The mix for `channels`; `None` where there is no channel.
+    /// The mix for `channels`; `None` if there are none.
     pub fn new(channels: &Channels) -> Option<Self> {
         let count = channels.count();
         let mut gains: Vec<[f32; 2]> = match (count, channels) {
@@ -54,7 +54,7 @@ impl Downmix {
     }
 
     /// Appends frames `range` of `interleaved` (as many channels as the mix has) to `stereo`.
-    /// Samples that are not finite become silence.
+    /// Samples that are not finite become 0.
     pub fn append(&self, interleaved: &[f32], range: std::ops::Range<usize>, stereo: &mut Vec<f32>) {
         let channels = self.gains.len();
         let frames = interleaved.chunks_exact(channels).take(range.end).skip(range.start);
@@ -71,7 +71,7 @@ impl Downmix {
     }
 }
 
-/// Channels without a place: even ones left, odd ones right.
+/// Channels without a known position: even ones go left, odd ones right.
 fn alternate(index: usize) -> [f32; 2] {
     if index.is_multiple_of(2) { [1.0, 0.0] } else { [0.0, 1.0] }
 }

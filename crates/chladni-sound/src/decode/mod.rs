@@ -1,4 +1,4 @@
-//! Sound files to stereo samples, streamed or whole.
+//! Decodes sound files to stereo samples, streamed or whole.
 
 mod downmix;
 mod mp4_edits;
@@ -14,8 +14,8 @@ pub use resample::StereoResampler;
 pub use song::{Song, SongOptions};
 pub use wav::{WavSample, wav_bytes, write_wav};
 
-/// Extensions of the files that are decoded, without dots, for file dialogs. The format itself is recognized
-/// by a file's first bytes.
+/// Extensions of the files that can be decoded, without dots, for file dialogs. The decoder recognizes the
+/// format by the first bytes of a file.
 pub const SONG_EXTENSIONS: [&str; 17] = [
     "wav", "wave", "flac", "mp3", "ogg", "oga", "opus", "m4a", "m4b", "mp4", "aac", "aiff", "aif", "aifc",
     "mka", "mkv", "webm",

@@ -11,17 +11,18 @@ use std::io::{self, Read, Seek, SeekFrom};
 pub(crate) struct Audible {
     /// Samples before the first one to be heard.
     pub skip: u64,
-    /// How many samples are to be heard; `None` where the file does not say.
+    /// The number of audible samples; `None` if the file does not state it.
     pub frames: Option<u64>,
 }
 
-/// No box that is read whole (headers, edit list, comment) is longer than this in sane files.
+/// The largest box that is read whole (headers, edit list, comment); these boxes are far smaller in valid
+/// files.
 const MAX_BOX_BYTES: u64 = 1 << 16;
-/// Sane files have a few dozen boxes on the way to these.
+/// The largest number of boxes that is visited; valid files have a few dozen before the ones sought.
 const MAX_BOXES: usize = 4096;
 
-/// Finds the edit of the first sound track. `None` where the file has none or is not understood:
-/// all of it is then played.
+/// Finds the audible part of the first sound track. `None` if the file does not state one that can be read;
+/// then all of the track is played.
 pub(crate) fn audible_part<R: Read + Seek + ?Sized>(source: &mut R) -> Option<Audible> {
     let len = source.seek(SeekFrom::End(0)).ok()?;
     let mut walk = Walk { source, boxes_left: MAX_BOXES };
@@ -47,8 +48,8 @@ pub(crate) fn audible_part<R: Read + Seek + ?Sized>(source: &mut R) -> Option<Au
         let elst = walk.find(edts, b"elst").and_then(|b| walk.bytes(b))?;
         let (skip, edit_duration) = single_edit(&elst)?;
         let rest = media_duration.checked_sub(skip)?;
-        // The movie's clock is often coarse (1 ms): where both agree to a tick or two, the
-        // media's own duration is the exact one.
+        // The clock of the movie is often coarse (1 ms). If both durations agree to a tick or two, that of
+        // the media is the exact one.
         let edit = (u128::from(edit_duration) * u128::from(scale) / u128::from(movie_scale)) as u64;
         let tick = 2 * u64::from(scale).div_ceil(u64::from(movie_scale));
         let frames = if edit == 0 || rest.abs_diff(edit) <= tick { rest } else { edit.min(rest) };
@@ -98,7 +99,7 @@ struct Walk<'a, R: ?Sized> {
 }
 
 impl<R: Read + Seek + ?Sized> Walk<'_, R> {
-    /// The body of the first box of this kind among those in `within`.
+    /// The body of the first box of this kind in `within`.
     fn find(&mut self, within: std::ops::Range<u64>, kind: &[u8; 4]) -> Option<std::ops::Range<u64>> {
         let mut at = within.start;
         while at + 8 <= within.end {

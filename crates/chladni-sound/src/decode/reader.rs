@@ -1,4 +1,4 @@
-//! Streaming decoder: blocks of stereo at the file's own rate.
+//! Streaming decoder: blocks of stereo samples at the file's own rate.
 
 use std::io::{self, Cursor};
 use std::path::Path;
@@ -17,21 +17,21 @@ use super::mp4_edits::{self, Audible};
 use super::track::{look_at_start, open_track, rewind, unrecognised};
 use crate::SoundError;
 
-/// Letters of a tag that are taken.
+/// The longest part of a tag that is used, in characters.
 const LONGEST_TAG: usize = 200;
-/// Packets that may fail one after the other before the file is given up.
+/// How many packets in a row may fail before the file is given up.
 const MAX_FAILURES_IN_A_ROW: u32 = 256;
-/// Decoders carry state (overlap, bit reservoir) from packet to packet: a seek decodes this
-/// much before its target and drops it.
+/// Decoders carry state (overlap, bit reservoir) from packet to packet. A seek therefore decodes this much
+/// before its target and drops it.
 const PREROLL_SECS: f64 = 0.15;
-/// A smaller difference between the length in the header and the actual one is ignored.
+/// A difference up to this between the length in the header and the actual one is ignored.
 const MISSED_SECS: f64 = 0.1;
 /// Decodes a sound file block by block: WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus, M4A (AAC-LC, ALAC) and
-/// Matroska with any of these codecs. Mono is played on both sides, more than two channels are mixed down
-/// (ITU-R BS.775), encoder padding is cut off where the file says how long it is. Seeking is exact to the
-/// frame (in Matroska, whose clock is coarse, to 1 ms).
+/// Matroska with any of these codecs. Mono is played on both sides; more than two channels are mixed down
+/// (ITU-R BS.775). Encoder padding is removed if the file states its length. Seeking is exact to the frame
+/// (in Matroska, whose clock is coarse, to 1 ms).
 ///
-/// Memory use does not depend on the song's length.
+/// Memory use does not depend on the length of the song.
 pub struct SongReader {
     name: String,
     format: Box<dyn FormatReader>,
@@ -46,17 +46,17 @@ pub struct SongReader {
     position: u64,
     /// Decoded frames still to be dropped.
     skip: u64,
-    /// After a seek: the container's frame that was asked for, until a packet tells where it
-    /// landed.
+    /// After a seek: the frame of the container that was requested, until a packet shows which one was
+    /// reached.
     sought: Option<u64>,
     interleaved: Vec<f32>,
     stereo: Vec<f32>,
-    /// `stereo` holds a block that has not been handed out yet.
+    /// Whether `stereo` holds a block that has not been returned yet.
     pending: bool,
     failures_in_a_row: u32,
     damaged_packets: u64,
     cut_short: bool,
-    /// At the end: how many frames fewer there were than the header states.
+    /// At the end: how many frames fewer than stated in the header were found.
     missing_frames: u64,
 }
 
@@ -64,7 +64,7 @@ impl SongReader {
     /// Opens a file.
     ///
     /// # Errors
-    /// A file that cannot be read, of no known kind, with a codec that is not supported, or without sound.
+    /// The file cannot be read, its format is unknown, its codec is not supported, or it holds no sound.
     pub fn open(path: &Path) -> Result<Self, SoundError> {
         let name = path.display().to_string();
         let unreadable = |source| SoundError::Read { name: name.clone(), source };
@@ -75,7 +75,7 @@ impl SongReader {
     /// Reads a file that is in memory; `name` is used in messages.
     ///
     /// # Errors
-    /// Bytes of no known kind, with a codec that is not supported, or without sound.
+    /// The format is unknown, the codec is not supported, or there is no sound.
     pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self, SoundError> {
         Self::from_source(name, Box::new(Cursor::new(bytes)))
     }
@@ -86,7 +86,7 @@ impl SongReader {
         let audible = if mp4 { mp4_edits::audible_part(source.as_mut()) } else { None };
         rewind(name, source.as_mut())?;
         let stream = MediaSourceStream::new(source, Default::default());
-        // No hint: a file's first bytes are more reliable than its name.
+        // No hint is given: the first bytes of a file are more reliable than its name.
         let format = symphonia::default::get_probe()
             .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
             .map_err(|error| unrecognised(name, &start, &error))?;
@@ -113,7 +113,7 @@ impl SongReader {
             cut_short: false,
             missing_frames: 0,
         };
-        // The header may be wrong about rate and channels; the first decoded block is not.
+        // The header may state a wrong rate or number of channels; the first decoded block is right.
         reader.pending = reader.decode_block()?;
         if !reader.pending {
             return Err(SoundError::Empty { name: name.to_owned() });
@@ -121,7 +121,7 @@ impl SongReader {
         Ok(reader)
     }
 
-    /// The file, as the caller named it.
+    /// The name of the file, as the caller gave it.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -131,18 +131,18 @@ impl SongReader {
         self.rate_hz
     }
 
-    /// Channels in the file, before they are mixed to two.
+    /// The number of channels in the file, before they are mixed down.
     pub fn channels(&self) -> usize {
         self.channels
     }
 
-    /// The container's and the codec's short names, as in "wave/pcm_s16le".
+    /// The short names of the container and the codec, for example "wave/pcm_s16le".
     pub fn kind(&self) -> String {
         let container = self.format.format_info().short_name;
         format!("{container}/{}", self.decoder.codec_info().short_name)
     }
 
-    /// Artist and title, or the title alone, of the file's tags; `None` where it has none.
+    /// Artist and title, or the title alone, from the tags of the file; `None` if it has no title.
     pub fn title(&mut self) -> Option<String> {
         let mut metadata = self.format.metadata();
         let tags = &metadata.skip_to_latest()?.media.tags;
@@ -167,7 +167,7 @@ impl SongReader {
         self.audible.frames.or(self.declared_frames)
     }
 
-    /// What is missing from the sound so far, in words; `None` where nothing is.
+    /// A description of what is missing from the sound so far; `None` if nothing is.
     pub fn damage(&self) -> Option<String> {
         let packets = match self.damaged_packets {
             0 => None,
@@ -181,11 +181,11 @@ impl SongReader {
         (!said.is_empty()).then(|| said.join(", "))
     }
 
-    /// The next block of interleaved stereo, full scale ±1 (lossy codecs exceed it now and
-    /// then); `None` at the end. Damaged packets are left out and counted.
+    /// The next block of interleaved stereo samples, with full scale ±1 (which lossy codecs sometimes
+    /// exceed); `None` at the end. Damaged packets are skipped and counted.
     ///
     /// # Errors
-    /// The file cannot be read on, its rate changes within, or too many packets in a row are damaged.
+    /// The file cannot be read any further, its rate changes, or too many packets in a row are damaged.
     pub fn next_block(&mut self) -> Result<Option<&[f32]>, SoundError> {
         if !self.pending && !self.decode_block()? {
             return Ok(None);
@@ -195,15 +195,15 @@ impl SongReader {
         Ok(Some(&self.stereo))
     }
 
-    /// Goes to a frame of the song, exactly; beyond the end the next block is `None`.
+    /// Seeks to exactly this frame of the song. Beyond the end, the next block is `None`.
     ///
     /// # Errors
-    /// The file cannot be read from its start again.
+    /// The file cannot be read again from its start.
     pub fn seek(&mut self, frame: u64) -> Result<(), SoundError> {
         self.pending = false;
         let target = frame.saturating_add(self.audible.skip);
         let preroll = (PREROLL_SECS * f64::from(self.rate_hz)) as u64;
-        // Some containers refuse to seek to their end or to seek at all; then read on from the start.
+        // Some containers cannot seek to their end, or not at all. Then decoding continues from the start.
         let reached = self.seek_container(target.saturating_sub(preroll)) || self.seek_container(0);
         if !reached {
             let what = "cannot be rewound".to_owned();
@@ -241,7 +241,7 @@ impl SongReader {
         u64::try_from((ticks * frames + per / 2) / per.max(1)).unwrap_or(u64::MAX)
     }
 
-    /// Fills `stereo` with at least one frame; false at the end.
+    /// Fills `stereo` with at least one frame. Returns false at the end.
     fn decode_block(&mut self) -> Result<bool, SoundError> {
         let song_end = self.audible.frames.unwrap_or(u64::MAX);
         self.stereo.clear();
@@ -254,7 +254,7 @@ impl SongReader {
         Ok(true)
     }
 
-    /// Decodes one packet into `stereo`, at most `left` frames of it; false at the end.
+    /// Decodes one packet into `stereo`, at most `left` frames of it. Returns false at the end.
     fn decode_packet(&mut self, left: u64) -> Result<bool, SoundError> {
         let packet = match self.format.next_packet() {
             Ok(Some(packet)) => packet,
@@ -270,7 +270,7 @@ impl SongReader {
             Err(CodecError::IoError(source)) => {
                 return Err(SoundError::Read { name: self.name.clone(), source });
             }
-            // A chained stream begins: what follows may have other tracks.
+            // A chained stream begins here; it may have different tracks.
             Err(CodecError::ResetRequired) => {
                 let opened = open_track(&self.name, self.format.as_ref())?;
                 self.decoder = opened.decoder;
@@ -314,7 +314,7 @@ impl SongReader {
         }
         let frames = self.interleaved.len() / channels.count();
         if let Some(target) = self.sought.take() {
-            // The decoder has already cut what the packet says to trim.
+            // The decoder has already removed what the packet says to trim.
             let start = packet.pts.get().saturating_add_unsigned(packet.trim_start.get()).max(0);
             let landed = self.frame_of(start);
             self.skip = target.saturating_sub(landed);
@@ -328,8 +328,8 @@ impl SongReader {
         Ok(true)
     }
 
-    /// Some container readers skip damage silently; the length in the header reveals it. An MP3's may be an
-    /// estimate.
+    /// Counts missing frames. Some container readers skip damage silently, which the length in the header
+    /// reveals. That of an MP3 may be an estimate.
     fn count_missing(&mut self) {
         let known = self.decoder.codec_params().codec != well_known::CODEC_ID_MP3;
         let stated = self.total_frames().filter(|_| known).unwrap_or(0);

@@ -1,11 +1,11 @@
-//! A stream of stereo samples at another rate.
+//! Converts a stream of stereo samples to another rate.
 
 use rubato::audioadapter_buffers::direct::InterleavedSlice;
 use rubato::{Fft, FixedSync, Indexing, Resampler};
 
 use crate::SoundError;
 
-/// Frames handed to the resampler at once.
+/// How many frames are given to the resampler at once.
 const CHUNK_FRAMES: usize = 1024;
 
 /// Converts interleaved stereo from one rate to another by FFT, without delay: output frame n
@@ -13,7 +13,7 @@ const CHUNK_FRAMES: usize = 1024;
 pub struct StereoResampler {
     from_hz: u32,
     to_hz: u32,
-    /// `None` where both rates are the same.
+    /// `None` if both rates are the same.
     fft: Option<Fft<f32>>,
     waiting: Vec<f32>,
     chunk: Vec<f32>,
@@ -23,10 +23,11 @@ pub struct StereoResampler {
 }
 
 impl StereoResampler {
-    /// From `from_hz` to `to_hz`, both in [[`MIN_RATE_HZ`](crate::MIN_RATE_HZ), [`MAX_RATE_HZ`](crate::MAX_RATE_HZ)].
+    /// A resampler from `from_hz` to `to_hz`, both in [[`MIN_RATE_HZ`](crate::MIN_RATE_HZ),
+    /// [`MAX_RATE_HZ`](crate::MAX_RATE_HZ)].
     ///
     /// # Errors
-    /// A rate out of that range.
+    /// A rate outside this range.
     pub fn new(from_hz: u32, to_hz: u32) -> Result<Self, SoundError> {
         for rate_hz in [from_hz, to_hz] {
             crate::check_rate("resampler", rate_hz)?;
@@ -48,10 +49,10 @@ impl StereoResampler {
         Ok(Self { from_hz, to_hz, fft, waiting: Vec::new(), chunk, delay_left, frames_in: 0, frames_out: 0 })
     }
 
-    /// Takes interleaved stereo and appends what is ready to `out`.
+    /// Takes interleaved stereo samples and appends those that are ready to `out`.
     ///
     /// # Errors
-    /// Bugs of the transform only.
+    /// Only an internal error of the transform.
     pub fn process(&mut self, interleaved: &[f32], out: &mut Vec<f32>) -> Result<(), SoundError> {
         self.frames_in += (interleaved.len() / 2) as u64;
         if self.fft.is_none() {
@@ -63,10 +64,10 @@ impl StereoResampler {
         self.drain(out)
     }
 
-    /// Ends the stream: appends the remaining frames. The resampler is then as new.
+    /// Ends the stream: appends the remaining frames. Then the resampler can be used for another stream.
     ///
     /// # Errors
-    /// Bugs of the transform only.
+    /// Only an internal error of the transform.
     pub fn finish(&mut self, out: &mut Vec<f32>) -> Result<(), SoundError> {
         let due = (self.frames_in * u64::from(self.to_hz)).div_ceil(u64::from(self.from_hz));
         // The transform spans at most two seconds of input: that much silence flushes it.
@@ -82,7 +83,7 @@ impl StereoResampler {
         Ok(())
     }
 
-    /// Resets the stream, as after a seek.
+    /// Forgets the stream, as after a seek.
     pub fn reset(&mut self) {
         self.waiting.clear();
         self.frames_in = 0;
@@ -124,12 +125,12 @@ mod tests {
 
     #[test]
     fn a_sine_keeps_its_pitch_level_and_time() {
-        // The last pair has no common factor: its filter is an odd number of frames long and so
-        // half a frame (10 µs) off.
+        // The rates of the last pair have no common factor: its filter has an odd number of frames and is
+        // therefore half a frame (10 µs) off.
         for (from_hz, to_hz, most) in
             [(44_100, 48_000, 1e-4), (48_000, 44_100, 1e-4), (22_050, 44_100, 1e-4), (44_101, 48_000, 0.04)]
         {
-            // Faded in and out: a tone that starts at once holds frequencies beyond both rates.
+            // Faded in and out: a tone that starts abruptly has frequencies beyond both rates.
             let wave = |n: usize, rate_hz: u32| {
                 let t = n as f64 / f64::from(rate_hz);
                 let fade = (std::f64::consts::PI * t).sin().powi(2);

@@ -18,7 +18,7 @@ pub struct Song {
     pub right: Vec<f32>,
 }
 
-/// Which part of a song to read, at which rate, into how much memory.
+/// Which part of a song to read, at which rate, and with how much memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SongOptions {
     /// Where to begin, in seconds.
@@ -27,7 +27,7 @@ pub struct SongOptions {
     pub duration_secs: Option<f64>,
     /// The rate wanted; `None` keeps the file's own.
     pub rate_hz: Option<u32>,
-    /// Bytes of samples beyond which reading ends with [`SoundError::TooLong`].
+    /// The size of the samples in bytes above which reading fails with [`SoundError::TooLong`].
     pub max_bytes: usize,
 }
 
@@ -42,16 +42,17 @@ impl Song {
     /// Reads a whole file at its own rate.
     ///
     /// # Errors
-    /// As those of [`SongReader::open`] and [`Song::read`].
+    /// Those of [`SongReader::open`] and [`Song::read`].
     pub fn open(path: &Path) -> Result<Self, SoundError> {
         Self::read(&mut SongReader::open(path)?, &SongOptions::default(), &Task::new())
     }
 
-    /// Reads the part given by `options` from `reader`, which then reports [`damage`](SongReader::damage).
+    /// Reads the part given by `options` from `reader`; afterwards [`SongReader::damage`] reports what was
+    /// missing in the file.
     ///
     /// # Errors
-    /// A part that is out of the song, a song that is longer than the memory allowed, a damaged file, or the
-    /// task was cancelled.
+    /// A part outside the song, a song that needs more than the memory allowed, a damaged file, or a
+    /// cancelled task.
     pub fn read(reader: &mut SongReader, options: &SongOptions, task: &Task) -> Result<Self, SoundError> {
         let positive = |secs: f64| secs.is_finite() && secs >= 0.0;
         if !positive(options.start_secs) || options.duration_secs.is_some_and(|d| !positive(d)) {
@@ -102,7 +103,7 @@ impl Song {
         self.left.len().min(self.right.len())
     }
 
-    /// Length in seconds; 0 where there is no rate.
+    /// Length in seconds; 0 if the rate is 0.
     pub fn duration_secs(&self) -> f64 {
         if self.rate_hz == 0 { 0.0 } else { self.frames() as f64 / f64::from(self.rate_hz) }
     }

@@ -1,4 +1,4 @@
-//! What a file holds before the first sound: its track, its decoder, and why it may have none.
+//! Opens the sound track of a file and its decoder, or says why it cannot.
 
 use std::io::{self, Read, SeekFrom};
 use std::sync::LazyLock;
@@ -38,7 +38,7 @@ pub(super) struct OpenedTrack {
     pub decoder: Box<dyn AudioDecoder>,
 }
 
-/// Of what `format` plays by default.
+/// Opens the track that `format` plays by default.
 pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<OpenedTrack, SoundError> {
     let no_track = || SoundError::Unrecognised {
         name: name.to_owned(),
@@ -71,8 +71,8 @@ fn audible_of(track: &Track, params: &AudioCodecParameters) -> Audible {
         well_known::CODEC_ID_MP3 if delay.unwrap_or(0) == 0 => {
             Audible { skip: MP3_DECODER_DELAY, frames: None }
         }
-        // The demuxers leave an Opus encoder's lead-in to the decoder, which leaves it to us. Only
-        // Ogg states it for the track and counts it in the track's frames.
+        // The demuxers leave an Opus encoder's lead-in to the decoder, and the decoder leaves it to its
+        // caller. Only Ogg states it for the track and counts it in the track's frames.
         well_known::CODEC_ID_OPUS => {
             let skip = delay.or_else(|| opus::lead_in_frames(params)).unwrap_or(0);
             let frames = track.num_frames.filter(|_| delay.is_some());
@@ -99,7 +99,7 @@ fn codec_name(id: AudioCodecId) -> Option<String> {
     names.iter().find(|(known, _)| *known == id).map(|(_, name)| (*name).to_owned())
 }
 
-/// Looks at the first bytes of an unreadable source, to say what kind of file it is.
+/// Reads the first bytes of a source that cannot be decoded, to find out what kind of file it is.
 pub(super) fn look_at_start(name: &str, source: &mut dyn MediaSource) -> Result<Vec<u8>, SoundError> {
     let mut start = Vec::new();
     (&mut *source)
@@ -113,7 +113,7 @@ pub(super) fn look_at_start(name: &str, source: &mut dyn MediaSource) -> Result<
     Ok(start)
 }
 
-/// Back to the first byte.
+/// Seeks to the first byte.
 pub(super) fn rewind(name: &str, source: &mut dyn MediaSource) -> Result<(), SoundError> {
     source
         .seek(SeekFrom::Start(0))
@@ -121,7 +121,7 @@ pub(super) fn rewind(name: &str, source: &mut dyn MediaSource) -> Result<(), Sou
         .map_err(|error| SoundError::Read { name: name.to_owned(), source: error })
 }
 
-/// What to say of a file that begins with `start` and cannot be opened.
+/// The error for a file that begins with `start` and cannot be opened.
 pub(super) fn unrecognised(name: &str, start: &[u8], error: &CodecError) -> SoundError {
     let holds = |mark: &[u8]| start.windows(mark.len()).any(|window| window == mark);
     for (mark, codec) in [(&b"OpusHead"[..], "Opus"), (b"Speex   ", "Speex"), (b"wvpk", "WavPack")] {

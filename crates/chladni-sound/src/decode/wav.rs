@@ -17,17 +17,17 @@ pub enum WavSample {
 /// A stereo WAV file in memory.
 ///
 /// # Errors
-/// The file would exceed the 4 GiB of the format.
+/// The file would exceed the format's limit of 4 GiB.
 pub fn wav_bytes(song: &Song, sample: WavSample) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     write_to(&mut bytes, song, sample)?;
     Ok(bytes)
 }
 
-/// Writes a stereo WAV file that appears whole or not at all.
+/// Writes a stereo WAV file, whole or not at all.
 ///
 /// # Errors
-/// The file cannot be written, or would exceed the 4 GiB of the format.
+/// The file cannot be written, or would exceed the format's limit of 4 GiB.
 pub fn write_wav(path: &Path, song: &Song, sample: WavSample) -> Result<(), SoundError> {
     chladni_task::write_atomic_with(path, |file| write_to(file, song, sample))
         .map_err(|source| SoundError::Write { path: path.to_owned(), source })
@@ -58,7 +58,8 @@ fn write_to(out: &mut impl Write, song: &Song, sample: WavSample) -> io::Result<
     for (&left, &right) in song.left.iter().zip(&song.right) {
         for value in [left, right] {
             match sample {
-                // The decoder's full scale is 32768, so that reading back gives the same bits.
+                // The decoder's full scale is 32768: with the same scale, reading the file back gives the
+                // same bits.
                 WavSample::Int16 => {
                     out.write_all(&((value * 32768.0).round() as i16).to_le_bytes())?;
                 }

@@ -1,28 +1,28 @@
-//! What the audio callback shares with the rest of the program, without a lock.
+//! The state that the audio callback shares with the rest of the program, without a lock.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Shared by the callback (the only writer of the anchor) and all readers of the time.
+/// Written by the callback (the only writer of the anchor) and read by everyone who needs the time.
 pub(super) struct Clock {
     origin: Instant,
-    /// Odd while the anchor is being written (a sequence lock).
+    /// A sequence lock: odd while the anchor is being written.
     sequence: AtomicU32,
-    /// Ring frames consumed before the anchor.
+    /// The ring frame of the anchor.
     anchor_frame: AtomicU64,
-    /// When the anchor's frame is heard, in nanoseconds after `origin`.
+    /// When that frame is heard, in nanoseconds after `origin`.
     anchor_nanos: AtomicU64,
     consumed: AtomicU64,
-    /// Start of the sound since the last pause: nothing before it is still to be heard.
+    /// The ring frame at which the sound since the last pause began: no earlier frame is still to be heard.
     run_begin: AtomicU64,
-    /// Frames before this one are to be thrown away unheard.
+    /// Frames before this one are dropped without being heard.
     flush_before: AtomicU64,
     underruns: AtomicU64,
-    /// Frames requested by the device, heard or not.
+    /// How many frames the device has requested, heard or not.
     asked: AtomicU64,
     last_callback_nanos: AtomicU64,
     paused: AtomicBool,
-    /// The engine has written everything: silence is not an underrun.
+    /// Set once the engine has written everything: silence is then not an underrun.
     drained: AtomicBool,
     lost: AtomicBool,
     volume: AtomicU32,
@@ -52,14 +52,14 @@ impl Clock {
         u64::try_from(at.saturating_duration_since(self.origin).as_nanos()).unwrap_or(u64::MAX)
     }
 
-    /// Callback: it runs now and is asked for this many frames.
+    /// Called by the callback: it runs at `now` and must supply this many frames.
     pub fn tick(&self, now: Instant, frames: usize) {
         self.asked.fetch_add(frames as u64, Ordering::Relaxed);
         self.last_callback_nanos.store(self.nanos(now), Ordering::Relaxed);
     }
 
-    /// Callback: frame `frame` of the ring will be heard at `heard`; up to `consumed` are taken, and
-    /// since `run_begin` without a pause.
+    /// Called by the callback: ring frame `frame` will be heard at `heard`; the frames up to `consumed`
+    /// have been taken; and there was no pause since `run_begin`.
     pub fn anchor(&self, frame: u64, heard: Instant, consumed: u64, run_begin: u64) {
         self.sequence.fetch_add(1, Ordering::AcqRel);
         self.anchor_frame.store(frame, Ordering::Relaxed);
@@ -69,7 +69,7 @@ impl Clock {
         self.sequence.fetch_add(1, Ordering::Release);
     }
 
-    /// The ring frame heard at `now`, between frames.
+    /// The ring frame that is heard at `now`, as a fraction.
     pub fn heard_frame(&self, now: Instant, rate_hz: u32) -> f64 {
         let (frame, nanos, consumed, run_begin) = loop {
             let before = self.sequence.load(Ordering::Acquire);
@@ -88,7 +88,7 @@ impl Clock {
         let heard = frame as f64 + since_secs * f64::from(rate_hz);
         let flushed = self.flush_before.load(Ordering::Acquire);
         // Frames flushed by a seek are skipped, frames heard before a pause are not heard again, and frames
-        // not yet taken cannot be heard.
+        // that have not been taken cannot be heard.
         heard.min(consumed as f64).max(if frame >= flushed { run_begin as f64 } else { flushed as f64 })
     }
 
@@ -96,7 +96,7 @@ impl Clock {
         self.consumed.load(Ordering::Acquire)
     }
 
-    /// Engine: throw away what was written before `frame`.
+    /// Called by the engine: drop what was written before `frame`.
     pub fn flush_before(&self, frame: u64) {
         self.flush_before.store(frame, Ordering::Release);
     }
@@ -154,7 +154,7 @@ impl Clock {
         f32::from_bits(self.volume.load(Ordering::Relaxed))
     }
 
-    /// A new ring begins at frame 0.
+    /// Begins a new ring at frame 0.
     pub fn restart(&self) {
         let now = Instant::now();
         self.flush_before.store(0, Ordering::Release);

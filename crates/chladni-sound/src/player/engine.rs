@@ -1,4 +1,4 @@
-//! The thread between the file and the ring.
+//! The thread that decodes songs and fills the ring.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -15,37 +15,37 @@ use crate::history::{Frame, History};
 const AHEAD_SECS: f64 = 0.4;
 /// How often the engine refills the ring.
 const STEP: Duration = Duration::from_millis(5);
-/// Songs that may begin before the engine checks its commands again: a repeated song of a few samples would
-/// take all its time.
+/// The largest number of songs that begin before the engine checks its commands again: repeating a song of
+/// a few samples would otherwise take all its time.
 const MOST_STARTS: usize = 8;
-/// Pauses between attempts to find a device again: doubled up to the longest.
+/// Pauses between attempts to find a device again; they double up to the longest one.
 const FIRST_RETRY: Duration = Duration::from_secs(1);
 const LONGEST_RETRY: Duration = Duration::from_secs(16);
 
 /// An event of a player.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PlayerEvent {
-    /// This song of the playlist begins to be decoded.
+    /// Decoding of this song of the playlist begins.
     SongStarted(usize),
     /// This song could not be played and was skipped.
     SongFailed {
-        /// Its number in the playlist.
+        /// Its index in the playlist.
         song: usize,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// This song was played, but not all of it.
+    /// This song was played, but part of it was missing.
     SongDamaged {
-        /// Its number in the playlist.
+        /// Its index in the playlist.
         song: usize,
         /// What is missing.
         what: String,
     },
     /// The last song has ended.
     Finished,
-    /// Sound comes from this device now.
+    /// Sound is now played by this device.
     DeviceOpened(String),
-    /// There is no device (any more): time passes in silence until one is found.
+    /// The device was lost, or there was none, for this reason: time passes in silence until one is found.
     DeviceLost(String),
 }
 
@@ -72,7 +72,7 @@ pub(super) struct Engine {
     output: Output,
     list: Playlist,
     song: Option<Decoding>,
-    /// Frames written to the present ring.
+    /// The number of frames written to the current ring.
     written: u64,
     playing: bool,
     retry_at: Option<Instant>,
@@ -150,7 +150,8 @@ impl Engine {
         }
     }
 
-    /// Changes the list around the song that plays; if that song is gone, the one in its place plays.
+    /// Replaces the list around the song that plays. If that song is no longer in it, the one in its place
+    /// plays.
     fn set_songs(&mut self, songs: Vec<PathBuf>) {
         let places = self.list.places_in(&songs);
         self.shared.timeline().stretches.renumber(&places);
@@ -163,7 +164,7 @@ impl Engine {
         }
     }
 
-    /// What is heard now; `None` before the first song.
+    /// The stretch that is heard now; `None` before the first song.
     fn heard(&self) -> Option<Stretch> {
         let mut timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
@@ -172,13 +173,14 @@ impl Engine {
         Some(Stretch { song_secs, ..stretch })
     }
 
-    /// The same, if part of the songs is still to be heard.
+    /// The stretch that is heard now, if part of the songs is still to be heard.
     fn place(&self) -> Option<Stretch> {
         let taken = self.shared.clock.consumed().max(self.shared.clock.flushed_before());
         if self.song.is_some() || taken < self.written { self.heard() } else { None }
     }
 
-    /// Next and previous refer to the song that is heard: the ring may already hold the next one.
+    /// Goes back to the song that is heard, to which "next" and "previous" refer: the ring may already hold
+    /// the next one.
     fn back_to_heard(&mut self) {
         let heard = self.heard().map(|heard| heard.song);
         self.list.current = heard.filter(|&song| song < self.list.songs.len()).unwrap_or(self.list.current);
@@ -204,7 +206,7 @@ impl Engine {
         self.set_playing(playing && self.song.is_some());
     }
 
-    /// Opens a song, or the next that can be opened, and records its place in the ring.
+    /// Opens a song, or the next one that can be opened, and records its place in the ring.
     fn open_song(&mut self, first: usize, secs: f64) {
         let mut secs = secs;
         self.list.current = first;
@@ -265,7 +267,7 @@ impl Engine {
             starts += 1;
         }
         if self.song.is_some() {
-            // From here on silence would be an underrun; before the first filling it is not.
+            // From here on, silence would be an underrun; before the ring is first filled it is not.
             clock.set_drained(false);
         }
         if self.song.is_none() && self.playing && clock.consumed() >= self.written {
@@ -275,7 +277,7 @@ impl Engine {
         }
     }
 
-    /// Moves decoded frames into ring and history; false where the ring is full.
+    /// Moves decoded frames to the ring and to the history. Returns false if the ring is full.
     fn write_ready(&mut self) -> bool {
         let Some(song) = &mut self.song else { return true };
         let mut timeline = self.shared.timeline();
@@ -310,10 +312,10 @@ impl Engine {
         }
     }
 
-    /// Tries the device and continues at the song's position; in silence if there is none.
+    /// Tries the device again and continues at the position of the song; in silence if there is no device.
     fn reopen(&mut self) {
         let was_silent = self.output.device.is_none();
-        // Close the old stream first: some devices allow only one.
+        // The old stream is closed first: some devices allow only one.
         let place = if was_silent { None } else { self.change_output(Output::silence(), None) };
         match Output::device(self.device.as_deref(), &self.shared.clock) {
             Ok(output) => {
@@ -326,7 +328,7 @@ impl Engine {
                 self.go_on_at(place);
             }
             Err(error) => {
-                // If it was silent before, it stays so without interruption.
+                // If the output was silent before, it continues without interruption.
                 if !was_silent {
                     self.tell(PlayerEvent::DeviceLost(error.to_string()));
                     self.go_on_at(place);
@@ -354,10 +356,10 @@ impl Engine {
         self.retry_at = Some(Instant::now() + self.retry_after);
     }
 
-    /// Starts an empty ring, with time standing still at what was heard last, or else at `place`; returns
-    /// that position.
+    /// Starts an empty ring. Time stands still at what was heard last, or at `place`. Returns that
+    /// position.
     fn change_output(&mut self, output: Output, place: Option<Stretch>) -> Option<Stretch> {
-        // The old output is dropped here, and with it the other writer of the clock.
+        // This drops the old output, and with it the other writer of the clock.
         self.output = output;
         let place = self.place().or(place);
         self.written = 0;

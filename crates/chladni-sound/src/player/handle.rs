@@ -1,4 +1,4 @@
-//! What the rest of the program holds: commands in, status and samples out.
+//! The handle that the rest of the program holds: commands go in, status and samples come out.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -12,27 +12,27 @@ use super::queue::Stretches;
 use crate::SoundError;
 use crate::history::History;
 
-/// What comes after the last sample of a song.
+/// What happens after the last sample of a song.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Repeat {
-    /// The next song, and silence after the last.
+    /// The next song plays, and nothing after the last one.
     #[default]
     Off,
-    /// The same song again.
+    /// The same song plays again.
     Song,
-    /// The next song, and the first after the last.
+    /// The next song plays, and the first one after the last.
     List,
 }
 
 /// How a player starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayerSettings {
-    /// A device's id; `None` for the system's default.
+    /// The id of a device; `None` for the system's default.
     pub device: Option<String>,
     /// Amplitude, in [0, 1].
     pub volume: f32,
-    /// False: no device is opened, time passes in silence (for tests and machines without sound).
+    /// If false, no device is opened, and time passes in silence (for tests and machines without sound).
     pub audible: bool,
 }
 
@@ -42,10 +42,10 @@ impl Default for PlayerSettings {
     }
 }
 
-/// Whether there is sound.
+/// Whether time passes in a song.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PlayerState {
-    /// No song, or its end was reached.
+    /// There is no song, or its end was reached.
     #[default]
     Stopped,
     /// Time passes.
@@ -54,26 +54,26 @@ pub enum PlayerState {
     Paused,
 }
 
-/// The player at one moment.
+/// The state of the player at one moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlayerStatus {
     /// Stopped, playing or paused.
     pub state: PlayerState,
-    /// Which song of the playlist is heard.
+    /// The index in the playlist of the song that is heard.
     pub song: usize,
-    /// Time in that song of the sample that is heard now, device latency included.
+    /// The time in that song of the sample that is heard now; the latency of the device is accounted for.
     pub position_secs: f64,
-    /// Its length where its header states it.
+    /// The length of that song, if its header states it.
     pub duration_secs: Option<f64>,
-    /// The device; `None` while there is none and time passes in silence.
+    /// The device; `None` if there is none and time passes in silence.
     pub device: Option<String>,
     /// Rate of the samples of [`Player::heard_window`], in Hz.
     pub rate_hz: u32,
-    /// How often the device was given silence because samples came too late.
+    /// How often the device got silence because samples came too late.
     pub underruns: u64,
 }
 
-/// What engine and handles share; the audio callback knows only the clock and never waits.
+/// What the engine and its handles share. The audio callback uses only the clock and never waits.
 pub(super) struct Shared {
     pub clock: Arc<Clock>,
     pub timeline: Mutex<Timeline>,
@@ -89,7 +89,7 @@ pub(super) struct Timeline {
 }
 
 impl Shared {
-    /// A panic elsewhere does not stop the music.
+    /// If another thread panicked while it held the lock, the music continues.
     pub fn timeline(&self) -> MutexGuard<'_, Timeline> {
         self.timeline.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -115,7 +115,7 @@ impl Player {
     /// Starts the thread. A missing device is not an error: an event reports it.
     ///
     /// # Errors
-    /// The system grants no thread.
+    /// The system cannot create the thread.
     pub fn start(settings: PlayerSettings) -> Result<Self, SoundError> {
         let clock = Arc::new(Clock::new());
         clock.set_volume(settings.volume.clamp(0.0, 1.0));
@@ -145,8 +145,8 @@ impl Player {
         self.send(Command::PlayList(songs));
     }
 
-    /// Changes the playlist around the song that plays; if that song is no longer in it, the one in its place
-    /// plays.
+    /// Changes the playlist around the song that plays. If that song is no longer in it, the song in its
+    /// place plays.
     pub fn set_songs(&self, songs: Vec<PathBuf>) {
         self.send(Command::Songs(songs));
     }
@@ -158,7 +158,7 @@ impl Player {
 
     /// Pauses.
     pub fn pause(&self) {
-        // Takes effect at once, not when the engine next checks.
+        // The clock is paused at once, not when the engine next checks its commands.
         self.shared.clock.set_paused(true);
         self.send(Command::Pause);
     }
@@ -168,42 +168,42 @@ impl Player {
         self.send(Command::Seek(secs));
     }
 
-    /// The next song.
+    /// Plays the next song.
     pub fn next(&self) {
         self.send(Command::Next);
     }
 
-    /// The song before.
+    /// Plays the previous song.
     pub fn previous(&self) {
         self.send(Command::Previous);
     }
 
-    /// A song of the playlist by its number.
+    /// Plays the song with this index in the playlist.
     pub fn select(&self, song: usize) {
         self.send(Command::Select(song));
     }
 
-    /// What comes after the end.
+    /// Sets what happens after the end of a song.
     pub fn repeat(&self, repeat: Repeat) {
         self.send(Command::Repeat(repeat));
     }
 
-    /// Amplitude, in [0, 1].
+    /// Sets the amplitude, in [0, 1].
     pub fn set_volume(&self, volume: f32) {
         self.shared.clock.set_volume(if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 0.0 });
     }
 
-    /// Another device by its id, `None` for the system's default; the song continues.
+    /// Changes to the device with this id, `None` for the system's default; the song continues.
     pub fn set_device(&self, device: Option<String>) {
         self.send(Command::Device(device));
     }
 
-    /// What has happened since the last call.
+    /// The events since the last call.
     pub fn events(&self) -> impl Iterator<Item = PlayerEvent> {
         self.events.try_iter()
     }
 
-    /// The player now.
+    /// The state of the player now.
     pub fn status(&self) -> PlayerStatus {
         let mut timeline = self.shared.timeline();
         let heard = self.shared.clock.heard_frame(Instant::now(), timeline.rate_hz);
@@ -226,9 +226,9 @@ impl Player {
         }
     }
 
-    /// Copies the samples around the one that is heard now, before volume: `ahead` frames of the
-    /// window lie after it (0: it ends there; half its length: it is centered). At
-    /// [`PlayerStatus::rate_hz`]. Returns the position in seconds that belongs to it.
+    /// Copies the samples around the one that is heard now, before volume, at [`PlayerStatus::rate_hz`].
+    /// `ahead` frames of the window lie after the current one (0: the window ends there; half its length:
+    /// it is centered). Returns the matching position in the song, in seconds.
     pub fn heard_window(&self, ahead: usize, left: &mut [f32], right: &mut [f32]) -> f64 {
         let mut timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
@@ -237,9 +237,9 @@ impl Player {
         timeline.stretches.at(heard, rate_hz).map_or(0.0, |(_, secs)| secs)
     }
 
-    /// Appends what was heard after frame `from` of all that is played, before volume, at
-    /// [`PlayerStatus::rate_hz`], and sets `from` to what is heard now; nothing the first time. What is more than a few
-    /// seconds ago is silence.
+    /// Appends all frames that were heard after frame `from`, before volume, at [`PlayerStatus::rate_hz`],
+    /// and sets `from` to the frame heard now; the first call appends nothing. Frames more than a few
+    /// seconds old are silence.
     pub fn take_heard(&self, from: &mut Option<u64>, left: &mut Vec<f32>, right: &mut Vec<f32>) {
         let timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
@@ -255,7 +255,7 @@ impl Player {
     }
 
     fn send(&self, command: Command) {
-        // The engine only goes away together with this handle.
+        // The engine ends only together with this handle.
         let _ = self.commands.send(command);
     }
 }

@@ -1,5 +1,4 @@
-//! Playback: a decoding thread, a lock-free ring buffer, a device, and the position of the sample being
-//! heard.
+//! Playback: a decoding thread, a lock-free ring buffer, a device, and the position that is being heard.
 
 mod clock;
 mod decoding;

@@ -1,4 +1,4 @@
-//! Where samples go: a sound device, or silence in real time.
+//! Where samples are played: a sound device, or silence in real time.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,26 +11,26 @@ use super::clock::Clock;
 use crate::SoundError;
 use crate::history::Frame;
 
-/// Frames per second where there is no device to ask.
+/// The rate used without a device.
 const SILENT_RATE_HZ: u32 = 48_000;
-/// Frames per device buffer: about 43 ms, of which two or so are queued. The position accounts for this
-/// latency, which a busy machine needs.
+/// Frames per device buffer: about 43 ms, of which about two are queued. A busy machine needs this latency,
+/// and the playback position accounts for it.
 const BUFFER_FRAMES: u32 = 2048;
-/// The ring holds this much.
+/// Capacity of the ring.
 const RING_SECS: f64 = 1.0;
-/// Volume and pause take this long, so that nothing clicks.
+/// Changes of volume and pauses fade over this time: no clicks.
 const RAMP_SECS: f32 = 0.008;
 
-/// A device that can play.
+/// A device that can play sound.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OutputDevice {
-    /// What [`PlayerSettings::device`](super::PlayerSettings) takes.
+    /// The id that [`PlayerSettings::device`](super::PlayerSettings) takes.
     pub id: String,
-    /// What a person reads.
+    /// The name that is displayed.
     pub name: String,
 }
 
-/// The devices that can play, the system's default first.
+/// The devices that can play, with the system's default first.
 ///
 /// # Errors
 /// The sound system does not answer.
@@ -49,7 +49,7 @@ pub fn output_devices() -> Result<Vec<OutputDevice>, SoundError> {
     Ok(devices)
 }
 
-/// The writing end of a ring and what empties it.
+/// The writing end of a ring, and what consumes it.
 pub(super) struct Output {
     pub rate_hz: u32,
     pub producer: Producer<Frame>,
@@ -60,7 +60,7 @@ pub(super) struct Output {
 }
 
 enum Sink {
-    /// Kept only to be dropped: dropping stops it.
+    /// The device's stream. It is kept only to be dropped, which stops it.
     Device {
         _stream: cpal::Stream,
     },
@@ -72,7 +72,8 @@ enum Sink {
 }
 
 impl Output {
-    /// Opens a device by its id, or the system's default. The clock is unchanged until it gets samples.
+    /// Opens the device with an id, or the system's default. The clock does not change until the device
+    /// gets samples.
     pub fn device(id: Option<&str>, clock: &Arc<Clock>) -> Result<Self, SoundError> {
         let failed = |what: String| SoundError::Device { what };
         let host = cpal::default_host();
@@ -127,7 +128,7 @@ impl Output {
         })
     }
 
-    /// Silence in real time.
+    /// An output that plays silence in real time.
     pub fn silence() -> Self {
         let (producer, consumer) = ring(SILENT_RATE_HZ);
         let now = Instant::now();
@@ -135,7 +136,8 @@ impl Output {
         Self { rate_hz: SILENT_RATE_HZ, producer, device: None, opened: now, sink }
     }
 
-    /// Takes the frames that would have been played by now, if silent. A device does that by itself.
+    /// Consumes the frames that would have been played by `now`, if this output is silent. A device does
+    /// that itself.
     pub fn advance(&mut self, clock: &Clock, now: Instant) {
         let Sink::Silence { consumer, last, owed } = &mut self.sink else { return };
         *owed += (now - *last).as_secs_f64() * f64::from(self.rate_hz);
@@ -149,13 +151,13 @@ impl Output {
         if let Ok(chunk) = consumer.read_chunk(take) {
             chunk.commit_all();
         }
-        // Missing frames are not made up for: the song pauses rather than jumps.
+        // Missing frames are not made up for: the song pauses and does not jump.
         *owed = if consumer.is_empty() { owed.fract() } else { *owed - take as f64 };
         let consumed = consumed + take as u64;
         clock.anchor(consumed, now, consumed, consumed);
     }
 
-    /// Why the device can no longer be used, if so: it said so, it has stopped asking for
+    /// Why the device can no longer be used, if that is so: it reported an error, it has stopped asking for
     /// samples, or it takes them faster than time passes (ALSA's null device).
     pub fn trouble(&self, clock: &Clock, now: Instant) -> Option<String> {
         let name = self.device.as_ref()?;
@@ -178,7 +180,7 @@ fn ring(rate_hz: u32) -> (Producer<Frame>, Consumer<Frame>) {
     RingBuffer::new((f64::from(rate_hz) * RING_SECS) as usize)
 }
 
-/// Throws away what a seek made stale; returns the frames consumed so far.
+/// Drops the frames that a seek has made stale. Returns the number of frames consumed so far.
 fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consumed: u64) -> u64 {
     let stale = clock.flushed_before().saturating_sub(consumed);
     let stale = consumer.slots().min(usize::try_from(stale).unwrap_or(usize::MAX));
@@ -197,11 +199,11 @@ fn stream<T: SizedSample + FromSample<f32>>(
     let channels = usize::from(config.channels).max(1);
     let ramp = 1.0 / (RAMP_SECS * config.sample_rate as f32);
     let mut consumed = 0u64;
-    // Where the present sound began; none while there is silence.
+    // The frame at which the current sound began; `None` during silence.
     let mut run_begin = None;
     let mut gain = 0.0f32;
     let counter = Arc::clone(&clock);
-    // No allocation, no lock and no log in here: a late callback is a click.
+    // This callback must not allocate, lock or log: a late callback is audible as a click.
     let play = move |data: &mut [T], info: &cpal::OutputCallbackInfo| {
         let now = Instant::now();
         let wanted = data.len() / channels;
@@ -232,7 +234,7 @@ fn stream<T: SizedSample + FromSample<f32>>(
             return;
         }
         run_begin = None;
-        // Before the first sample the clock may still belong to another output.
+        // Before the first sample, the clock may still belong to another output.
         if first > 0 && first != clock.consumed() {
             clock.anchor(first, now, first, first);
         }
@@ -245,7 +247,7 @@ fn stream<T: SizedSample + FromSample<f32>>(
     device.build_output_stream(config, play, on_error, Some(Duration::from_secs(2)))
 }
 
-/// A single channel gets the middle; channels beyond the second are silent.
+/// Writes one frame. A single channel gets the mean of both; channels beyond the second are silent.
 fn write_frame<T: SizedSample + FromSample<f32>>(frame: &mut [T], left: f32, right: f32) {
     let (left, right) = (left.clamp(-1.0, 1.0), right.clamp(-1.0, 1.0));
     match frame {

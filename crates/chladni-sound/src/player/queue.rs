@@ -1,11 +1,11 @@
-//! The playlist, and which stretch of the ring holds which stretch of which song.
+//! The playlist, and a record of which song each part of the ring holds.
 
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
 
 use super::handle::Repeat;
 
-/// Songs in order and the one that is being decoded.
+/// The songs in order, and the index of the one that is being decoded.
 #[derive(Default)]
 pub(super) struct Playlist {
     pub songs: Vec<PathBuf>,
@@ -25,10 +25,10 @@ impl Playlist {
         }
     }
 
-    /// Where each song lies in another list: in its old place if it is still there, else in the
-    /// first place of the same file.
+    /// For each song, its index in another list: the old index if the song is still there, else the first
+    /// index of the same file.
     pub fn places_in(&self, songs: &[PathBuf]) -> Vec<Option<usize>> {
-        // A hash map, because a list may be long and the sound waits for this.
+        // A hash map, because the list may be long and playback waits for the result.
         let first: HashMap<&PathBuf, usize> = (0..songs.len()).rev().map(|i| (&songs[i], i)).collect();
         let place = |(i, old): (usize, &PathBuf)| match songs.get(i) {
             Some(same) if same == old => Some(i),
@@ -47,7 +47,7 @@ impl Playlist {
     }
 }
 
-/// From ring frame `ring_frame` on, the ring holds song `song` from `song_secs` on.
+/// From ring frame `ring_frame` on, the ring holds song `song` from the time `song_secs` on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
     pub ring_frame: u64,
@@ -56,7 +56,7 @@ pub(super) struct Stretch {
     pub duration_secs: Option<f64>,
 }
 
-/// Stretches that are heard now or later, in order.
+/// The stretches that are heard now or later, in order.
 #[derive(Default)]
 pub(super) struct Stretches {
     list: VecDeque<Stretch>,
@@ -67,7 +67,7 @@ impl Stretches {
         self.list.clear();
     }
 
-    /// Renumbers songs that have moved in the list; a removed one keeps its number until it ends.
+    /// Renumbers songs that have moved in the list. A song that was removed keeps its number until it ends.
     pub fn renumber(&mut self, places: &[Option<usize>]) {
         for stretch in &mut self.list {
             stretch.song = places.get(stretch.song).copied().flatten().unwrap_or(stretch.song);
@@ -82,7 +82,7 @@ impl Stretches {
         self.list.push_back(stretch);
     }
 
-    /// The stretch that a ring frame lies in, and the time within its song.
+    /// The stretch that contains a ring frame, and the time within its song.
     pub fn at(&mut self, ring_frame: f64, rate_hz: u32) -> Option<(Stretch, f64)> {
         while self.list.get(1).is_some_and(|next| next.ring_frame as f64 <= ring_frame) {
             self.list.pop_front();

@@ -1,4 +1,4 @@
-//! From a window of stereo samples to the amplitudes that move a shape.
+//! Computes the amplitudes that move a shape from a window of stereo samples.
 
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -22,19 +22,20 @@ pub struct SpectrumSettings {
     pub bands: usize,
     /// Center of the first band, in Hz.
     pub low_hz: f32,
-    /// Center of the last band, in Hz; lowered to 0.45 times the rate where it exceeds that.
+    /// Center of the last band, in Hz; reduced to 0.45 times the rate if it exceeds that.
     pub high_hz: f32,
-    /// How the bands lie between the two.
+    /// How the bands are placed between `low_hz` and `high_hz`.
     pub front_end: FrontEnd,
     /// Decay w in [0, 1): the share of the spectrum that remains after 50 ms.
     pub decay: f32,
-    /// The largest gain of the side, which is weak in most music. At automatic level the gain is lower where
-    /// the side is strong, so that its loudest band is 1.
+    /// The largest gain of the side, which is weak in most music. With automatic level the gain is lower if
+    /// the side is strong, and makes the side's loudest band 1.
     pub side_gain: f32,
     /// Automatic or fixed level.
     pub level: Level,
-    /// The automatic level of the song's loud passages, [`Song::loud_level`](crate::Song::loud_level), so that soft
-    /// ones are softer from the first moment on; `None` learns it while listening.
+    /// The level of the song's loud passages for the automatic level, from
+    /// [`Song::loud_level`](crate::Song::loud_level); with it, soft passages are softer from the first moment
+    /// on. `None` learns it while listening.
     pub loud: Option<f32>,
 }
 
@@ -83,20 +84,20 @@ impl SpectrumSettings {
     }
 }
 
-/// Amplitudes of the bands; 1 is a sine of full scale at fixed level 1, or, in a loud passage at automatic level, the
-/// louder channel of the loudest band of the last two seconds.
+/// Amplitudes of the bands. At fixed level 1, a sine of full scale has amplitude 1. At automatic level, 1
+/// is the louder channel of the loudest band of the last two seconds of a loud passage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
     /// Of (left + right) / 2, one per band.
     pub mid: Vec<f32>,
     /// Of (left − right) / 2, times the side's gain, one per band.
     pub side: Vec<f32>,
-    /// Of the left channel, one per band: magnitudes of mid and side alone do not tell left
-    /// from right.
+    /// Of the left channel, one per band. (The magnitudes of mid and side alone do not distinguish left
+    /// from right.)
     pub left: Vec<f32>,
     /// Of the right channel, one per band.
     pub right: Vec<f32>,
-    /// What `side` was multiplied by.
+    /// The gain by which `side` was multiplied.
     pub side_gain: f32,
 }
 
@@ -107,10 +108,11 @@ impl Spectrum {
         Self { mid: silence.clone(), side: silence.clone(), left: silence, right, side_gain: 1.0 }
     }
 
-    /// Blends toward `other` by `weight` in [0, 1], in squares, so that the four stay those of one pair of
-    /// channels. Ignores another number of bands.
+    /// Blends toward `other` by `weight` in [0, 1]. The squares are blended, which keeps the four
+    /// amplitudes consistent with one pair of channels. Does nothing if `other` has another number of
+    /// bands.
     pub fn mix(&mut self, other: &Self, weight: f32) {
-        // Converts a side with another gain.
+        // Converts the side to the gain of this spectrum.
         let gain = if other.side_gain > 0.0 { self.side_gain / other.side_gain } else { 1.0 };
         for (own, other, gain) in [
             (&mut self.mid, &other.mid, 1.0),
@@ -128,11 +130,12 @@ impl Spectrum {
     }
 }
 
-/// The decaying state of one band: squares of its four amplitudes over its total amplitude √(|L|² + |R|²).
+/// The decaying state of one band: the squares of its four amplitudes, each divided by the total amplitude
+/// √(|L|² + |R|²).
 ///
-/// The decay is linear in these, so that their sum follows the total amplitude as the paper's f follows its
-/// own, and the four stay those of one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²) for any mixture of
-/// moments. Magnitudes that decay separately would not have this property.
+/// The decay is linear in these values. Their sum therefore follows the total amplitude as the paper's f
+/// follows its own, and the four stay consistent with one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²)
+/// for any mixture of moments. Magnitudes that decay separately would not have this property.
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
     left: f32,
@@ -142,7 +145,7 @@ struct Followed {
 }
 
 impl Followed {
-    /// Of one moment.
+    /// The state of one moment.
     fn of(left: f32, right: f32, mid: f32, side: f32) -> Self {
         let total = left.hypot(right);
         if total <= 0.0 {
@@ -152,7 +155,7 @@ impl Followed {
         Self { left: over(left), right: over(right), mid: over(mid), side: over(side) }
     }
 
-    /// `keep` of what was, and the rest of what is now.
+    /// Keeps the share `keep` of the state and takes the rest from `now`.
     fn follow(&mut self, now: Self, keep: f32) {
         let mix = |was: f32, is: f32| keep * was + (1.0 - keep) * is;
         self.left = mix(self.left, now.left);
@@ -161,16 +164,16 @@ impl Followed {
         self.side = mix(self.side, now.side);
     }
 
-    /// The amplitude behind one of the four.
+    /// The amplitude that belongs to one of the four values.
     fn amplitude(&self, part: f32) -> f32 {
         (part * (self.left + self.right)).sqrt()
     }
 }
 
-/// Turns windows of samples into spectra. Its output is a function only of the samples and times it was
-/// given, so that an offline render shows what was seen live.
+/// Computes spectra from windows of samples. The result depends only on the samples and times it was given;
+/// an offline rendering therefore shows what was seen live.
 ///
-/// [`analyse`](Self::analyse) allocates nothing.
+/// [`analyse`](Self::analyse) does not allocate.
 pub struct SpectrumAnalyser {
     settings: SpectrumSettings,
     bands: Bands,
@@ -182,21 +185,21 @@ pub struct SpectrumAnalyser {
     right_bins: Vec<Complex<f32>>,
     scratch: Vec<Complex<f32>>,
     power: Vec<f32>,
-    /// This frame's amplitudes before decay and level.
+    /// The amplitudes of this frame before decay and level.
     fresh: Spectrum,
     followed: Vec<Followed>,
     spectrum: Spectrum,
     leveller: Leveller,
-    /// What each band is multiplied by.
+    /// The gain of each band.
     gains: Vec<f32>,
     lag_secs: f64,
 }
 
 impl SpectrumAnalyser {
-    /// Makes the window, the bands and the FFT plan.
+    /// Computes the window, the bands and the FFT plan.
     ///
     /// # Errors
-    /// A setting out of range.
+    /// A setting is out of range.
     pub fn new(settings: SpectrumSettings) -> Result<Self, SoundError> {
         settings.check()?;
         let n = settings.window_frames;
@@ -213,7 +216,7 @@ impl SpectrumAnalyser {
         let window = (0..n)
             .map(|i| {
                 let phase = std::f64::consts::TAU * i as f64 / n as f64;
-                // Mean of the Hann window ½, and half of a sine's power at positive frequencies.
+                // The mean of the Hann window is ½, and half of a sine's power is at positive frequencies.
                 (0.5 * (1.0 - phase.cos()) * 4.0 / n as f64) as f32
             })
             .collect();
@@ -241,7 +244,7 @@ impl SpectrumAnalyser {
         &self.settings
     }
 
-    /// How many frames [`analyse`](Self::analyse) looks at.
+    /// How many frames [`analyse`](Self::analyse) uses.
     pub fn window_frames(&self) -> usize {
         self.settings.window_frames
     }
@@ -251,31 +254,31 @@ impl SpectrumAnalyser {
         &self.bands.centres_hz
     }
 
-    /// The last spectrum.
+    /// The spectrum that was computed last.
     pub fn spectrum(&self) -> &Spectrum {
         &self.spectrum
     }
 
-    /// Forgets level and decay, as after a seek or at a new song.
+    /// Forgets level and decay, as after a seek or for a new song.
     pub fn reset(&mut self) {
         self.spectrum = Spectrum::silent(self.settings.bands);
         self.followed.fill(Followed::default());
         self.leveller = Leveller::new(self.settings.bands, self.settings.loud);
     }
 
-    /// The delay, in seconds, from a click to the peak of its spectrum, caused by the decay: a window placed
-    /// this much later than the moment being heard compensates for it.
+    /// The delay, in seconds, from a click to the peak of its spectrum, caused by the decay. A window
+    /// placed this much later than the moment being heard compensates for it.
     pub fn lag_secs(&self) -> f64 {
         self.lag_secs
     }
 
-    /// Analyses the last [`window_frames`](Self::window_frames) of `left` and `right` (fewer are
-    /// taken as preceded by silence), `dt_secs` after the window before. Let the window be centered
-    /// on the playback position where the song is known ahead, and end there where it is not.
+    /// Analyzes the last [`window_frames`](Self::window_frames) of `left` and `right`, `dt_secs` after the
+    /// previous window; shorter slices are taken as preceded by silence. If the song is known ahead, center the
+    /// window on the playback position; otherwise let it end there.
     ///
-    /// Mid and side are combined as complex spectra, then magnitudes are taken. Then, for each band,
-    /// f ← w′ f + (1 − w′) f_new with w′ = w^(`dt_secs` / 50 ms): two steps of 25 ms do what one
-    /// of 50 ms does. f is √(|L|² + |R|²); the four amplitudes are its shares.
+    /// Mid and side are combined as complex spectra, and then magnitudes are taken. Then, for each band,
+    /// f ← w′ f + (1 − w′) f_new with w′ = w^(`dt_secs` / 50 ms): two steps of 25 ms do what one of 50 ms
+    /// does. f is √(|L|² + |R|²); the four amplitudes are its shares.
     pub fn analyse(&mut self, left: &[f32], right: &[f32], dt_secs: f64) -> &Spectrum {
         let dt_secs = if dt_secs.is_finite() { dt_secs.max(0.0) } else { 0.0 };
         self.transform(left, right);
@@ -307,7 +310,7 @@ impl SpectrumAnalyser {
         &self.spectrum
     }
 
-    /// The gain of each band into `gains`; returns that of the side.
+    /// Computes the gain of each band into `gains`. Returns the gain of the side.
     fn level(&mut self, dt_secs: f64) -> f32 {
         let Self { fresh, gains, leveller, settings, .. } = self;
         if let Level::Fixed(gain) = settings.level {
@@ -321,7 +324,7 @@ impl SpectrumAnalyser {
         leveller.side_gain(side, settings.side_gain, dt_secs)
     }
 
-    /// The windowed transforms of left and right.
+    /// Computes the windowed transforms of left and right.
     fn transform(&mut self, left: &[f32], right: &[f32]) {
         let n = self.samples.len();
         let have = left.len().min(right.len()).min(n);
@@ -338,12 +341,12 @@ impl SpectrumAnalyser {
     }
 }
 
-/// [`SpectrumAnalyser::lag_secs`].
+/// Computes [`SpectrumAnalyser::lag_secs`].
 fn lag_secs(settings: &SpectrumSettings) -> f64 {
     if settings.decay <= 0.0 {
         return 0.0;
     }
-    // A click under a Hann window that moves on, followed as the decay follows it.
+    // Simulates a click that passes under the Hann window, with the decay applied.
     const STEPS: u32 = 1000;
     let half_secs = 0.5 * settings.window_frames as f64 / f64::from(settings.rate_hz);
     let step_secs = half_secs / f64::from(STEPS);
@@ -352,7 +355,7 @@ fn lag_secs(settings: &SpectrumSettings) -> f64 {
     for step in 0..2 * STEPS {
         let heard = (std::f64::consts::PI * f64::from(step) / f64::from(2 * STEPS)).sin().powi(2);
         followed = left * followed + (1.0 - left) * heard;
-        // The response peaks where it meets the falling window.
+        // The response peaks where it crosses the falling half of the window.
         if step > STEPS && followed >= heard {
             return f64::from(step - STEPS) * step_secs;
         }

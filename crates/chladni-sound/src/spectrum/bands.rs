@@ -1,6 +1,6 @@
-//! Bands: where they lie and how much of each FFT bin belongs to them.
+//! Frequency bands: their places, and the weight of each FFT bin in them.
 
-/// How the bands ω lie on the frequency axis.
+/// How the bands ω are placed on the frequency axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FrontEnd {
@@ -10,14 +10,14 @@ pub enum FrontEnd {
     LogBands,
 }
 
-/// Half the width of a band in steps from band to band. At 2 the raised cosines of
-/// neighbors overlap by three quarters: a tone halfway between two bands is only 0.7 dB
-/// lower in both, so that nothing jumps as it glides.
+/// Half the width of a band, in steps from band to band. At 2, the raised cosines of neighboring bands
+/// overlap by three quarters. A tone halfway between two bands is only 0.7 dB lower in both, and nothing
+/// jumps while it glides.
 const HALF_WIDTH_STEPS: f64 = 2.0;
-/// Half the least width of a band in bins: a Hann window's main lobe is ±2 bins.
+/// The smallest half width of a band, in bins: the main lobe of a Hann window is ±2 bins.
 const MIN_HALF_WIDTH_BINS: f64 = 2.5;
 
-/// All bands of a front end over one FFT.
+/// The bands of one analyzer, over the bins of one FFT.
 pub(super) struct Bands {
     pub centres_hz: Vec<f32>,
     /// First bin of each band, and where its weights begin in `weights`.
@@ -49,7 +49,7 @@ impl Bands {
                 FrontEnd::Linear => (low_hz + k as f64 * step, step, step),
                 FrontEnd::LogBands => {
                     let centre = low_hz * ratio.powi(k as i32);
-                    // In pitch the band is symmetric, in Hz it is not.
+                    // The band is symmetric in pitch, and therefore not in Hz.
                     let reach = ratio.powf(HALF_WIDTH_STEPS);
                     let below = centre * (1.0 - 1.0 / reach) / HALF_WIDTH_STEPS;
                     (centre, below, centre * (reach - 1.0) / HALF_WIDTH_STEPS)
@@ -66,7 +66,7 @@ impl Bands {
     /// One band: raised-cosine weights around `centre`, scaled so that a sine of amplitude 1
     /// at the center gives 1.
     fn push(&mut self, centre: f64, below: f64, above: f64, last_bin: usize) {
-        // Bin 0 holds the mean, which is not sound.
+        // Bin 0 holds the mean, which is inaudible.
         let first = ((centre - below).ceil().max(1.0) as usize).min(last_bin);
         let last = ((centre + above).floor() as usize).clamp(first, last_bin);
         self.starts.push((first, self.weights.len()));

@@ -1,55 +1,59 @@
-//! Automatic level: evens out loud and quiet masters, bass and treble, middle and side.
+//! Automatic level: compensates differences between loud and quiet masters, bass and treble, mid and side.
 
 /// How the spectrum is brought to a common level.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// The loudest band of the last two seconds is 1 in loud passages and less in soft ones, and softer bands are
-    /// raised by most of the difference (docs/sound.md, "Level").
+    /// In loud passages the loudest band of the last two seconds is 1; in soft passages it is less. Softer
+    /// bands are raised by most of their difference (docs/sound.md, "Level").
     Auto,
     /// Amplitudes are multiplied by this.
     Fixed(f32),
 }
 
-/// The level never falls below this amplitude of a band (−74 dB), so that the noise before a song is not
-/// amplified to the level of music.
+/// The lowest level of the loudest band (−74 dB). It keeps the noise before a song from being amplified to
+/// the level of music.
 const FLOOR: f32 = 2e-4;
-/// The loudest moment is remembered this long: a bar of slow music.
+/// How long the loudest moment is remembered: a bar of slow music.
 const MEMORY_SECS: f64 = 2.0;
-/// The memory is kept in slots of an eighth of a second.
+/// The memory consists of this many slots of an eighth of a second.
 const SLOTS: usize = 16;
 /// Once the loudest moment is forgotten, the level falls with this time constant, in decibels.
 const RELEASE_SECS: f64 = 0.3;
 
-/// The share of a band's difference from the loudest, in decibels, that is compensated.
+/// The share of a band's difference from the loudest band, in decibels, that is compensated.
 const LIFT: f32 = 0.8;
-/// Bands softer than this relative to the loudest (−60 dB) are not lifted further: hiss is not music.
+/// The lowest relative level of a band (−60 dB); softer bands are not raised further, because they are
+/// hiss.
 const SOFTEST: f32 = 1e-3;
 /// A band's level rises at once, and falls with this time constant, in decibels.
 const BAND_RELEASE_SECS: f64 = 4.0;
-/// Leveled amplitudes are raised to this power: what is 10 dB softer than its band's level shows as 7 dB.
+/// Leveled amplitudes are raised to this power: what is 10 dB softer than the level of its band appears 7
+/// dB softer.
 const COMPRESSION: f32 = 0.7;
 
-/// A passage's difference from the loud ones, in decibels, is shown by this share: 20 dB softer looks 10 dB softer.
+/// The share of a passage's difference from the loud ones, in decibels, that is shown: 20 dB softer looks
+/// 10 dB softer.
 const DYNAMICS: f32 = 0.5;
-/// Where it is not known how loud a song gets, its loud passages are forgotten with this time constant, in decibels.
+/// If the level of a song's loud passages is not known, it is learned from the song and forgotten with this
+/// time constant, in decibels.
 const LOUD_RELEASE_SECS: f64 = 15.0;
 
 /// The gain of each band and of the side.
 pub(super) struct Leveller {
     whole: LevelFollower,
-    /// The level of loud passages: known, or learnt.
+    /// The level of loud passages, known or learned.
     loud: f32,
     is_known: bool,
     /// The gain of the present passage.
     softness: f32,
     side: LevelFollower,
-    /// For each band, its own level over that of the loudest, in [`SOFTEST`, 1].
+    /// For each band, its own level relative to that of the loudest, in [`SOFTEST`, 1].
     bands: Vec<f32>,
 }
 
 impl Leveller {
-    /// For `bands` bands of a song whose loud passages have the level `loud`, if that is known.
+    /// A leveler for `bands` bands. `loud` is the level of the song's loud passages, if it is known.
     pub fn new(bands: usize, loud: Option<f32>) -> Self {
         let loud = loud.filter(|loud| *loud > FLOOR && loud.is_finite());
         Self {
@@ -62,7 +66,8 @@ impl Leveller {
         }
     }
 
-    /// Takes the louder channel of each band, `dt_secs` after the last; replaces it by the band's gain.
+    /// Takes the amplitude of each band in the louder channel, `dt_secs` after the previous ones, and
+    /// replaces it by the gain of the band.
     pub fn follow(&mut self, amplitudes: &mut [f32], dt_secs: f64) {
         let level = self.whole.follow(amplitudes.iter().fold(0.0, |a: f32, &b| a.max(b)), dt_secs);
         if !self.is_known {
@@ -80,15 +85,15 @@ impl Leveller {
         }
     }
 
-    /// The gain of the side: `most`, or, if less, the gain that brings its `loudest` leveled band of the last
-    /// two seconds to 1.
+    /// The gain of the side: `most`, or less, if that brings the side's loudest leveled band of the last
+    /// two seconds to 1. `loudest` is that band now.
     pub fn side_gain(&mut self, loudest: f32, most: f32, dt_secs: f64) -> f32 {
         most.min(1.0 / self.side.follow(loudest / self.softness, dt_secs))
     }
 }
 
-/// Follows the level: up at once, down in decibels toward the loudest of the last 2 s. It scales with the
-/// sound, so a master 40 dB quieter gives the same result.
+/// Follows the level. It rises at once, and falls in decibels toward the loudest moment of the last 2 s. It
+/// scales with the sound: a master that is 40 dB quieter gives the same result.
 struct LevelFollower {
     slots: [f32; SLOTS],
     slot: usize,
@@ -101,7 +106,7 @@ impl LevelFollower {
         Self { slots: [0.0; SLOTS], slot: 0, slot_secs: 0.0, level: 0.0 }
     }
 
-    /// Takes the loudest band of a frame `dt_secs` after the last one; returns the level.
+    /// Takes the amplitude of the loudest band, `dt_secs` after the previous one. Returns the level.
     fn follow(&mut self, loudest: f32, dt_secs: f64) -> f32 {
         let per_slot = MEMORY_SECS / SLOTS as f64;
         self.slot_secs += dt_secs;
@@ -118,7 +123,8 @@ impl LevelFollower {
     }
 }
 
-/// A level that rises at once from what it `was`, and of whose fall, in decibels, the share `keep` is left.
+/// A level that rises at once from `was` to `now`, and falls by all but the share `keep` of the difference
+/// in decibels.
 fn followed(was: f32, now: f32, keep: f32) -> f32 {
     if now >= was { now } else { now * (was / now).powf(keep) }
 }

@@ -1,4 +1,4 @@
-//! The spectrum at one moment: amplitudes of bands of the middle and of the side.
+//! The spectrum at one moment: amplitudes of the bands of mid and side.
 
 mod analyser;
 mod bands;

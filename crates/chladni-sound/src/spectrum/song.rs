@@ -1,36 +1,37 @@
-//! The spectrum at any time of a fully known song.
+//! The spectrum at any time of a song that is fully known.
 
 use std::sync::Arc;
 
 use super::{Level, Spectrum, SpectrumAnalyser, SpectrumSettings};
 use crate::{Song, SoundError};
 
-/// Analyses per second: a power of two, so that the times of all hops are exact; enough for three in the
-/// shortest silence under a window that a strobe of five flashes a second leaves.
+/// Analyses per second. A power of two makes the times of all hops exact, and this one puts three hops
+/// under a window into the shortest silence that a strobe of five flashes per second leaves.
 const HOPS_PER_SEC: f64 = 128.0;
-/// Hops that level and decay hear before the start of a stretch: as long as a band's level takes to follow.
-/// More would delay a frame noticeably at each jump.
+/// How many hops before the start of a stretch are analyzed for level and decay: as long as the level of a
+/// band takes to settle. More would delay a frame noticeably at each jump.
 const WARM_HOPS: i64 = 512;
 
-/// What the callback of [`SongSpectrum::at_after`] gets.
+/// An argument of the callback of [`SongSpectrum::at_after`].
 #[derive(Clone, Copy, Debug)]
 pub enum Hop<'a> {
-    /// Everything heard before is to be forgotten.
+    /// The analysis restarts: everything heard before must be forgotten.
     Beginning,
-    /// The next spectrum, [`SongSpectrum::HOP_SECS`] after the one before, and the middles of its bands, Hz.
+    /// The next spectrum, [`SongSpectrum::HOP_SECS`] after the previous one, and the center frequency of
+    /// each of its bands, in Hz.
     Heard(&'a Spectrum, &'a [f32]),
 }
 
-/// The spectrum at any time of a stretch of a song, level and decay included.
+/// The spectrum at any time of a stretch of a song, including level and decay.
 ///
-/// It is a function only of the song, the settings, the time at which the stretch begins and the time asked
-/// for, not of how often or in which order it is called. So a window and a film at any rate hear the same,
-/// bit for bit.
+/// The result depends only on the song, the settings, the start of the stretch and the time asked for, not
+/// on how often or in which order the methods are called. A window and a film at any frame rate therefore
+/// get the same spectra, bit for bit.
 pub struct SongSpectrum {
     song: Arc<Song>,
     analyser: SpectrumAnalyser,
     first_hop: i64,
-    /// The hop of `after`.
+    /// The number of the hop in `after`.
     hop: i64,
     before: Spectrum,
     after: Spectrum,
@@ -43,14 +44,14 @@ impl SongSpectrum {
     /// Seconds between two hops.
     pub const HOP_SECS: f32 = 1.0 / HOPS_PER_SEC as f32;
 
-    /// Of the stretch of `song` that begins at `from_secs`.
+    /// Analyzes the stretch of `song` that begins at `from_secs`.
     ///
     /// # Errors
-    /// A setting out of range.
+    /// A setting is out of range.
     pub fn new(song: Arc<Song>, settings: SpectrumSettings, from_secs: f64) -> Result<Self, SoundError> {
         let analyser = SpectrumAnalyser::new(settings)?;
         let window = vec![0.0; analyser.window_frames()];
-        // Before the song there is only silence, which a window may overlap.
+        // Before the song there is only silence, which the first windows overlap.
         let first_hop = (hop_at(from_secs) - WARM_HOPS).max(-32);
         let silence = analyser.spectrum().clone();
         Ok(Self {
@@ -76,15 +77,15 @@ impl SongSpectrum {
         self.analyser.bands_hz()
     }
 
-    /// The spectrum at `secs` of the song. Going forward costs little; going back starts over.
+    /// The spectrum at `secs` of the song. Going forward is cheap; going back restarts the analysis.
     pub fn at(&mut self, secs: f64) -> &Spectrum {
         self.at_after(secs, |_| ());
         &self.now
     }
 
-    /// The same, with a callback for everything before it: `hops` gets every hop up to the one after `secs`,
-    /// in order, and a beginning whenever the song is heard from a new start. Returns the time from the last
-    /// hop before `secs` to `secs`, in seconds.
+    /// The same, and calls `hops` with every hop up to the one after `secs`, in order, and with a
+    /// [`Hop::Beginning`] whenever the analysis restarts. Returns the time from the last hop before `secs`
+    /// to `secs`, in seconds.
     pub fn at_after(&mut self, secs: f64, mut hops: impl FnMut(Hop<'_>)) -> f32 {
         let secs = if secs.is_finite() { secs } else { 0.0 };
         let hop = hop_at(secs).max(self.first_hop);
@@ -106,13 +107,13 @@ impl SongSpectrum {
         weight / HOPS_PER_SEC as f32
     }
 
-    /// The last spectrum.
+    /// The spectrum that was computed last.
     pub fn spectrum(&self) -> &Spectrum {
         &self.now
     }
 
-    /// Advances by one hop. The window is centered on its moment plus the delay of the decay, so that shape
-    /// and sound are in step.
+    /// Advances by one hop. The center of the window is delayed by the lag of the decay, which puts shape
+    /// and sound in step.
     fn step(&mut self) {
         self.hop += 1;
         std::mem::swap(&mut self.before, &mut self.after);
@@ -124,15 +125,15 @@ impl SongSpectrum {
     }
 }
 
-/// Moments at which a song is asked how loud it is, at most.
+/// The largest number of moments at which the loudness of a song is sampled.
 const PROBES: usize = 240;
 
 impl Song {
-    /// The amplitude of the loudest band, as an analyzer of default settings at fixed level 1 hears it, that one moment
-    /// in ten exceeds; 0 for silence. Takes some 40 ms for a long song.
+    /// The amplitude of the loudest band that is exceeded at one moment in ten, measured with the default
+    /// settings at fixed level 1; 0 for silence. Takes some 40 ms for a long song.
     ///
     /// # Errors
-    /// A rate out of range.
+    /// The song's rate is out of range.
     pub fn loud_level(&self) -> Result<f32, SoundError> {
         let settings =
             SpectrumSettings { decay: 0.0, level: Level::Fixed(1.0), ..SpectrumSettings::new(self.rate_hz) };
@@ -180,7 +181,8 @@ mod tests {
                 assert_eq!(heard, *back.at(secs));
             }
         }
-        // It is nearly what the analyser hears that has heard all of the song: a band's level remembers more.
+        // The result is close to that of an analysis of the whole song; it differs because the level of a
+        // band has a longer memory.
         let mut whole = ear(0.0);
         let (a, b) = (whole.at(10.0).clone(), often.at(10.0));
         let farthest = a.mid.iter().zip(&b.mid).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);

@@ -1,28 +1,28 @@
-//! Which beats begin a bar: the bar pointer walks through bars of three and four beats.
+//! Which beats begin a bar: a bar pointer walks through bars of three and four beats.
 //!
-//! The same pointer as that of the beats (see `beat/meter.rs`), one level up: a state is a metre and a place in
-//! the bar, each beat moves it on by one, and the metre may change where a bar ends. What is observed is how
-//! much speaks for a downbeat ([`signs`], normal with mean ±[`DOWNBEAT`] given the place), and whether the music
-//! resembles itself three or four beats ago.
+//! It works like the pointer for beats (`beat/meter.rs`), one level up. A state is a meter and a place in
+//! the bar; each beat advances the place by one, and the meter may change where a bar ends. Observed are
+//! how strongly a beat looks like a downbeat ([`signs`], assumed normal with mean ±[`DOWNBEAT`] depending
+//! on the place), and whether the music resembles itself three or four beats ago.
 
 use super::Bar;
 use super::beat_features::{BeatFeatures, CONTEXT, signs};
 
 const METERS: [usize; 2] = [3, 4];
 const STATES: usize = METERS[0] + METERS[1];
-/// Deviations above the mean by which a downbeat is expected to stand out.
+/// How many standard deviations above the mean a downbeat is expected to be.
 const DOWNBEAT: f32 = 1.5;
-/// How much each sign counts: harmony, bass, stroke of the bass, stroke.
+/// Weight of each sign: harmony, bass, onset in the bass, any onset.
 const WEIGHTS: [f32; 4] = [0.5, 0.33, 0.9, 0.3];
-/// How much a likeness to the beat one bar ago says, in nats.
+/// Weight, in nats, of the similarity to the beat one bar ago.
 const REPETITION: f32 = 3.0;
-/// The chance that the next bar is of the other metre, and that a bar is cut short.
+/// Probability that the next bar has the other meter, and that a bar is cut short.
 const CHANGE: f32 = 0.01;
 const CUT: f32 = 0.000_5;
-/// The metre that is expected where nothing is known yet.
+/// Prior probability of each meter.
 const COMMON: [f32; 2] = [0.3, 0.7];
 
-/// (metre, place) of a state: all places of three, then all of four.
+/// (meter, place) of a state: first all places of three, then all of four.
 fn place(state: usize) -> (usize, usize) {
     if state < METERS[0] { (0, state) } else { (1, state - METERS[0]) }
 }
@@ -41,7 +41,7 @@ fn step(from: usize, to: usize) -> f32 {
     chance.ln()
 }
 
-/// Mean and deviation of what was seen so far.
+/// Running mean and standard deviation.
 #[derive(Clone, Copy, Debug, Default)]
 struct Running {
     count: f32,
@@ -51,7 +51,7 @@ struct Running {
 
 impl Running {
     fn learn(&mut self, value: f32) {
-        // After 64 beats the old ones are slowly forgotten.
+        // After 64 beats, old values slowly lose weight.
         self.count = (self.count + 1.0).min(64.0);
         self.mean += (value - self.mean) / self.count;
         self.square += (value * value - self.square) / self.count;
@@ -63,24 +63,24 @@ impl Running {
     }
 }
 
-/// What each state makes of a beat, as a log-likelihood.
+/// Computes the log-likelihood of each state for a beat.
 #[derive(Clone, Debug)]
 pub(super) struct Judge {
     levels: [Running; 4],
 }
 
 impl Judge {
-    /// One that knows nothing yet.
+    /// A judge that has not seen any beat.
     pub fn new() -> Self {
         Self { levels: [Running::default(); 4] }
     }
 
-    /// Learns how strong signs are.
+    /// Updates the statistics of the signs.
     pub fn learn(&mut self, signs: [f32; 4]) {
         self.levels.iter_mut().zip(signs).for_each(|(level, sign)| level.learn(sign));
     }
 
-    /// For each state; `past` are the beats before this one, nearest first.
+    /// The log-likelihood of each state; `past` holds the beats before this one, nearest first.
     pub fn judge(&self, signs: [f32; 4], beat: &BeatFeatures, past: &[&BeatFeatures]) -> [f32; STATES] {
         let parts = self.levels.iter().zip(signs).zip(WEIGHTS);
         let sign: f32 = parts.map(|((level, sign), weight)| weight * level.deviations(sign)).sum();
@@ -103,7 +103,7 @@ fn beginning() -> [f32; STATES] {
     std::array::from_fn(|state| (COMMON[place(state).0] / METERS[place(state).0] as f32).ln())
 }
 
-/// The bars of a song, given all of its beats: the best path (Viterbi).
+/// The bars of a song, given all of its beats: the most probable path (Viterbi).
 pub(super) fn bars(beats_secs: &[f64], heard: &[BeatFeatures]) -> Vec<Bar> {
     let signs: Vec<[f32; 4]> = (0..heard.len()).map(|i| signs_at(heard, i)).collect();
     let mut judge = Judge::new();
@@ -132,7 +132,7 @@ pub(super) fn bars(beats_secs: &[f64], heard: &[BeatFeatures]) -> Vec<Bar> {
     bars_of(beats_secs, &places)
 }
 
-/// Bars from the states of all beats; those before the first downbeat belong to none.
+/// Bars from the states of all beats; beats before the first downbeat belong to no bar.
 fn bars_of(beats_secs: &[f64], places: &[usize]) -> Vec<Bar> {
     let mut bars: Vec<Bar> = Vec::new();
     for (&at_secs, &state) in beats_secs.iter().zip(places) {
@@ -152,7 +152,7 @@ fn signs_at(heard: &[BeatFeatures], i: usize) -> [f32; 4] {
     signs(&before, &after)
 }
 
-/// The same pointer as a forward filter: what it says of a beat needs nothing that comes later.
+/// The same pointer as a forward filter: its result for a beat depends on no later beat.
 #[derive(Clone, Debug)]
 pub(super) struct BarPointer {
     belief: [f32; STATES],
@@ -162,17 +162,17 @@ pub(super) struct BarPointer {
 }
 
 impl BarPointer {
-    /// At any place of a bar.
+    /// A pointer for which all places of a bar are still possible.
     pub fn new() -> Self {
         Self { belief: beginning(), judge: Judge::new(), past: Vec::new() }
     }
 
-    /// A beat has ended, and was heard. Returns of how many beats the bar is that begins now, if one does.
+    /// Takes a beat that has ended. If a bar begins now, returns its likely number of beats.
     pub fn beat(&mut self, ended: BeatFeatures) -> Option<usize> {
         self.past.insert(0, ended);
         self.past.truncate(2 * CONTEXT);
         let heard: Vec<&BeatFeatures> = self.past.iter().collect();
-        // A beat is judged when the context after it was heard.
+        // A beat is judged once the context after it has been heard.
         if let Some((judged, before)) = heard.get(CONTEXT - 1..).and_then(|at| at.split_first()) {
             let after: Vec<&BeatFeatures> = heard[..CONTEXT].iter().rev().copied().collect();
             let signs = signs(before, &after);
@@ -181,7 +181,7 @@ impl BarPointer {
             self.belief.iter_mut().zip(judged).for_each(|(belief, judged)| *belief += judged);
             self.belief = on(&self.belief);
         }
-        // From there to the beat that begins now.
+        // The belief about the judged beat, advanced to the beat that begins now.
         let now = (1..CONTEXT).fold(self.belief, |belief, _| on(&belief));
         let best = (0..STATES).max_by(|&a, &b| now[a].total_cmp(&now[b]))?;
         let (meter, at) = place(best);
@@ -189,7 +189,7 @@ impl BarPointer {
     }
 }
 
-/// A belief one beat later, its largest value 0.
+/// The belief one beat later, normalized to a maximum of 0.
 fn on(belief: &[f32; STATES]) -> [f32; STATES] {
     let next: [f32; STATES] = std::array::from_fn(|to| {
         let arriving: [f32; STATES] = std::array::from_fn(|from| belief[from] + step(from, to));
@@ -197,7 +197,7 @@ fn on(belief: &[f32; STATES]) -> [f32; STATES] {
         most + arriving.iter().map(|value| (value - most).exp()).sum::<f32>().ln()
     });
     let most = next.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    // No state is given up: it may be the right one later.
+    // Every state stays possible: it may turn out to be the right one.
     next.map(|value| (value - most).max(-30.0))
 }
 

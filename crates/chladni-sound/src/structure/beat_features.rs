@@ -1,31 +1,31 @@
-//! What one beat sounds like, and how much speaks for a bar that begins with it.
+//! What one beat sounds like, and the signs that a bar begins with it.
 
 use super::frame::{CLASSES, FRAME_RATE_HZ, Frame, OCTAVES};
 use crate::{ONSET_RATE_HZ, Onset};
 
-/// The parts that a beat is heard in.
+/// The number of parts into which a beat is divided for its rhythm.
 const PARTS: usize = 4;
 
-/// What is heard from one beat to the next.
+/// Features of the sound from one beat to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BeatFeatures {
-    /// Pitch classes above the bass, of length 1 where there are any.
+    /// Pitch classes above the bass, as a unit vector, or 0 if there are none.
     pub chroma: [f32; CLASSES],
-    /// Those of the bass.
+    /// Pitch classes of the bass, likewise.
     pub bass: [f32; CLASSES],
     /// Logarithms of the power of each octave.
     pub octaves: [f32; OCTAVES],
     /// Onsets in all bands and in the bass, for each quarter of the beat.
     pub rhythm: [[f32; PARTS]; 2],
-    /// Mean square.
+    /// Mean square of the samples.
     pub power: f32,
 }
 
 impl BeatFeatures {
-    /// From `begin_secs` to `end_secs`; frames and onsets begin at time 0.
+    /// Features from `begin_secs` to `end_secs`. Frames and onsets begin at time 0.
     pub fn between(begin_secs: f64, end_secs: f64, frames: &[Frame], onsets: &[Onset]) -> Self {
         let span = (end_secs - begin_secs).max(1e-3);
-        // A window that reaches over the beat hears what was before it.
+        // Skips the start of the beat, where the windows still overlap the sound before it.
         let from = ((begin_secs + 0.2 * span) * FRAME_RATE_HZ).round().max(0.0) as usize;
         let to = ((end_secs * FRAME_RATE_HZ).round().max(0.0) as usize).max(from + 1);
         let heard = frames.get(from.min(frames.len())..to.min(frames.len())).unwrap_or_default();
@@ -50,7 +50,7 @@ impl BeatFeatures {
         beat
     }
 
-    /// How alike two beats are, in [-1, 1]: their notes and their rhythm.
+    /// Similarity of the notes and rhythm of two beats, in [-1, 1].
     pub fn likeness(&self, other: &Self) -> f32 {
         let rhythm = cosine(self.rhythm.as_flattened(), other.rhythm.as_flattened());
         let notes = 0.5 * (cosine(&self.chroma, &other.chroma) + cosine(&self.bass, &other.bass));
@@ -58,11 +58,11 @@ impl BeatFeatures {
     }
 }
 
-/// Beats on either side between which a change of harmony is looked for: as long as bars may be.
+/// The number of beats on either side that are searched for a change of harmony: the longest bar.
 pub(super) const CONTEXT: usize = 4;
 
-/// What speaks for a bar that begins between `before` and `after`, the beats around it, nearest first: another
-/// harmony, another bass, a stroke in the bass, any stroke.
+/// Signs that a bar begins between `before` and `after`, the beats around it, nearest first: a change of
+/// harmony, a change of bass, an onset in the bass, any onset.
 pub(super) fn signs(before: &[&BeatFeatures], after: &[&BeatFeatures]) -> [f32; 4] {
     let sum = |beats: &[&BeatFeatures], of: fn(&BeatFeatures) -> &[f32; CLASSES]| {
         let mut sum = [0.0; CLASSES];
@@ -88,7 +88,7 @@ fn unit(mut notes: [f32; CLASSES]) -> [f32; CLASSES] {
     notes
 }
 
-/// Of the angle between two vectors; 1 where either is nothing.
+/// Cosine of the angle between two vectors; 1 if either is zero.
 pub(super) fn cosine(a: &[f32], b: &[f32]) -> f32 {
     let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
     let lengths = (dot(a, a) * dot(b, b)).sqrt();

@@ -1,19 +1,19 @@
-//! How much goes on: loudness, and how much begins.
+//! Energy of the music: its loudness, combined with how many onsets it has.
 
 use super::frame::{FRAME_RATE_HZ, Frame};
 use crate::{ONSET_RATE_HZ, Onset};
 
 /// Values of the energy curve per second.
 pub const ENERGY_RATE_HZ: f64 = 2.0;
-/// The curve is smooth over this time (a Gaussian's deviation).
+/// Standard deviation of the Gaussian that smooths the curve, in seconds.
 const SMOOTH_SECS: f64 = 1.5;
-/// What is softer than the loud parts by this many decibels has no energy.
+/// Below the loud parts by this many decibels, the loudness counts as 0.
 const RANGE_DB: f32 = 24.0;
-/// The share of the loudness; the rest is how much begins.
+/// The weight of loudness; the rest is that of activity (onsets).
 const LOUDNESS: f32 = 0.65;
-/// What this share of the song stays below is full energy.
+/// The quantile of the song's values that counts as full energy.
 const LOUD: f64 = 0.95;
-/// Mean square below which all is silence (−70 dB).
+/// Mean square below which the sound counts as silence (−70 dB).
 const SILENCE: f32 = 1e-7;
 
 /// The energy curve of a whole song, each value in [0, 1].
@@ -29,7 +29,7 @@ pub(super) fn energy(frames: &[Frame], onsets: &[Onset]) -> Vec<f32> {
     power.iter().zip(&activity).map(|(&power, &activity)| mix(power, loud, activity, busy)).collect()
 }
 
-/// Of a moment, relative to what is loud and busy.
+/// The energy of a moment, relative to what counts as loud and as busy.
 pub(super) fn mix(power: f32, loud: f32, activity: f32, busy: f32) -> f32 {
     if power < SILENCE {
         return 0.0;
@@ -40,7 +40,7 @@ pub(super) fn mix(power: f32, loud: f32, activity: f32, busy: f32) -> f32 {
     LOUDNESS * loudness + (1.0 - LOUDNESS) * activity
 }
 
-/// The mean of the curve between two times.
+/// The mean of the energy curve between two times.
 pub(super) fn between(energy: &[f32], from_secs: f64, to_secs: f64) -> f32 {
     let at = |secs: f64| ((secs * ENERGY_RATE_HZ).round().max(0.0) as usize).min(energy.len());
     let (from, to) = (at(from_secs), at(to_secs).max(at(from_secs) + 1).min(energy.len()));

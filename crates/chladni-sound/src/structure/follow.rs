@@ -1,4 +1,4 @@
-//! Bars, sections and energy while listening: no future samples.
+//! Bars, sections and energy while listening, from past samples only.
 
 use super::bars::BarPointer;
 use super::beat_features::{BeatFeatures, cosine};
@@ -9,25 +9,26 @@ use crate::{ONSET_RATE_HZ, Onset, SoundError};
 /// A bar that begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeardBar {
-    /// When.
+    /// When it begins, in seconds.
     pub at_secs: f64,
-    /// How many beats it is likely to have.
+    /// Its likely number of beats.
     pub beats: u8,
-    /// How much goes on, in [0, 1], relative to the last minutes.
+    /// Energy in [0, 1], relative to the last minutes.
     pub energy: f32,
-    /// The music has lately become another one.
+    /// Whether a new section begins with it.
     pub begins_section: bool,
 }
 
-/// Seconds of frames and onsets that are kept: more than the slowest beat.
+/// Seconds of frames and onsets that are kept: longer than the slowest beat.
 const KEPT_SECS: f64 = 4.0;
-/// Bars that are compared with as many before them.
+/// The number of recent bars that are compared with as many bars before them.
 const COMPARED: usize = 4;
-/// Bars at least between two sections.
+/// The smallest number of bars between two sections.
 const SHORTEST: usize = 8;
-/// A section begins where the last bars are less like those before than those are like each other by this much.
+/// A section begins if the recent bars are this much less similar to the bars before them than to each
+/// other.
 const NOVEL: f32 = 0.12;
-/// Loudest and busiest moment fall to 1/e in this many beats.
+/// The running maxima of loudness and activity decay to 1/e in this many beats.
 const MEMORY_BEATS: f32 = 200.0;
 
 /// Groups the beats that a [`BeatFollower`](crate::BeatFollower) announces into bars.
@@ -35,7 +36,7 @@ pub(crate) struct BarFollower {
     reader: FrameReader,
     frames: Vec<Frame>,
     onsets: Vec<Onset>,
-    /// Frames and onsets that are no longer kept.
+    /// How many frames and onsets have been dropped from the front.
     gone: [usize; 2],
     pointer: BarPointer,
     last_beat_secs: Option<f64>,
@@ -49,7 +50,7 @@ pub(crate) struct BarFollower {
 }
 
 impl BarFollower {
-    /// For samples at `rate_hz`.
+    /// A follower for samples at `rate_hz`.
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         Ok(Self {
             reader: FrameReader::new(rate_hz)?,
@@ -67,7 +68,7 @@ impl BarFollower {
         })
     }
 
-    /// Takes the next samples that have been heard, and the onsets found in them.
+    /// Takes the next samples that were heard, and the onsets found in them.
     pub(crate) fn push(&mut self, left: &[f32], right: &[f32], onsets: &[Onset]) {
         self.reader.push(left, right, &mut self.frames);
         self.onsets.extend_from_slice(onsets);
@@ -80,11 +81,11 @@ impl BarFollower {
         }
     }
 
-    /// A beat begins; returns the bar that begins with it, if one does.
+    /// Takes a beat that begins now. Returns the bar that begins with it, if one does.
     pub(crate) fn beat(&mut self, at_secs: f64) -> Option<HeardBar> {
         let begin_secs = self.last_beat_secs.replace(at_secs)?;
         let from_secs = self.gone[0] as f64 / FRAME_RATE_HZ;
-        // Both are counted from the frames that are kept; onsets are the finer of the two.
+        // Both are counted from the first frame that is kept; onsets have the finer clock of the two.
         let skipped = (from_secs * ONSET_RATE_HZ).round() as usize;
         let onsets = self.onsets.get(skipped.saturating_sub(self.gone[1])..).unwrap_or_default();
         let ended = BeatFeatures::between(begin_secs - from_secs, at_secs - from_secs, &self.frames, onsets);
@@ -113,7 +114,7 @@ impl BarFollower {
         self.energy += 0.25 * (now - self.energy);
     }
 
-    /// Whether the last bars are unlike those before them.
+    /// Whether the recent bars differ from those before them.
     fn is_another(&self) -> bool {
         if self.bars.len() < 2 * COMPARED {
             return false;
@@ -129,7 +130,7 @@ impl BarFollower {
 
 fn mean(beats: &[BeatFeatures]) -> Vec<f32> {
     let values = |beat: &BeatFeatures| -> Vec<f32> {
-        // Powers in bels, so that they weigh about as much as notes and strokes do.
+        // Powers in bels, which gives them about the weight of notes and onsets.
         let octaves = beat.octaves.iter().map(|power| 0.1 * (power + 8.0).max(0.0));
         beat.chroma
             .iter()

@@ -1,4 +1,4 @@
-//! What a moment sounds like: its pitch classes, its bass, its timbre and its power.
+//! Features of a short moment: pitch classes, bass, timbre and power.
 
 use std::sync::Arc;
 
@@ -9,13 +9,14 @@ use crate::SoundError;
 
 /// Frames per second.
 pub(super) const FRAME_RATE_HZ: f64 = 20.0;
-/// Long enough to tell the notes of a bass apart.
+/// Long enough to resolve the notes of a bass.
 const WINDOW_SECS: f64 = 0.186;
 pub(super) const CLASSES: usize = 12;
-/// Bands of an octave each, from 62.5 Hz on; the first holds all that is lower, the last all that is higher.
+/// The number of octave bands, from 62.5 Hz on. The first also holds everything below, the last everything
+/// above.
 pub(super) const OCTAVES: usize = 9;
 const LOWEST_HZ: f64 = 62.5;
-/// Notes below are the bass; harmony is heard up to the other.
+/// Notes below the first are the bass; harmony is analyzed up to the second.
 const BASS_HZ: f64 = 260.0;
 const HARMONY_HZ: f64 = 2100.0;
 
@@ -24,7 +25,7 @@ const HARMONY_HZ: f64 = 2100.0;
 pub(super) struct Frame {
     /// Magnitude of each pitch class.
     pub chroma: [f32; CLASSES],
-    /// The same of the bass alone.
+    /// Magnitude of each pitch class in the bass.
     pub bass: [f32; CLASSES],
     /// Power of each octave.
     pub octaves: [f32; OCTAVES],
@@ -32,7 +33,7 @@ pub(super) struct Frame {
     pub power: f32,
 }
 
-/// Frames of a stream: number n belongs to the time n / [`FRAME_RATE_HZ`].
+/// Computes the frames of a stream. Frame n belongs to the time n / [`FRAME_RATE_HZ`].
 pub(super) struct FrameReader {
     rate_hz: f64,
     fft: Arc<dyn RealToComplex<f32>>,
@@ -54,7 +55,7 @@ impl FrameReader {
         let n = if n as f64 > 1.5 * rate * WINDOW_SECS { n / 2 } else { n }.max(64);
         let fft = RealFftPlanner::new().plan_fft_forward(n);
         let hann = |i: usize| 0.5 - 0.5 * (std::f64::consts::TAU * i as f64 / n as f64).cos();
-        // Before the first sample there was silence.
+        // Before the first sample there is silence.
         let silence = vec![0.0; n / 2];
         Ok(Self {
             rate_hz: rate,
@@ -69,12 +70,12 @@ impl FrameReader {
         })
     }
 
-    /// How much sound after its time a frame needs.
+    /// How much sound after its time a frame needs, in seconds.
     pub fn latency_secs(&self) -> f64 {
         0.5 * self.window.len() as f64 / self.rate_hz
     }
 
-    /// Takes the next samples and appends the frames that are now known.
+    /// Takes the next samples and appends the frames that are now complete.
     pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<Frame>) {
         let count = left.len().min(right.len());
         self.channels[0].extend_from_slice(&left[..count]);

@@ -1,4 +1,4 @@
-//! What beats group into: bars and sections; and how much goes on.
+//! What beats group into (bars and sections), and the energy of the music.
 
 mod bars;
 mod beat_features;
@@ -20,18 +20,18 @@ pub use follow::HeardBar;
 /// A bar of a song.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Bar {
-    /// When its first beat falls.
+    /// When its first beat falls, in seconds.
     pub at_secs: f64,
-    /// How many beats it has: 3 or 4, fewer where it is cut short.
+    /// The number of its beats: 3 or 4, or fewer if it is cut short.
     pub beats: u8,
 }
 
 /// A part of a song that sounds unlike the one before it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Section {
-    /// When its first bar begins.
+    /// When its first bar begins, in seconds.
     pub at_secs: f64,
-    /// A letter: sections that sound alike have the same.
+    /// A letter, the same for sections that sound alike.
     pub name: char,
     /// Its mean energy, in [0, 1].
     pub energy: f32,
@@ -44,7 +44,7 @@ pub(crate) struct Structure {
     pub energy: Vec<f32>,
 }
 
-/// Of a whole song, given its beats and onsets.
+/// The structure of a whole song, given its beats and onsets.
 pub(crate) fn structure(
     song: &Song,
     beats_secs: &[f64],
@@ -62,7 +62,7 @@ pub(crate) fn structure(
     let silence = vec![0.0; (reader.latency_secs() * f64::from(song.rate_hz)) as usize + 1];
     reader.push(&silence, &silence, &mut frames);
     let energy = energy::energy(&frames, onsets);
-    // The last beat lasts as long as the one before it.
+    // The last beat is assumed to last as long as the one before it.
     let last =
         beats_secs.last().zip(beats_secs.iter().rev().nth(1)).map(|(last, before)| 2.0 * last - before);
     let ends = beats_secs.iter().skip(1).copied().chain(last);

@@ -1,28 +1,29 @@
-//! Where something else begins: novelty of the song's likeness to itself, bar by bar.
+//! Where sections begin: novelty of the song's self-similarity, bar by bar.
 //!
-//! J. Foote, "Automatic audio segmentation using a measure of audio novelty" (ICME 2000): a checkerboard slides
-//! along the diagonal of the self-similarity matrix. Which of its peaks are boundaries is chosen for all at once:
-//! most novelty, with a price for each section that is not some groups of four bars.
+//! J. Foote, "Automatic audio segmentation using a measure of audio novelty" (ICME 2000): a checkerboard
+//! kernel slides along the diagonal of the self-similarity matrix. The boundaries are chosen among its
+//! peaks all at once: they maximize the sum of the novelty, less a cost for each section whose length is
+//! not a multiple of four bars.
 
 use super::Section;
 use super::beat_features::BeatFeatures;
 use super::frame::{CLASSES, OCTAVES};
 
-/// Bars to either side of a boundary that are compared.
+/// How many bars on either side of a boundary are compared.
 const REACH: usize = 6;
-/// Novelty below which nothing begins: it lies from 0 (all alike) to 1.
+/// Novelty, in [0, 1] (0: all bars are alike), below which no section begins.
 const LEAST: f32 = 0.2;
-/// No section is shorter.
+/// The smallest length of a section, in bars.
 const SHORTEST: usize = 2;
-/// What a section costs that is not a multiple of four bars long.
+/// Cost of a section whose length is not a multiple of four bars.
 const ODD: f32 = 0.08;
-/// Sections whose bars are at least this alike have one name.
+/// Sections whose bars are at least this similar get the same name.
 const SAME: f32 = 0.55;
 
 const DIMENSIONS: usize = 2 * CLASSES + OCTAVES + 8;
 type BarFeatures = [f32; DIMENSIONS];
 
-/// What a bar sounds like: the mean of its beats, each kind of feature weighted as a whole.
+/// Features of a bar: the mean of its beats.
 fn of_bar(beats: &[BeatFeatures]) -> BarFeatures {
     let mut mean = [0.0; DIMENSIONS];
     for beat in beats {
@@ -33,7 +34,8 @@ fn of_bar(beats: &[BeatFeatures]) -> BarFeatures {
     mean
 }
 
-/// Each feature less its mean over all bars, in deviations; harmony counts as much as timbre and as rhythm.
+/// Standardizes the features: subtracts the mean over all bars and divides by the standard deviation.
+/// Harmony, timbre and rhythm get equal weight.
 fn even(bars: &mut [BarFeatures]) {
     let count = bars.len().max(1) as f32;
     for d in 0..DIMENSIONS {
@@ -44,23 +46,25 @@ fn even(bars: &mut [BarFeatures]) {
             d if d < 2 * CLASSES + OCTAVES => OCTAVES as f32,
             _ => 8.0,
         };
-        // A deviation that is only noise must not be made as large as one that is heard.
+        // The constant keeps deviations that are only noise from being amplified to the size of audible
+        // ones.
         let scale = 1.0 / ((square.sqrt() + 0.02) * kind.sqrt());
         bars.iter_mut().for_each(|bar| bar[d] = (bar[d] - mean) * scale);
     }
 }
 
-/// How alike two bars are, in [0, 1].
+/// Similarity of two bars, in [0, 1].
 fn likeness(a: &BarFeatures, b: &BarFeatures) -> f32 {
     let square: f32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
     (-0.25 * square).exp()
 }
 
-/// Where sections begin, as numbers of bars: the first begins with bar 0.
+/// The indices of the bars with which sections begin; the first is 0.
 fn boundaries(bars: &[BarFeatures]) -> Vec<usize> {
     let count = bars.len();
     let novelty: Vec<f32> = (0..count).map(|at| novelty_at(bars, at)).collect();
-    // best[i]: the most that sections which end before bar i are worth, and where the last of them begins.
+    // best[i]: the greatest total worth of sections that end before bar i, and where the last of them
+    // begins.
     let mut best = vec![(f32::NEG_INFINITY, 0); count + 1];
     best[0] = (0.0, 0);
     for end in 1..=count {
@@ -86,7 +90,7 @@ fn boundaries(bars: &[BarFeatures]) -> Vec<usize> {
     begins
 }
 
-/// How much the bars from `at` on differ from those before, and resemble themselves.
+/// How much the bars from `at` on differ from those before, and how similar each side is in itself.
 fn novelty_at(bars: &[BarFeatures], at: usize) -> f32 {
     let reach = REACH.min(at).min(bars.len() - at);
     if reach == 0 {
@@ -107,7 +111,7 @@ fn novelty_at(bars: &[BarFeatures], at: usize) -> f32 {
     within - across / weights[1].max(1e-6)
 }
 
-/// The sections of a song whose bars begin with the beats of these numbers.
+/// The sections of a song; `bars` begin with the beats that have these indices.
 pub(super) fn sections(
     first_beats: &[usize],
     beats_secs: &[f64],
@@ -120,13 +124,13 @@ pub(super) fn sections(
     even(&mut bars);
     let begins = boundaries(&bars);
     let mut sections: Vec<Section> = Vec::new();
-    // The first section of each name.
+    // For each name, its first section.
     let mut models: Vec<(char, &[BarFeatures])> = Vec::new();
     for (i, &begin) in begins.iter().enumerate() {
         let end = begins.get(i + 1).copied().unwrap_or(bars.len());
         let own = &bars[begin..end];
         let alike = |model: &[BarFeatures]| {
-            // Bar by bar, as a repetition is heard.
+            // Bar by bar, because a repetition follows the same order.
             let pairs = own.iter().zip(model.iter().cycle());
             pairs.map(|(a, b)| likeness(a, b)).sum::<f32>() / own.len() as f32
         };
@@ -170,7 +174,7 @@ mod tests {
     #[test]
     fn sections_begin_where_something_else_does() {
         assert_eq!(boundaries(&song("ABCA")), [0, 8, 16, 24]);
-        // Nothing tells a repetition from what it repeats.
+        // A repetition (AA) has no audible boundary.
         assert_eq!(boundaries(&song("AABA")), [0, 16, 24]);
         assert_eq!(boundaries(&song("A")), [0]);
         assert!(boundaries(&[]).is_empty());

@@ -1,4 +1,4 @@
-//! The mixing desk: notes into two channels, and a limiter at its end.
+//! A mixer: adds notes to two channels and limits the result.
 
 use crate::Song;
 
@@ -8,13 +8,13 @@ pub(super) struct Mix {
 }
 
 impl Mix {
-    /// Silence of `secs` seconds.
+    /// A silent mix of `secs` seconds.
     pub fn new(rate_hz: u32, secs: f64) -> Self {
         let silence = vec![0.0; (secs * f64::from(rate_hz)).ceil() as usize];
         Self { song: Song { rate_hz, left: silence.clone(), right: silence } }
     }
 
-    /// Adds `secs` of a voice at a time; `pan` runs from −1 (left) to 1 (right) at equal power.
+    /// Adds `secs` seconds of a voice at a time. `pan` runs from −1 (left) to 1 (right) at constant power.
     pub fn add(&mut self, at_secs: f64, secs: f64, pan: f32, gain: f32, mut voice: impl FnMut(f32) -> f32) {
         let rate_hz = f64::from(self.song.rate_hz);
         let start = (at_secs * rate_hz).round() as usize;
@@ -22,7 +22,7 @@ impl Mix {
         let angle = (pan + 1.0) * std::f32::consts::FRAC_PI_4;
         let (left, right) = (gain * angle.cos(), gain * angle.sin());
         for n in start..end {
-            // The last 5 ms fade, so that no note ends in a click.
+            // The last 5 ms fade out: no note ends in a click.
             let fade = ((end - n) as f32 / (0.005 * rate_hz as f32)).min(1.0);
             let sample = fade * voice((n - start) as f32 / rate_hz as f32);
             self.song.left[n] += left * sample;

@@ -1,4 +1,4 @@
-//! A short stereo piece composed in code, with beats that are known exactly.
+//! A short stereo piece composed in code, whose beats are known exactly.
 //!
 //! Two voices call and answer, one on the left and one on the right; drums, bass and chords are in the
 //! middle. The samples, the demo and many tests use it.
@@ -19,7 +19,7 @@ const BARS: usize = 8;
 const BEATS_PER_BAR: usize = 4;
 /// Silence before the first beat.
 const LEAD_IN_SECS: f64 = 0.25;
-/// The last notes ring this long.
+/// How long the last notes ring.
 const TAIL_SECS: f64 = 1.2;
 
 /// MIDI notes of the chord of each bar: A minor, F, C, G, twice.
@@ -86,7 +86,7 @@ fn drums(mix: &mut Mix, noise: &mut Noise, bar: usize) {
         for (half, gain, decay_secs) in [(0.0, 0.12, 0.03), (0.5, 0.16, 0.06)] {
             let at = place_secs(bar, beat as f64 + half);
             mix.add(at, 0.3, 0.0, gain, |t| {
-                // The difference of neighbors leaves only the treble of the noise.
+                // The difference of successive samples of noise leaves only its treble.
                 let now = noise.next();
                 let hiss = now - std::mem::replace(&mut before, now);
                 hiss * (-t / decay_secs).exp()

@@ -1,4 +1,4 @@
-//! The instruments: each a function of the time since its note began, about ±1.
+//! The instruments: each is a function of the time since its note began, with an amplitude of about 1.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -24,12 +24,12 @@ pub(super) fn kick(t: f32) -> f32 {
     (TAU * phase).sin() * (-t / 0.14).exp()
 }
 
-/// A drum skin and its wires.
+/// A snare drum: its skin and its wires.
 pub(super) fn snare(t: f32, noise: f32) -> f32 {
     0.5 * (TAU * 185.0 * t).sin() * (-t / 0.06).exp() + 0.6 * noise * (-t / 0.08).exp()
 }
 
-/// Rises in 5 ms, falls in 30 ms after `secs`.
+/// An envelope that rises in 5 ms and falls in 30 ms after `secs`.
 fn gate(t: f32, secs: f32) -> f32 {
     (t / 0.005).min(1.0) * ((secs + 0.03 - t) / 0.03).clamp(0.0, 1.0)
 }
@@ -49,7 +49,7 @@ pub(super) fn pad(t: f32, hz: f32, secs: f32) -> f32 {
     (tone(hz * 1.002) + tone(hz * 0.998)) * swell
 }
 
-/// A plucked string: the higher a partial, the sooner it is gone.
+/// A plucked string: higher partials decay faster.
 pub(super) fn pluck(t: f32, hz: f32, _secs: f32) -> f32 {
     let string: f32 = (1..=10)
         .map(|h| h as f32)
@@ -59,7 +59,7 @@ pub(super) fn pluck(t: f32, hz: f32, _secs: f32) -> f32 {
     0.6 * string * (t / 0.002).min(1.0)
 }
 
-/// A bell by frequency modulation (Chowning 1973): ratio 3.5, the brightness fades first.
+/// A bell by frequency modulation (Chowning 1973) with ratio 3.5, whose brightness fades first.
 pub(super) fn bell(t: f32, hz: f32, _secs: f32) -> f32 {
     let index = 2.2 * (-t / 0.18).exp();
     let modulator = (TAU * 3.5 * hz * t).sin();

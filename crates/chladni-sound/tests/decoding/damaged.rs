@@ -1,4 +1,4 @@
-//! Files that are empty, cut short, absurd or endless.
+//! Files that are empty, truncated, absurd or endless.
 
 use super::*;
 
@@ -9,7 +9,7 @@ fn empty_files_say_so() {
         let error = Song::open(&path).expect_err(name);
         assert!(matches!(error, SoundError::Empty { .. }), "{name}: {error}");
     }
-    // This one holds a single frame of padding; silence or a refusal are both right.
+    // This file holds a single frame of padding; both silence and an error are right.
     if let Some(path) = shared("audio/empty.mp3")
         && let Ok(song) = Song::open(&path)
     {
@@ -35,7 +35,7 @@ fn truncated_files_play_as_far_as_they_go() {
         assert!((0.3..0.7).contains(&share), "{name}: {share}");
         let same = half.left.iter().zip(&whole.left).take(half.frames() / 2).all(|(a, b)| a == b);
         assert!(same, "{name}");
-        // What is missing is said, as far as the file lets it be known.
+        // Missing parts are reported as far as the file format reveals them.
         let mut holed = bytes.clone();
         holed[bytes.len() / 2..bytes.len() / 2 + 400].fill(0x55);
         let half = bytes[..bytes.len() / 2].to_vec();
@@ -46,7 +46,7 @@ fn truncated_files_play_as_far_as_they_go() {
             assert_eq!(reader.damage().is_some(), damaged, "{name}: {:?}", reader.damage());
         }
         for keep in [1, 3, 12, 40, 44, 60, 200] {
-            // Too short for any sound: an error or a few samples, never a panic.
+            // Too short for any sound: an error or a few samples are right, a panic is not.
             if let Ok(song) = read_bytes(name, bytes[..keep].to_vec()) {
                 assert!(song.frames() < 5000);
             }
@@ -63,7 +63,7 @@ fn the_name_of_a_file_does_not_matter() {
     assert_eq!(Song::open(&path).unwrap().rate_hz, 8_000);
 }
 
-/// A WAV header with these numbers and a little sound behind it.
+/// A WAV header with these numbers and a little sound after it.
 fn wav_header(rate_hz: u32, channels: u16, data_bytes: u32) -> Vec<u8> {
     let mut bytes = wav_bytes(&chirp(8_000), WavSample::Int16).unwrap();
     bytes[22..24].copy_from_slice(&channels.to_le_bytes());
@@ -85,7 +85,7 @@ fn absurd_headers_are_errors() {
 
 #[test]
 fn a_header_that_promises_hours_takes_no_memory() {
-    // Two and a half hours of 48 kHz stereo promised, two seconds there.
+    // The header states two and a half hours of 48 kHz stereo; the file holds two seconds.
     let song = read_bytes("promise.wav", wav_header(48_000, 2, u32::MAX - 64)).unwrap();
     assert_eq!(song.frames(), 16_000);
     assert!(song.left.capacity() < 100_000);
@@ -143,7 +143,7 @@ fn a_hundred_hours_of_silence_stream_and_are_not_kept() {
     let mut header = wav_header(8000, 1, 2_880_000_000);
     header.truncate(44);
     std::fs::write(&wav, header).unwrap();
-    // Nothing but its length is on the disk.
+    // The file is sparse: nothing but its length is on the disk.
     std::fs::File::options().write(true).open(&wav).unwrap().set_len(44 + 2_880_000_000).unwrap();
     let flac = hundred_hours_of_flac();
     assert!(flac.len() < 1 << 20);
@@ -153,7 +153,7 @@ fn a_hundred_hours_of_silence_stream_and_are_not_kept() {
         let mut reader = open();
         let hours = reader.total_frames().unwrap() as f64 / 8000.0 / 3600.0;
         assert!((49.9..100.1).contains(&hours), "{hours}");
-        // Far into it, no more than a packet is in memory.
+        // Even far into the song, only one packet is in memory.
         let far = reader.total_frames().unwrap() - 100_000;
         reader.seek(far).unwrap();
         let mut frames = 0;

@@ -1,4 +1,4 @@
-//! Real files, made files and damaged files through the decoder.
+//! Decodes real files, generated files and damaged files.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
@@ -15,7 +15,7 @@ fn read_bytes(name: &str, bytes: Vec<u8>) -> Result<Song, SoundError> {
     Song::read(&mut SongReader::from_bytes(name, bytes)?, &SongOptions::default(), &Task::new())
 }
 
-/// Two seconds of a stereo chirp that no shift leaves unchanged.
+/// Two seconds of a stereo chirp, which no shift maps to itself.
 fn chirp(rate_hz: u32) -> Song {
     let wave = |f0: f64, slope: f64| {
         (0..2 * rate_hz)
@@ -28,7 +28,7 @@ fn chirp(rate_hz: u32) -> Song {
     Song { rate_hz, left: wave(200.0, 700.0), right: wave(900.0, -150.0) }
 }
 
-/// The shift of `b` against `a` in frames, within ±`reach`, and the relative error left there.
+/// The shift of `b` against `a` in frames, within ±`reach`, and the relative error that remains.
 fn alignment(a: &[f32], b: &[f32], reach: i64) -> (i64, f64) {
     let error_at = |shift: i64| {
         let (mut error, mut power) = (0.0, 0.0);
@@ -72,7 +72,7 @@ fn four_codecs_give_one_song() {
     let truth = Song::open(&wav).unwrap();
     let flac = Song::open(&wav.with_extension("flac")).unwrap();
     assert_eq!(truth, flac);
-    // The MP3 has no LAME tag: its encoder's own delay (576 frames, 13 ms) stays.
+    // The MP3 has no LAME tag: the encoder's own delay (576 frames, 13 ms) stays.
     for (extension, delay, most_error) in [("mp3", 576, 0.25), ("ogg", 0, 0.25)] {
         let lossy = Song::open(&wav.with_extension(extension)).unwrap();
         let (shift, error) = alignment(&truth.left[..60_000], &lossy.left[..60_000], 1500);
@@ -156,7 +156,7 @@ fn ffmpeg(source: &Path, arguments: &[&str], target: &Path) -> bool {
         .is_ok_and(|output| output.status.success())
 }
 
-/// After a seek the samples are those that a reading from the start has there.
+/// After a seek, the samples are those that a reading from the start has at the same place.
 fn seeks_land_exactly(path: &Path, whole: &Song, most_error: f32) {
     let mut reader = SongReader::open(path).unwrap();
     for frame in [50_000usize, 0, 70_001, 31_337] {
@@ -174,8 +174,8 @@ fn seeks_land_exactly(path: &Path, whole: &Song, most_error: f32) {
     }
 }
 
-/// libopus codes speech, speech with treble, and music in three ways (SILK, hybrid, CELT), in packets
-/// of 2.5 to 60 ms.
+/// libopus codes speech, speech with treble, and music in three different modes (SILK, hybrid, CELT), in
+/// packets of 2.5 to 60 ms.
 #[test]
 fn opus_is_what_libopus_decodes() {
     let folder = tempfile::tempdir().unwrap();
@@ -201,12 +201,12 @@ fn opus_is_what_libopus_decodes() {
         assert_eq!(ours.rate_hz, 48_000);
         let (shift, error) = alignment(&theirs.left, &ours.left, 400);
         eprintln!("{name}: shifted by {shift}, error {error:.2e}, {} of {}", ours.frames(), theirs.frames());
-        // libopus' samples arrive rounded to 16 bits.
+        // The samples of libopus are rounded to 16 bits.
         assert!(shift == 0 && error < 1e-3, "{name}: {shift} {error}");
         assert!(ours.frames().abs_diff(theirs.frames()) <= 960, "{name}: {}", ours.frames());
         if name.ends_with("opus") {
             assert_eq!(ours.frames(), theirs.frames(), "{name}");
-            // SILK predicts from what came before: after 0.15 s of it 3 % may be left.
+            // SILK predicts from earlier samples: after 0.15 s, an error of 3 % may remain.
             seeks_land_exactly(&path, &ours, 0.03);
         }
     }
@@ -218,7 +218,7 @@ fn surround_opus_keeps_its_sides() {
     let source = folder.path().join("source.wav");
     write_wav(&source, &chirp(48_000), WavSample::Int16).unwrap();
     let path = folder.path().join("surround.opus");
-    // Left goes to the rear left speaker alone, right to the front right one.
+    // The left channel goes only to the rear left speaker, the right one only to the front right.
     let pan = "pan=5.1|FL=0*c0|FR=c1|FC=0*c0|LFE=0*c0|BL=c0|BR=0*c0";
     if !ffmpeg(&source, &["-af", pan, "-c:a", "libopus", "-b:a", "320k"], &path) {
         eprintln!("skipped: no ffmpeg with libopus here");
@@ -253,7 +253,7 @@ fn tags_name_the_song() {
     }
 }
 
-/// Decodes with libopus rather than with ffmpeg's own decoder.
+/// Makes ffmpeg decode with libopus instead of its own decoder.
 fn ffmpeg_decodes_opus(opus: &Path, wav: &Path) -> bool {
     Command::new("ffmpeg")
         .args(["-v", "error", "-y", "-c:a", "libopus", "-i"])

@@ -1,4 +1,4 @@
-//! A PulseAudio server of our own with a null sink.
+//! A private PulseAudio server with a null sink.
 
 #![allow(clippy::print_stderr, reason = "a skipped test must say so")]
 
@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A server that ends with its owner.
+/// A server that stops when it is dropped.
 pub struct Server {
     folder: tempfile::TempDir,
     process: Option<Child>,
 }
 
 impl Server {
-    /// `None`, with a printed line, where there is no PulseAudio.
+    /// Starts a server. `None`, with a printed line, if PulseAudio is not installed.
     pub fn start() -> Option<Self> {
         let found = |program: &str| Command::new(program).arg("--version").output().is_ok();
         if !cfg!(target_os = "linux") || !["pulseaudio", "parec", "pactl"].iter().all(|p| found(p)) {
@@ -33,7 +33,7 @@ impl Server {
         Some(server)
     }
 
-    /// A program that plays and records on this server.
+    /// A command for a program that plays and records on this server.
     pub fn command(&self, program: impl Into<PathBuf>) -> Command {
         let mut command = Command::new(program.into());
         command
@@ -46,7 +46,7 @@ impl Server {
     /// Starts the server again after [`stop`](Self::stop).
     pub fn restart(&mut self) {
         let socket = self.folder.path().join("socket");
-        // What a killed server leaves behind.
+        // A server that was killed leaves its socket behind.
         let _ = std::fs::remove_file(&socket);
         let child = self
             .command("pulseaudio")
@@ -71,7 +71,7 @@ impl Server {
         }
     }
 
-    /// As a device that is pulled out.
+    /// Stops the server, like a device that is unplugged.
     pub fn stop(&mut self) {
         if let Some(mut process) = self.process.take() {
             let _ = process.kill();

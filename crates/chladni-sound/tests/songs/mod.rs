@@ -1,4 +1,4 @@
-//! Songs in many tempi and manners, made in code, whose beats are known exactly.
+//! Songs in many tempi and styles, made in code, whose beats are known exactly.
 
 use chladni_sound::Song;
 use std::f32::consts::TAU;
@@ -177,7 +177,7 @@ fn steady(bpm: f64, _: usize) -> f64 {
 fn faster(bpm: f64, beat: usize) -> f64 {
     bpm * (1.0 + 0.2 * (beat as f64 / 60.0).min(1.0))
 }
-/// As a hand plays: slow wandering by ±3 %.
+/// As a person plays: slow changes by ±3 %.
 fn human(bpm: f64, beat: usize) -> f64 {
     bpm * (1.0 + 0.03 * (beat as f64 * 0.35).sin())
 }
@@ -213,16 +213,16 @@ pub fn songs() -> Vec<Made> {
     list.iter().map(|&(name, bpm, bar, pattern, tempo)| make(name, bpm, bar, pattern, tempo)).collect()
 }
 
-/// A song whose bars and sections are known, too.
+/// A song whose bars and sections are known as well.
 pub struct Formed {
     pub made: Made,
     /// First beats of bars.
     pub downbeats_secs: Vec<f64>,
-    /// Where another part begins, and each repetition of one that is not the one before.
+    /// Where a new part begins, and each repetition of a part that does not directly follow it.
     pub sections_secs: Vec<f64>,
 }
 
-/// A part of a song: what is played, in bars of how many beats, how many of them, and the steps of its harmony.
+/// A part of a song: what is played, beats per bar, number of bars, and the steps of its harmony.
 type Part = (Pattern, usize, usize, [u8; 4]);
 
 const TURN: [u8; 4] = [0, 5, 3, 7];
@@ -314,7 +314,7 @@ fn form(name: &str, bpm: f64, tempo: Tempo, upbeat: usize, parts: &[Part]) -> Fo
     }
     for (i, &(pattern, beats, step, begins)) in bars.iter().enumerate() {
         downbeats_secs.push(times[beat]);
-        // The same part once more is none that begins.
+        // Repeating the same part directly does not begin a section.
         let same = i > 0 && bars[i - 1].0.as_ptr() == pattern.as_ptr() && {
             let steps = |bar: usize| bars[bar..].iter().take(4).map(|bar| bar.2).collect::<Vec<_>>();
             i >= 4 && steps(i) == steps(i - 4)
@@ -339,7 +339,7 @@ fn make(name: &str, bpm: f64, beats_per_bar: f64, pattern: Pattern, tempo: Tempo
     let silence = vec![0.0; (SECS * f64::from(RATE_HZ)) as usize];
     let mut song = Song { rate_hz: RATE_HZ, left: silence.clone(), right: silence };
     let mut beats_secs = Vec::new();
-    // A beginning that is on no frame boundary.
+    // A start that does not lie on a frame boundary.
     let mut at = 0.413;
     let mut noise = 0x2545_f491u32;
     for beat in 0.. {

@@ -16,38 +16,39 @@ use crate::{Coefficients, FrameSettings, Item, Residual, SynthError, SynthModel,
 use normals::Gather;
 use rows::DisjointRows;
 
-/// Vertices per task of the normals.
+/// Vertices per task when computing normals.
 const NORMALS_CHUNK: usize = 4096;
 
-/// Tasks per thread of the product: enough for others to take over the work of an interrupted thread.
+/// Tasks per thread when computing the product: enough for other threads to take over the work of an
+/// interrupted one.
 const TASKS_PER_THREAD: usize = 8;
 
 /// One value per vertex of a panel.
 type Lanes = [f32; PANEL];
 
-/// The CPU backend. Works in the rayon pool it is called from; buffers are kept from frame to
-/// frame, so that a warm frame of no more items than before allocates nothing here.
+/// The CPU backend. It works in the rayon pool from which it is called. Buffers are kept from frame to
+/// frame: a frame with no more items than an earlier one allocates nothing here.
 #[derive(Debug)]
 pub struct CpuSynthesizer {
     model: SynthModel,
     path: CpuPath,
     plan: Plan,
     items: usize,
-    /// S·N, and one extra.
+    /// S·N positions, and one more.
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
-    /// Per task, the columns of one panel.
+    /// For each task, the columns of one panel.
     scratch: Vec<Lanes>,
 }
 
 impl CpuSynthesizer {
-    /// A synthesizer on the fastest path of this processor.
+    /// A synthesizer that uses the fastest path of this processor.
     pub fn new(model: SynthModel) -> Self {
         let path = CpuPath::available()[0];
         Self::on_path(model, path)
     }
 
-    /// A synthesizer on one path; `None` if this processor does not have it.
+    /// A synthesizer that uses the given path; `None` if this processor does not support it.
     pub fn with_path(model: SynthModel, path: CpuPath) -> Option<Self> {
         CpuPath::available().contains(&path).then(|| Self::on_path(model, path))
     }
@@ -64,7 +65,7 @@ impl CpuSynthesizer {
         }
     }
 
-    /// The instructions in use.
+    /// The instruction set in use.
     pub fn path(&self) -> CpuPath {
         self.path
     }
@@ -118,13 +119,13 @@ impl Synthesizer for CpuSynthesizer {
         let (basis, vertices) = (&*model.basis, model.vertices());
         plan.lay_out(items, vertices, basis.scales())?;
         self.items = items.len();
-        // One more, so that four lanes may be read from the last vertex too.
+        // One more position, because four lanes are read from the last vertex too.
         positions.resize(items.len() * vertices + 1, [0.0; 3]);
         normals.resize(items.len() * vertices, [0.0; 3]);
 
         let tasks = (rayon::current_num_threads() * TASKS_PER_THREAD).clamp(1, basis.panels().max(1));
         let panels_per_task = basis.panels().div_ceil(tasks);
-        // Every term has columns, but an item may have no terms.
+        // Every term has columns, but an item may have no term.
         let columns = plan.columns().max(1);
         scratch.resize(tasks * columns, [0.0; PANEL]);
         let rows = DisjointRows::new(positions, vertices);
@@ -176,7 +177,7 @@ impl Synthesizer for CpuSynthesizer {
     }
 }
 
-/// x' of the vertices of one panel for one item, from the columns of its terms.
+/// x' of the vertices of one panel for one item, from the columns of the item's terms.
 #[inline(always)]
 fn place(model: &SynthModel, item: &Item, mut columns: &[Lanes], start: usize, out: &mut [[f32; 3]]) {
     let mut sum = [[0.0; PANEL]; 3];
@@ -190,7 +191,7 @@ fn place(model: &SynthModel, item: &Item, mut columns: &[Lanes], start: usize, o
     }
 }
 
-/// Adds χ (ΣHC + r g) [· n] of one term over a range of at most a panel of vertices.
+/// Adds χ (ΣHC + r g) [· n] of one term for a range of at most one panel of vertices.
 #[inline(always)]
 fn add_term(
     model: &SynthModel,

@@ -1,22 +1,22 @@
-//! Exact normals of deformed positions, gathered over the ring of each vertex.
+//! Exact normals of deformed positions, from the triangles around each vertex.
 #![allow(unsafe_code, reason = "vector instructions that the compiler does not find by itself")]
 
 use crate::normals::Rings;
 
-/// What the normals of every item are gathered from.
+/// The data from which the normals of every item are computed.
 pub(super) struct Gather<'a> {
     pub rings: &'a Rings,
     pub rest_normals: &'a [[f32; 3]],
     /// The weight of the rest normal, in [0, 1].
     pub blending: f32,
-    /// Four lanes at once where the processor has them.
+    /// Uses four lanes at once if the processor has them.
     #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "elsewhere the compiler finds them"))]
     pub simd: bool,
 }
 
 impl Gather<'_> {
-    /// Normals of vertices `first .. first + out.len()` of one item, given its N positions as
-    /// 3N scalars and at least one more.
+    /// Computes the normals of vertices `first .. first + out.len()` of one item. `positions` holds the N
+    /// positions of the item as 3N scalars, followed by at least one more scalar.
     pub fn run(&self, positions: &[f32], first: usize, out: &mut [[f32; 3]]) {
         #[cfg(target_arch = "x86_64")]
         if self.simd {
@@ -76,7 +76,7 @@ mod sse2 {
         let mut turned = _mm_setzero_ps();
         for &[a, b] in ring {
             let (u, w) = (_mm_sub_ps(at(a as usize), x), _mm_sub_ps(at(b as usize), x));
-            // Lanes y z x; the cross product comes out as z x y.
+            // Lanes in the order y z x; the cross product results in the order z x y.
             let (u_yzx, w_yzx) =
                 (_mm_shuffle_ps::<0b11_00_10_01>(u, u), _mm_shuffle_ps::<0b11_00_10_01>(w, w));
             let cross = _mm_sub_ps(_mm_mul_ps(u, w_yzx), _mm_mul_ps(u_yzx, w));
@@ -90,7 +90,7 @@ mod sse2 {
     }
 }
 
-/// The mean of an exact normal (any length) and the rest normal, by weight; unit length.
+/// The weighted mean of an exact normal (of any length) and the rest normal, normalized.
 #[inline(always)]
 fn blend(sum: [f32; 3], rest: [f32; 3], blending: f32) -> [f32; 3] {
     let Some(exact) = unit(sum) else { return rest };
@@ -101,10 +101,10 @@ fn blend(sum: [f32; 3], rest: [f32; 3], blending: f32) -> [f32; 3] {
     unit(mean).unwrap_or(exact)
 }
 
-/// The direction of `v`; `None` if it is too short for f32.
+/// The direction of `v`; `None` if `v` is too short for f32.
 #[inline(always)]
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    // Also refuses NaN. Below this, the square is subnormal and the direction is noise.
+    // Also excludes NaN. Below this length the square is subnormal and the direction is noise.
     (length > 1e-18).then(|| v.map(|c| c / length))
 }

@@ -1,4 +1,4 @@
-//! Writing the same vertices of every item from one task.
+//! Lets one task write the same vertices of every item.
 #![allow(
     unsafe_code,
     reason = "a task owns a range of vertices in every item: a pattern of slices that safe splitting cannot express without allocating"
@@ -7,7 +7,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-/// S rows of N positions each, claimed by ranges of vertices that never overlap.
+/// S rows of N positions each. Tasks claim ranges of vertices that never overlap.
 pub(super) struct DisjointRows<'a> {
     start: *mut [f32; 3],
     len: usize,

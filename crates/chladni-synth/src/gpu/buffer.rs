@@ -2,10 +2,10 @@
 
 use crate::SynthError;
 
-/// The smallest buffer in bytes: a buffer smaller than the shader's type cannot be bound.
+/// The smallest size of a buffer, in bytes: a buffer smaller than the shader's type cannot be bound.
 const SMALLEST: u64 = 64;
 
-/// A buffer that is replaced by a larger one when a frame needs it.
+/// A buffer that is replaced by a larger one if a frame needs it.
 #[derive(Debug)]
 pub(super) struct GrowingBuffer {
     device: wgpu::Device,
@@ -22,7 +22,7 @@ impl GrowingBuffer {
         &self.buffer
     }
 
-    /// Makes room for `bytes`; `true` if the buffer is a new one, whose content is zero.
+    /// Makes room for `bytes`. Returns whether the buffer was replaced; a new one contains zeros.
     pub fn reserve(&mut self, bytes: u64) -> Result<bool, SynthError> {
         check_size(&self.device, self.label, bytes)?;
         let grow = bytes > self.buffer.size();
@@ -32,7 +32,7 @@ impl GrowingBuffer {
         Ok(grow)
     }
 
-    /// Replaces the content from the start; `true` if the buffer is a new one.
+    /// Replaces the content from the start. Returns whether the buffer was replaced.
     pub fn write(&mut self, queue: &wgpu::Queue, content: &[u8]) -> Result<bool, SynthError> {
         let grown = self.reserve(content.len() as u64)?;
         queue.write_buffer(&self.buffer, 0, content);
@@ -40,7 +40,7 @@ impl GrowingBuffer {
     }
 }
 
-/// A buffer that keeps its content.
+/// Creates a buffer with fixed content.
 pub(super) fn filled(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

@@ -1,8 +1,8 @@
-//! Device errors as `Result`s instead of panics.
+//! Turns device errors into `Result`s.
 
 use crate::SynthError;
 
-/// Runs `make` and returns the errors that the device would otherwise panic with.
+/// Runs `make`. Returns the errors with which the device would otherwise panic.
 pub(super) fn checked<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, SynthError> {
     let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);

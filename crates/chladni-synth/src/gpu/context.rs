@@ -1,4 +1,4 @@
-//! What all synthesizers of one device share: the pipelines, and whether the device was lost.
+//! What all synthesizers on one device share: the pipelines, and whether the device was lost.
 
 use std::sync::{Arc, OnceLock};
 
@@ -7,7 +7,7 @@ use super::checked::checked;
 use super::pipelines::Pipelines;
 use crate::SynthError;
 
-/// The largest number of storage buffers in any shader.
+/// The largest number of storage buffers in any of the shaders.
 const STORAGE_BUFFERS: u32 = 7;
 
 /// Threads of a workgroup, in every shader.
@@ -23,16 +23,16 @@ pub struct GpuContext {
 }
 
 impl GpuContext {
-    /// A context. `loss` is the device's own, from the code that opened it. Whether the device can compute is
-    /// checked when a [`GpuSynthesizer`](crate::GpuSynthesizer) is made.
+    /// A context for `device`. `loss` must come from the code that opened the device. Whether the device
+    /// can compute is checked when a [`GpuSynthesizer`](crate::GpuSynthesizer) is created.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, loss: &DeviceLoss) -> Self {
         let pipelines = Arc::default();
         Self { device: device.clone(), queue: queue.clone(), pipelines, loss: loss.clone() }
     }
 
-    /// The pipelines; the first call compiles them, so that the CPU backend never waits for it.
+    /// The pipelines. The first call compiles them: the CPU backend never has to wait for that.
     ///
-    /// Fails if the device has no compute shaders of the size needed, or refuses ours.
+    /// Fails if the device has no compute shaders of the size needed, or rejects these.
     pub(super) fn pipelines(&self) -> Result<&Pipelines, SynthError> {
         if let Some(pipelines) = self.pipelines.get() {
             return Ok(pipelines);
@@ -52,13 +52,13 @@ impl GpuContext {
         self.loss.reason()
     }
 
-    /// "NVIDIA GeForce RTX 4070 (Vulkan)", say.
+    /// The name of the device, for example "NVIDIA GeForce RTX 4070 (Vulkan)".
     pub fn device_name(&self) -> String {
         let info = self.device.adapter_info();
         format!("{} ({})", info.name, info.backend)
     }
 
-    /// Whether the device is a software device, on which the CPU backend is faster.
+    /// Whether the device is implemented in software; the CPU backend is then faster.
     pub fn is_software(&self) -> bool {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }

@@ -1,4 +1,4 @@
-//! Where a frame is stored on the device, for drawing.
+//! The buffers that hold a frame on the device, for drawing.
 
 use super::buffer::GrowingBuffer;
 use crate::{CpuSynthesizer, SynthError, Synthesizer};
@@ -6,7 +6,7 @@ use crate::{CpuSynthesizer, SynthError, Synthesizer};
 /// Bytes of a position or a normal: three f32.
 const VERTEX_BYTES: u64 = 12;
 
-/// One frame on the device, ready to be drawn from without a copy.
+/// One frame on the device, which can be drawn without a copy.
 #[derive(Clone, Copy, Debug)]
 pub struct DeviceFrame<'a> {
     /// S·N positions, tightly packed f32 xyz; item s starts at vertex s·N.
@@ -19,8 +19,8 @@ pub struct DeviceFrame<'a> {
     pub items: u32,
 }
 
-/// The buffers of a [`DeviceFrame`]: usable as vertex and storage buffers and as source and
-/// target of copies. They grow when a frame needs it and are kept otherwise.
+/// The buffers of a [`DeviceFrame`], usable as vertex and storage buffers and as source and target of
+/// copies. They grow when a frame needs it.
 #[derive(Debug)]
 pub struct DeviceFrameBuffers {
     positions: GrowingBuffer,
@@ -45,7 +45,7 @@ impl DeviceFrameBuffers {
         }
     }
 
-    /// The frame they hold.
+    /// The frame that the buffers hold.
     pub fn frame(&self) -> DeviceFrame<'_> {
         DeviceFrame {
             positions: self.positions.buffer(),
@@ -55,23 +55,23 @@ impl DeviceFrameBuffers {
         }
     }
 
-    /// Makes room for a frame; `true` if the buffers are new ones.
+    /// Makes room for a frame. Returns whether a buffer was replaced.
     pub(super) fn resize(&mut self, items: usize, vertices: usize) -> Result<bool, SynthError> {
         let too_large = || SynthError::TooLarge { items, vertices };
         let narrow = |n: usize| u32::try_from(n).map_err(|_| too_large());
         (self.items, self.vertices) = (narrow(items)?, narrow(vertices)?);
         let bytes = u64::from(self.items).checked_mul(u64::from(self.vertices) * VERTEX_BYTES);
         let bytes = bytes.ok_or_else(too_large)?;
-        // Both, even if the first one is new.
+        // `|` instead of `||`: both must grow, even if the first is new.
         Ok(self.positions.reserve(bytes)? | self.normals.reserve(bytes)?)
     }
 }
 
 impl CpuSynthesizer {
-    /// Copies the last frame to the device, where it is drawn like one that was made there.
+    /// Copies the last frame to the device, where it can be drawn like a frame that was computed there.
     ///
     /// # Errors
-    /// A frame that is larger than the device's buffers may be.
+    /// The frame is larger than a buffer of the device may be.
     pub fn upload(&self, queue: &wgpu::Queue, buffers: &mut DeviceFrameBuffers) -> Result<(), SynthError> {
         buffers.resize(self.items(), self.model().vertices())?;
         queue.write_buffer(buffers.positions.buffer(), 0, bytemuck::cast_slice(self.all_positions()));

@@ -1,14 +1,14 @@
-//! Detecting the loss of a device.
+//! Detects the loss of a device.
 
 use std::sync::{Arc, OnceLock};
 
-/// Whether a device was lost, and why. A device has only one callback for it: the code that opens the device
-/// registers it once, with [`watch`](Self::watch), and hands out clones of this.
+/// Whether a device was lost, and why. A device has only one callback for this: the code that opens the
+/// device registers it once, with [`watch`](Self::watch), and passes on clones.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceLoss(Arc<OnceLock<String>>);
 
 impl DeviceLoss {
-    /// Takes the device's lost-callback, in place of any that it had.
+    /// Sets the lost-callback of the device, replacing any earlier one.
     pub fn watch(device: &wgpu::Device) -> Self {
         let loss = Self::default();
         let word = Arc::clone(&loss.0);
@@ -20,7 +20,7 @@ impl DeviceLoss {
         loss
     }
 
-    /// Why the device was lost; `None` while it works. Known only once the driver reports it.
+    /// Why the device was lost; `None` while it works. The reason is known once the driver reports it.
     pub fn reason(&self) -> Option<&str> {
         self.0.get().map(String::as_str)
     }

@@ -1,4 +1,4 @@
-//! Synthesis on the graphics device, and where its frames are stored.
+//! Synthesis on the graphics device, and the buffers of its frames.
 
 mod buffer;
 mod checked;

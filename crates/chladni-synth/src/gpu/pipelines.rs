@@ -1,4 +1,4 @@
-//! The shaders as pipelines, and the layouts of what they are bound to.
+//! The compute pipelines of the shaders, and the layouts of their bindings.
 
 use std::sync::OnceLock;
 
@@ -20,7 +20,8 @@ pub(super) struct Pipeline {
     pub groups: [wgpu::BindGroupLayout; 2],
 }
 
-/// The pipelines of the product, one per entry of [`TILES`], each compiled when a frame first needs it.
+/// The pipelines of the product, one for each entry of [`TILES`]. Each is compiled when a frame first needs
+/// it.
 #[derive(Debug)]
 pub(super) struct Product {
     pub groups: [wgpu::BindGroupLayout; 2],
@@ -40,7 +41,7 @@ impl Product {
     }
 }
 
-/// How a shader sees a binding.
+/// How a shader accesses a binding.
 #[derive(Clone, Copy)]
 enum Binding {
     Uniform,
@@ -132,7 +133,7 @@ fn layout_entry(binding: u32, kind: Binding) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
-/// A bind group of whole buffers, bound in order.
+/// A bind group of whole buffers, in the order of their bindings.
 pub(super) fn bind(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,

@@ -1,4 +1,4 @@
-//! The shader of the product, written out for each shape of tile.
+//! Generates the shader of the product for each shape of tile.
 
 use crate::packed_basis::PANEL;
 
@@ -11,7 +11,8 @@ pub(super) struct Tile {
     vertices: usize,
 }
 
-/// Ascending. Tiles with few columns have more vertices, so that a thread has enough work per value it reads.
+/// Ascending by columns. Tiles with few columns have more vertices, which gives a thread enough work for
+/// each value that it reads.
 pub(super) const TILES: [Tile; 9] = [
     Tile { columns: 4, vertices: 4 },
     Tile { columns: 8, vertices: 4 },
@@ -24,17 +25,18 @@ pub(super) const TILES: [Tile; 9] = [
     Tile { columns: 36, vertices: 2 },
 ];
 
-/// Which tiles of the product a [`GpuSynthesizer`](crate::GpuSynthesizer) uses.
+/// Which tiles a [`GpuSynthesizer`](crate::GpuSynthesizer) uses for the product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tiles {
-    /// Up to 12 columns, of four vertices.
+    /// Up to 12 columns, of four vertices each.
     Narrow,
-    /// Up to 36 columns, of two vertices, too: the basis is read once for twelve items in vector form.
+    /// Also tiles with up to 36 columns, of two vertices each: the basis is read once for twelve items in
+    /// vector form.
     Wide,
 }
 
 impl Tiles {
-    /// The columns of the [`TILES`] in use.
+    /// The numbers of columns of the [`TILES`] in use.
     pub(super) fn widths(self) -> &'static [usize] {
         match self {
             Self::Narrow => &[4, 8, 12],
@@ -43,18 +45,18 @@ impl Tiles {
     }
 }
 
-/// Harmonics whose values are all requested before the first is used; a multiple of four. The memory of a
-/// graphics card has a long latency, and small shapes have too few threads to hide it.
+/// The number of harmonics whose values are requested before the first is used; a multiple of four. The
+/// memory of a graphics card has a high latency, which small shapes have too few threads to hide.
 pub(super) const BATCH: usize = 8;
 
 impl Tile {
-    /// Threads that share a panel.
+    /// The number of threads that share a panel.
     pub fn threads_per_panel(&self) -> usize {
         PANEL / self.vertices
     }
 
-    /// The shader. Sums are separate variables, because an array stays in registers only if the driver
-    /// unrolls every loop over it.
+    /// The source code of the shader. Sums are separate variables, because an array stays in registers only
+    /// if the driver unrolls every loop over it.
     pub fn source(&self) -> String {
         let Self { columns, vertices } = *self;
         let (words, values) = if vertices == 2 { (PAIR, "vec2<f32>") } else { (QUAD, "vec4<f32>") };
@@ -89,7 +91,8 @@ impl Tile {
     }
 }
 
-/// Two values of the basis in a word, 65536 times too large: the coefficients have the reciprocal in them.
+/// Two values of the basis in a word. They are 65536 times too large; the coefficients contain the
+/// reciprocal.
 const PAIR: &str = "alias Words = i32;
 fn values(words: Words) -> Values {
     return Values(vec2<i32>(words << 16u, words & -65536));

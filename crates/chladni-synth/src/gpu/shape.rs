@@ -1,4 +1,4 @@
-//! A model's own data on the device.
+//! The data of a model on the device.
 
 use wgpu::BufferUsages as Usage;
 
@@ -9,17 +9,17 @@ use super::product::{TILES, Tile};
 use crate::packed_basis::PANEL;
 use crate::{SynthError, SynthModel};
 
-/// The model as bind groups; they keep their buffers alive.
+/// The bind groups of a model, which keep its buffers alive.
 #[derive(Debug)]
 pub(super) struct ShapeOnDevice {
     pub chunks: Vec<Chunk>,
     pub place: wgpu::BindGroup,
     pub normals: wgpu::BindGroup,
-    /// N padded to whole panels.
+    /// N, rounded up to whole panels.
     pub padded_vertices: usize,
 }
 
-/// As many panels of the basis as one binding may hold.
+/// As many panels of the basis as one binding can hold.
 #[derive(Debug)]
 pub(super) struct Chunk {
     pub group: wgpu::BindGroup,
@@ -60,7 +60,7 @@ impl ShapeOnDevice {
 }
 
 impl Chunk {
-    /// Workgroups that cover its vertices.
+    /// The number of workgroups that cover the vertices.
     pub fn workgroups(&self, tile: &Tile) -> u32 {
         (self.panels * tile.threads_per_panel()).div_ceil(WORKGROUP as usize) as u32
     }

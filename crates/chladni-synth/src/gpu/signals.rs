@@ -22,7 +22,7 @@ impl From<&Residual> for Signal {
 }
 
 impl Signal {
-    /// Whether both are the same allocation, and so the same values.
+    /// Whether both are the same allocation, and therefore have the same values.
     fn is(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Scalar(a), Self::Scalar(b)) => Arc::ptr_eq(a, b),
@@ -41,7 +41,7 @@ impl Signal {
 
 #[derive(Debug)]
 struct Slot {
-    /// Held so that its address is not reused.
+    /// Keeps the allocation alive: its address cannot be reused.
     signal: Signal,
     first: usize,
     in_use: bool,
@@ -72,7 +72,7 @@ impl SignalPool {
         self.end = 0;
     }
 
-    /// Starts a frame that uses `signals`: the slots of others may be taken over.
+    /// Starts a frame that uses `signals`. The slots of all other signals become free.
     pub fn begin(&mut self, signals: impl Iterator<Item = Signal>) {
         self.slots.iter_mut().for_each(|slot| slot.in_use = false);
         for signal in signals {
@@ -82,7 +82,8 @@ impl SignalPool {
         }
     }
 
-    /// The first scalar of `signal`, which is uploaded if it is new; and `true` if the buffer is a new one.
+    /// The index of the first scalar of `signal`, which is uploaded if it is new; and whether the buffer
+    /// was replaced.
     pub fn place(&mut self, queue: &wgpu::Queue, signal: Signal) -> Result<(u32, bool), SynthError> {
         if let Some(slot) = self.slots.iter().find(|slot| slot.signal.is(&signal)) {
             return Ok((slot.first as u32, false));
@@ -104,7 +105,7 @@ impl SignalPool {
         let bytes = 4 * self.end as u64;
         let grown = bytes > self.buffer().size();
         if grown {
-            // Twice what is needed, so that growing is rare, but no more than the device has.
+            // Twice the size needed, to grow rarely, but no more than the device has.
             self.buffer.reserve(2 * bytes).or_else(|_| self.buffer.reserve(bytes))?;
         }
         for slot in self.slots.iter().filter(|slot| grown || slot.first == first) {

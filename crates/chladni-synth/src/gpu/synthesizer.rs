@@ -14,10 +14,10 @@ use super::signals::{Signal, SignalPool};
 use crate::plan::{Plan, columns_of};
 use crate::{FrameSettings, Item, SynthError, SynthModel, Synthesizer};
 
-/// In place of a signal's first scalar where there is no signal.
+/// Stands for "no signal" in place of the index of a signal's first scalar.
 const NONE: u32 = u32::MAX;
 
-/// The factor by which the product shader multiplies values of the basis.
+/// The product shader computes with values of the basis that are larger by this factor.
 const SHIFT: f64 = 65536.0;
 
 /// `Frame` of product.wgsl.
@@ -41,7 +41,7 @@ struct TermOnDevice {
     mask: u32,
 }
 
-/// The bind groups over buffers that grow.
+/// The bind groups over the buffers that grow.
 #[derive(Debug)]
 struct FrameGroups {
     product: wgpu::BindGroup,
@@ -49,8 +49,8 @@ struct FrameGroups {
     normals: wgpu::BindGroup,
 }
 
-/// The GPU backend. Each call submits its own commands; what is submitted to the same queue
-/// afterwards sees the results.
+/// The GPU backend. Each call submits its own commands; commands submitted to the same queue later see the
+/// results.
 #[derive(Debug)]
 pub struct GpuSynthesizer {
     context: GpuContext,
@@ -66,7 +66,7 @@ pub struct GpuSynthesizer {
     items: GrowingBuffer,
     terms: GrowingBuffer,
     signals: SignalPool,
-    /// Kept for their memory.
+    /// Kept only to reuse its memory.
     active_list: Vec<u32>,
     item_list: Vec<[u32; 2]>,
     term_list: Vec<TermOnDevice>,
@@ -78,17 +78,17 @@ impl GpuSynthesizer {
     /// Uploads the model: its packed basis, rest shape and rings.
     ///
     /// # Errors
-    /// A device that is lost or out of memory, or whose limits are too small.
+    /// The device is lost, out of memory, or has limits that are too small.
     pub fn new(context: &GpuContext, model: SynthModel) -> Result<Self, SynthError> {
-        // A software device has too few registers for the wide tiles, and holds the basis in its cache.
+        // A software device has too few registers for the wide tiles, and it keeps the basis in its cache.
         let tiles = if context.is_software() { Tiles::Narrow } else { Tiles::Wide };
         Self::with_tiles(context, model, tiles)
     }
 
-    /// Like [`new`](Self::new), with the tiles of the product chosen by hand.
+    /// The same as [`new`](Self::new), with a choice of the product's tiles.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn with_tiles(context: &GpuContext, model: SynthModel, tiles: Tiles) -> Result<Self, SynthError> {
         context.check_present()?;
         let device = &context.device;
@@ -122,12 +122,12 @@ impl GpuSynthesizer {
         self.frame.frame()
     }
 
-    /// The device it runs on.
+    /// The device on which it runs.
     pub fn context(&self) -> &GpuContext {
         &self.context
     }
 
-    /// Writes the items to the device; `true` if a buffer was replaced.
+    /// Uploads the items. Returns whether a buffer was replaced.
     fn upload(&mut self, items: &[Item]) -> Result<bool, SynthError> {
         let mut replaced = self.upload_terms(items)?;
         let Self { plan, shape, model, active_list, .. } = self;
@@ -153,7 +153,8 @@ impl GpuSynthesizer {
         Ok(replaced)
     }
 
-    /// Lists items and terms as the shader sees them, with their signals on the device.
+    /// Lists items and terms in the layout of the shader, and uploads their signals. Returns whether a
+    /// buffer was replaced.
     fn upload_terms(&mut self, items: &[Item]) -> Result<bool, SynthError> {
         let terms = || items.iter().flat_map(|item| &item.terms);
         self.signals.begin(terms().flat_map(|term| {
@@ -215,14 +216,14 @@ impl GpuSynthesizer {
         queue.submit([encoder.finish()]);
     }
 
-    /// Workgroups over all vertices of all items.
+    /// The number of workgroups for all vertices of all items.
     fn vertex_workgroups(&self) -> (u32, u32) {
         let frame = self.frame.frame();
         (frame.vertices.div_ceil(WORKGROUP), frame.items)
     }
 }
 
-/// The scales of the basis, less the shift that the shader leaves in its values.
+/// The scales of the basis, divided by the factor that the shader leaves in its values.
 fn device_scales(model: &SynthModel) -> Vec<f64> {
     model.basis.scales().iter().map(|scale| scale / SHIFT).collect()
 }

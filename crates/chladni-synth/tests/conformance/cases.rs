@@ -1,4 +1,4 @@
-//! Seeded random shapes and frames.
+//! Random shapes and frames from seeds.
 
 use std::f64::consts::TAU;
 
@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::reference::Shape;
 
-/// A bumpy torus of `rings × sides` vertices, with a few stray triangles (a fin, a collapsed
-/// one) and a random basis of `harmonics` columns of very different sizes.
+/// A bumpy torus of `rings × sides` vertices, with a few extra triangles (a fin, a collapsed one) and a
+/// random basis of `harmonics` columns of very different scales.
 pub fn shape(seed: u64, rings: u32, sides: u32, harmonics: usize) -> Shape {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut positions = Vec::new();
@@ -34,15 +34,15 @@ pub fn shape(seed: u64, rings: u32, sides: u32, harmonics: usize) -> Shape {
     let mut basis = Vec::new();
     for k in 0..harmonics {
         let size = 10.0_f64.powf(rng.random_range(-2.0..1.0));
-        // One harmonic is zero everywhere, as a badly scaled input might have it.
+        // One harmonic is zero everywhere, as in a badly scaled input.
         let size = if k == 3 { 0.0 } else { size };
         basis.extend((0..positions.len()).map(|_| size * rng.random_range(-1.0..1.0)));
     }
     Shape { positions, triangles, basis }
 }
 
-/// `count` items of one to three terms in all forms: with and without masks (one of them
-/// empty), residuals, gains of zero, short and sparse coefficients; sometimes no term at all.
+/// `count` items of one to three terms in all forms: with and without masks (one of them all zero),
+/// residuals, gains of zero, short and sparse coefficients. Some items have no term.
 pub fn items(seed: u64, shape: &Shape, count: usize) -> Vec<Item> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let n = shape.vertices();

@@ -1,4 +1,4 @@
-//! The graphics device of this machine, if it has one, and reading from it.
+//! The graphics device of this machine, if it has one, and reading its buffers.
 
 use std::sync::OnceLock;
 
@@ -10,7 +10,7 @@ struct Device {
     context: GpuContext,
 }
 
-/// One device for all tests; says so where there is none.
+/// One device for all tests. Prints a line if there is none.
 fn shared() -> Option<&'static Device> {
     static DEVICE: OnceLock<Option<Device>> = OnceLock::new();
     DEVICE
@@ -26,10 +26,10 @@ pub fn context() -> Option<&'static GpuContext> {
     shared().map(|device| &device.context)
 }
 
-/// A device of its own, with limits changed by `restrict`.
+/// A separate device, whose limits are changed by `restrict`.
 pub fn open(restrict: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Device, wgpu::Queue)> {
     if cfg!(miri) {
-        // Miri knows no drivers.
+        // Miri cannot call drivers.
         return None;
     }
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());

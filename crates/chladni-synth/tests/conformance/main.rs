@@ -1,4 +1,4 @@
-//! One suite that every backend and every path passes, against a reference in f64.
+//! One test suite for every backend and every path, against a reference in f64.
 
 #![allow(
     clippy::unwrap_used,
@@ -47,7 +47,7 @@ impl Readable for GpuSynthesizer {
     }
 }
 
-/// Every backend that this machine has.
+/// All backends that this machine has.
 fn backends(model: &SynthModel) -> Vec<Box<dyn Readable>> {
     let cpu = CpuPath::available().iter().map(|&path| {
         let backend = CpuSynthesizer::with_path(model.clone(), path);

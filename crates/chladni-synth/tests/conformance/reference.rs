@@ -1,4 +1,4 @@
-//! The one formula written down naively in f64, with the error that a backend may make.
+//! The formula written naively in f64, with bounds on the error of a backend.
 
 use chladni_synth::{Coefficients, Item, Residual, area_weighted_normals};
 
@@ -20,7 +20,7 @@ impl Shape {
     }
 }
 
-/// x' and, per coordinate, the largest error allowed to a picture.
+/// x' and, for each coordinate, the largest error that is allowed in a picture.
 pub fn positions(shape: &Shape, item: &Item) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     let n = shape.vertices();
     let normals = area_weighted_normals(&shape.positions, &shape.triangles).unwrap();
@@ -29,7 +29,7 @@ pub fn positions(shape: &Shape, item: &Item) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     let (mut out, mut bounds) = (Vec::new(), Vec::new());
     for v in 0..n {
         let mut x = shape.positions[v];
-        // Half a step of 16 bits at the peak of each harmonic, and the roundings of f32 sums.
+        // Half a step of 16 bits at the peak of each harmonic, and the rounding errors of f32 sums.
         let mut bound = x.map(|x| 1e-6 * (1.0 + x.abs()));
         for term in &item.terms {
             let mask = term.mask.as_ref().map_or(1.0, |m| f64::from(m[v]));
@@ -67,12 +67,12 @@ pub fn positions(shape: &Shape, item: &Item) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     (out, bounds)
 }
 
-/// Blended normals of given positions and, per vertex, the largest error allowed to f32 sums.
+/// Blended normals of given positions and, for each vertex, the largest error allowed in f32 sums.
 pub fn normals(shape: &Shape, positions: &[[f32; 3]], blending: f64) -> (Vec<[f64; 3]>, Vec<f64>) {
     let x: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
     let exact = area_weighted_normals(&x, &shape.triangles).unwrap();
     let rest = area_weighted_normals(&shape.positions, &shape.triangles).unwrap();
-    // Crossing edges cancel: compare the sum's length with the sum of lengths.
+    // The edge products may cancel: compare the length of the sum with the sum of lengths.
     let (mut sums, mut lengths) = (vec![[0.0; 3]; x.len()], vec![0.0; x.len()]);
     for t in &shape.triangles {
         let [a, b, c] = t.map(|v| x[v as usize]);

@@ -1,4 +1,4 @@
-//! Faults in the place of any system call, and crashes between any two.
+//! Tests that replace any single system call by a fault, or crash between any two.
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -19,22 +19,22 @@ enum Call {
     SyncFolder,
 }
 
-/// What happens in the place of a call.
+/// What happens instead of a call.
 #[derive(Clone, Copy, Debug)]
 enum Fault {
     Error(ErrorKind),
-    /// Half of the bytes are written.
+    /// Only half of the bytes are written.
     Short,
 }
 
-/// A disk that writes down what it is asked, and fails once.
+/// A disk that records the calls it gets, and fails once.
 #[derive(Debug)]
 struct Faulty {
     path: PathBuf,
-    /// The number of the call that fails.
+    /// The number of the call that fails, and how.
     fails: Option<(usize, Fault)>,
     calls: RefCell<Vec<Call>>,
-    /// What a reader finds at `path` before each call: what a crash there leaves.
+    /// What a reader finds at `path` before each call, which is what a crash at that moment leaves.
     left: RefCell<Vec<Option<Vec<u8>>>>,
 }
 
@@ -43,7 +43,7 @@ impl Faulty {
         Self { path: path.to_owned(), fails, calls: RefCell::default(), left: RefCell::default() }
     }
 
-    /// Counts a call; the fault that is due.
+    /// Counts a call. Returns the fault that is due at it, if any.
     fn called(&self, call: Call) -> io::Result<Option<Fault>> {
         let mut calls = self.calls.borrow_mut();
         let number = calls.len();
@@ -73,7 +73,7 @@ impl System for Faulty {
     }
 
     fn rename(&self, file: NamedTempFile, path: &Path) -> io::Result<()> {
-        // Complete before it has its name.
+        // The file must be complete before it gets its name.
         let mut bytes = Vec::new();
         file.reopen()?.read_to_end(&mut bytes)?;
         assert_eq!(bytes, new_text());
@@ -91,12 +91,12 @@ fn content(path: &Path) -> Option<Vec<u8>> {
     std::fs::read(path).ok()
 }
 
-/// Longer than what is written at once.
+/// More than is written by a single call.
 fn new_text() -> Vec<u8> {
     (0..200_000_u32).map(|i| (i * 7) as u8).collect()
 }
 
-/// Saves, in pieces.
+/// Writes a file in several pieces.
 fn save(system: &Faulty) -> io::Result<()> {
     replace(system, &system.path, |file| new_text().chunks(50_000).try_for_each(|part| file.write_all(part)))
         .map_err(advised)
@@ -115,7 +115,8 @@ fn a_crash_between_any_two_calls_leaves_the_old_file_or_the_new_one_and_both_las
         let calls = system.calls.take();
         let (writes, around): (Vec<Call>, Vec<Call>) = calls.iter().partition(|call| **call == Call::Write);
         assert!(writes.len() > 1, "{calls:?}");
-        // The bytes are on the disk before they have their name, and the name is when it returns.
+        // The bytes are on the disk before the name is, and the name is on the disk when the function
+        // returns.
         assert_eq!(around, [Call::Create, Call::Sync, Call::Rename, Call::SyncFolder]);
         assert!(calls[1..=writes.len()].iter().all(|call| *call == Call::Write), "{calls:?}");
         let left = system.left.take();

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Files that are written whole or not at all.
 
 #[cfg(test)]
 mod faults;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use system::{Disk, System};
 use tempfile::NamedTempFile;
 
-/// Writes `bytes` to `path` so that readers see the old file or the whole new one.
+/// Writes `bytes` to `path`. At any moment, readers find either the old file or the complete new one.
 ///
 /// # Errors
 /// As [`write_atomic_with`].
@@ -19,15 +19,17 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
     write_atomic_with(path, |file| file.write_all(bytes))
 }
 
-/// Lets `write` fill a temporary file beside `path`, flushes it to the disk, renames it, and flushes its folder: what
-/// has returned survives a power cut.
+/// Creates a temporary file beside `path`, lets `write` fill it, flushes it to the disk, renames it to
+/// `path`, and flushes the folder. Once this function has returned, the file survives a power cut.
 ///
-/// If `write` fails or the process dies, `path` is unchanged. If it is a link, its target is replaced; on
-/// Unix the file keeps its permissions. The folder of `path` must exist.
+/// If `write` fails or the process dies, `path` is unchanged. If `path` is a link, its target is replaced.
+/// On Unix, the file keeps its permissions. The folder of `path` must exist.
 ///
 /// # Errors
-/// Errors of creating, writing or renaming the file, or of `write`. A full disk and one that may not be written are reported
-/// with what to do; what is not a regular file, such as a device, is not replaced. Where only the folder cannot be flushed, the new file is in its place.
+/// An error of `write`, or of creating, writing or renaming the file. A full disk, a read-only one and
+/// missing permission come with advice. [`io::ErrorKind::InvalidInput`] if `path` exists but is not a
+/// regular file (a folder, a device, a pipe). If only flushing the folder fails, the new file is already in
+/// place.
 pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
@@ -35,10 +37,11 @@ pub fn write_atomic_with(
     replace(&Disk, path, write).map_err(advised)
 }
 
-/// Flushes a complete file from [`temporary_beside`] and gives it the name `path`, as [`write_atomic_with`] does.
+/// Flushes a complete file from [`temporary_beside`] to the disk and renames it to `path`, as
+/// [`write_atomic_with`] does.
 ///
 /// # Errors
-/// Errors of flushing or renaming it.
+/// An error of flushing or renaming the file.
 pub fn persist(file: NamedTempFile, path: &Path) -> io::Result<()> {
     finish(&Disk, file, &where_it_leads(path)).map_err(advised)
 }
@@ -60,7 +63,7 @@ fn replace(
 
 fn finish(system: &dyn System, file: NamedTempFile, path: &Path) -> io::Result<()> {
     if let Ok(known) = std::fs::metadata(path) {
-        // Whoever may write to a device may also put a file in its place.
+        // Without this check, the rename would replace a device by a regular file.
         if !known.is_file() {
             let why = "it is a folder, a device or a pipe, which no file takes the place of";
             return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
@@ -69,7 +72,8 @@ fn finish(system: &dyn System, file: NamedTempFile, path: &Path) -> io::Result<(
             file.as_file().set_permissions(known.permissions())?;
         }
     }
-    // In this order: a name that leads to a file whose bytes are not on the disk is lost in a power cut.
+    // The order matters: a name that is on the disk before the file's bytes would survive a power cut
+    // without them.
     system.sync(file.as_file())?;
     system.rename(file, path)?;
     system.sync_folder(folder_of(path))
@@ -117,11 +121,11 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A temporary file in the folder of `path`, whose name ends in `ending`, to be renamed to `path` by [`persist`] when
-/// it is complete.
+/// A temporary file in the folder of `path`, with a name that ends in `ending`. When it is complete,
+/// [`persist`] renames it to `path`.
 ///
 /// # Errors
-/// What creating the file says.
+/// The file cannot be created.
 pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<NamedTempFile> {
     create(&Disk, path, ending).map_err(advised)
 }
@@ -138,7 +142,7 @@ fn create(system: &dyn System, path: &Path, ending: &str) -> io::Result<NamedTem
     system.create(&builder, folder_of(path)).map_err(without_path)
 }
 
-/// The usual errors without the temporary file's name: the caller knows `path`.
+/// Removes the temporary file's name from the usual errors: the caller knows only `path`.
 fn without_path(error: io::Error) -> io::Error {
     use io::ErrorKind::{NotADirectory, NotFound, PermissionDenied, ReadOnlyFilesystem, StorageFull};
     match error.kind() {
@@ -148,7 +152,7 @@ fn without_path(error: io::Error) -> io::Error {
     }
 }
 
-/// The errors that a user can do something about, with what that is.
+/// Adds advice to the errors that a user can do something about.
 fn advised(error: io::Error) -> io::Error {
     use io::ErrorKind::{PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
     let advice = match error.kind() {

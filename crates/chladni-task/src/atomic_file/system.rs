@@ -1,4 +1,4 @@
-//! What the system is asked to do, call by call, so that a test can let any of the calls fail.
+//! The system calls that writing a file needs, as a trait, which lets a test make any of them fail.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -24,21 +24,21 @@ pub(super) trait System: std::fmt::Debug {
         Ok(())
     }
 
-    /// Makes a new name last.
+    /// Flushes a folder, which makes a new name in it permanent.
     fn sync_folder(&self, folder: &Path) -> io::Result<()> {
         if !cfg!(unix) {
             return Ok(());
         }
         use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
         match File::open(folder).and_then(|folder| folder.sync_all()) {
-            // There are file systems that cannot, and folders that may be written but not read.
+            // Some file systems cannot flush a folder, and some folders may be written but not read.
             Err(why) if matches!(why.kind(), InvalidInput | PermissionDenied | Unsupported) => Ok(()),
             done => done,
         }
     }
 }
 
-/// The real one.
+/// The real system.
 #[derive(Debug)]
 pub(super) struct Disk;
 

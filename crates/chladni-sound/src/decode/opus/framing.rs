@@ -1,13 +1,14 @@
-//! Splits a packet of several Opus streams: all but the last state their own length.
+//! Splits a packet of several Opus streams, in which all but the last state their own length.
 
-/// The first packet of `data`, which is self-delimited (RFC 6716, appendix B), as a packet on its
-/// own into `packet`, and what follows it. `None` where `data` is damaged.
+/// Copies the first packet of `data`, which is self-delimited (RFC 6716, appendix B), as a stand-alone
+/// packet into `packet`, and returns the rest of `data`. `None` if `data` is damaged.
 pub(super) fn split_off<'a>(data: &'a [u8], packet: &mut Vec<u8>) -> Option<&'a [u8]> {
     packet.clear();
     let (&toc, mut rest) = data.split_first()?;
     packet.push(toc);
     let payload = match toc & 3 {
-        // One frame, or two of the same length: only remove the length, which a packet on its own omits.
+        // One frame, or two of the same length: only the length is removed, because a stand-alone packet
+        // omits it.
         0 => length(&mut rest)?.0,
         1 => 2 * length(&mut rest)?.0,
         2 => {
@@ -21,7 +22,7 @@ pub(super) fn split_off<'a>(data: &'a [u8], packet: &mut Vec<u8>) -> Option<&'a 
     rest.get(payload..)
 }
 
-/// The same for any number of frames, perhaps with padding, which is dropped; `packet` holds the first byte.
+/// The same for any number of frames. Padding is dropped. `packet` already holds the first byte.
 fn split_off_many<'a>(data: &'a [u8], packet: &mut Vec<u8>) -> Option<&'a [u8]> {
     const VARIABLE: u8 = 0x80;
     const PADDED: u8 = 0x40;
@@ -50,7 +51,7 @@ fn split_off_many<'a>(data: &'a [u8], packet: &mut Vec<u8>) -> Option<&'a [u8]> 
     rest.get(payload..)?.get(padding..)
 }
 
-/// A frame's length (RFC 6716 §3.2.1) and the bytes that state it, taken off `rest`.
+/// The length of a frame (RFC 6716 §3.2.1). The bytes that state it are removed from `rest`.
 fn length<'a>(rest: &mut &'a [u8]) -> Option<(usize, &'a [u8])> {
     let first = usize::from(*rest.first()?);
     let (len, size) = if first < 252 { (first, 1) } else { (first + 4 * usize::from(*rest.get(1)?), 2) };

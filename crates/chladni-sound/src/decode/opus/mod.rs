@@ -1,4 +1,4 @@
-//! Opus (RFC 6716) for Symphonia, which has the containers but no decoder for it.
+//! An Opus decoder (RFC 6716) for Symphonia, which reads the containers of Opus but cannot decode it.
 
 mod framing;
 
@@ -14,12 +14,12 @@ use symphonia::core::codecs::registry::{RegisterableAudioDecoder, SupportedAudio
 use symphonia::core::errors::{Result, decode_error, unsupported_error};
 use symphonia::core::packet::PacketRef;
 
-/// The decoder's rate; what the sound was recorded at does not matter to it (RFC 7845 §5.1).
+/// The decoder's rate; the rate of the original recording does not matter (RFC 7845 §5.1).
 const RATE_HZ: u32 = 48_000;
 /// The longest packet is 120 ms (RFC 6716 §3.2.5).
 const MOST_FRAMES: usize = 5760;
-/// For each number of channels the place in the stream (Vorbis order, RFC 7845 §5.1.1.2) of each
-/// channel in WAVE order.
+/// For each number of channels: the place in the stream (Vorbis order, RFC 7845 §5.1.1.2) of each channel
+/// in WAVE order.
 const WAVE_ORDER: [&[usize]; 8] = [
     &[0],
     &[0, 1],
@@ -33,7 +33,7 @@ const WAVE_ORDER: [&[usize]; 8] = [
 
 const INFO: CodecInfo = CodecInfo { short_name: "opus", long_name: "Opus", profiles: &[] };
 
-/// Frames that an encoder put before the sound, by a track's identification header.
+/// How many frames the encoder put before the sound, from the identification header of a track.
 pub(super) fn lead_in_frames(params: &AudioCodecParameters) -> Option<u64> {
     let bytes = params.extra_data.as_deref()?.get(10..12)?;
     Some(u64::from(u16::from_le_bytes([bytes[0], bytes[1]])))
@@ -43,27 +43,27 @@ pub(super) fn lead_in_frames(params: &AudioCodecParameters) -> Option<u64> {
 pub(super) struct OpusDecoder {
     params: AudioCodecParameters,
     head: Head,
-    /// Stereo ones first.
+    /// The stereo streams come first.
     streams: Vec<Stream>,
-    /// One stream's packet.
+    /// The packet of one stream.
     packet: Vec<u8>,
     planes: AudioBuffer<f32>,
 }
 
-/// One mono or stereo stream of those that make a track.
+/// One of the mono or stereo streams that form a track.
 struct Stream {
     decoder: rusty_opus::OpusDecoder,
     channels: usize,
     interleaved: Vec<f32>,
 }
 
-/// What the identification header says that decoding needs (RFC 7845 §5.1).
+/// The fields of the identification header that decoding needs (RFC 7845 §5.1).
 #[derive(Clone)]
 struct Head {
     gain: f32,
     streams: usize,
     stereo_streams: usize,
-    /// For each channel which one of the streams' channels it is; 255 for silence.
+    /// For each channel of the track, its index among the channels of all streams; 255 for silence.
     mapping: Vec<u8>,
 }
 
@@ -104,7 +104,7 @@ impl Head {
         (0..self.streams).map(open).collect()
     }
 
-    /// Stream and channel in it that a channel of the track is; `None` for silence.
+    /// The stream, and the channel in it, of a channel of the track; `None` for silence.
     fn source(&self, channel: usize) -> Option<(usize, usize)> {
         let at = usize::from(self.mapping[channel]);
         let stereo = 2 * self.stereo_streams;
@@ -131,7 +131,7 @@ impl OpusDecoder {
         })
     }
 
-    /// Decodes a packet in every stream; the number of frames.
+    /// Decodes the packet of every stream. Returns the number of frames.
     fn decode_streams(&mut self, mut data: &[u8]) -> Option<usize> {
         let mut shortest = MOST_FRAMES;
         let last = self.streams.len().checked_sub(1)?;
@@ -142,7 +142,7 @@ impl OpusDecoder {
                 data = framing::split_off(data, &mut self.packet)?;
                 &self.packet
             };
-            // The decoder takes an empty packet for a lost one and would conceal it with invented sound.
+            // The decoder would take an empty packet for a lost one and conceal it with invented sound.
             if packet.is_empty() {
                 return None;
             }
@@ -175,7 +175,7 @@ impl OpusDecoder {
 
 impl AudioDecoder for OpusDecoder {
     fn reset(&mut self) {
-        // Streams for this header were opened once, so they can be again.
+        // The streams for this header have been opened before; opening them again cannot fail.
         if let Ok(streams) = self.head.open_streams() {
             self.streams = streams;
         }
@@ -231,7 +231,7 @@ mod tests {
         OpusDecoder::try_new(&params).unwrap()
     }
 
-    /// A checksum keeps damage in an Ogg page from the decoder; other containers have none.
+    /// A checksum protects the decoder from damaged pages in Ogg; other containers have none.
     #[test]
     fn damaged_packets_are_errors_or_noise() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);

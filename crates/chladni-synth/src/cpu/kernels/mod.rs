@@ -1,4 +1,4 @@
-//! The matrix product of one panel, once per instruction set.
+//! The matrix product of one panel, for each instruction set.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -13,7 +13,7 @@ use std::fmt;
 use super::Lanes;
 use crate::packed_basis::Line;
 
-/// The instructions a product is computed with.
+/// The instruction set that computes the product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CpuPath {
     /// x86-64 with AVX-512F and AVX-512BW.
@@ -22,12 +22,12 @@ pub enum CpuPath {
     Avx2,
     /// AArch64.
     Neon,
-    /// Plain Rust; present on every processor.
+    /// Plain Rust; available on every processor.
     Portable,
 }
 
 impl CpuPath {
-    /// The paths that this processor has, fastest first; never empty.
+    /// The paths that this processor supports, fastest first; never empty.
     pub fn available() -> &'static [Self] {
         #[cfg(target_arch = "x86_64")]
         {
@@ -46,7 +46,7 @@ impl CpuPath {
         &[Self::Portable]
     }
 
-    /// How many columns a kernel can sum at once: up to as many as registers hold.
+    /// The numbers of columns that a kernel can sum at once, up to what the registers hold.
     pub(super) fn widths(self) -> &'static [usize] {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -61,7 +61,7 @@ impl CpuPath {
 
     /// Computes `product` into the columns of one block.
     ///
-    /// The path must be available, which `CpuSynthesizer` ensures.
+    /// The path must be available; `CpuSynthesizer` ensures this.
     pub(super) fn product(self, product: &Product<'_>, out: &mut [Lanes]) {
         debug_assert_eq!(product.coefficients.len(), product.active.len() * out.len());
         match self {
@@ -85,7 +85,7 @@ pub(super) struct Product<'a> {
     pub active: &'a [u32],
     /// active × width.
     pub coefficients: &'a [f32],
-    /// The panel that is computed next, and its harmonics that are worth fetching meanwhile.
+    /// The panel that is computed next, and those of its harmonics that should be prefetched meanwhile.
     #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "only AVX-512 fetches ahead"))]
     pub next_panel: &'a [Line],
     #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "only AVX-512 fetches ahead"))]

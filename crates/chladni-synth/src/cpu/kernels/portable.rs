@@ -1,10 +1,10 @@
-//! Plain Rust that compilers turn into the vectors of their baseline.
+//! Plain Rust, which the compiler translates to the vector instructions of the baseline target.
 
 use super::{Lanes, Product, with_width};
 
 pub(super) const WIDTHS: &[usize] = &[1, 2, 3, 4];
 
-/// Lanes whose sums fit the 16 registers of SSE2 beside the harmonic.
+/// The number of lanes whose sums fit, together with the harmonic, into the 16 registers of SSE2.
 const LANES: usize = 8;
 
 pub(super) fn product(product: &Product<'_>, out: &mut [Lanes]) {

@@ -1,0 +1,188 @@
+use super::*;
+use crate::{Action, Parameter, Switch};
+use proptest::prelude::*;
+
+fn knob(number: u8, value: u8) -> Touch {
+    Touch::from_midi("desk", &[0xb2, number, value]).unwrap()
+}
+
+fn binding(control: Control, target: Target) -> Binding {
+    Binding { device: String::new(), control, target, number: None }
+}
+
+/// Handles a touch when only the positions of knobs are known.
+fn touch(bindings: &mut Bindings, touch: &Touch, parameters: &Parameters) -> Option<Cue> {
+    bindings.touch(touch, parameters, &|target, number| target.standing(number, parameters))
+}
+
+#[test]
+fn midi_messages_are_read() {
+    let touch = |bytes: &[u8]| Touch::from_midi("", bytes).map(|t| (t.control, t.value));
+    let note = Control::Note { channel: 9, number: 36 };
+    assert_eq!(touch(&[0xb2, 7, 127]), Some((Control::Controller { channel: 2, number: 7 }, 1.0)));
+    assert_eq!(touch(&[0x99, 36, 0]), Some((note.clone(), 0.0)));
+    assert_eq!(touch(&[0x89, 36, 64]), Some((note, 0.0)));
+    assert_eq!(touch(&[0xe0, 127, 127]), Some((Control::PitchBend { channel: 0 }, 1.0)));
+    for nothing in [&[][..], &[0xb0], &[0xb0, 7], &[0xb0, 200, 3], &[0xf8, 0, 0], &[0xc0, 1, 0]] {
+        assert_eq!(touch(nothing), None, "{nothing:?}");
+    }
+}
+
+#[test]
+fn a_knob_is_learned_turned_and_forgotten() {
+    let (mut bindings, mut parameters) = (Bindings::default(), Parameters::default());
+    assert_eq!(touch(&mut bindings, &knob(7, 64), &parameters), None);
+    bindings.learn(Some((Target::Parameter(Parameter::Limit), None)));
+    let set = |value| Some(Cue::Do(Action::Set { parameter: Parameter::Limit, value }));
+    assert_eq!(touch(&mut bindings, &knob(7, 127), &parameters), set(1.0));
+    parameters.set(Parameter::Limit, 1.0).unwrap();
+    assert_eq!(bindings.learning(), None);
+    assert_eq!(touch(&mut bindings, &knob(7, 0), &parameters), set(0.01));
+    assert_eq!(touch(&mut bindings, &knob(8, 127), &parameters), None);
+    let text = bindings.to_text().unwrap();
+    let mut read = Bindings::default();
+    assert_eq!(read.import(&text).unwrap(), 1);
+    assert_eq!(read.list(), bindings.list());
+    assert_eq!(read.list()[0].device, "desk");
+    assert!(read.import("format_version = 3\nbinding = 7").is_err());
+    bindings.forget(0);
+    bindings.forget(0);
+    assert_eq!(touch(&mut bindings, &knob(7, 127), &parameters), None);
+}
+
+#[test]
+fn a_knob_takes_over_where_it_passes_its_target() {
+    let target = Target::Parameter(Parameter::StereoMu);
+    let mut bindings = Bindings::new(vec![binding(knob(1, 0).control, target)]);
+    let mut parameters = Parameters::default();
+    parameters.set(Parameter::StereoMu, 0.5).unwrap();
+    let turn = |bindings: &mut Bindings, parameters: &mut Parameters, value: u8| {
+        let cue = touch(bindings, &knob(1, value), parameters);
+        if let Some(Cue::Do(Action::Set { parameter, value })) = cue {
+            parameters.set(parameter, value).unwrap();
+            return true;
+        }
+        false
+    };
+    let turned = [10, 30, 50, 70, 90, 20].map(|value| turn(&mut bindings, &mut parameters, value));
+    assert_eq!(turned, [false, false, false, true, true, true]);
+    // Something else turns the parameter: the knob must pass its position again to take over.
+    parameters.set(Parameter::StereoMu, 0.9).unwrap();
+    let turned = [25, 60, 113, 100].map(|value| turn(&mut bindings, &mut parameters, value));
+    assert_eq!(turned, [false, false, true, true]);
+}
+
+#[test]
+fn devices_show_where_things_stand_and_are_told_once() {
+    let note = Control::Note { channel: 0, number: 40 };
+    let fader = Control::PitchBend { channel: 3 };
+    let of = |device: &str, control: &Control, target, number| Binding {
+        device: device.into(),
+        control: control.clone(),
+        target,
+        number,
+    };
+    let mut bindings = Bindings::new(vec![
+        of("pads", &note, Target::Switch(Switch::Sand), None),
+        of("pads", &Control::Note { channel: 0, number: 41 }, Target::Form, Some(2)),
+        of("desk", &fader, Target::Parameter(Parameter::StereoMu), None),
+        of("", &Control::Controller { channel: 0, number: 1 }, Target::Harmonics, None),
+        of("pads", &Control::Note { channel: 0, number: 42 }, Target::Blackout, None),
+    ]);
+    let mut parameters = Parameters::default();
+    parameters.form = crate::Form::Modal;
+    let sent = |bindings: &mut Bindings, parameters: &Parameters| {
+        bindings.feedback(&|target, number| target.standing(number, parameters), &|_| true)
+    };
+    let first = sent(&mut bindings, &parameters);
+    let pads = "pads".to_owned();
+    let expected =
+        [(pads.clone(), [0x90, 40, 0]), (pads.clone(), [0x90, 41, 127]), ("desk".into(), [0xe3, 0, 0])];
+    assert_eq!(first, expected);
+    assert!(sent(&mut bindings, &parameters).is_empty());
+    parameters.switch(Switch::Sand, true);
+    parameters.set(Parameter::StereoMu, 1.0).unwrap();
+    let again = sent(&mut bindings, &parameters);
+    assert_eq!(again, [(pads, [0x90, 40, 127]), ("desk".into(), [0xe3, 127, 127])]);
+    // A fader that a hand moves shows the position already.
+    let moved = Touch::from_midi("desk", &[0xe3, 127, 127]).unwrap();
+    assert!(touch(&mut bindings, &moved, &parameters).is_some());
+    let moved = Touch::from_midi("desk", &[0xe3, 0, 64]).unwrap();
+    let Some(Cue::Do(Action::Set { parameter, value })) = touch(&mut bindings, &moved, &parameters) else {
+        panic!("it does not turn");
+    };
+    parameters.set(parameter, value).unwrap();
+    assert!(sent(&mut bindings, &parameters).is_empty());
+    assert!(bindings.feedback(&|_, _| Some(0.0), &|_| false).is_empty());
+    assert_eq!(sent(&mut bindings, &parameters).len(), 2);
+}
+
+#[test]
+fn the_same_control_of_two_devices_is_two() {
+    let mut bindings = Bindings::default();
+    let pad = |device: &str| Touch::from_midi(device, &[0x90, 1, 100]).unwrap();
+    let release = |device: &str| Touch::from_midi(device, &[0x80, 1, 0]).unwrap();
+    let parameters = Parameters::default();
+    for (device, number) in [("left", 1), ("right", 2)] {
+        bindings.learn(Some((Target::Choose, Some(number))));
+        let cue = touch(&mut bindings, &pad(device), &parameters);
+        assert_eq!(cue, Some(Cue::Ask(Target::Choose, Which::Number(number))));
+        touch(&mut bindings, &release(device), &parameters);
+    }
+    assert_eq!(bindings.list().len(), 2);
+    let cue = touch(&mut bindings, &pad("left"), &parameters);
+    assert_eq!(cue, Some(Cue::Ask(Target::Choose, Which::Number(1))));
+    assert_eq!(touch(&mut bindings, &pad("middle"), &parameters), None);
+}
+
+#[test]
+fn pads_press_once_and_switches_turn_over() {
+    let control = Control::Note { channel: 0, number: 1 };
+    let pad = |value| Touch { device: "any".into(), control: control.clone(), value };
+    let mut bindings = Bindings::new(vec![
+        binding(control.clone(), Target::Tap),
+        binding(control.clone(), Target::Switch(Switch::BeatTurns)),
+    ]);
+    let mut parameters = Parameters::default();
+    assert_eq!(bindings.list().len(), 1);
+    let turn = |on| Some(Cue::Do(Action::Switch { switch: Switch::BeatTurns, on }));
+    assert_eq!(touch(&mut bindings, &pad(0.1), &parameters), turn(false));
+    parameters.switch(Switch::BeatTurns, false);
+    assert_eq!(touch(&mut bindings, &pad(0.9), &parameters), None);
+    assert_eq!(touch(&mut bindings, &pad(0.0), &parameters), None);
+    assert_eq!(touch(&mut bindings, &pad(0.9), &parameters), turn(true));
+    assert_eq!(touch(&mut bindings, &pad(f32::NAN), &parameters), None);
+}
+
+#[test]
+fn what_turns_nothing_does_not_make_a_held_pad_press_again() {
+    let pad = Touch { device: "a".into(), control: Control::Note { channel: 0, number: 7 }, value: 1.0 };
+    let target = Target::Switch(Switch::BeatTurns);
+    let mut bindings = Bindings::new(vec![binding(pad.control.clone(), target)]);
+    let parameters = Parameters::default();
+    for strange in 0..2 * MOST_BINDINGS {
+        let control = Control::Osc { address: format!("/{strange}") };
+        let strange = Touch { device: String::new(), control, value: 1.0 };
+        assert_eq!(touch(&mut bindings, &strange, &parameters), None);
+    }
+    assert!(touch(&mut bindings, &pad, &parameters).is_some());
+    assert_eq!(touch(&mut bindings, &pad, &parameters), None);
+}
+
+proptest! {
+    #[test]
+    fn any_bytes_turn_only_what_the_instrument_takes(
+        messages in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..5), 0..40))
+    {
+        let mut parameters = Parameters::default();
+        let mut bindings = Bindings::default();
+        for (i, message) in messages.iter().enumerate() {
+            let parameter = Parameter::ALL[i % Parameter::ALL.len()];
+            bindings.learn(Some((Target::Parameter(parameter), None)));
+            let Some(moved) = Touch::from_midi("", message) else { continue };
+            if let Some(Cue::Do(Action::Set { parameter, value })) = touch(&mut bindings, &moved, &parameters) {
+                prop_assert!(parameters.set(parameter, value).is_ok());
+            }
+        }
+    }
+}

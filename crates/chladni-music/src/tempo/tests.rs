@@ -1,0 +1,139 @@
+use super::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Sends ticks from `from_secs` on, each off by up to half of `jitter_secs`. Returns the exact time of the last one.
+fn play(tempo: &mut Tempo, (from_secs, bpm, ticks): (f64, f64, u32), jitter_secs: f64, seed: u64) -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let gap_secs = 60.0 / bpm / TICKS_PER_QUARTER;
+    for tick in 0..ticks {
+        let late_secs = jitter_secs * random.random_range(-0.5..0.5);
+        tempo.hear(ClockMessage::Tick, from_secs + f64::from(tick) * gap_secs + late_secs);
+    }
+    from_secs + f64::from(ticks - 1) * gap_secs
+}
+
+#[test]
+fn jitter_is_filtered() {
+    for (seed, bpm) in [(1, 61.3), (2, 120.0), (3, 174.0)] {
+        let mut tempo = Tempo::default();
+        tempo.hear(ClockMessage::Start, 0.99);
+        // 4 ms either way, a fifth to a half of a tick: the jitter of a busy computer.
+        let at_secs = play(&mut tempo, (1.0, bpm, 24 * 16 + 1), 8e-3, seed);
+        assert!((tempo.bpm().unwrap() / bpm - 1.0).abs() < 0.004, "{:?} {bpm}", tempo.bpm());
+        let off_secs = (tempo.at(at_secs).count - 16.0) * 60.0 / bpm;
+        assert!(off_secs.abs() < 2.5e-3, "{off_secs} s at {bpm}");
+        // A change of tempo is followed within two quarters.
+        let next_secs = at_secs + 60.0 / bpm / TICKS_PER_QUARTER;
+        play(&mut tempo, (next_secs, 1.1 * bpm, 50), 8e-3, seed);
+        assert!((tempo.bpm().unwrap() / bpm - 1.1).abs() < 0.006);
+    }
+}
+
+#[test]
+fn the_count_never_goes_back_and_stays_near_the_clock() {
+    let mut tempo = Tempo::default();
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let (gap_secs, mut shown) = (0.5 / TICKS_PER_QUARTER, 0.0);
+    for tick in 0..2000 {
+        let exact_secs = f64::from(tick) * gap_secs;
+        tempo.hear(ClockMessage::Tick, exact_secs + random.random_range(0.0..0.01));
+        let count = tempo.at(exact_secs + 0.01).count;
+        assert!(count >= shown);
+        if tick > 60 {
+            // On average a tick comes 5 ms late, and the count is read 10 ms after the exact time.
+            let step = count - shown;
+            assert!(step < 3.0 / TICKS_PER_QUARTER, "a step of {step}");
+        }
+        shown = count;
+    }
+    assert!((shown - 2000.0 / TICKS_PER_QUARTER).abs() < 1.1, "{shown}");
+}
+
+#[test]
+fn start_stop_continue_and_song_position_lead_to_the_bar() {
+    let mut tempo = Tempo::default();
+    // The clock has been ticking for a while when the song starts.
+    let last_secs = play(&mut tempo, (0.0, 120.0, 101), 0.0, 0);
+    let before = tempo.at(last_secs).count;
+    tempo.hear(ClockMessage::Start, last_secs + 0.005);
+    let first_secs = last_secs + 0.5 / TICKS_PER_QUARTER;
+    let at_secs = play(&mut tempo, (first_secs, 120.0, 24 * 6 + 1), 0.0, 0);
+    let now = tempo.at(at_secs);
+    assert!((now.count - now.count.round()).abs() < 1e-6 && now.confidence == 1.0, "{now:?}");
+    assert!((now.count - before - 6.0).abs() <= 0.5 + 1.0 / TICKS_PER_QUARTER, "{before} {now:?}");
+    assert_eq!(tempo.beat_in_bar(at_secs + 0.01), Some(3));
+    let bar = tempo.bar(at_secs, 0.5, true).unwrap();
+    let off_secs = [bar.at_secs - first_secs - 2.0, bar.secs - 2.0];
+    assert!(off_secs.iter().all(|off| off.abs() < 1e-6), "{bar:?}");
+    assert_eq!(tempo.bar(at_secs + 0.9, 0.5, true), None);
+    assert!((tempo.bar(at_secs + 1.01, 0.5, false).unwrap().at_secs - at_secs - 1.0).abs() < 1e-6);
+    // While stopped, the count stands still although the clock ticks.
+    tempo.hear(ClockMessage::Stop, at_secs + 0.01);
+    let still = tempo.at(at_secs + 0.02);
+    let later_secs = play(&mut tempo, (at_secs + 0.02, 120.0, 100), 0.0, 0);
+    assert_eq!((tempo.at(later_secs).count, still.confidence), (still.count, 0.0));
+    assert_eq!(tempo.bar(later_secs, 0.5, false), None);
+    // Continue from the third beat of a bar.
+    tempo.hear(ClockMessage::Position { quarters: 10.0 }, later_secs + 0.001);
+    assert_eq!(tempo.at(later_secs + 0.3).confidence, 0.0);
+    tempo.hear(ClockMessage::Continue, later_secs + 0.002);
+    let at_secs = play(&mut tempo, (later_secs + 0.1, 120.0, 25), 0.0, 0);
+    assert_eq!(tempo.beat_in_bar(at_secs + 0.02), Some(4));
+    assert!(tempo.at(at_secs).count >= still.count);
+}
+
+#[test]
+fn it_goes_on_where_a_clock_falls_silent_and_meets_it_again() {
+    let mut tempo = Tempo::default();
+    let last_secs = play(&mut tempo, (0.0, 120.0, 24 * 8 + 1), 0.0, 0);
+    let before = tempo.at(last_secs).count;
+    assert!((tempo.at(last_secs + 10.1).count - before - 20.2).abs() < 1e-6);
+    // The clock is heard again with the first tick after a beat.
+    let again_secs = play(&mut tempo, (last_secs + 10.25, 120.0, 24 * 2 + 1), 0.0, 0);
+    let count = tempo.at(again_secs).count;
+    let off = count - count.round() - 1.0 / TICKS_PER_QUARTER;
+    assert!((count - before - 22.5).abs() < 0.6 && off.abs() < 1e-6, "{count}");
+}
+
+#[test]
+fn taps_and_osc_give_tempo_and_phase() {
+    let mut tempo = Tempo::default();
+    assert_eq!((tempo.at(1.0), tempo.bpm()), (Beat::default(), None));
+    for (i, off_secs) in [0.01, -0.012, 0.004, 0.0, -0.007, 0.009].into_iter().enumerate() {
+        tempo.hear(ClockMessage::Beat { in_bar: None }, 3.0 + 0.5 * i as f64 + off_secs);
+    }
+    assert!((tempo.bpm().unwrap() - 120.0).abs() < 2.0, "{:?}", tempo.bpm());
+    let phase = tempo.at(5.75).count.fract();
+    assert!((phase - 0.5).abs() < 0.03, "{phase}");
+    tempo.hear(ClockMessage::Tempo { bpm: 90.0 }, 6.0);
+    assert_eq!(tempo.bpm(), Some(90.0));
+    tempo.hear(ClockMessage::Tempo { bpm: 1e9 }, 6.0);
+    tempo.hear(ClockMessage::Tempo { bpm: f64::NAN }, 6.0);
+    assert_eq!(tempo.bpm(), Some(90.0));
+    tempo.hear(ClockMessage::Beat { in_bar: Some(2) }, 10.0);
+    assert_eq!(tempo.beat_in_bar(10.01), Some(2));
+}
+
+#[test]
+fn it_is_nudged_halved_doubled_and_locked() {
+    let mut tempo = Tempo::default();
+    tempo.set(100.0, 7.25, 20.0);
+    assert_eq!((tempo.at(20.0).count, tempo.bpm()), (7.25, Some(100.0)));
+    tempo.nudge(0.06);
+    assert!((tempo.at(20.0).count - 7.35).abs() < 1e-9);
+    tempo.nudge(-0.06);
+    tempo.double(20.6);
+    assert_eq!(tempo.bpm(), Some(200.0));
+    let begun = tempo.at(21.2).count;
+    assert!((tempo.at(21.8).count - begun - 2.0).abs() < 1e-9);
+    tempo.halve(22.0);
+    tempo.halve(22.0);
+    assert_eq!(tempo.bpm(), Some(50.0));
+    assert!(tempo.at(22.0).count >= begun);
+    tempo.lock(true);
+    let locked = tempo.clone();
+    tempo.hear(ClockMessage::Tempo { bpm: 150.0 }, 23.0);
+    tempo.hear(ClockMessage::Start, 23.0);
+    assert!(tempo == locked && tempo.is_locked());
+}
