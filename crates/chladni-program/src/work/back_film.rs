@@ -210,10 +210,8 @@ mod tests {
     fn what_is_no_film_is_told_in_one_line() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("text.mp4").to_string_lossy().into_owned();
-        for name in [&path, "gone.mp4"] {
-            if name == &path {
-                std::fs::write(name, "no film").unwrap();
-            }
+        std::fs::write(&path, "no film").unwrap();
+        for name in [&*path, "gone.mp4"] {
             let Err(error) = BackFilm::open(name) else { panic!("{name}") };
             let line = error.to_string();
             assert!(!line.contains('\n') && !line.is_empty(), "{line}");

@@ -77,7 +77,8 @@ fn rest(item: &Item, lag: &mut Item) {
 /// Brings `lag` from the moment of `before` to that of `item`, `secs` later.
 fn step(item: &Item, before: &Item, lag: &mut Item, secs: f64) {
     let is_next = (0.0..LONGEST_SECS).contains(&secs);
-    if !is_next || [&*before, lag].iter().any(|other| other.terms.len() != item.terms.len()) {
+    let terms = item.terms.len();
+    if !is_next || before.terms.len() != terms || lag.terms.len() != terms {
         return rest(item, lag);
     }
     let steps = secs / MEMORY_SECS;
