@@ -173,10 +173,6 @@ mod tests {
 
     #[test]
     fn a_film_goes_around_and_its_picture_is_a_function_of_the_time() {
-        if !chladni_view::ffmpeg_is_there() {
-            println!("skipped: ffmpeg is not there");
-            return;
-        }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("clouds.mkv");
         // Ten frames, brighter and brighter.
