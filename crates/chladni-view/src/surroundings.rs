@@ -16,6 +16,15 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
+    /// The same light, with another picture behind.
+    ///
+    /// # Errors
+    /// [`ViewError::Size`] for a picture that is too long for the device.
+    pub fn before(self, on: impl Into<Device>, behind: &Picture) -> Result<Self, ViewError> {
+        let Self { behind, .. } = Self::new(on, Some(behind), None)?;
+        Ok(Self { behind, ..self })
+    }
+
     /// Takes what there is to the device. The picture fills a cell; what does not fit is cut off.
     ///
     /// # Errors

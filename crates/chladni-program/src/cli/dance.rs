@@ -137,7 +137,8 @@ pub struct Dance {
     /// Background. That of the look unless given.
     #[arg(long, value_parser = one_of(Background::PRESETS))]
     background: Option<Background>,
-    /// A picture behind all, in the place of the background: a PNG or JPEG file.
+    /// A picture behind all, in the place of the background: a PNG or JPEG file, or a film (MP4, MKV, MOV, WebM), which
+    /// goes around and needs ffmpeg.
     #[arg(long, value_name = "FILE")]
     picture: Option<String>,
     /// Light from all around, which shapes mirror: an HDR, PNG or JPEG file of all directions, twice as wide as high.

@@ -1,6 +1,6 @@
 //! How far what dances has come lately: what palettes know of speed.
 
-use chladni_synth::{Coefficients, Item, Term};
+use chladni_synth::{Coefficients, Item};
 
 /// What a shape lags behind itself is forgotten over this time, to a third.
 const MEMORY_SECS: f64 = 0.08;
@@ -9,48 +9,77 @@ const LONGEST_SECS: f64 = 0.5;
 /// Smaller coefficients (the shape's area is one) are rest.
 const REST: f32 = 1e-6;
 
-/// Remembers an item from frame to frame. With x the coefficients and y what follows them by ẏ = (x − y)/τ, the lag is
+/// Remembers items from frame to frame. With x the coefficients and y what follows them by ẏ = (x − y)/τ, the lag is
 /// x − y: for what moves evenly its speed times τ, and never more than it went. Between two frames x is taken for a
 /// straight line, for which the step is exact, so that frames may come as often as they like.
 #[derive(Clone, Debug, Default)]
 pub struct Lag {
-    /// What was there last, what it lagged, and when.
-    last: Option<(Item, Item, f64)>,
+    /// What was there last, and what it lagged: as many.
+    last: Vec<Item>,
+    lags: Vec<Item>,
+    /// When that was.
+    then_secs: f64,
 }
 
 impl Lag {
-    /// Adds to `items` the rest moved by what the only one of them lags at `at_secs`, where that is `wanted`. Of many it
-    /// adds nothing.
+    /// Adds to `items`, behind all of them and in their order, the rest moved by what each lags at `at_secs`, where that is
+    /// `wanted`. Others than last time lag nothing at first.
     pub fn follow(&mut self, items: &mut Vec<Item>, at_secs: f64, wanted: bool) {
-        let [item] = &items[..] else { return self.last = None };
         if !wanted {
-            return self.last = None;
+            self.last.clear();
+            return self.lags.clear();
         }
-        let lag = match self.last.take() {
-            Some((before, lag, then_secs)) => lagging(item, &before, lag, at_secs - then_secs),
-            None => none_of(item),
-        };
-        self.last = Some((item.clone(), lag.clone(), at_secs));
-        items.push(lag);
+        // Who comes or goes in a gallery shifts all others.
+        if self.last.len() != items.len() {
+            self.lags.clear();
+            self.lags.resize_with(items.len(), Item::default);
+            self.last.resize_with(items.len(), Item::default);
+        }
+        let secs = at_secs - self.then_secs;
+        for ((item, last), lag) in items.iter().zip(&mut self.last).zip(&mut self.lags) {
+            step(item, last, lag, secs);
+            remember(item, last);
+        }
+        self.then_secs = at_secs;
+        items.extend_from_slice(&self.lags);
     }
 }
 
-/// An item like `item` that moves nothing.
-fn none_of(item: &Item) -> Item {
-    let none = |term: &Term| {
-        let coefficients = match &term.coefficients {
-            Coefficients::Vector(all) => Coefficients::Vector(vec![[0.0; 3]; all.len()]),
-            Coefficients::Normal(all) => Coefficients::Normal(vec![0.0; all.len()]),
-        };
-        Term { coefficients, residual_gain: 0.0, ..term.clone() }
-    };
-    Item { terms: item.terms.iter().map(none).collect() }
+/// Makes `last` the same as `item`, in the memory that it has where it has it.
+fn remember(item: &Item, last: &mut Item) {
+    let is_alike = last.terms.len() == item.terms.len();
+    if !is_alike {
+        return last.clone_from(item);
+    }
+    for (term, last) in item.terms.iter().zip(&mut last.terms) {
+        match (&term.coefficients, &mut last.coefficients) {
+            (Coefficients::Vector(now), Coefficients::Vector(last)) => last.clone_from(now),
+            (Coefficients::Normal(now), Coefficients::Normal(last)) => last.clone_from(now),
+            (now, last) => last.clone_from(now),
+        }
+        (last.residual, last.mask) = (term.residual.clone(), term.mask.clone());
+        last.residual_gain = term.residual_gain;
+    }
 }
 
-/// The lag after a step, of `lag` before it.
-fn lagging(item: &Item, before: &Item, mut lag: Item, secs: f64) -> Item {
-    if !(0.0..LONGEST_SECS).contains(&secs) || lag.terms.len() != item.terms.len() {
-        return none_of(item);
+/// Makes `lag` an item like `item` that moves nothing.
+fn rest(item: &Item, lag: &mut Item) {
+    remember(item, lag);
+    for term in &mut lag.terms {
+        match &mut term.coefficients {
+            Coefficients::Vector(all) => all.fill([0.0; 3]),
+            Coefficients::Normal(all) => all.fill(0.0),
+        }
+        term.residual_gain = 0.0;
+    }
+}
+
+/// Brings `lag` from the moment of `before` to that of `item`, `secs` later.
+fn step(item: &Item, before: &Item, lag: &mut Item, secs: f64) {
+    let is_next = (0.0..LONGEST_SECS).contains(&secs);
+    let terms = item.terms.len();
+    if !is_next || before.terms.len() != terms || lag.terms.len() != terms {
+        return rest(item, lag);
     }
     let steps = secs / MEMORY_SECS;
     let left = (-steps).exp();
@@ -61,31 +90,32 @@ fn lagging(item: &Item, before: &Item, mut lag: Item, secs: f64) -> Item {
         let next = *lag * left + (now - then) * share;
         *lag = if next.abs() < REST { 0.0 } else { next };
     };
-    for ((lag, now), then) in lag.terms.iter_mut().zip(&item.terms).zip(&before.terms) {
-        match (&mut lag.coefficients, &now.coefficients, &then.coefficients) {
+    for ((lagging, now), then) in lag.terms.iter_mut().zip(&item.terms).zip(&before.terms) {
+        match (&mut lagging.coefficients, &now.coefficients, &then.coefficients) {
             (Coefficients::Vector(lag), Coefficients::Vector(now), Coefficients::Vector(then))
-                if now.len() == then.len() =>
+                if now.len() == then.len() && now.len() == lag.len() =>
             {
                 let all = lag.as_flattened_mut().iter_mut().zip(now.as_flattened()).zip(then.as_flattened());
                 all.for_each(|((lag, now), then)| step(lag, *now, *then));
             }
             (Coefficients::Normal(lag), Coefficients::Normal(now), Coefficients::Normal(then))
-                if now.len() == then.len() =>
+                if now.len() == then.len() && now.len() == lag.len() =>
             {
                 let all = lag.iter_mut().zip(now).zip(then);
                 all.for_each(|((lag, now), then)| step(lag, *now, *then));
             }
             // Another form or another number of harmonics.
-            _ => return none_of(item),
+            _ => return rest(item, lag),
         }
-        step(&mut lag.residual_gain, now.residual_gain, then.residual_gain);
-        (lag.residual, lag.mask) = (now.residual.clone(), now.mask.clone());
+        step(&mut lagging.residual_gain, now.residual_gain, then.residual_gain);
+        (lagging.residual, lagging.mask) = (now.residual.clone(), now.mask.clone());
     }
-    lag
 }
 
 #[cfg(test)]
 mod tests {
+    use chladni_synth::Term;
+
     use super::*;
 
     fn item(c: f32) -> Item {
@@ -142,10 +172,23 @@ mod tests {
         let mut items = vec![longer.clone()];
         lag.follow(&mut items, 5.05, true);
         assert_eq!(items[1].terms.len(), 2);
-        for (mut items, wanted) in [(vec![longer.clone(), longer.clone()], true), (vec![longer], false)] {
-            let before = items.len();
-            lag.follow(&mut items, 5.1, wanted);
-            assert_eq!(items.len(), before);
-        }
+        let mut unwanted = vec![longer];
+        lag.follow(&mut unwanted, 5.1, false);
+        assert_eq!(unwanted.len(), 1);
+    }
+
+    #[test]
+    fn each_of_a_gallery_lags_by_itself_until_others_come() {
+        let mut lag = Lag::default();
+        let mut at = |amplitudes: &[f32], at_secs: f64| {
+            let mut items: Vec<Item> = amplitudes.iter().map(|c| item(*c)).collect();
+            lag.follow(&mut items, at_secs, true);
+            items[amplitudes.len()..].iter().map(amplitude).collect::<Vec<_>>()
+        };
+        assert_eq!(at(&[1.0, 5.0, 0.0], 0.0), [0.0; 3]);
+        let [rising, still, falling] = at(&[2.0, 5.0, -1.0], 0.02)[..] else { panic!() };
+        assert!(rising > 0.5 && still == 0.0 && falling == -rising, "{rising} {still} {falling}");
+        assert_eq!(at(&[2.0, 9.0], 0.04), [0.0; 2]);
+        assert!(at(&[3.0, 9.0], 0.06)[0] > 0.5);
     }
 }

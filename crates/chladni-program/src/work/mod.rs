@@ -2,6 +2,7 @@
 //! caricature, a dance and a film. It depends neither on a window nor on a command line, and prints nothing:
 //! it reports to a [`Watcher`].
 
+mod back_film;
 mod bars;
 pub mod body;
 mod cast;

@@ -5,6 +5,7 @@ use std::path::Path;
 use chladni_view::{Device, Panorama, Picture, Surroundings, ViewError};
 
 use super::Error;
+use super::back_film::{BackFilm, is_film};
 
 /// The endings of files that may stand behind a shape, and of those that may shine on it.
 pub const PICTURES: [&str; 3] = ["png", "jpg", "jpeg"];
@@ -17,17 +18,34 @@ const MOST_BYTES: u64 = 256 << 20;
 /// What was read of them.
 #[derive(Clone, Debug, Default)]
 pub struct Scenery {
+    /// Of a film, its first picture.
     behind: Option<Picture>,
+    /// The film's name.
+    film: Option<String>,
     around: Option<Panorama>,
 }
 
 impl Scenery {
-    /// Reads the picture that stands behind and the panorama that shines; empty names are none.
+    /// Reads the picture that stands behind, or the first one of a film, and the panorama that shines; empty names are
+    /// none.
     ///
     /// # Errors
-    /// A file that cannot be read, or is no such picture.
+    /// A file that cannot be read, or is no such picture; a film without ffmpeg.
     pub fn open(picture: &str, panorama: &str) -> Result<Self, Error> {
-        Ok(Self { behind: read(picture, Picture::decode)?, around: read(panorama, Panorama::decode)? })
+        let film = is_film(picture).then(|| picture.to_owned());
+        let behind = match &film {
+            Some(film) => Some(BackFilm::open(film)?.picture().clone()),
+            None => read(picture, Picture::decode)?,
+        };
+        Ok(Self { behind, film, around: read(panorama, Panorama::decode)? })
+    }
+
+    /// The film that stands behind, where it is one.
+    ///
+    /// # Errors
+    /// As those of [`open`](Self::open).
+    pub fn film(&self) -> Result<Option<BackFilm>, Error> {
+        self.film.as_deref().map(BackFilm::open).transpose()
     }
 
     /// For those who draw on `device`.

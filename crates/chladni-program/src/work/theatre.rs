@@ -383,7 +383,8 @@ impl Staged {
         [self.area.width, self.area.height]
     }
 
-    /// Item `item` as it looks. One item more than there are cells is its [lag](super::Lag).
+    /// Item `item` as it looks. Where there are twice as many items as cells, the second half are their
+    /// [lags](super::Lag).
     pub fn figure<'a>(
         &self,
         topology: &'a Topology,
@@ -393,8 +394,7 @@ impl Staged {
     ) -> Figure<'a> {
         let Look { material, answer, .. } = self.look;
         let paint = answer.map_or(Paint::Material, |answer| Paint::Answer(rest, answer));
-        let shown = self.viewports.len();
-        let lag = (buffers.items() > shown).then_some(shown);
+        let lag = Some(self.viewports.len() + item).filter(|lag| *lag < buffers.items());
         Figure { material, paint, lag, ..Figure::new(topology, buffers, item) }
     }
 

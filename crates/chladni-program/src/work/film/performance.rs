@@ -303,6 +303,9 @@ impl Performance {
         if canvas.samples() != samples {
             done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
         }
+        let (mut surroundings, mut behind) = (scenery.on(&device)?, scenery.film()?);
+        let mut renderer = Renderer::new(&device);
+        renderer.surround(&surroundings)?;
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
             let (shot, items) = self.play(begin + frame, seconds)?;
             if let Some(item) = items.first().filter(|_| recording && frame >= lead) {
@@ -318,6 +321,12 @@ impl Performance {
                     Some(done.largest_displacement.map_or(share, |most| most.max(share)));
             }
             let drawing = Instant::now();
+            if let Some(film) = &mut behind
+                && film.go_to(shot.time_secs)?
+            {
+                surroundings = std::mem::take(&mut surroundings).before(&device, film.picture())?;
+                renderer.surround(&surroundings)?;
+            }
             self.draw((&deformed, &rest), renderer, canvas, (look, viewpoint), shot)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
             Ok(())
@@ -329,8 +338,6 @@ impl Performance {
             titles.lay(start_secs + at_secs, picture);
             guarding += start.elapsed().as_secs_f64();
         };
-        let mut renderer = Renderer::new(&device);
-        renderer.surround(&scenery.on(&device)?)?;
         let waits = shoot_retouched(&mut renderer, &canvas, film, lead, task, draw, retouch)?;
         seconds.drawing += waits.device_secs;
         seconds.encoding += waits.encoder_secs;

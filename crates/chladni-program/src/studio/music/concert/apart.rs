@@ -19,7 +19,7 @@ pub struct Apart {
     /// Plays what is on stage; the first window's plays the gallery.
     ensemble: Ensemble,
     items: Vec<Item>,
-    /// How many of them are seen; there may be one more, their lag.
+    /// How many of them are seen; as many more may be their lags.
     count: usize,
     lag: Lag,
     /// It was sent to its screen.

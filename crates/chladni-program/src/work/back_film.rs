@@ -1,0 +1,217 @@
+//! A film that stands behind what dances, decoded by ffmpeg in a process of its own.
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+use chladni_view::Picture;
+
+use super::Error;
+
+/// The endings of films that may stand behind a shape.
+pub const FILMS: [&str; 5] = ["mp4", "m4v", "mkv", "mov", "webm"];
+
+/// Pictures a second, whatever the film has: the place in it is a function of the time alone.
+const RATE_HZ: f64 = 25.0;
+/// Wider or higher films are scaled down to this many pixels.
+const LONGEST_SIDE: usize = 1920;
+
+/// Whether a file is taken for a film, by its ending.
+pub fn is_film(name: &str) -> bool {
+    let ending = Path::new(name).extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| FILMS.iter().any(|known| known.eq_ignore_ascii_case(ending)))
+}
+
+/// A film in a loop, of which one picture at a time is held.
+pub struct BackFilm {
+    path: PathBuf,
+    decoder: Decoder,
+    /// How many pictures were decoded since its beginning; the last of them is held.
+    decoded: u64,
+    picture: Picture,
+    /// How many it has, once its end was reached.
+    length: Option<u64>,
+}
+
+impl BackFilm {
+    /// Opens a film at its first picture.
+    ///
+    /// # Errors
+    /// One line, where ffmpeg is not there or finds no film in the file.
+    pub fn open(name: &str) -> Result<Self, Error> {
+        let path = PathBuf::from(name);
+        std::fs::metadata(&path).map_err(|why| Error::Input(format!("{name}: {why}")))?;
+        let mut decoder = Decoder::begin(&path)?;
+        let mut picture = Picture { width: 0, height: 0, rgba: Vec::new() };
+        if !decoder.next(&mut picture).map_err(|why| Error::Input(format!("{name}: {why}")))? {
+            return Err(Error::Input(format!("{name}: {}", decoder.complaint())));
+        }
+        Ok(Self { path, decoder, decoded: 1, picture, length: None })
+    }
+
+    /// The first picture, or that which was asked for last.
+    pub fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
+    /// Goes to the picture at a time of the show; whether it is another one than before.
+    ///
+    /// # Errors
+    /// What ffmpeg writes cannot be read.
+    pub fn go_to(&mut self, at_secs: f64) -> Result<bool, Error> {
+        let index = (at_secs.max(0.0) * RATE_HZ + 1e-6) as u64;
+        let mut wanted = 1 + self.length.map_or(index, |length| index % length);
+        let before = self.decoded;
+        while self.decoded != wanted {
+            if self.decoded > wanted {
+                (self.decoder, self.decoded) = (Decoder::begin(&self.path)?, 0);
+            }
+            let unread = |why| Error::Input(format!("{}: {why}", self.path.display()));
+            if self.decoder.next(&mut self.picture).map_err(unread)? {
+                self.decoded += 1;
+            } else if self.decoded == 0 || self.length.is_some() {
+                return Err(unread(std::io::Error::other("the film is shorter than it was")));
+            } else {
+                self.length = Some(self.decoded);
+                wanted = 1 + index % self.decoded;
+            }
+        }
+        Ok(self.decoded != before)
+    }
+}
+
+/// ffmpeg, writing one picture after the other as PPM, which says its size.
+struct Decoder {
+    child: Child,
+    pictures: BufReader<ChildStdout>,
+}
+
+impl Decoder {
+    fn begin(path: &Path) -> Result<Self, Error> {
+        let fits = format!(
+            "fps={RATE_HZ},scale=w='min({LONGEST_SIDE},iw)':h='min({LONGEST_SIDE},ih)':force_original_aspect_ratio=decrease"
+        );
+        let missing = |why| Error::other(format!("ffmpeg, which reads films, cannot be started: {why}"));
+        // Names are files, never addresses.
+        let mut file = std::ffi::OsString::from("file:");
+        file.push(path);
+        let mut child = Command::new("ffmpeg")
+            .args(["-nostdin", "-loglevel", "fatal", "-protocol_whitelist", "file", "-i"])
+            .arg(file)
+            .args(["-an", "-sn", "-vf", &fits, "-f", "image2pipe", "-c:v", "ppm", "-"])
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(missing)?;
+        let pipe = child.stdout.take().ok_or_else(|| missing(std::io::Error::other("no pipe")))?;
+        Ok(Self { child, pictures: BufReader::with_capacity(1 << 18, pipe) })
+    }
+
+    /// Reads the next picture into `picture`; false at the end.
+    fn next(&mut self, picture: &mut Picture) -> std::io::Result<bool> {
+        let broken = || std::io::Error::other("ffmpeg does not write pictures");
+        let Some(kind) = self.word()? else { return Ok(false) };
+        let mut number = || -> std::io::Result<usize> {
+            self.word()?.and_then(|word| word.parse().ok()).ok_or_else(broken)
+        };
+        let [width, height, most] = [number()?, number()?, number()?];
+        let sides = 1..=LONGEST_SIDE;
+        if kind != "P6" || most != 255 || !sides.contains(&width) || !sides.contains(&height) {
+            return Err(broken());
+        }
+        // Three bytes a pixel come; they are spread from the end on, so that one buffer will do.
+        let pixels = width * height;
+        picture.rgba.resize(4 * pixels, 255);
+        self.pictures.read_exact(&mut picture.rgba[..3 * pixels])?;
+        for i in (0..pixels).rev() {
+            picture.rgba.copy_within(3 * i..3 * i + 3, 4 * i);
+            picture.rgba[4 * i + 3] = 255;
+        }
+        (picture.width, picture.height) = (width as u32, height as u32);
+        Ok(true)
+    }
+
+    /// The next word of a header; `None` where nothing comes any more.
+    fn word(&mut self) -> std::io::Result<Option<String>> {
+        let mut word = String::new();
+        loop {
+            let Some(byte) = self.pictures.fill_buf()?.first().copied() else { return Ok(None) };
+            self.pictures.consume(1);
+            match (byte.is_ascii_whitespace(), word.is_empty()) {
+                (true, false) => return Ok(Some(word)),
+                (true, true) => {}
+                (false, _) if word.len() < 16 => word.push(byte as char),
+                (false, _) => return Err(std::io::Error::other("ffmpeg does not write pictures")),
+            }
+        }
+    }
+
+    /// The first line of what ffmpeg says.
+    fn complaint(&mut self) -> String {
+        let mut said = String::new();
+        if let Some(errors) = self.child.stderr.take() {
+            // What it says only explains; without it the file is as unreadable.
+            let _ = errors.take(4096).read_to_string(&mut said);
+        }
+        let line = said.lines().map(str::trim).find(|line| !line.is_empty());
+        line.map_or_else(|| "ffmpeg finds no picture in it".into(), |line| format!("ffmpeg: {line}"))
+    }
+}
+
+impl Drop for Decoder {
+    fn drop(&mut self) {
+        // It may have ended by itself; waiting takes its entry from the system in either case.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_film_goes_around_and_its_picture_is_a_function_of_the_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("clouds.mkv");
+        // Ten frames, brighter and brighter.
+        let made = Command::new("ffmpeg")
+            .args(["-loglevel", "error", "-f", "lavfi", "-i", "color=black:s=32x16:r=25:d=0.4"])
+            .args(["-vf", "geq=lum=20*N:cb=128:cr=128", "-c:v", "ffv1"])
+            .arg(&path)
+            .status();
+        assert!(made.unwrap().success());
+        let name = path.to_string_lossy();
+        let brightness = |film: &BackFilm| film.picture().rgba[0];
+        let mut film = BackFilm::open(&name).unwrap();
+        assert_eq!((film.picture().width, film.picture().height), (32, 16));
+        let mut seen = Vec::new();
+        for frame in 0..30 {
+            film.go_to(f64::from(frame) / 25.0).unwrap();
+            seen.push(brightness(&film));
+        }
+        assert!(seen[..10].is_sorted() && seen[9] > seen[0] + 100, "{seen:?}");
+        assert_eq!((&seen[10..20], &seen[20..]), (&seen[..10], &seen[..10]));
+        assert!(!film.go_to(29.5 / 25.0).unwrap());
+        // Whoever begins in the middle sees the same.
+        let mut later = BackFilm::open(&name).unwrap();
+        for frame in [27, 3, 14] {
+            later.go_to(f64::from(frame) / 25.0).unwrap();
+            assert_eq!(brightness(&later), seen[frame as usize], "{frame}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_film_is_told_in_one_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text.mp4").to_string_lossy().into_owned();
+        std::fs::write(&path, "no film").unwrap();
+        for name in [&*path, "gone.mp4"] {
+            let Err(error) = BackFilm::open(name) else { panic!("{name}") };
+            let line = error.to_string();
+            assert!(!line.contains('\n') && !line.is_empty(), "{line}");
+        }
+        assert!(is_film("a/clouds.MP4") && !is_film("clouds.png") && !is_film("mp4"));
+    }
+}
