@@ -301,11 +301,12 @@ impl Skin {
             ViewError::Shape(format!("{} bytes for an image of {width}×{height}", rgba.len()))
         })?;
         let levels = u32::BITS - width.max(height).leading_zeros();
-        let smaller = (1..levels).map(|level| {
-            let (w, h) = ((width >> level).max(1), (height >> level).max(1));
-            image::imageops::thumbnail(&picture, w, h)
-        });
-        let levels = [picture.clone()].into_iter().chain(smaller).collect();
+        // Each of the one before: of the whole picture every level would cost as much as the first.
+        let half = |level: &image::RgbaImage| {
+            let [w, h] = [level.width(), level.height()].map(|side| (side / 2).max(1));
+            Some(image::imageops::thumbnail(level, w, h))
+        };
+        let levels = std::iter::successors(Some(picture), half).take(levels as usize).collect();
         Self::of_levels(&device, levels)
     }
 

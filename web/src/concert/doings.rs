@@ -1,6 +1,6 @@
 //! What a person does to a concert.
 
-use chladni_music::{Action, Moment, SAND_MODE, experiment, without_sand};
+use chladni_music::{Action, Moment, experiment, without_sand};
 use chladni_program::work::{Error, Programme, opening_view};
 use chladni_view::Camera;
 use wasm_bindgen::prelude::*;
