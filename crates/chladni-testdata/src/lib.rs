@@ -1,5 +1,5 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
-//! repository because their licenses vary.
+//! repository because their licenses vary, and whether the programs are there that some of them need.
 //!
 //! ```
 //! // Tests that need real data return early where there is none.
@@ -25,4 +25,14 @@ pub fn shared(name: &str) -> Option<PathBuf> {
     }
     eprintln!("skipped: {} is not there (set CHLADNI_DATA)", path.display());
     None
+}
+
+/// Whether a program that says its version with `-version`, such as ffmpeg, is on the PATH; prints a line where it is not.
+#[allow(clippy::print_stderr, reason = "a skipped test must say so, and only tests call this")]
+pub fn program(name: &str) -> bool {
+    let is_there = std::process::Command::new(name).arg("-version").output().is_ok();
+    if !is_there {
+        eprintln!("skipped: no {name}");
+    }
+    is_there
 }

@@ -173,6 +173,9 @@ mod tests {
 
     #[test]
     fn a_film_goes_around_and_its_picture_is_a_function_of_the_time() {
+        if !chladni_testdata::program("ffmpeg") {
+            return;
+        }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("clouds.mkv");
         // Ten frames, brighter and brighter.

@@ -16,7 +16,7 @@ pub fn transfer_color(ui: &Ui) -> Color32 {
 
 /// How a curve looks and what its values may be.
 pub struct Plot<'a> {
-    /// Names it where words change.
+    /// Its author id, which tests find it by.
     pub id: &'static str,
     /// What it is called, on screen and for screen readers.
     pub name: &'a str,
