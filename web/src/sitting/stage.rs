@@ -212,11 +212,19 @@ impl Stage {
     }
 
     /// A picture of its own as PNG, on paper. The processor draws it: its pixels are there at once.
-    pub fn png(&mut self, width: u32, height: u32) -> Result<Vec<u8>, Error> {
+    pub fn png(&self, width: u32, height: u32) -> Result<Vec<u8>, Error> {
         let canvas = Canvas::new(&Device::Processor, width, height)?;
         let mut camera = self.camera;
         camera.hold(self.positions.iter().copied(), width as f32 / height as f32, FILL);
-        let model = self.on_processor()?;
+        let copy;
+        let model = match self.screen.device() {
+            Device::Processor => &self.model,
+            Device::Graphics(_) => {
+                copy = self.on_processor()?;
+                &copy
+            }
+        };
+        // A renderer of its own: that of the page keeps room for pictures of the page's size only.
         let mut renderer = Renderer::new(&Device::Processor);
         draw(&mut renderer, &canvas, camera, &[model.figure()], Background::PAPER)?;
         Ok(canvas.read(&Device::Processor)?.to_png()?)
