@@ -242,7 +242,7 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
 fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
-    click(&mut window, "suggest");
+    click(&mut window, "suggest-children");
     click(&mut window, "dance/2");
     click(&mut window, "breed");
     wait(&mut window, "children", |w| shows(w, "2 / 2"));

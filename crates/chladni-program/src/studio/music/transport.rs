@@ -175,7 +175,7 @@ fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
     let button = egui::Button::selectable(on, icon::text(Icon::Sparkles));
     let response = ui.add(button).on_hover_text(tip);
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, "Suggest children"));
-    let response = response.author_id("suggest");
+    let response = response.author_id("suggest-children");
     if response.clicked() {
         wishes.push(Wish::Do(Action::Switch { switch: Switch::Suggest, on: !on }));
     }
