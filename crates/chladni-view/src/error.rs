@@ -48,6 +48,9 @@ pub enum ViewError {
     /// A frame does not fit the film it was given to.
     #[error("film: {0}")]
     Film(String),
+    /// Pictures cannot be given to other programs as a camera.
+    #[error("camera: {0}")]
+    Camera(String),
     /// A file could not be written or read.
     #[error("{path}: {source}")]
     File {

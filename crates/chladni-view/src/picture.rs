@@ -3,7 +3,7 @@
 use crate::ViewError;
 
 /// An image in memory: sRGB, straight alpha, rows from the top.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Picture {
     /// Pixels in a row.
     pub width: u32,

@@ -48,6 +48,29 @@ fn corners_are_pinned_on_stage_and_nowhere_else() {
     assert!(!settings.contains("0.2"), "{settings}");
 }
 
+/// The list lies below what the drawer shows.
+#[cfg(target_os = "linux")]
+fn choose(window: &mut Window, camera: &str) {
+    control(window, "camera").scroll_to_me();
+    window.run_steps(20);
+    click(window, "camera");
+    control(window, &format!("camera/{camera}")).click_accesskit();
+    window.run_steps(2);
+}
+
+/// Whether it works here depends on the machine; that it says so does not.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_camera_for_other_programs_is_there_or_says_why_not() {
+    let (mut window, _folder) = enter_with("[music.camera]\ndevice = \"/nonexistent/video\"\n");
+    wait(&mut window, "that it is not there", |w| shows(w, "camera:"));
+    click(&mut window, "drawer/look");
+    wait(&mut window, "that it is not tried again", |w| !is_there(w, "camera-out"));
+    choose(&mut window, "pipewire");
+    let is_off = |w: &Window| control(w, "camera").accesskit_node().value().as_deref() == Some("Off");
+    wait(&mut window, "the camera, or why not", |w| is_there(w, "camera-out") || is_off(w));
+}
+
 /// Tests draw a second window into the first.
 #[test]
 fn breeding_goes_on_while_the_show_has_a_window_of_its_own() {

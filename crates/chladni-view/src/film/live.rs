@@ -98,19 +98,15 @@ impl LiveFilm {
         })
     }
 
-    fn slot(&self, at_secs: f64) -> u64 {
-        (at_secs * f64::from(self.rate.numerator) / f64::from(self.rate.denominator)).max(0.0) as u64
-    }
-
     /// Whether a picture is wanted at `at_secs` since it began.
     pub fn is_due(&self, at_secs: f64) -> bool {
-        self.last.is_none_or(|last| self.slot(at_secs) > last)
+        self.last.is_none_or(|last| self.rate.slot(at_secs) > last)
     }
 
     /// Takes the picture of `at_secs`, of any size; it is shown until the next one. Left out where it is not due, and
     /// left out and counted where the encoder is too far behind.
     pub fn picture(&mut self, at_secs: f64, picture: Picture) {
-        let slot = self.slot(at_secs);
+        let slot = self.rate.slot(at_secs);
         if !self.is_due(at_secs) {
             return;
         }
@@ -152,7 +148,7 @@ impl LiveFilm {
     pub fn finish(&mut self, at_secs: f64) {
         let silence = LATE_SECS + 1.0 / f64::from(self.sound_hz);
         self.sound(at_secs + silence, &[], &[]);
-        let slots = self.slot(at_secs).max(1);
+        let slots = self.rate.slot(at_secs).max(1);
         if let Some(sender) = self.sender.take() {
             // If the encoder has stopped, its thread says why.
             let _ = sender.send(Message::Finish(slots));
@@ -248,7 +244,7 @@ impl Writer {
 }
 
 /// A picture of another size as large as it fits, on black.
-fn fit(picture: Picture, width: u32, height: u32) -> Picture {
+pub(super) fn fit(picture: Picture, width: u32, height: u32) -> Picture {
     if (picture.width, picture.height) == (width, height) {
         return picture;
     }

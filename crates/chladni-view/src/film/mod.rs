@@ -1,5 +1,7 @@
 //! Films: frames in, one file (or a folder of frames) out, encoded beside the drawing.
 
+mod camera;
+mod feed;
 mod frames;
 mod gif;
 mod live;
@@ -16,6 +18,7 @@ use chladni_task::temporary_beside;
 
 use crate::{Picture, ViewError};
 
+pub use camera::{CameraTarget, LiveCamera, video_devices};
 pub use frames::frame_path;
 pub use live::LiveFilm;
 pub use mp4::ffmpeg_is_there;
@@ -40,6 +43,11 @@ impl FrameRate {
     /// When frame `index` begins, seconds.
     pub fn start_secs(self, index: u64) -> f64 {
         index as f64 * f64::from(self.denominator) / f64::from(self.numerator)
+    }
+
+    /// The frame that is shown at a time; the first one before it begins.
+    pub fn slot(self, at_secs: f64) -> u64 {
+        (at_secs * f64::from(self.numerator) / f64::from(self.denominator)).max(0.0) as u64
     }
 
     /// The number of frames that fill `secs`, at least 1.
@@ -78,6 +86,20 @@ impl FilmFormat {
             ))),
         }
     }
+}
+
+/// Pixels without alpha: what is transparent becomes black. `memory` holds them where any is.
+fn on_black<'a>(rgba: &'a [u8], memory: &'a mut Vec<u8>) -> &'a [u8] {
+    let pixels = rgba.as_chunks::<4>().0;
+    if pixels.iter().all(|pixel| pixel[3] == 255) {
+        return rgba;
+    }
+    memory.clear();
+    memory.extend(pixels.iter().flat_map(|&[r, g, b, a]| {
+        let dim = |c: u8| ((u16::from(c) * u16::from(a) + 127) / 255) as u8;
+        [dim(r), dim(g), dim(b), 255]
+    }));
+    memory
 }
 
 /// Size, rate and sound of a film.

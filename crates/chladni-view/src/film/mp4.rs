@@ -1,11 +1,10 @@
 //! MP4 through an ffmpeg child process.
 
-use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::thread::JoinHandle;
+use std::process::{Command, Stdio};
 
-use super::{Encode, FilmSettings, beside, persist};
+use super::feed::Feed;
+use super::{Encode, FilmSettings, beside, on_black, persist};
 use crate::cpu::halved_chroma;
 use crate::{Picture, ViewError};
 
@@ -24,9 +23,7 @@ pub fn ffmpeg_is_there() -> bool {
 pub(super) struct Mp4 {
     path: PathBuf,
     file: Option<tempfile::NamedTempFile>,
-    child: Child,
-    input: Option<ChildStdin>,
-    complaints: Option<JoinHandle<String>>,
+    feed: Feed,
     opaque: Vec<u8>,
     planes: Vec<u8>,
 }
@@ -65,84 +62,26 @@ impl Mp4 {
         command.args(["-c:v", "h264", "-preset", "superfast", "-crf", "21"]);
         command.args(bt709);
         command.args(["-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
-        let spawned = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
-        let mut child = spawned.map_err(|error| match error.kind() {
+        let feed = Feed::start(&mut command).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => ViewError::NoFfmpeg,
             _ => ViewError::Ffmpeg(error.to_string()),
         })?;
-        let input = child.stdin.take();
-        let complaints = child.stderr.take().map(|mut stderr| {
-            std::thread::spawn(move || {
-                let mut text = String::new();
-                // What cannot be read cannot be reported; the exit status still is.
-                let _ = stderr.by_ref().take(64 << 10).read_to_string(&mut text);
-                let _ = std::io::copy(&mut stderr, &mut std::io::sink());
-                text
-            })
-        });
-        Ok(Self {
-            path: path.to_owned(),
-            file: Some(file),
-            child,
-            input,
-            complaints,
-            opaque: Vec::new(),
-            planes: Vec::new(),
-        })
-    }
-
-    /// What ffmpeg said, once it has ended.
-    fn complaint(&mut self, otherwise: &str) -> ViewError {
-        let text = self.complaints.take().and_then(|thread| thread.join().ok()).unwrap_or_default();
-        let line = text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ");
-        ViewError::Ffmpeg(if line.is_empty() { otherwise.to_owned() } else { line })
+        Ok(Self { path: path.to_owned(), file: Some(file), feed, opaque: Vec::new(), planes: Vec::new() })
     }
 }
 
 impl Encode for Mp4 {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
-        // MP4 has no alpha: what is transparent becomes black.
-        let mut rgba = &picture.rgba;
-        if rgba.as_chunks::<4>().0.iter().any(|pixel| pixel[3] != 255) {
-            self.opaque.clear();
-            self.opaque.extend(rgba.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, a]| {
-                let dim = |c: u8| ((u16::from(c) * u16::from(a) + 127) / 255) as u8;
-                [dim(r), dim(g), dim(b), 255]
-            }));
-            rgba = &self.opaque;
-        }
+        let rgba = on_black(&picture.rgba, &mut self.opaque);
         halved_chroma(rgba, [picture.width as usize, picture.height as usize], &mut self.planes);
-        let written = match &mut self.input {
-            Some(input) => input.write_all(&self.planes),
-            None => return Err(self.complaint("it takes no more frames")),
-        };
-        written.map_err(|error| {
-            // A broken pipe means that ffmpeg has ended; it says why.
-            self.input = None;
-            let _ = self.child.kill();
-            let _ = self.child.wait();
-            self.complaint(&error.to_string())
-        })
+        self.feed.write(&self.planes).map_err(ViewError::Ffmpeg)
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), ViewError> {
-        self.input = None;
-        let status = self.child.wait().map_err(|error| ViewError::Ffmpeg(error.to_string()))?;
-        if !status.success() {
-            return Err(self.complaint(&status.to_string()));
-        }
+        self.feed.finish().map_err(ViewError::Ffmpeg)?;
         match self.file.take() {
             Some(file) => persist(file, &self.path),
             None => Err(ViewError::Film("finished twice".into())),
         }
-    }
-}
-
-impl Drop for Mp4 {
-    fn drop(&mut self) {
-        // Nothing to do for a child that has ended; the temporary file removes itself.
-        self.input = None;
-        let _ = self.child.kill();
-        let _ = self.child.wait();
     }
 }

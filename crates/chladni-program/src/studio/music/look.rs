@@ -1,11 +1,12 @@
 //! The look of the dance, and the screen that the stage appears on.
 
+use chladni_view::film::video_devices;
 use chladni_view::{Background, Lights, Look, Material, Palette};
 use egui::{RichText, Ui};
 
 use std::path::Path;
 
-use super::preferences::Screen;
+use super::preferences::{Camera, Screen};
 use crate::studio::author_id::AuthorId;
 use crate::studio::choose::Chooser;
 use crate::studio::room::Shared;
@@ -53,7 +54,38 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
                left out: the stage then stays where it is.";
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
     ui.add_space(theme::GAP);
+    camera(ui, &mut preferences.camera);
     preferences.projection.show(ui, adjusts);
+}
+
+/// Which programs see the stage; only Linux knows cameras that a program can be.
+fn camera(ui: &mut Ui, chosen: &mut Camera) {
+    if !cfg!(target_os = "linux") {
+        return;
+    }
+    ui.label(RichText::new("Camera for other programs").strong());
+    let name = |camera: &Camera| match camera {
+        Camera::Off => "Off".to_owned(),
+        Camera::PipeWire => "PipeWire".to_owned(),
+        Camera::Device(path) => path.display().to_string(),
+    };
+    let list = egui::ComboBox::from_id_salt("camera").width(160.0).selected_text(name(chosen));
+    let response = list.show_ui(ui, |ui| {
+        for camera in [Camera::Off, Camera::PipeWire] {
+            let (label, id) = (name(&camera), format!("camera/{}", name(&camera).to_lowercase()));
+            ui.selectable_value(chosen, camera, label).author_id(id);
+        }
+        for (path, device) in video_devices() {
+            let camera = Camera::Device(path);
+            let label = format!("{} ({device})", name(&camera));
+            ui.selectable_value(chosen, camera, label);
+        }
+    });
+    response.response.author_id("camera").on_hover_text(
+        "OBS, browsers and other programs see the stage as a camera named Chladni, in the size that it has when this is chosen: \
+         through PipeWire, or through a device of v4l2loopback",
+    );
+    ui.add_space(theme::GAP);
 }
 
 /// A file of one's own, or none.

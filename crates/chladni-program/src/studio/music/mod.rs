@@ -20,6 +20,7 @@ mod listening;
 mod loading;
 mod look;
 mod meters;
+mod outgoing;
 mod pace;
 mod preferences;
 mod projection;
@@ -197,6 +198,7 @@ impl Room for MusicRoom {
         }
         self.recorded_secs = shared.ctx.input(|input| input.time);
         self.follow_recording(shared);
+        self.follow_camera(shared);
         if let Some(listening) = &mut self.listening {
             for message in listening.messages() {
                 shared.notices.warn(message);
@@ -367,7 +369,9 @@ impl MusicRoom {
                 match concert {
                     Ok(mut concert) => {
                         // Another shape goes on in the same film.
-                        concert.recorder = self.concert.take().and_then(|before| before.recorder);
+                        if let Some(before) = self.concert.take() {
+                            concert.outgoing = before.outgoing;
+                        }
                         self.concert = Some(concert);
                         self.names.dancing = std::mem::take(&mut self.names.loading);
                         if let Some((path, show)) = self.coming.take() {

@@ -1,9 +1,11 @@
 //! What the music room remembers between runs.
 
 use std::net::IpAddr;
+use std::path::PathBuf;
 
 use chladni_music::{Binding, Looks};
 use chladni_view::Look;
+use chladni_view::film::CameraTarget;
 use serde::{Deserialize, Serialize};
 
 use super::projection::Projection;
@@ -32,6 +34,8 @@ pub struct Preferences {
     pub screen: Screen,
     /// The stage has a window of its own, and the gallery goes on in the first.
     pub own_window: bool,
+    /// What other programs see of the stage.
+    pub camera: Camera,
     /// The UDP port on which OSC messages are heard; `None` is off.
     pub osc_port: Option<u16>,
     /// OSC of other machines is heard, too: of these, by their addresses, or of any where none is named.
@@ -69,6 +73,30 @@ pub enum Screen {
     Monitor(usize),
 }
 
+/// Where other programs find the picture of the stage.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Camera {
+    /// Nowhere.
+    #[default]
+    Off,
+    /// Among PipeWire's cameras.
+    PipeWire,
+    /// In a video device.
+    Device(PathBuf),
+}
+
+impl Camera {
+    /// What is opened for it.
+    pub fn target(&self) -> Option<CameraTarget> {
+        match self {
+            Self::Off => None,
+            Self::PipeWire => Some(CameraTarget::PipeWire),
+            Self::Device(path) => Some(CameraTarget::Device(path.clone())),
+        }
+    }
+}
+
 impl Default for Preferences {
     fn default() -> Self {
         let Looks { look, palette, material, lights, background, picture, panorama } = first_looks();
@@ -82,6 +110,7 @@ impl Default for Preferences {
             panorama,
             screen: Screen::default(),
             own_window: false,
+            camera: Camera::default(),
             osc_port: None,
             osc_network: false,
             osc_allowed: Vec::new(),

@@ -1,40 +1,25 @@
 //! The set as it is played, as a film: what the stage shows and what is heard.
 
-use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-use chladni_music::Veil;
 use chladni_sound::StereoResampler;
+use chladni_view::Picture;
 use chladni_view::film::LiveFilm;
-use chladni_view::{Canvas, Device, FrameRate, Gpu, Picture, Readback};
 
 use super::listening::HeardSound;
+use super::outgoing::RATE;
 use crate::work::Error;
 
-/// Frames a second.
-const RATE: FrameRate = FrameRate::per_second(30);
 /// Of the film's sound.
 const SOUND_HZ: u32 = 48_000;
-/// Pictures on their way back from the device.
-const FLYING: usize = 2;
 
 /// One recording.
 pub struct Recorder {
     film: LiveFilm,
     path: PathBuf,
     since_secs: f64,
-    flying: VecDeque<Flying>,
     resampler: Option<(u32, StereoResampler)>,
     ends: bool,
-}
-
-struct Flying {
-    at_secs: f64,
-    readback: Readback,
-    size: (u32, u32),
-    veil: Veil,
-    /// How black the stage was, in [0, 1].
-    dark: f32,
 }
 
 impl Recorder {
@@ -44,7 +29,7 @@ impl Recorder {
         let [width, height] = size.map(|length| (length & !1).max(2));
         let film = LiveFilm::begin(path, (width, height), RATE, SOUND_HZ)?;
         let path = path.to_owned();
-        Ok(Self { film, path, since_secs: now_secs, flying: VecDeque::new(), resampler: None, ends: false })
+        Ok(Self { film, path, since_secs: now_secs, resampler: None, ends: false })
     }
 
     /// Its file.
@@ -57,41 +42,11 @@ impl Recorder {
         (now_secs - self.since_secs, self.film.left_out())
     }
 
-    /// Whether a picture is wanted now.
-    pub fn is_due(&self, now_secs: f64) -> bool {
-        !self.ends && self.film.is_due(now_secs - self.since_secs)
-    }
-
-    /// Takes what `canvas` shows, behind a veil and the black of the stage. It is fetched while later ones are drawn.
-    pub fn picture(
-        &mut self,
-        gpu: &Gpu,
-        canvas: &Canvas,
-        now_secs: f64,
-        (veil, dark): (Veil, f32),
-    ) -> Result<(), Error> {
-        if !self.is_due(now_secs) {
-            return Ok(());
+    /// Takes what was seen at `now_secs`.
+    pub fn picture(&mut self, now_secs: f64, picture: Picture) {
+        if !self.ends {
+            self.film.picture(now_secs - self.since_secs, picture);
         }
-        let device = Device::from(gpu);
-        let mut readback = Readback::new(&device, canvas)?;
-        readback.start(&device, canvas)?;
-        let (at_secs, size) = (now_secs - self.since_secs, (canvas.width(), canvas.height()));
-        self.flying.push_back(Flying { at_secs, readback, size, veil, dark });
-        if self.flying.len() > FLYING {
-            self.land(&device)?;
-        }
-        Ok(())
-    }
-
-    fn land(&mut self, device: &Device) -> Result<(), Error> {
-        let Some(mut flying) = self.flying.pop_front() else { return Ok(()) };
-        let mut rgba = Vec::new();
-        flying.readback.finish_into(device, &mut rgba)?;
-        shade(&mut rgba, flying.veil, flying.dark);
-        let (width, height) = flying.size;
-        self.film.picture(flying.at_secs, Picture { width, height, rgba });
-        Ok(())
     }
 
     /// Takes what was heard up to now.
@@ -118,20 +73,10 @@ impl Recorder {
     }
 
     /// It ends now; its file appears a little later.
-    pub fn finish(&mut self, gpu: Option<&Gpu>, now_secs: f64) -> Result<(), Error> {
-        if std::mem::replace(&mut self.ends, true) {
-            return Ok(());
+    pub fn finish(&mut self, now_secs: f64) {
+        if !std::mem::replace(&mut self.ends, true) {
+            self.film.finish(now_secs - self.since_secs);
         }
-        while let (Some(gpu), false) = (gpu, self.flying.is_empty()) {
-            self.land(&Device::from(gpu))?;
-        }
-        self.film.finish(now_secs - self.since_secs);
-        Ok(())
-    }
-
-    /// The device is another one: what was on its way is lost.
-    pub fn change_device(&mut self) {
-        self.flying.clear();
     }
 
     /// How many frames it has, once its file is there, or why it is not.
@@ -142,23 +87,5 @@ impl Recorder {
     /// As [`ended`](Self::ended), but waits: the window closes.
     pub fn wait(&mut self) {
         self.film.wait();
-    }
-}
-
-/// A picture behind what covers it.
-fn shade(rgba: &mut [u8], veil: Veil, dark: f32) {
-    let (to, opacity) = match veil {
-        Veil::Clear => (0.0, 0.0),
-        Veil::Black(opacity) => (0.0, f32::from(opacity) / 255.0),
-        Veil::White(opacity) => (255.0, f32::from(opacity) / 255.0),
-    };
-    if opacity == 0.0 && dark == 0.0 {
-        return;
-    }
-    for pixel in rgba.as_chunks_mut::<4>().0 {
-        for channel in &mut pixel[..3] {
-            let veiled = f32::from(*channel) + opacity * (to - f32::from(*channel));
-            *channel = ((1.0 - dark) * veiled).round() as u8;
-        }
     }
 }

@@ -1,8 +1,9 @@
-//! Beginning and ending a recording of the set.
+//! Beginning and ending a recording of the set, and the camera that other programs see.
 
 use std::path::Path;
 
 use super::MusicRoom;
+use super::preferences::Camera;
 use super::recorder::Recorder;
 use crate::studio::room::Shared;
 use crate::work::Error;
@@ -14,18 +15,16 @@ impl MusicRoom {
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
             return Ok(());
         };
-        if concert.recorder.is_some() {
+        if concert.outgoing.recorder.is_some() {
             listening.keep_sound(false);
             let gpu = concert.gpu().clone();
-            return concert
-                .recorder
-                .as_mut()
-                .map_or(Ok(()), |recorder| recorder.finish(Some(&gpu), now_secs));
+            return concert.outgoing.end_recording(&gpu, now_secs);
         }
         let Some(path) = shared.chooser.save(&[("Films", &["mp4"])], Path::new("set.mp4")) else {
             return Ok(());
         };
-        concert.recorder = Some(Recorder::begin(&path, concert.picture_size(), now_secs)?);
+        let recorder = Recorder::begin(&path, concert.picture_size(), now_secs)?;
+        concert.outgoing.record(recorder, now_secs);
         listening.keep_sound(true);
         Ok(())
     }
@@ -34,7 +33,7 @@ impl MusicRoom {
     pub(super) fn follow_recording(&mut self, shared: &mut Shared<'_>) {
         let now_secs = shared.ctx.input(|input| input.time);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
-        let Some(recorder) = &mut concert.recorder else { return };
+        let Some(recorder) = &mut concert.outgoing.recorder else { return };
         if let Some(heard) = listening.take_sound()
             && let Err(why) = recorder.sound(now_secs, &heard)
         {
@@ -43,7 +42,7 @@ impl MusicRoom {
         let Some(ended) = recorder.ended() else { return };
         let (path, left_out) = (recorder.path().display().to_string(), recorder.progress(now_secs).1);
         listening.keep_sound(false);
-        concert.recorder = None;
+        concert.outgoing.recorder = None;
         match ended {
             Ok(frames) if left_out == 0 => shared.notices.done(format!("Recorded {path}: {frames} frames")),
             Ok(frames) => {
@@ -55,13 +54,28 @@ impl MusicRoom {
         }
     }
 
+    /// Gives the stage's pictures to the programs that the preferences name, or no longer.
+    pub(super) fn follow_camera(&mut self, shared: &mut Shared<'_>) {
+        let Some(concert) = &mut self.concert else { return };
+        let target = shared.settings.music.camera.target();
+        let size = concert.picture_size();
+        let opened = concert.outgoing.show_to(target.as_ref(), size);
+        let lost = opened.err().or_else(|| concert.outgoing.lost_camera());
+        if let Some(why) = lost {
+            // It is tried again when somebody asks for it again.
+            shared.settings.music.camera = Camera::Off;
+            shared.notices.failed(why);
+        }
+    }
+
     /// The window closes: the film is ended first.
     pub(super) fn save_recording(&mut self) {
-        let Some(mut recorder) = self.concert.as_mut().and_then(|concert| concert.recorder.take()) else {
+        let Some(mut recorder) = self.concert.as_mut().and_then(|concert| concert.outgoing.recorder.take())
+        else {
             return;
         };
         // Its last pictures may be lost; the time is that of the last one.
-        let _ = recorder.finish(None, self.recorded_secs);
+        recorder.finish(self.recorded_secs);
         recorder.wait();
     }
 }

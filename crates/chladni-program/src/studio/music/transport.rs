@@ -21,6 +21,7 @@ pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &
     ui.horizontal_centered(|ui| {
         files(ui, concert, wishes);
         recording(ui, concert, wishes);
+        camera(ui, concert);
         ui.separator();
         song(ui, listening);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -37,7 +38,7 @@ pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &
 
 /// That it is recorded, for how long, and the way to end it.
 fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
-    let Some(recorder) = &concert.recorder else { return };
+    let Some(recorder) = &concert.outgoing.recorder else { return };
     let (secs, left_out) = recorder.progress(ui.input(|input| input.time));
     let text = RichText::new(icon::label(Icon::Circle, &clock(secs))).color(theme::palette(ui).error);
     let tip = match left_out {
@@ -48,6 +49,17 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     if end.on_hover_text(tip).clicked() {
         wishes.push(Wish::Record);
     }
+}
+
+/// That other programs see the stage.
+fn camera(ui: &mut Ui, concert: &Concert) {
+    let Some(camera) = concert.outgoing.camera() else { return };
+    let (sent, left_out) = (camera.sent(), camera.left_out());
+    let tip = format!(
+        "Other programs see the stage as the camera Chladni: {sent} pictures went out, {left_out} were followed by \
+         another one too soon. Drawer Look ends it."
+    );
+    ui.label(icon::text(Icon::Camera)).author_id("camera-out").on_hover_text(tip);
 }
 
 fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
@@ -65,7 +77,7 @@ fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
             (
                 "record",
                 Icon::Circle,
-                if concert.recorder.is_some() { "End the recording" } else { "Record the set …" },
+                if concert.outgoing.recorder.is_some() { "End the recording" } else { "Record the set …" },
                 "Picture and sound as they are played now, to an MP4".into(),
                 Wish::Record,
             ),

@@ -65,7 +65,7 @@ impl Concert {
             self.pane.shown = Some(shown);
             self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.drawn_texture());
             self.darken(ui, rect);
-            return self.record(Veil::Clear, false);
+            return self.send(Veil::Clear, false);
         }
         // The picture is shown once its brightness is known; until then the previous one is shown, and no new
         // one is started.
@@ -97,18 +97,16 @@ impl Concert {
             }
         }
         self.darken(ui, rect);
-        self.record(veil, true)
+        self.send(veil, true)
     }
 
-    /// Films what the stage shows or, where there is none, the window.
-    fn record(&mut self, veil: Veil, is_kept: bool) -> Result<(), Error> {
+    /// Gives films and other programs what the stage shows or, where there is none, the window.
+    fn send(&mut self, veil: Veil, is_kept: bool) -> Result<(), Error> {
         let seen = self.draws_stage || !self.on_stage();
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };
-        let (Some(recorder), Some(canvas)) = (self.recorder.as_mut().filter(|_| seen), canvas) else {
-            return Ok(());
-        };
+        let Some(canvas) = canvas.filter(|_| seen) else { return Ok(()) };
         let dark = if self.draws_stage { self.house.level(self.seconds).0 } else { 0.0 };
-        recorder.picture(self.pane.viewport.gpu(), canvas, self.seconds, (veil, dark))
+        self.outgoing.take(self.pane.viewport.gpu(), canvas, self.seconds, (veil, dark))
     }
 
     fn darken(&mut self, ui: &Ui, rect: egui::Rect) {

@@ -34,8 +34,8 @@ use super::gallery;
 use super::harmonics::Harmonics;
 use super::listening::Listening;
 use super::loading::Ready;
+use super::outgoing::Outgoing;
 use super::pace::Pace;
-use super::recorder::Recorder;
 use super::stillness;
 use super::view::View;
 use super::wish::Wish;
@@ -78,8 +78,8 @@ pub struct Concert {
     pub house: House,
     /// The corners of the picture are being moved.
     pub adjusts: bool,
-    /// Films the set.
-    pub recorder: Option<Recorder>,
+    /// Who else gets what the stage shows.
+    pub outgoing: Outgoing,
     moving: bool,
     /// The pane that is drawn shows the stage.
     draws_stage: bool,
@@ -139,7 +139,7 @@ impl Concert {
             piloted: None,
             house: House::default(),
             adjusts: false,
-            recorder: None,
+            outgoing: Outgoing::default(),
             moving: true,
             draws_stage: false,
             seconds: 0.0,
@@ -171,7 +171,7 @@ impl Concert {
         self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
         self.harmonics.forget_device();
         (self.pane, self.apart) = (pane, None);
-        self.recorder.iter_mut().for_each(Recorder::change_device);
+        self.outgoing.change_device();
         Ok(())
     }
 

@@ -1,0 +1,152 @@
+//! What the stage shows, on its way from the device to a film and to other programs.
+
+use std::collections::VecDeque;
+
+use chladni_music::Veil;
+use chladni_view::film::{CameraTarget, LiveCamera};
+use chladni_view::{Canvas, Device, FrameRate, Gpu, Picture, Readback};
+
+use super::recorder::Recorder;
+use crate::work::Error;
+
+/// Pictures a second.
+pub const RATE: FrameRate = FrameRate::per_second(30);
+/// Pictures on their way back from the device.
+const FLYING: usize = 2;
+
+/// Who else gets the pictures of the stage.
+#[derive(Default)]
+pub struct Outgoing {
+    /// Films the set.
+    pub recorder: Option<Recorder>,
+    camera: Option<(CameraTarget, LiveCamera)>,
+    /// From when on pictures are counted.
+    since_secs: f64,
+    last: Option<u64>,
+    flying: VecDeque<Flying>,
+    resting: Vec<Flying>,
+    landed: Picture,
+}
+
+struct Flying {
+    now_secs: f64,
+    readback: Readback,
+    size: (u32, u32),
+    veil: Veil,
+    /// How black the stage was, in [0, 1].
+    dark: f32,
+}
+
+impl Outgoing {
+    /// Records from now on.
+    pub fn record(&mut self, recorder: Recorder, now_secs: f64) {
+        (self.recorder, self.since_secs, self.last) = (Some(recorder), now_secs, None);
+    }
+
+    /// The film ends now; its last pictures are fetched.
+    pub fn end_recording(&mut self, gpu: &Gpu, now_secs: f64) -> Result<(), Error> {
+        while !self.flying.is_empty() {
+            self.land(&Device::from(gpu))?;
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.finish(now_secs);
+        }
+        Ok(())
+    }
+
+    /// Gives pictures of `size` to `target` from now on, or to nobody; nothing changes where it has them already.
+    pub fn show_to(&mut self, target: Option<&CameraTarget>, size: [u32; 2]) -> Result<(), Error> {
+        if target == self.camera.as_ref().map(|(target, _)| target) {
+            return Ok(());
+        }
+        // One that goes on under the same name is ended first.
+        self.camera = None;
+        if let Some(target) = target {
+            // Half of the programs that read video want even sides.
+            let [width, height] = size.map(|length| (length & !1).max(2));
+            self.camera = Some((target.clone(), LiveCamera::open(target, (width, height), RATE)?));
+        }
+        Ok(())
+    }
+
+    /// What other programs see.
+    pub fn camera(&self) -> Option<&LiveCamera> {
+        self.camera.as_ref().map(|(_, camera)| camera)
+    }
+
+    /// Why the camera is gone, once it is.
+    pub fn lost_camera(&mut self) -> Option<Error> {
+        let why = self.camera.as_mut()?.1.trouble()?;
+        self.camera = None;
+        Some(why.into())
+    }
+
+    /// Takes what `canvas` shows, behind a veil and the black of the stage, where somebody wants it now. It is fetched
+    /// while later ones are drawn.
+    pub fn take(
+        &mut self,
+        gpu: &Gpu,
+        canvas: &Canvas,
+        now_secs: f64,
+        (veil, dark): (Veil, f32),
+    ) -> Result<(), Error> {
+        let slot = RATE.slot(now_secs - self.since_secs);
+        let is_wanted = self.recorder.is_some() || self.camera.is_some();
+        if !is_wanted || self.last.is_some_and(|last| slot <= last) {
+            return Ok(());
+        }
+        self.last = Some(slot);
+        let device = Device::from(gpu);
+        let size = (canvas.width(), canvas.height());
+        self.resting.retain(|rests| rests.size == size);
+        let mut readback = match self.resting.pop() {
+            Some(rests) => rests.readback,
+            None => Readback::new(&device, canvas)?,
+        };
+        readback.start(&device, canvas)?;
+        self.flying.push_back(Flying { now_secs, readback, size, veil, dark });
+        if self.flying.len() > FLYING {
+            self.land(&device)?;
+        }
+        Ok(())
+    }
+
+    fn land(&mut self, device: &Device) -> Result<(), Error> {
+        let Some(mut flying) = self.flying.pop_front() else { return Ok(()) };
+        flying.readback.finish_into(device, &mut self.landed.rgba)?;
+        (self.landed.width, self.landed.height) = flying.size;
+        shade(&mut self.landed.rgba, flying.veil, flying.dark);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.picture(flying.now_secs, self.landed.clone());
+        }
+        if let Some((_, camera)) = &mut self.camera {
+            camera.picture(&mut self.landed);
+        }
+        self.resting.push(flying);
+        Ok(())
+    }
+
+    /// The device is another one: what was on its way is lost.
+    pub fn change_device(&mut self) {
+        self.flying.clear();
+        self.resting.clear();
+    }
+}
+
+/// A picture behind what covers it.
+fn shade(rgba: &mut [u8], veil: Veil, dark: f32) {
+    let (to, opacity) = match veil {
+        Veil::Clear => (0.0, 0.0),
+        Veil::Black(opacity) => (0.0, f32::from(opacity) / 255.0),
+        Veil::White(opacity) => (255.0, f32::from(opacity) / 255.0),
+    };
+    if opacity == 0.0 && dark == 0.0 {
+        return;
+    }
+    for pixel in rgba.as_chunks_mut::<4>().0 {
+        for channel in &mut pixel[..3] {
+            let veiled = f32::from(*channel) + opacity * (to - f32::from(*channel));
+            *channel = ((1.0 - dark) * veiled).round() as u8;
+        }
+    }
+}

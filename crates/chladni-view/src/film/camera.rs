@@ -1,0 +1,236 @@
+//! What is seen now, as a camera for other programs: nobody waits for those, and they get the newest picture.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{ChildStdin, Command};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::feed::Feed;
+use super::live::fit;
+use super::{FilmSettings, FrameRate, on_black};
+use crate::{Picture, ViewError};
+
+/// Where Linux lists the video devices that no hardware stands behind.
+const VIRTUAL_DEVICES: &str = "/sys/devices/virtual/video4linux";
+/// What PipeWire's way of a camera takes, where it is missing.
+const INSTALL: &str = "install gstreamer1.0-tools, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good and gstreamer1.0-pipewire";
+
+/// Which kind of camera other programs see.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CameraTarget {
+    /// A node of PipeWire, named Chladni. Needs `gst-launch-1.0` with PipeWire's plugin.
+    PipeWire,
+    /// A video device of v4l2loopback, such as `/dev/video2`. Needs ffmpeg.
+    Device(PathBuf),
+}
+
+/// Video devices that can be given pictures (those of v4l2loopback), each with its name; none but on Linux.
+pub fn video_devices() -> Vec<(PathBuf, String)> {
+    let entries = std::fs::read_dir(VIRTUAL_DEVICES).into_iter().flatten().flatten();
+    let mut devices: Vec<(PathBuf, String)> = entries
+        .map(|entry| {
+            let name = std::fs::read_to_string(entry.path().join("name")).unwrap_or_default();
+            (Path::new("/dev").join(entry.file_name()), name.trim().to_owned())
+        })
+        .collect();
+    devices.sort();
+    devices
+}
+
+/// A camera that shows the newest picture it was given, again and again. Dropped, it is gone.
+///
+/// A picture is never waited for and never queued: one that comes before the last one was shown takes its place.
+#[derive(Debug)]
+pub struct LiveCamera {
+    feed: Feed,
+    common: Arc<Common>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What both threads know.
+#[derive(Debug, Default)]
+struct Common {
+    newest: Mutex<Newest>,
+    sent: AtomicU64,
+    left_out: AtomicU64,
+    ends: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct Newest {
+    picture: Picture,
+    is_fresh: bool,
+}
+
+impl LiveCamera {
+    /// Opens one of `width`×`height` pixels, both even for other programs' sake, that is black until a picture comes.
+    ///
+    /// # Errors
+    /// [`ViewError::Camera`] where a program is missing that it needs or refuses to start; [`ViewError::Size`] and
+    /// [`ViewError::Film`] for sizes and rates that no film has. What goes wrong later is found by
+    /// [`trouble`](Self::trouble).
+    pub fn open(
+        target: &CameraTarget,
+        (width, height): (u32, u32),
+        rate: FrameRate,
+    ) -> Result<Self, ViewError> {
+        FilmSettings { width, height, rate, frames: u64::MAX, first: 0, audio: None }.check()?;
+        if width % 2 == 1 || height % 2 == 1 {
+            return Err(ViewError::Camera(format!("its sides are even, unlike {width}×{height}")));
+        }
+        let mut command = target.command(width, height, rate);
+        let mut feed = Feed::start(&mut command).map_err(|why| match (why.kind(), target) {
+            (std::io::ErrorKind::NotFound, CameraTarget::PipeWire) => {
+                ViewError::Camera(format!("gst-launch-1.0 is not on the PATH: {INSTALL}"))
+            }
+            (std::io::ErrorKind::NotFound, CameraTarget::Device(_)) => {
+                ViewError::Camera("ffmpeg is not on the PATH: install it".into())
+            }
+            _ => ViewError::Camera(why.to_string()),
+        })?;
+        let common = Arc::new(Common::default());
+        let Some(input) = feed.take_input() else {
+            return Err(ViewError::Camera("no pipe to its program".into()));
+        };
+        let sender = Sender { common: Arc::clone(&common), input, width, height, rate };
+        let thread = std::thread::Builder::new()
+            .name("camera".into())
+            .spawn(move || sender.run())
+            .map_err(|why| ViewError::Camera(format!("no thread to send from: {why}")))?;
+        Ok(Self { feed, common, thread: Some(thread) })
+    }
+
+    /// Shows what is seen, of any size, from now on. What `picture` holds afterwards is memory for the next one.
+    pub fn picture(&mut self, picture: &mut Picture) {
+        // The other thread swaps pictures under this lock and does nothing else.
+        let mut newest = self.common.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::swap(&mut newest.picture, picture);
+        if std::mem::replace(&mut newest.is_fresh, true) {
+            self.common.left_out.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// How many pictures went out; where nobody looks, none do.
+    pub fn sent(&self) -> u64 {
+        self.common.sent.load(Ordering::Relaxed)
+    }
+
+    /// How many were followed by another one before they went out.
+    pub fn left_out(&self) -> u64 {
+        self.common.left_out.load(Ordering::Relaxed)
+    }
+
+    /// Why it ended, once it has.
+    pub fn trouble(&mut self) -> Option<ViewError> {
+        if !self.thread.as_ref()?.is_finished() {
+            return None;
+        }
+        self.thread.take()?.join().ok();
+        // What follows the first complaint follows from it.
+        let said = self.feed.complaint("its program has ended");
+        let said = said.split("; ").next().unwrap_or_default();
+        Some(ViewError::Camera(if said.contains("no element") {
+            format!("{said}: {INSTALL}")
+        } else if said.contains("pipewiresink") && said.contains("Failed to connect") {
+            "no PipeWire runs that it could be a camera of".into()
+        } else {
+            said.to_owned()
+        }))
+    }
+}
+
+impl Drop for LiveCamera {
+    fn drop(&mut self) {
+        self.common.ends.store(true, Ordering::Relaxed);
+        // The thread may wait for its reader, which ends first.
+        self.feed.end();
+        if let Some(thread) = self.thread.take() {
+            thread.join().ok();
+        }
+    }
+}
+
+impl CameraTarget {
+    fn command(&self, width: u32, height: u32, rate: FrameRate) -> Command {
+        let fps = format!("{}/{}", rate.numerator, rate.denominator);
+        match self {
+            Self::PipeWire => {
+                let mut command = Command::new("gst-launch-1.0");
+                command.args(["-q", "fdsrc", "fd=0"]).arg(format!("blocksize={}", 4 * width * height));
+                command.args(["!", "rawvideoparse", "format=rgbx"]);
+                command.args([
+                    format!("width={width}"),
+                    format!("height={height}"),
+                    format!("framerate={fps}"),
+                ]);
+                // The pictures come in time; readers may want another kind of pixels.
+                command.args(["!", "videoconvert", "!", "pipewiresink", "mode=provide", "sync=false"]);
+                command.arg(
+                    "stream-properties=props,media.class=Video/Source,media.role=Camera,node.name=chladni,\
+                     node.description=Chladni",
+                );
+                command
+            }
+            Self::Device(path) => {
+                let mut command = Command::new("ffmpeg");
+                command.args(["-nostdin", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgb0"]);
+                command.args([
+                    "-video_size",
+                    &format!("{width}x{height}"),
+                    "-framerate",
+                    &fps,
+                    "-i",
+                    "pipe:0",
+                ]);
+                command.args(["-f", "v4l2", "-pix_fmt", "yuv420p"]).arg(path);
+                command
+            }
+        }
+    }
+}
+
+/// On a thread of its own.
+struct Sender {
+    common: Arc<Common>,
+    input: ChildStdin,
+    width: u32,
+    height: u32,
+    rate: FrameRate,
+}
+
+impl Sender {
+    /// Until it is dropped or its program ends.
+    fn run(mut self) {
+        let black = [0, 0, 0, 255].repeat(self.width as usize * self.height as usize);
+        let mut shown = Picture { width: self.width, height: self.height, rgba: black };
+        let mut opaque = Vec::new();
+        let began = Instant::now();
+        let mut slot = 0;
+        while !self.common.ends.load(Ordering::Relaxed) {
+            if self.take(&mut shown) && (shown.width, shown.height) != (self.width, self.height) {
+                shown = fit(shown, self.width, self.height);
+            }
+            if self.input.write_all(on_black(&shown.rgba, &mut opaque)).is_err() {
+                return;
+            }
+            self.common.sent.fetch_add(1, Ordering::Relaxed);
+            // Where its reader was late, the slots meanwhile are left out.
+            slot = (slot + 1).max(self.rate.slot(began.elapsed().as_secs_f64()));
+            let next = Duration::from_secs_f64(self.rate.start_secs(slot));
+            std::thread::sleep(next.saturating_sub(began.elapsed()));
+        }
+    }
+
+    /// Takes the newest picture; whether there is one that was not taken before.
+    fn take(&self, shown: &mut Picture) -> bool {
+        let mut newest = self.common.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_fresh = std::mem::replace(&mut newest.is_fresh, false);
+        if is_fresh {
+            std::mem::swap(&mut newest.picture, shown);
+        }
+        is_fresh
+    }
+}
