@@ -19,6 +19,8 @@ mod lineage;
 mod listening;
 mod loading;
 mod look;
+#[cfg(target_os = "linux")]
+mod media_keys;
 mod meters;
 mod outgoing;
 mod pace;
@@ -82,6 +84,8 @@ pub struct MusicRoom {
     listening: Option<Listening>,
     /// What to listen to once there are ears.
     input: Option<Capture>,
+    #[cfg(target_os = "linux")]
+    media_keys: Option<media_keys::MediaKeys>,
     trace: Option<Trace>,
     drawers: Drawers,
     curtain: Curtain,
@@ -133,6 +137,8 @@ impl Room for MusicRoom {
         self.filming.poll(shared);
         let mut wishes = self.keys(&shared.ctx);
         self.follow_remote(shared, &mut wishes);
+        #[cfg(target_os = "linux")]
+        self.follow_media_keys(shared);
         let staged = self.concert.as_ref().is_some_and(Concert::on_stage);
         self.apart = shared.settings.music.own_window;
         // Whether the stage has this window.

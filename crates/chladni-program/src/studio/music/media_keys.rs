@@ -1,0 +1,459 @@
+//! What media keys and the desktop's players see and ask for: MPRIS 2.2 on the session bus (Linux).
+//!
+//! Without a bus nothing happens. The window tells what plays and collects what was asked; it never waits.
+
+use std::collections::HashMap;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use chladni_sound::PlayerState;
+use zbus::block_on;
+use zbus::blocking::connection::Builder;
+use zbus::interface;
+use zbus::zvariant::{ObjectPath, Value};
+
+use super::MusicRoom;
+use crate::studio::room::Shared;
+
+const NAME: &str = "org.mpris.MediaPlayer2.chladni";
+const PATH: &str = "/org/mpris/MediaPlayer2";
+/// A song is known by its place in the list.
+const SONGS: &str = "/org/chladni/song";
+/// A place that is further from where it was expected was jumped to.
+const JUMP_SECS: f64 = 1.0;
+
+/// What is asked of the player.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// Play, where it does not.
+    Play,
+    /// Pause, where it plays.
+    Pause,
+    /// The other of the two.
+    PlayPause,
+    /// The next song.
+    Next,
+    /// The one before.
+    Previous,
+    /// So many seconds on, or back.
+    SeekBy(f64),
+    /// To this second of the song.
+    SeekTo(f64),
+    /// Loudness in [0, 1].
+    Volume(f32),
+}
+
+/// What plays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Playing {
+    /// Whether time passes in the song.
+    pub state: PlayerState,
+    /// Its place in the list.
+    pub song: usize,
+    /// Artist and title, or the file's name.
+    pub title: String,
+    /// Where it is known.
+    pub duration_secs: Option<f64>,
+    /// In [0, 1].
+    pub volume: f32,
+}
+
+/// The player on the bus. Dropped, it is gone from there.
+pub struct MediaKeys {
+    asked: Receiver<Asked>,
+    told: Sender<Told>,
+    place: Arc<Mutex<Place>>,
+    playing: Playing,
+}
+
+enum Told {
+    Playing(Playing),
+    Jumped(i64),
+}
+
+/// Where the song is; asked for now and then, and signaled only where it jumps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Place {
+    song: usize,
+    at_secs: f64,
+}
+
+impl MediaKeys {
+    /// On the bus of the session. `wake` is called from another thread where something is asked.
+    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        Self::on(Builder::session, wake)
+    }
+
+    fn on(
+        bus: impl FnOnce() -> zbus::Result<Builder<'static>> + Send + 'static,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let (asks, asked) = channel();
+        let (told, tells) = channel();
+        let place = Arc::new(Mutex::new(Place::default()));
+        let player =
+            Player { asks, wake: Box::new(wake), place: Arc::clone(&place), playing: Playing::default() };
+        // To connect may take its time. Without a bus, or without this thread, there are no media keys, and nobody
+        // who asked for them.
+        let _ = std::thread::Builder::new().name("media keys".into()).spawn(move || {
+            let connection = bus()?.name(NAME)?.serve_at(PATH, Root)?.serve_at(PATH, player)?.build()?;
+            let player = connection.object_server().interface::<_, Player>(PATH)?;
+            for told in tells {
+                let emitter = player.signal_emitter();
+                match told {
+                    Told::Jumped(micros) => block_on(Player::seeked(emitter, micros))?,
+                    Told::Playing(playing) => {
+                        let before = std::mem::replace(&mut player.get_mut().playing, playing.clone());
+                        let player = player.get();
+                        if before.state != playing.state {
+                            block_on(player.playback_status_changed(emitter))?;
+                        }
+                        if before.volume != playing.volume {
+                            block_on(player.volume_changed(emitter))?;
+                        }
+                        let of =
+                            |playing: &Playing| (playing.song, playing.title.clone(), playing.duration_secs);
+                        if of(&before) != of(&playing) {
+                            block_on(player.metadata_changed(emitter))?;
+                        }
+                    }
+                }
+            }
+            Ok::<(), zbus::Error>(())
+        });
+        Self { asked, told, place, playing: Playing::default() }
+    }
+
+    /// What was asked since the last frame.
+    pub fn asked(&self) -> impl Iterator<Item = Asked> {
+        self.asked.try_iter()
+    }
+
+    /// Tells what plays, and at which second of the song.
+    pub fn tell(&mut self, playing: Playing, at_secs: f64) {
+        let before = std::mem::replace(&mut *lock(&self.place), Place { song: playing.song, at_secs });
+        // A thread that has ended has nobody to tell.
+        if (at_secs - before.at_secs).abs() > JUMP_SECS && before.song == playing.song {
+            let _ = self.told.send(Told::Jumped(micros(at_secs)));
+        }
+        if playing != self.playing {
+            self.playing.clone_from(&playing);
+            let _ = self.told.send(Told::Playing(playing));
+        }
+    }
+}
+
+impl MusicRoom {
+    /// Does what media keys ask for, and tells the desktop what plays.
+    pub(super) fn follow_media_keys(&mut self, shared: &mut Shared<'_>) {
+        let Some(listening) = &mut self.listening else { return };
+        let keys = self.media_keys.get_or_insert_with(|| {
+            let ctx = shared.ctx.clone();
+            MediaKeys::start(move || ctx.request_repaint())
+        });
+        for asked in keys.asked() {
+            let status = listening.player().status();
+            let plays = status.state == PlayerState::Playing && listening.live().is_none();
+            match asked {
+                Asked::Play if !plays => listening.toggle(),
+                Asked::Pause if plays => listening.toggle(),
+                Asked::Play | Asked::Pause => {}
+                Asked::PlayPause => listening.toggle(),
+                Asked::Next => listening.player().next(),
+                Asked::Previous => listening.player().previous(),
+                Asked::SeekBy(secs) => listening.player().seek((status.position_secs + secs).max(0.0)),
+                Asked::SeekTo(secs) => listening.player().seek(secs),
+                Asked::Volume(volume) => {
+                    listening.set_volume(volume);
+                    shared.settings.music.volume = volume;
+                }
+            }
+        }
+        let status = listening.player().status();
+        let is_live = listening.live().is_some();
+        let playing = Playing {
+            state: if is_live { PlayerState::Stopped } else { status.state },
+            song: status.song,
+            title: listening.name_of(status.song),
+            duration_secs: status.duration_secs,
+            volume: listening.volume(),
+        };
+        keys.tell(playing, status.position_secs);
+    }
+}
+
+fn lock(place: &Mutex<Place>) -> MutexGuard<'_, Place> {
+    place.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn micros(secs: f64) -> i64 {
+    (1e6 * secs) as i64
+}
+
+fn track(song: usize) -> String {
+    format!("{SONGS}/{song}")
+}
+
+/// The program as a whole.
+struct Root;
+
+#[interface(name = "org.mpris.MediaPlayer2")]
+impl Root {
+    fn raise(&self) {}
+    fn quit(&self) {}
+
+    #[zbus(property)]
+    fn can_quit(&self) -> bool {
+        false
+    }
+
+    #[zbus(property)]
+    fn can_raise(&self) -> bool {
+        false
+    }
+
+    #[zbus(property)]
+    fn has_track_list(&self) -> bool {
+        false
+    }
+
+    #[zbus(property)]
+    fn identity(&self) -> &str {
+        "Chladni"
+    }
+
+    #[zbus(property)]
+    fn supported_uri_schemes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    #[zbus(property)]
+    fn supported_mime_types(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+struct Player {
+    asks: Sender<Asked>,
+    wake: Box<dyn Fn() + Send + Sync>,
+    place: Arc<Mutex<Place>>,
+    playing: Playing,
+}
+
+impl Player {
+    fn ask(&self, asked: Asked) {
+        // The window may have closed.
+        if self.asks.send(asked).is_ok() {
+            (self.wake)();
+        }
+    }
+}
+
+#[interface(name = "org.mpris.MediaPlayer2.Player")]
+impl Player {
+    fn play(&self) {
+        self.ask(Asked::Play);
+    }
+
+    fn pause(&self) {
+        self.ask(Asked::Pause);
+    }
+
+    fn stop(&self) {
+        self.ask(Asked::Pause);
+    }
+
+    fn play_pause(&self) {
+        self.ask(Asked::PlayPause);
+    }
+
+    fn next(&self) {
+        self.ask(Asked::Next);
+    }
+
+    fn previous(&self) {
+        self.ask(Asked::Previous);
+    }
+
+    fn seek(&self, offset: i64) {
+        self.ask(Asked::SeekBy(1e-6 * offset as f64));
+    }
+
+    fn set_position(&self, track_id: ObjectPath<'_>, position: i64) {
+        // By the book, a place in another song, before it or after it is left aside.
+        let length = self.playing.duration_secs.map_or(i64::MAX, micros);
+        if track_id.as_str() == track(self.playing.song) && (0..=length).contains(&position) {
+            self.ask(Asked::SeekTo(1e-6 * position as f64));
+        }
+    }
+
+    fn open_uri(&self, _uri: &str) {}
+
+    #[zbus(signal)]
+    async fn seeked(emitter: &zbus::object_server::SignalEmitter<'_>, position: i64) -> zbus::Result<()>;
+
+    #[zbus(property)]
+    fn playback_status(&self) -> &str {
+        match self.playing.state {
+            PlayerState::Playing => "Playing",
+            PlayerState::Paused => "Paused",
+            PlayerState::Stopped => "Stopped",
+        }
+    }
+
+    #[zbus(property)]
+    fn metadata(&self) -> HashMap<&'static str, Value<'_>> {
+        let mut told = HashMap::from([("xesam:title", Value::from(self.playing.title.as_str()))]);
+        if let Ok(path) = ObjectPath::try_from(track(self.playing.song)) {
+            told.insert("mpris:trackid", path.into());
+        }
+        if let Some(secs) = self.playing.duration_secs {
+            told.insert("mpris:length", micros(secs).into());
+        }
+        told
+    }
+
+    #[zbus(property(emits_changed_signal = "false"))]
+    fn position(&self) -> i64 {
+        micros(lock(&self.place).at_secs)
+    }
+
+    #[zbus(property)]
+    fn volume(&self) -> f64 {
+        f64::from(self.playing.volume)
+    }
+
+    #[zbus(property)]
+    fn set_volume(&mut self, volume: f64) {
+        self.ask(Asked::Volume(volume.clamp(0.0, 1.0) as f32));
+    }
+
+    #[zbus(property)]
+    fn rate(&self) -> f64 {
+        1.0
+    }
+
+    #[zbus(property)]
+    fn minimum_rate(&self) -> f64 {
+        1.0
+    }
+
+    #[zbus(property)]
+    fn maximum_rate(&self) -> f64 {
+        1.0
+    }
+
+    #[zbus(property)]
+    fn can_go_next(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_go_previous(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_play(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_pause(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_seek(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_control(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    use zbus::blocking::Proxy;
+
+    use super::*;
+
+    fn until(what: &str, mut ready: impl FnMut() -> bool) {
+        let began = Instant::now();
+        while !ready() {
+            assert!(began.elapsed() < Duration::from_secs(60), "{what}");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    #[test]
+    fn others_see_what_plays_and_ask_for_another_song() {
+        let daemon = Command::new("dbus-daemon")
+            .args(["--session", "--nofork", "--print-address=1"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let Ok(mut daemon) = daemon else { return println!("skipped: no dbus-daemon") };
+        let mut address = String::new();
+        BufReader::new(daemon.stdout.take().unwrap()).read_line(&mut address).unwrap();
+        let address = address.trim().to_owned();
+        let bus = address.clone();
+        let mut keys = MediaKeys::on(move || Builder::address(bus.as_str()), || {});
+        let mut playing = Playing {
+            state: PlayerState::Playing,
+            song: 2,
+            title: "Anna Lindal: Tide".into(),
+            duration_secs: Some(90.0),
+            volume: 0.5,
+        };
+        keys.tell(playing.clone(), 10.0);
+        let client = Builder::address(address.as_str()).unwrap().build().unwrap();
+        let other = Proxy::new(&client, NAME, PATH, "org.mpris.MediaPlayer2.Player").unwrap();
+        let state =
+            |state: &str| other.get_property::<String>("PlaybackStatus").is_ok_and(|seen| seen == state);
+        until("it is there", || state("Playing"));
+        assert_eq!(other.get_property::<i64>("Position").unwrap(), 10_000_000);
+        let seen: HashMap<String, zbus::zvariant::OwnedValue> = other.get_property("Metadata").unwrap();
+        assert_eq!(<&str>::try_from(&seen["xesam:title"]).unwrap(), playing.title);
+        assert_eq!(i64::try_from(&seen["mpris:length"]).unwrap(), 90_000_000);
+        let jumps = other.receive_signal("Seeked").unwrap();
+        // What is asked comes in turn; a place in another song, and one behind the end, are left aside.
+        let place = |song: &str, micros: i64| (ObjectPath::try_from(song.to_owned()).unwrap(), micros);
+        other.call_method("SetPosition", &place("/org/chladni/song/1", 5_000_000)).unwrap();
+        other.call_method("SetPosition", &place("/org/chladni/song/2", 95_000_000)).unwrap();
+        other.call_method("SetPosition", &place("/org/chladni/song/2", 5_000_000)).unwrap();
+        other.call_method("PlayPause", &()).unwrap();
+        other.call_method("Next", &()).unwrap();
+        other.call_method("Seek", &(-2_500_000i64)).unwrap();
+        other.set_property("Volume", 7.0).unwrap();
+        let asked: Vec<Asked> = keys.asked().collect();
+        let expected =
+            [Asked::SeekTo(5.0), Asked::PlayPause, Asked::Next, Asked::SeekBy(-2.5), Asked::Volume(1.0)];
+        assert_eq!(asked, expected);
+        playing.state = PlayerState::Paused;
+        keys.tell(playing, 60.0);
+        until("it is paused", || state("Paused"));
+        let jump = jumps.into_iter().next().unwrap();
+        assert_eq!(jump.body().deserialize::<i64>().unwrap(), 60_000_000);
+        drop(keys);
+        let bus = zbus::blocking::fdo::DBusProxy::new(&client).unwrap();
+        until("it is gone", || !bus.name_has_owner(NAME.try_into().unwrap()).unwrap());
+        let _ = daemon.kill();
+        let _ = daemon.wait();
+    }
+
+    #[test]
+    fn without_a_bus_nothing_happens() {
+        let mut keys = MediaKeys::on(|| Builder::address("unix:path=/nonexistent"), || {});
+        keys.tell(Playing { song: 1, ..Playing::default() }, 1.0);
+        assert_eq!(keys.asked().count(), 0);
+    }
+}
