@@ -32,6 +32,7 @@
 mod autopilot;
 mod breeding;
 mod clock;
+mod clock_track;
 mod control;
 mod dancer;
 mod descriptor;
@@ -81,6 +82,7 @@ pub use chladni_breeding::{
 };
 pub use chladni_mesh::MirrorPlane;
 pub use clock::{ClockMessage, ClockOut, TICKS_PER_QUARTER};
+pub use clock_track::{ClockBar, ClockMark, ClockTrack};
 pub use control::{Binding, Bindings, Standing};
 pub use dancer::Dancer;
 pub use descriptor::{Describer, Moments};

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gallery::GalleryShape;
 use crate::text_file::{self, FORMAT_VERSION};
-use crate::{Instrument, LoggedAction, MusicError, Parameters, Settings};
+use crate::{ClockTrack, Instrument, LoggedAction, MusicError, Parameters, Settings};
 
 /// An external file that a show needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -184,6 +184,9 @@ pub struct Show {
     /// When each was heard, in order; if empty, the first song from its beginning.
     #[serde(default)]
     pub heard: Vec<Stretch>,
+    /// The beat of an outer clock, where one was followed.
+    #[serde(default, skip_serializing_if = "ClockTrack::is_empty")]
+    pub clock: ClockTrack,
     /// All that was done, oldest first.
     #[serde(default)]
     pub actions: Vec<LoggedAction>,
@@ -221,6 +224,7 @@ impl Show {
             beginning: instrument.beginning(),
             songs: Vec::new(),
             heard: Vec::new(),
+            clock: ClockTrack::default(),
             actions: instrument.log().to_vec(),
             read_from_version: FORMAT_VERSION,
         }
@@ -278,6 +282,7 @@ impl Show {
                 beginning: Settings::of_version_1(),
                 songs: songs.into_iter().collect(),
                 heard: Vec::new(),
+                clock: ClockTrack::default(),
                 actions,
                 read_from_version: version,
             }
@@ -334,6 +339,9 @@ impl Show {
         }
         if self.heard.windows(2).any(|pair| pair[1].at_secs < pair[0].at_secs) {
             return bad("what was heard must be in order".into());
+        }
+        if !self.clock.is_sound() || !self.clock.marks().iter().all(|mark| is_time(mark.at_secs)) {
+            return bad("the marks of the clock must be in order and within bounds".into());
         }
         if let Some(song) = self.heard.iter().filter_map(|s| s.song).find(|&song| song >= self.songs.len()) {
             return bad(format!("there is no song {song}: there are {}", self.songs.len()));

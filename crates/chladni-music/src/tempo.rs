@@ -146,6 +146,11 @@ impl Tempo {
         Some(1 + beats.floor().rem_euclid(QUARTERS_PER_BAR) as u32)
     }
 
+    /// Bars begin where the count of [`at`](Self::at) is this and a multiple of four.
+    pub fn bar_offset(&self) -> f64 {
+        self.origin.rem_euclid(QUARTERS_PER_BAR)
+    }
+
     /// Moves the beat; with a positive value it comes sooner.
     pub fn nudge(&mut self, secs: f64) {
         self.nudge_secs = (self.nudge_secs + secs).clamp(-1.0, 1.0);

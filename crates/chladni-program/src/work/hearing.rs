@@ -4,12 +4,16 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use chladni_music::{
-    Bands, BarLine, Beat, Director, Framing, Harmony, Parameters, Resonators, Ringing, Stretch, smooth,
+    Bands, BarLine, Beat, ClockTrack, Director, Framing, Harmony, Parameters, Resonators, Ringing, Stretch,
+    smooth,
 };
 use chladni_sound::{Beats, Hop, Song, SongSpectrum, SoundError, Spectrum, SpectrumSettings};
 
+use self::clocked::Clocked;
 use super::bars::bar_lines;
 use super::tuning::Tuning;
+
+mod clocked;
 
 /// A jump within a song, or to another one, fades over this time.
 const FADE_SECS: f64 = 0.3;
@@ -64,6 +68,8 @@ pub struct Hearing {
     stretches: Vec<(Stretch, f64)>,
     /// Who films each song, by its seed.
     directors: BTreeMap<usize, (u64, Director)>,
+    /// An outer clock that was followed in place of the songs' beats.
+    clocked: Clocked,
     tuning: Option<Tuning>,
     resonators: Option<Resonators>,
     /// Where in its song the ear began to listen.
@@ -146,8 +152,9 @@ impl Hearing {
         self.stretches.iter().map(|(stretch, _)| *stretch)
     }
 
-    /// Continues a show: the stretches heard before, in order.
-    pub fn go_on(&mut self, stretches: &[Stretch]) {
+    /// Continues a show: the stretches heard before, in order, and the clock that was followed.
+    pub fn go_on(&mut self, stretches: &[Stretch], clock: ClockTrack) {
+        self.know_clock(clock);
         self.stretches = stretches.iter().map(|stretch| (*stretch, 0.0)).collect();
         (self.ear, self.fade) = (None, None);
         self.from_song_secs = self.stretch().map_or(0.0, |stretch| stretch.song_secs);
@@ -202,6 +209,8 @@ impl Hearing {
         }
         let beat = self.beat_at(at_secs);
         let fading = self.fade.as_ref().map(|fade| (fade.beat, fade.done(at_secs)));
+        // The beats of a clock do not leap where the song does.
+        let is_clocked = self.clock().beat_at(at_secs).is_some();
         let fading = fading.filter(|(_, done)| *done < 1.0);
         let ringing = self.resonators.as_ref().map(|_| &self.ringing);
         let bands = Bands { ringing, ..bands_of(&self.now) };
@@ -209,6 +218,7 @@ impl Hearing {
         if let (Some(fade), Some((_, done))) = (&self.fade, fading) {
             harmony.mix(fade.harmony, 1.0 - done);
         }
+        let fading = fading.filter(|_| !is_clocked);
         Ok(Some(Heard { at_secs, is_known: true, bands, harmony, beat, fading }))
     }
 
@@ -227,8 +237,8 @@ impl Hearing {
         self.harmony
     }
 
-    /// Beats gone by at any time of the show so far.
-    pub fn beat_at(&self, at_secs: f64) -> Beat {
+    /// Beats of the songs gone by at any time of the show so far.
+    fn beat_by_songs(&self, at_secs: f64) -> Beat {
         let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
         let Some((stretch, added)) = self.stretches.get(begun.saturating_sub(1)) else {
             return Beat::default();
@@ -238,7 +248,7 @@ impl Hearing {
     }
 
     /// How the camera frames the shape then: by the bars of the song that is heard, and a seed.
-    pub fn framing_at(&mut self, at_secs: f64, seed: u64) -> Framing {
+    fn framing_by_songs(&mut self, at_secs: f64, seed: u64) -> Framing {
         let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
         let Some((stretch, _)) = self.stretches.get(begun.saturating_sub(1)) else {
             return Framing::default();
@@ -258,8 +268,9 @@ impl Hearing {
         known.1.at(song_secs)
     }
 
-    /// The bars that have begun after `from_secs` of the show, up to `to_secs`, in the stretch that is heard then.
-    pub fn bars_between(&self, from_secs: f64, to_secs: f64) -> Vec<BarLine> {
+    /// The bars of the songs that have begun after `from_secs` of the show, up to `to_secs`, in the stretch that is
+    /// heard then.
+    fn bars_of_songs(&self, from_secs: f64, to_secs: f64) -> Vec<BarLine> {
         let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= to_secs);
         let stretch = self.stretches.get(begun.saturating_sub(1)).map(|(stretch, _)| *stretch);
         let Some(stretch) = stretch.filter(|stretch| stretch.playing) else { return Vec::new() };
@@ -352,16 +363,16 @@ mod tests {
     use chladni_music::Parameter;
     use chladni_sound::{sample_tune, sample_tune_beats_secs};
 
-    fn known() -> KnownSong {
+    pub(super) fn known() -> KnownSong {
         let beats = Beats { beats_secs: sample_tune_beats_secs(), confidence: 1.0, ..Beats::default() };
         KnownSong { beats: Some(beats), ..KnownSong::new(Arc::new(sample_tune())).unwrap() }
     }
 
-    fn stretch(at_secs: f64, song_secs: f64, playing: bool) -> Stretch {
+    pub(super) fn stretch(at_secs: f64, song_secs: f64, playing: bool) -> Stretch {
         Stretch { at_secs, song: Some(0), song_secs, playing }
     }
 
-    fn hearing() -> Hearing {
+    pub(super) fn hearing() -> Hearing {
         let mut hearing = Hearing::default();
         hearing.know(0, known());
         hearing.tune(0.0, &Parameters::default());

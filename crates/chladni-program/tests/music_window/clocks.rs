@@ -36,7 +36,9 @@ fn the_beat_comes_from_outside_and_goes_out_again() {
     let music = format!("osc_port = {port}\nfollows_clock = true\nbeat_out = \"{to}\"\n");
     let settings = folders.settings.clone().unwrap();
     std::fs::write(&settings, format!("harmonics = 24\n[music]\n{music}")).unwrap();
-    let mut window = enter(Opening { folders, ..Opening::default() });
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders, chooser, ..Opening::default() });
     click(&mut window, "drawer/remote");
     assert!(shows(&window, "No clock is heard yet"));
     send_until(&mut window, port, &packet("/tempo", 133.0), "133 BPM");
@@ -89,4 +91,14 @@ fn the_beat_comes_from_outside_and_goes_out_again() {
     click(&mut window, "follow-clock");
     window.run_steps(2);
     assert!(shows(&window, "The beat is that of the music") && !shows(&window, "45 BPM"));
+    // A film of the show has these beats, too.
+    let file = folder.path().join("clocked.toml");
+    answers.add(file.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    wait(&mut window, "the show", |_| file.exists());
+    let show = Show::load(&file).unwrap();
+    let tempi: Vec<f64> = show.clock.marks().iter().filter_map(|mark| mark.bpm).map(f64::round).collect();
+    assert_eq!(tempi.first(), Some(&133.0), "{tempi:?}");
+    assert!(tempi.contains(&90.0) && tempi.contains(&45.0), "{tempi:?}");
+    assert!(show.clock.marks().last().is_some_and(|mark| mark.bpm.is_none()));
 }

@@ -90,7 +90,8 @@ impl MusicRoom {
         // What was heard is numbered by these songs; an older file has none, and the song goes on.
         if show.body.is_some() || !songs.is_empty() {
             let last = show.actions.iter().map(|line| line.moment.at_secs).fold(0.0, f64::max);
-            listening.go_on(songs, &show.heard, show.duration_secs.unwrap_or(0.0).max(last));
+            let at_secs = show.duration_secs.unwrap_or(0.0).max(last);
+            listening.go_on(songs, &show.heard, show.clock.clone(), at_secs);
         }
     }
 }
@@ -140,6 +141,7 @@ pub fn the_show(
         viewpoint: concert.viewpoint(),
         songs: songs.iter().map(song).collect(),
         heard,
+        clock: listening.clock().clone(),
         duration_secs: Some(listening.at_secs()),
         ..Show::of(concert.instrument())
     }

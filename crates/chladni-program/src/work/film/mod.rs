@@ -13,7 +13,7 @@ mod titles;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use chladni_music::{BeatReading, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
+use chladni_music::{BeatReading, ClockTrack, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
 use chladni_sound::{WavSample, write_wav};
 use chladni_view::{Film as Reel, FilmFormat, FilmSettings, Look};
 
@@ -47,6 +47,8 @@ pub struct Film {
     pub paper: bool,
     /// Which song is heard when; the first one from its beginning where this is empty.
     pub heard: Vec<Stretch>,
+    /// The clock that was followed in place of the songs' beats.
+    pub clock: ClockTrack,
     /// How long the show is; as long as the first song where that is not said.
     pub show_secs: Option<f64>,
     /// How it begins and what is done.
@@ -83,6 +85,7 @@ impl Film {
             harmonics: HARMONICS,
             paper: false,
             heard: Vec::new(),
+            clock: ClockTrack::default(),
             show_secs: None,
             beginning,
             autopilot: false,
@@ -95,7 +98,7 @@ impl Film {
     /// The film of a show, whose body and songs were found.
     pub fn of_show(show: Show, body: String, songs: Vec<(String, BeatReading)>, output: Output) -> Self {
         let looks = show.looks.clone().unwrap_or_else(first_looks);
-        let heard = show.heard.clone();
+        let (heard, clock) = (show.heard.clone(), show.clock.clone());
         Self {
             body,
             songs,
@@ -103,6 +106,7 @@ impl Film {
             paper: false,
             harmonics: show.harmonics.unwrap_or(HARMONICS),
             heard,
+            clock,
             show_secs: show.duration_secs,
             look: look_named(&looks).0,
             picture: looks.picture,
@@ -152,6 +156,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let ensemble = Ensemble::new(dancer).with_voices(voices.into_iter().map(|(_, term)| term).collect())?;
     let mut hearing = Hearing::from(wanted.start_secs);
     songs.tell(&mut hearing);
+    hearing.know_clock(wanted.clock);
     let mut performance = Performance::new(
         (&body, stands),
         ensemble,

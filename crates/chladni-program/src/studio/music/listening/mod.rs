@@ -11,7 +11,7 @@ pub use outer::Progress;
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{BarLine, Beat, BeatReading, Director, Framing, Parameters, Stretch};
+use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Parameters, Stretch};
 use chladni_sound::{
     Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat,
     Spectrum, WavSample, sample_tune, write_wav,
@@ -205,13 +205,21 @@ impl Listening {
         self.hearing.stretch().filter(|_| self.live.is_none())?.song
     }
 
-    /// Goes on with a show in which `heard` was heard of `songs` until `at_secs`; they are played from now on.
-    pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], at_secs: f64) {
+    /// The outer clock of the show so far.
+    pub fn clock(&self) -> &ClockTrack {
+        self.hearing.clock()
+    }
+
+    /// Goes on with a show in which `heard` was heard of `songs`, in part to a `clock`, until `at_secs`; they are
+    /// played from now on.
+    pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], clock: ClockTrack, at_secs: f64) {
         (self.live, self.study) = (None, None);
         self.hearing = Hearing::default();
         self.clock = ShowClock::from(at_secs);
         self.repertoire = songs;
-        self.hearing.go_on(heard);
+        self.hearing.go_on(heard, clock);
+        // A clock of now is another one.
+        self.hearing.leave_clock(at_secs);
         let mut list: Vec<PathBuf> = Vec::new();
         for song in &self.repertoire {
             let path = if song.path == Path::new(TUNE) { self.tune.clone() } else { song.path.clone() };
@@ -326,9 +334,7 @@ impl Listening {
         let is_given = self.follows_clock();
         let heard = self.hearing.hear(at_secs)?;
         let heard = heard.ok_or_else(|| Error::other("the song is forgotten"))?;
-        // The beats of a clock do not leap where the song does.
-        let fading = heard.fading.filter(|_| !is_given);
-        Ok(Heard { beat, fading, is_known: has_beats && !is_given, ..heard })
+        Ok(Heard { beat, is_known: has_beats && !is_given, ..heard })
     }
 
     /// The bars that have begun since the last call, by the time of the show.

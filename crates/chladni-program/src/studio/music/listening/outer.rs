@@ -103,10 +103,15 @@ impl Listening {
         if follows != std::mem::replace(&mut self.outer.was_followed, follows) {
             self.change_clock(follows);
         }
+        let at_secs = self.clock.at_secs();
         if !follows {
+            self.hearing.leave_clock(at_secs);
             return by_music;
         }
-        let beat = self.outer.tempo.at(self.last_secs);
+        let tempo = &mut self.outer.tempo;
+        let beat = tempo.at(self.last_secs);
+        // A show that is filmed later has these beats.
+        self.hearing.follow_clock(at_secs, beat, tempo.bpm().unwrap_or(0.0), tempo.bar_offset());
         self.outer_beat = beat;
         beat
     }

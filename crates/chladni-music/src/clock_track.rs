@@ -1,0 +1,254 @@
+//! The beat of an outer clock, kept with a show, so that a film has the beats that were danced to.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Beat;
+
+/// Beats in a bar.
+const BAR: f64 = 4.0;
+/// A clock that runs otherwise than was expected by less than this many beats runs as expected: 10 ms at 120 beats a
+/// minute, a third of a frame.
+const TOLERANCE_BEATS: f64 = 0.02;
+/// Counts and tempi of a file beyond these are refused.
+const MOST_BEATS: f64 = 1e8;
+const MOST_BPM: f64 = 4000.0;
+
+/// From a time of the show on the beat is that of a clock, or no longer.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClockMark {
+    /// Since the show began.
+    pub at_secs: f64,
+    /// Beats gone by then.
+    pub count: f64,
+    /// Beats a minute from then on; 0 where the clock stands still, `None` where the beat is again that of what is
+    /// heard.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bpm: Option<f64>,
+    /// Bars begin where the count is this and a multiple of four.
+    #[serde(default)]
+    pub bar: f64,
+}
+
+/// A bar of the clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClockBar {
+    /// When it began.
+    pub at_secs: f64,
+    /// How long it takes at the tempo that it began with.
+    pub secs: f64,
+}
+
+/// How the clock of a show ran. Between two marks it goes on evenly, and no beat goes back.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct ClockTrack {
+    marks: Vec<ClockMark>,
+}
+
+impl ClockMark {
+    fn count_at(&self, at_secs: f64) -> f64 {
+        self.count + (at_secs - self.at_secs).max(0.0) * self.bpm.unwrap_or(0.0) / 60.0
+    }
+}
+
+impl ClockTrack {
+    /// Whether no clock was ever followed.
+    pub fn is_empty(&self) -> bool {
+        self.marks.is_empty()
+    }
+
+    /// What is kept of it, oldest first.
+    pub fn marks(&self) -> &[ClockMark] {
+        &self.marks
+    }
+
+    /// Whether times and counts are finite, in order and within bounds, as a file may not have them.
+    pub fn is_sound(&self) -> bool {
+        let is_sound = |mark: &ClockMark| {
+            mark.at_secs.is_finite()
+                && (0.0..=MOST_BEATS).contains(&mark.count)
+                && mark.bpm.is_none_or(|bpm| (0.0..=MOST_BPM).contains(&bpm))
+                && (0.0..BAR).contains(&mark.bar)
+        };
+        let follows =
+            |pair: &[ClockMark]| pair[1].at_secs >= pair[0].at_secs && pair[1].count >= pair[0].count;
+        self.marks.iter().all(is_sound) && self.marks.windows(2).all(follows)
+    }
+
+    /// The beat at `at_secs`, later than all so far, is that of a clock, and bars begin where its count is `bar` and a
+    /// multiple of four.
+    pub fn follow(&mut self, at_secs: f64, beat: Beat, bpm: f64, bar: f64) {
+        let bpm = if beat.confidence > 0.0 { bpm.clamp(0.0, MOST_BPM) } else { 0.0 };
+        let bar = bar.rem_euclid(BAR);
+        let is_expected = self.marks.last().is_some_and(|last| {
+            let goes_on = last.bpm.is_some_and(|known| (known > 0.0) == (bpm > 0.0));
+            goes_on && last.bar == bar && (last.count_at(at_secs) - beat.count).abs() < TOLERANCE_BEATS
+        });
+        if !is_expected && at_secs.is_finite() && beat.count.is_finite() {
+            let least = self.marks.last().map_or(0.0, |last| last.count);
+            let count = beat.count.clamp(least, MOST_BEATS);
+            self.marks.push(ClockMark { at_secs, count, bpm: Some(bpm), bar });
+        }
+    }
+
+    /// From `at_secs` on, later than all so far, no clock is followed.
+    pub fn leave(&mut self, at_secs: f64) {
+        if let Some(last) = self.marks.last().filter(|last| last.bpm.is_some()) {
+            let count = last.count_at(at_secs);
+            self.marks.push(ClockMark { at_secs, count, bpm: None, bar: 0.0 });
+        }
+    }
+
+    /// The mark from which on the beat at `at_secs` is what it is; none before the first.
+    pub fn mark_at(&self, at_secs: f64) -> Option<&ClockMark> {
+        self.marks.get(self.begun(at_secs).checked_sub(1)?)
+    }
+
+    /// The beat of the clock at `at_secs`; `None` where none is followed.
+    pub fn beat_at(&self, at_secs: f64) -> Option<Beat> {
+        let begun = self.begun(at_secs);
+        let mark = self.marks.get(begun.checked_sub(1)?)?;
+        let bpm = mark.bpm?;
+        let most = self.marks.get(begun).map_or(f64::INFINITY, |next| next.count);
+        let confidence = if bpm > 0.0 { 1.0 } else { 0.0 };
+        Some(Beat { count: mark.count_at(at_secs).min(most), confidence })
+    }
+
+    /// When the clock that is followed at `at_secs` was taken up.
+    pub fn followed_since(&self, at_secs: f64) -> Option<f64> {
+        let begun = self.begun(at_secs);
+        let followed = self.marks.get(..begun)?.iter().rev().take_while(|mark| mark.bpm.is_some());
+        followed.last().map(|mark| mark.at_secs)
+    }
+
+    /// The bars of the clock that have begun after `from_secs`, up to `to_secs`.
+    pub fn bars_between(&self, from_secs: f64, to_secs: f64) -> Vec<ClockBar> {
+        let first = self.begun(from_secs).saturating_sub(1);
+        let mut bars = Vec::new();
+        for (i, mark) in self.marks.iter().enumerate().skip(first).take_while(|(_, m)| m.at_secs <= to_secs) {
+            let Some(bpm) = mark.bpm.filter(|bpm| *bpm > 0.0) else { continue };
+            let next = self.marks.get(i + 1);
+            let end_secs = next.map_or(to_secs, |next| next.at_secs.min(to_secs));
+            let most = next.map_or(f64::INFINITY, |next| next.count);
+            // A bar with which the clock is taken up, or counts anew, has begun with it; one that a correction met is not told twice.
+            let before = i
+                .checked_sub(1)
+                .and_then(|i| self.marks.get(i))
+                .filter(|before| before.bpm.is_some() && before.bar == mark.bar);
+            let gone =
+                before.map_or(mark.count - 1e-6, |before| before.count_at(mark.at_secs).min(mark.count));
+            // Bars long before are not asked for.
+            let gone = gone.max(mark.count_at(from_secs) - BAR);
+            let mut count = ((gone - mark.bar) / BAR).floor() * BAR + BAR + mark.bar;
+            while count <= mark.count_at(end_secs).min(most) {
+                let at_secs = mark.at_secs + (count - mark.count).max(0.0) * 60.0 / bpm;
+                if at_secs > from_secs && at_secs <= to_secs {
+                    bars.push(ClockBar { at_secs, secs: 60.0 * BAR / bpm });
+                }
+                count += BAR;
+            }
+        }
+        bars
+    }
+
+    fn begun(&self, at_secs: f64) -> usize {
+        self.marks.partition_point(|mark| mark.at_secs <= at_secs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ClockMessage, Tempo};
+
+    /// A clock of 24 ticks a quarter that wavers and gets faster, as a window at 60 frames a second follows it.
+    fn recorded() -> (ClockTrack, Vec<(f64, f64)>, Vec<f64>) {
+        let (mut track, mut tempo) = (ClockTrack::default(), Tempo::default());
+        let (mut seen, mut bars) = (Vec::new(), Vec::new());
+        let (mut tick, mut due) = (0u32, 1.0);
+        for frame in 60..3600 {
+            let now_secs = f64::from(frame) / 60.0;
+            while due <= now_secs {
+                let waver = 0.003 * (f64::from(tick) * 2.4).sin();
+                tempo.hear(ClockMessage::Tick, due + waver);
+                let bpm = if tick < 1200 { 120.0 } else { 133.0 };
+                due += 60.0 / (24.0 * bpm);
+                tick += 1;
+            }
+            if let Some(bpm) = tempo.bpm() {
+                let beat = tempo.at(now_secs);
+                track.follow(now_secs, beat, bpm, tempo.bar_offset());
+                seen.push((now_secs, beat.count));
+                bars.extend(tempo.bar(now_secs, 1.0, false).map(|_| now_secs));
+            }
+        }
+        (track, seen, bars)
+    }
+
+    #[test]
+    fn few_marks_give_the_beats_that_were_seen() {
+        let (track, seen, bars) = recorded();
+        assert!(track.is_sound() && track.marks().len() < 200, "{} marks", track.marks().len());
+        let mut last = 0.0;
+        for (at_secs, count) in seen {
+            let beat = track.beat_at(at_secs).unwrap();
+            assert!((beat.count - count).abs() < 0.03, "{} instead of {count} at {at_secs}", beat.count);
+            assert!(beat.count >= last);
+            last = beat.count;
+        }
+        // The first bar was under way when the clock was known.
+        let later = |bars: &[f64]| bars.iter().copied().filter(|at| *at > 2.5).collect::<Vec<_>>();
+        let told: Vec<f64> = track.bars_between(0.0, 60.0).iter().map(|bar| bar.at_secs).collect();
+        let (told, seen) = (later(&told), later(&bars));
+        assert_eq!(told.len(), seen.len(), "{told:?} instead of {seen:?}");
+        for (told, seen) in told.iter().zip(&seen) {
+            assert!((told - seen).abs() < 0.04, "{told} instead of {seen}");
+        }
+        // However the time is cut, each bar is told once.
+        let cut: Vec<f64> = (0..6000)
+            .flat_map(|i| track.bars_between(0.01 * f64::from(i), 0.01 * f64::from(i + 1)))
+            .map(|bar| bar.at_secs)
+            .collect();
+        let whole: Vec<f64> = track.bars_between(0.0, 60.0).iter().map(|bar| bar.at_secs).collect();
+        assert_eq!(cut, whole);
+    }
+
+    #[test]
+    fn a_clock_that_is_left_gives_no_beat_and_one_that_stops_stands_still() {
+        let mut track = ClockTrack::default();
+        let beat = |count, confidence| Beat { count, confidence };
+        track.follow(1.0, beat(8.0, 1.0), 120.0, 0.0);
+        track.follow(2.0, beat(10.0, 0.0), 120.0, 0.0);
+        track.follow(3.0, beat(10.0, 1.0), 60.0, 2.0);
+        track.leave(5.0);
+        track.leave(6.0);
+        assert_eq!(track.marks().len(), 4);
+        assert_eq!(track.beat_at(0.5), None);
+        assert_eq!(track.beat_at(1.5), Some(beat(9.0, 1.0)));
+        assert_eq!(track.beat_at(2.5), Some(beat(10.0, 0.0)));
+        assert_eq!(track.beat_at(4.5), Some(beat(11.5, 1.0)));
+        assert_eq!(track.beat_at(5.0), None);
+        assert_eq!(track.mark_at(7.0).map(|mark| mark.count), Some(12.0));
+        assert_eq!([0.5, 4.0, 5.5].map(|at| track.followed_since(at)), [None, Some(1.0), None]);
+        let bars = track.bars_between(0.0, 9.0);
+        assert_eq!(bars.iter().map(|bar| bar.at_secs).collect::<Vec<_>>(), [1.0, 3.0]);
+    }
+
+    #[test]
+    fn what_no_clock_does_is_refused() {
+        let track = |marks: &[ClockMark]| ClockTrack { marks: marks.to_vec() };
+        let mark = ClockMark { at_secs: 1.0, count: 4.0, bpm: Some(120.0), bar: 0.0 };
+        assert!(track(&[mark, ClockMark { at_secs: 2.0, bpm: None, ..mark }]).is_sound());
+        for wrong in [
+            ClockMark { at_secs: f64::NAN, ..mark },
+            ClockMark { count: -1.0, ..mark },
+            ClockMark { count: 1e300, ..mark },
+            ClockMark { bpm: Some(f64::INFINITY), ..mark },
+            ClockMark { bar: 4.0, ..mark },
+        ] {
+            assert!(!track(&[wrong]).is_sound(), "{wrong:?}");
+        }
+        assert!(!track(&[mark, ClockMark { count: 3.0, ..mark }]).is_sound());
+        assert!(!track(&[mark, ClockMark { at_secs: 0.5, ..mark }]).is_sound());
+    }
+}

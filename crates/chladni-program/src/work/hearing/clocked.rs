@@ -1,0 +1,186 @@
+//! Beats, bars and framing of a show, of an outer clock where one was followed, else of its songs.
+
+use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing};
+
+use super::Hearing;
+use crate::work::LIVE_SEED;
+
+/// A clock, and who films to it.
+#[derive(Default)]
+pub(super) struct Clocked {
+    track: ClockTrack,
+    director: Option<ClockDirector>,
+}
+
+struct ClockDirector {
+    /// When the clock was taken up.
+    since_secs: f64,
+    /// Until when its bars were heard.
+    heard_secs: f64,
+    director: Director,
+}
+
+impl Hearing {
+    /// The clock of the show so far.
+    pub fn clock(&self) -> &ClockTrack {
+        &self.clocked.track
+    }
+
+    /// The clock that the whole show was played to.
+    pub fn know_clock(&mut self, track: ClockTrack) {
+        self.clocked = Clocked { track, director: None };
+    }
+
+    /// The beat at `at_secs`, later than all so far, is that of a clock ([`ClockTrack::follow`]).
+    pub fn follow_clock(&mut self, at_secs: f64, beat: Beat, bpm: f64, bar: f64) {
+        self.clocked.track.follow(at_secs, beat, bpm, bar);
+    }
+
+    /// From `at_secs` on, later than all so far, the beat is that of the songs.
+    pub fn leave_clock(&mut self, at_secs: f64) {
+        self.clocked.track.leave(at_secs);
+    }
+
+    /// Beats gone by at any time of the show so far.
+    pub fn beat_at(&self, at_secs: f64) -> Beat {
+        let track = &self.clocked.track;
+        if let Some(beat) = track.beat_at(at_secs) {
+            return beat;
+        }
+        let beat = self.beat_by_songs(at_secs);
+        // Where a clock was left, whole beats are added so that none of those gone by comes back.
+        let Some(left) = track.mark_at(at_secs) else { return beat };
+        let added = (left.count - self.beat_by_songs(left.at_secs).count).ceil();
+        Beat { count: beat.count + added, ..beat }
+    }
+
+    /// The bars that have begun after `from_secs` of the show, up to `to_secs`.
+    pub fn bars_between(&self, from_secs: f64, to_secs: f64) -> Vec<BarLine> {
+        let track = &self.clocked.track;
+        if track.beat_at(to_secs).is_none() {
+            return self.bars_of_songs(from_secs, to_secs);
+        }
+        let bars = track.bars_between(from_secs, to_secs);
+        bars.into_iter()
+            .map(|bar| {
+                // The clock tells neither energy nor sections: those of the music since the bar before.
+                let of_music = self.bars_of_songs(bar.at_secs - bar.secs, bar.at_secs);
+                let energy =
+                    of_music.last().map_or_else(|| self.energy_before(bar.at_secs), |bar| bar.energy);
+                let begins_section = of_music.iter().any(|bar| bar.begins_section);
+                BarLine { at_secs: bar.at_secs, secs: bar.secs, energy, begins_section }
+            })
+            .collect()
+    }
+
+    /// Of the bar of the music that began last.
+    fn energy_before(&self, at_secs: f64) -> f32 {
+        const LONGEST_BAR_SECS: f64 = 15.0;
+        self.bars_of_songs(at_secs - LONGEST_BAR_SECS, at_secs).last().map_or(0.0, |bar| bar.energy)
+    }
+
+    /// How the camera frames the shape then: by the bars that are heard, and a seed.
+    pub fn framing_at(&mut self, at_secs: f64, seed: u64) -> Framing {
+        let Some(since_secs) = self.clocked.track.followed_since(at_secs) else {
+            return self.framing_by_songs(at_secs, seed);
+        };
+        let known = self.clocked.director.take();
+        let fits = known.filter(|known| known.since_secs == since_secs && known.heard_secs <= at_secs);
+        let mut filming = fits.unwrap_or_else(|| {
+            // What is heard as it comes is filmed so, whoever plays.
+            let director = Director::of_song(LIVE_SEED, []);
+            ClockDirector { since_secs, heard_secs: since_secs - 1e-9, director }
+        });
+        let bars = self.bars_between(filming.heard_secs, at_secs);
+        bars.into_iter().for_each(|bar| filming.director.hear(bar));
+        filming.heard_secs = at_secs;
+        self.clocked.director.insert(filming).director.at(at_secs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_music::{ClockMark, Parameters, Stretch};
+    use chladni_sound::{Bar, Beats, Section};
+
+    use super::super::tests::{hearing, stretch};
+    use super::*;
+
+    /// A clock of another tempo than the tune's, from 2 to 9 s.
+    fn clocked() -> Hearing {
+        let mut hearing = hearing();
+        let mut track = ClockTrack::default();
+        track.follow(2.0, Beat { count: 5.0, confidence: 1.0 }, 150.0, 1.0);
+        track.leave(9.0);
+        hearing.know_clock(track);
+        let bars = (0..6).map(|i| Bar { at_secs: 2.0 * f64::from(i), beats: 4 }).collect();
+        let sections = vec![Section { at_secs: 6.0, name: 'A', energy: 0.8 }];
+        let beats_secs = (0..24).map(|i| 0.5 * f64::from(i)).collect();
+        hearing.know_beats(0, Beats { bars, sections, beats_secs, energy: vec![0.8], ..Beats::default() });
+        hearing.begin(stretch(0.0, 0.0, true)).unwrap();
+        hearing
+    }
+
+    #[test]
+    fn beats_and_bars_are_the_clocks_where_it_was_followed() {
+        let hearing = clocked();
+        let songs = hearing.beat_by_songs(1.5);
+        assert_eq!(hearing.beat_at(1.5), songs);
+        assert_eq!(hearing.beat_at(4.0).count, 10.0);
+        let mut last = 0.0;
+        for i in 0..1200 {
+            let count = hearing.beat_at(0.01 * f64::from(i)).count;
+            assert!(i < 210 || count >= last, "{count} after {last}");
+            last = count;
+        }
+        let bars: Vec<f64> = hearing.bars_between(1.9, 8.9).iter().map(|bar| bar.at_secs).collect();
+        assert_eq!(bars.len(), 5, "{bars:?}");
+        assert!(bars.iter().enumerate().all(|(i, at)| (at - 2.0 - 1.6 * i as f64).abs() < 1e-9), "{bars:?}");
+        // Energy and sections are those of the song; the section of 6 s begins with the bar after it.
+        let told = hearing.bars_between(1.9, 8.9);
+        assert!(told.iter().all(|bar| bar.energy == 0.8));
+        let begin: Vec<f64> = told.iter().filter(|bar| bar.begins_section).map(|bar| bar.at_secs).collect();
+        assert_eq!(begin.len(), 1, "{begin:?}");
+        assert!((begin[0] - 6.8).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_frame_is_filmed_alike_however_it_is_reached() {
+        let mut straight = clocked();
+        let frames: Vec<Framing> = (0..300).map(|i| straight.framing_at(f64::from(i) / 25.0, 7)).collect();
+        let mut leaping = clocked();
+        for i in [299, 120, 0, 226, 60, 61] {
+            assert_eq!(leaping.framing_at(i as f64 / 25.0, 7), frames[i]);
+        }
+    }
+
+    #[test]
+    fn what_is_followed_live_is_what_the_show_keeps() {
+        let (mut live, mut told) = (hearing(), Vec::new());
+        live.begin(stretch(0.0, 0.0, true)).unwrap();
+        for i in 0..600 {
+            let at_secs = f64::from(i) / 60.0;
+            if (100..500).contains(&i) {
+                let count = 3.0 + 2.2 * (at_secs - 100.0 / 60.0);
+                live.follow_clock(at_secs, Beat { count, confidence: 1.0 }, 132.0, 0.0);
+            } else {
+                live.leave_clock(at_secs);
+            }
+            told.push(live.beat_at(at_secs).count);
+        }
+        let mut filmed = Hearing::default();
+        filmed.know(0, super::super::tests::known());
+        filmed.tune(0.0, &Parameters::default());
+        let kept: Vec<Stretch> = live.stretches().collect();
+        filmed.go_on(&kept, live.clock().clone());
+        assert_eq!(filmed.clock().marks().len(), 2, "{:?}", filmed.clock());
+        assert!(matches!(
+            filmed.clock().marks(),
+            [ClockMark { bpm: Some(_), .. }, ClockMark { bpm: None, .. }]
+        ));
+        for (i, told) in told.iter().enumerate() {
+            let count = filmed.beat_at(i as f64 / 60.0).count;
+            assert!((count - told).abs() < 0.02, "{count} instead of {told} in frame {i}");
+        }
+    }
+}
