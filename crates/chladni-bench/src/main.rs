@@ -1,6 +1,7 @@
 //! `chladni-bench`: measures the program against published numbers. The scripts in `bench/` run it and write
 //! BENCHMARKS.md.
 
+mod breeding;
 mod caricature;
 mod limbs;
 mod music;
@@ -27,6 +28,7 @@ struct Bench {
 
 #[derive(Subcommand)]
 enum What {
+    Breeding(breeding::BenchBreeding),
     Caricature(caricature::BenchCaricature),
     Gallery(caricature::BenchGallery),
     Keeping(caricature::BenchKeeping),
@@ -41,6 +43,7 @@ fn main() -> ExitCode {
     let bench = Bench::parse();
     let terminal = Terminal::new(bench.quiet);
     let done = match bench.what {
+        What::Breeding(breeding) => breeding.run(&terminal),
         What::Caricature(caricature) => caricature.run(&terminal),
         What::Gallery(gallery) => gallery.run(&terminal),
         What::Keeping(keeping) => keeping.run(&terminal),

@@ -6,7 +6,8 @@
 //!
 //! 1. Each candidate is described by how it moves the shape ([`Descriptor`]).
 //! 2. A preference is derived from the generations so far: near a chosen item is good, near an item that was
-//!    passed over is bad, and recent choices count most. Only the better part of the candidates is kept.
+//!    passed over is bad, and recent choices count most. Of candidates that look alike, only the best is kept, and
+//!    of those only the better part. (Children of like parents are twins, which are all equally good.)
 //! 3. Of these, the best is taken first, then repeatedly the one that is farthest from all those taken so
 //!    far (farthest-first traversal; T. Gonzalez, *Theoretical Computer Science* 38, 1985).
 //!
@@ -64,6 +65,9 @@ const PASSED_OVER: f32 = 0.25;
 /// The share of candidates that the preference keeps.
 const PREFERRED: f32 = 0.3;
 
+/// Items nearer to each other than this look alike: vectors of 3° between them.
+const TWINS: f32 = 0.05;
+
 /// Which descriptors were chosen so far and which were passed over, each with its weight.
 #[derive(Clone, Debug, Default)]
 struct Preference {
@@ -119,7 +123,8 @@ pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -
     let mut order: Vec<usize> = (0..CANDIDATES).collect();
     order.sort_by(|&i, &j| scores[j].total_cmp(&scores[i]).then(i.cmp(&j)));
     let places = gallery.items().len();
-    order.truncate(((PREFERRED * CANDIDATES as f32) as usize).max(places));
+    let mut order = without_twins(&described, &order, places);
+    order.truncate(((PREFERRED * order.len() as f32) as usize).max(places));
     let locked = gallery.items().iter().filter(|item| item.locked);
     let locked: Vec<Descriptor> =
         locked.map(|item| describer.describe(&item.genome)).collect::<Result<_, _>>()?;
@@ -129,6 +134,23 @@ pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -
 /// The indices of `count` items of `described` that differ most from each other.
 pub fn most_different(described: &[Descriptor], count: usize) -> Vec<usize> {
     farthest_first(described, &(0..described.len()).collect::<Vec<_>>(), &[], count)
+}
+
+/// Those of `order` that no earlier one of it looks like; at least `least` of them, as far as there are so many.
+fn without_twins(described: &[Descriptor], order: &[usize], least: usize) -> Vec<usize> {
+    let mut apart = TWINS;
+    loop {
+        let mut distinct: Vec<usize> = Vec::new();
+        for &i in order {
+            if distinct.par_iter().all(|&j| described[i].distance(&described[j]) > apart) {
+                distinct.push(i);
+            }
+        }
+        if distinct.len() >= least.min(order.len()) || apart < STILL {
+            return distinct;
+        }
+        apart *= 0.5;
+    }
 }
 
 /// The first of `order`, then repeatedly the one that is farthest from all taken so far and from `besides`.

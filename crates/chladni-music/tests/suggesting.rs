@@ -64,6 +64,25 @@ fn suggested_galleries_differ_more_than_bred_ones_and_repeat_from_their_numbers(
     }
 }
 
+/// Who always clicks what is most alike chooses twins, and twins have twins, which a preference likes best of all.
+#[test]
+fn one_who_knows_what_they_want_is_shown_no_twins() {
+    let (mut instrument, describer) = instrument(3);
+    let wanted = describer.describe(&instrument.gallery().items()[7].genome).unwrap();
+    for generation in 0..8 {
+        let items = instrument.gallery().items().iter();
+        let far: Vec<f32> =
+            items.map(|item| describer.describe(&item.genome).unwrap().distance(&wanted)).collect();
+        let mut nearest: Vec<usize> = (0..12).collect();
+        nearest.sort_by(|&i, &j| far[i].total_cmp(&far[j]));
+        choose(&mut instrument, &nearest[..3]);
+        let candidates = suggest(instrument.gallery(), &describer).unwrap();
+        instrument.apply(Moment::default(), Action::BreedFrom { candidates }).unwrap();
+        let least = least_distance(instrument.gallery(), &describer);
+        assert!(least > 0.05, "generation {generation}: {least}");
+    }
+}
+
 #[test]
 fn suggestions_come_nearer_to_what_is_chosen_and_preferences_are_forgotten() {
     let (mut instrument, describer) = instrument(5);

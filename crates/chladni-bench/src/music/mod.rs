@@ -1,8 +1,7 @@
 //! `chladni-bench music`: how fast the music instrument is, and how true.
 
-mod breeding;
-mod gallery;
-mod ready;
+pub mod gallery;
+pub mod ready;
 mod stereo;
 mod timing;
 mod truth;
@@ -36,9 +35,6 @@ pub struct BenchMusic {
     /// A song, beside sample:tune, to which they move; may be given several times.
     #[arg(long, value_name = "SONG")]
     song: Vec<String>,
-    /// Hidden targets that a simulated person breeds toward.
-    #[arg(long, default_value_t = 12)]
-    targets: usize,
     /// Print JSON instead of lines.
     #[arg(long)]
     json: bool,
@@ -51,7 +47,6 @@ struct Report {
     transfer: truth::Transfer,
     folds: Vec<gallery::Folds>,
     movement: Vec<gallery::Movement>,
-    breeding: Vec<breeding::Found>,
 }
 
 impl BenchMusic {
@@ -63,15 +58,7 @@ impl BenchMusic {
         let mut stereo = stereo::stereo(&octopus)?;
         stereo.extend(stereo::stereo(&head)?);
         let transfer = truth::transfer(&octopus, &head)?;
-        let mut report = Report {
-            timing,
-            stereo,
-            transfer,
-            folds: Vec::new(),
-            movement: Vec::new(),
-            breeding: Vec::new(),
-        };
-        report.breeding.push(breeding::measure(&octopus, self.targets)?);
+        let mut report = Report { timing, stereo, transfer, folds: Vec::new(), movement: Vec::new() };
         let songs = gallery::songs(&[vec!["sample:tune".to_owned()], self.song].concat(), terminal)?;
         let files = self.shape.iter().map(|file| gallery::shape(file, terminal));
         for ready in [Ok(octopus), Ok(head)].into_iter().chain(files) {
@@ -107,13 +94,6 @@ impl BenchMusic {
                 "{}, {} gallery: the least moved item goes {:.2} as far as the median one, changes {:.2} as much, and the \
                  least turned one turns its normals {:.2} as far",
                 r.shape, r.gallery, r.least, r.least_change, r.least_turn
-            ))?;
-        }
-        for r in &report.breeding {
-            terminal.result(format_args!(
-                "breeding on the {}, {} targets: least distance of twelve {:.3} by the paper, {:.3} suggested; \
-                 generations until a target is found: {} by the paper, {} suggested (median)",
-                r.shape, r.targets, r.least_distance[0], r.least_distance[1], r.generations[0], r.generations[1]
             ))?;
         }
         let t = &report.transfer;

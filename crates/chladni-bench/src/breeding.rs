@@ -1,40 +1,84 @@
-//! Does it help to suggest children? A simulated person looks for a dance.
+//! `chladni-bench breeding`: does it help to suggest children? A simulated person looks for a dance.
 
 use chladni_music::{
     Action, Describer, Descriptor, Form, Gallery, GalleryShape, Instrument, Moment, Moments, Playing, suggest,
 };
+use chladni_program::cli::Terminal;
+use chladni_program::work::Error;
+use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::gallery::ITEMS;
-use super::ready::Ready;
-use chladni_program::work::Error;
+use crate::music::gallery::ITEMS;
+use crate::music::ready::Ready;
 
 /// Bands of sound.
 const BANDS: usize = 64;
 /// How many items the person clicks in each generation.
 const CLICKS: usize = 3;
-/// A target counts as found once an item is nearer to it than this share of the distance that the nearest
-/// item of the initial gallery has.
-const FOUND: f32 = 0.6;
+/// How much nearer than the nearest of the first gallery a dance must come.
+const NEARER: [f32; 3] = [0.9, 0.8, 0.7];
 /// A person gives up after this many generations.
 const PATIENCE: usize = 40;
+/// Generations after which it is reported how near the nearest dance so far is.
+const REPORTED: [usize; 8] = [1, 2, 3, 5, 8, 12, 20, 40];
+
+/// Let a simulated person look for hidden dances of the octopus by clicking, in each generation, the three that are
+/// nearest: with the paper's breeding, and with suggested children.
+#[derive(Args)]
+pub struct BenchBreeding {
+    /// Hidden dances that are looked for.
+    #[arg(long, default_value_t = 50)]
+    targets: usize,
+    /// Print JSON instead of lines.
+    #[arg(long)]
+    json: bool,
+}
 
 /// The paper's breeding beside the suggestions.
 #[derive(Serialize)]
-pub struct Found {
-    pub shape: String,
-    pub targets: usize,
+struct Found {
+    shape: String,
+    targets: usize,
     /// The least distance between two of twelve children, median over targets and generations.
-    pub least_distance: [f32; 2],
-    /// Generations until the target was found, median over targets; those not found count as 40.
-    pub generations: [f32; 2],
-    /// How many targets were found.
-    pub found: [usize; 2],
+    least_distance: [f32; 2],
+    /// After how many generations …
+    after: [usize; REPORTED.len()],
+    /// … the nearest dance so far is how far from the target, as a share of the distance of the nearest one in the
+    /// first gallery; median over targets.
+    distance: [[f32; 2]; REPORTED.len()],
+    /// Of these shares …
+    nearer: [f32; NEARER.len()],
+    /// … how many generations it takes to reach each, median over targets; those not reached count as 40.
+    generations: [[f32; 2]; NEARER.len()],
+    /// How many targets reached it.
+    found: [[usize; 2]; NEARER.len()],
 }
 
-/// Lets a person look for `targets` dances that can be bred from the gallery, on the octopus.
-pub fn measure(octopus: &Ready, targets: usize) -> Result<Found, Error> {
+impl BenchBreeding {
+    /// Measures and reports.
+    pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        let found = measure(&Ready::sample("octopus", terminal)?, self.targets)?;
+        if self.json {
+            return terminal.json(&found);
+        }
+        let [paper, suggested] = found.least_distance;
+        terminal.result(format_args!(
+            "{} targets on the {}: least distance of twelve {paper:.3} by the paper, {suggested:.3} suggested",
+            found.targets, found.shape
+        ))?;
+        for (after, [paper, suggested]) in found.after.iter().zip(found.distance) {
+            terminal
+                .result(format_args!("after {after} generations {paper:.2} and {suggested:.2} as far"))?;
+        }
+        for (nearer, [paper, suggested]) in found.nearer.iter().zip(found.generations) {
+            terminal.result(format_args!("{nearer} as far after {paper} and {suggested} generations"))?;
+        }
+        Ok(())
+    }
+}
+
+fn measure(octopus: &Ready, targets: usize) -> Result<Found, Error> {
     let playing = Playing { form: Form::default(), ..Playing::default() };
     let describer = Describer::new(octopus.dancer.clone(), playing, Moments::of_anything(BANDS))?;
     let runs: Vec<[Run; 2]> = (0..targets as u64)
@@ -47,19 +91,37 @@ pub fn measure(octopus: &Ready, targets: usize) -> Result<Found, Error> {
             ])
         })
         .collect::<Result<_, Error>>()?;
+    let each = |of: &dyn Fn(&Run) -> f32| [0, 1].map(|way| median(runs.iter().map(|run| of(&run[way]))));
     let of = |way: usize| runs.iter().map(move |run| &run[way]);
     Ok(Found {
         shape: octopus.name.clone(),
         targets,
         least_distance: [0, 1].map(|way| median(of(way).flat_map(|run| run.least_distances.iter().copied()))),
-        generations: [0, 1].map(|way| median(of(way).map(|run| run.generations as f32))),
-        found: [0, 1].map(|way| of(way).filter(|run| run.generations < PATIENCE).count()),
+        after: REPORTED,
+        distance: REPORTED.map(|after| each(&|run| run.nearest_after(after))),
+        nearer: NEARER,
+        generations: NEARER.map(|share| each(&|run| run.generations_to(share) as f32)),
+        found: NEARER.map(|share| {
+            [0, 1].map(|way| of(way).filter(|run| run.generations_to(share) < PATIENCE).count())
+        }),
     })
 }
 
 struct Run {
-    generations: usize,
+    /// How far the nearest dance of each generation is from the target.
+    nearest: Vec<f32>,
     least_distances: Vec<f32>,
+}
+
+impl Run {
+    /// The nearest of all so far, as a share of the nearest in the beginning.
+    fn nearest_after(&self, generations: usize) -> f32 {
+        self.nearest.iter().take(generations + 1).copied().fold(f32::MAX, f32::min) / self.nearest[0]
+    }
+
+    fn generations_to(&self, share: f32) -> usize {
+        self.nearest.iter().position(|at| *at <= share * self.nearest[0]).unwrap_or(PATIENCE)
+    }
 }
 
 fn instrument(ready: &Ready, seed: u64) -> Result<Instrument, Error> {
@@ -91,7 +153,7 @@ fn describe(gallery: &Gallery, describer: &Describer) -> Result<Vec<Descriptor>,
     Ok(gallery.items().iter().map(|item| describer.describe(&item.genome)).collect::<Result<_, _>>()?)
 }
 
-/// Clicks what is nearest to the target, and breeds, until it is found.
+/// Clicks what is nearest to the target, and breeds.
 fn look_for(
     ready: &Ready,
     describer: &Describer,
@@ -100,9 +162,8 @@ fn look_for(
     suggests: bool,
 ) -> Result<Run, Error> {
     let mut instrument = instrument(ready, seed)?;
-    let mut near_enough = None;
-    let mut run = Run { generations: PATIENCE, least_distances: Vec::new() };
-    for generation in 0..PATIENCE {
+    let mut run = Run { nearest: Vec::new(), least_distances: Vec::new() };
+    for generation in 0..=PATIENCE {
         let shown = describe(instrument.gallery(), describer)?;
         if generation > 0 {
             run.least_distances.push(least_distance(&shown));
@@ -110,11 +171,7 @@ fn look_for(
         let distances: Vec<f32> = shown.iter().map(|item| item.distance(target)).collect();
         let mut order: Vec<usize> = (0..ITEMS).collect();
         order.sort_by(|&i, &j| distances[i].total_cmp(&distances[j]));
-        let nearest = distances[order[0]];
-        if nearest <= *near_enough.get_or_insert(FOUND * nearest) {
-            run.generations = generation;
-            break;
-        }
+        run.nearest.push(distances[order[0]]);
         choose(&mut instrument, order.into_iter().take(CLICKS))?;
         let action = match suggests {
             true => Action::BreedFrom { candidates: suggest(instrument.gallery(), describer)? },
