@@ -1,6 +1,8 @@
 //! A 3D view inside the window: drawn by chladni-view, shown as a texture, steered as in Blender.
 
-use chladni_view::{Camera, Canvas, Cell, Finish, Gpu, Rect, Renderer, Samples, View, ViewError};
+use chladni_view::{
+    Camera, Canvas, Cell, Finish, Gpu, Picture, Rect, Renderer, Samples, Surroundings, View, ViewError,
+};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use egui::{EventFilter, Key, Modifiers, Role};
@@ -43,6 +45,9 @@ pub struct Viewport {
     finish: (Finish, f64),
     /// Which pictures stand around what is drawn.
     surrounded: u64,
+    surroundings: Surroundings,
+    /// Which picture of a film stands behind; 0 is that of the surroundings.
+    behind: u64,
     /// When the picture last changed, where it is to be drawn more finely once it rests.
     moved_secs: Option<f64>,
 }
@@ -66,6 +71,8 @@ impl Viewport {
             effort,
             finish: (Finish::NOTHING, 0.0),
             surrounded: 0,
+            surroundings: Surroundings::default(),
+            behind: 0,
             moved_secs: None,
         }
     }
@@ -99,8 +106,19 @@ impl Viewport {
     /// From the next picture on it is drawn in this scenery, whose number changes with it.
     pub fn surround(&mut self, number: u64, scenery: &Scenery) -> Result<(), ViewError> {
         if self.surrounded != number {
-            self.renderer.surround(&scenery.on(&self.gpu)?)?;
-            (self.surrounded, self.stale) = (number, true);
+            self.surroundings = scenery.on(&self.gpu)?;
+            self.renderer.surround(&self.surroundings)?;
+            (self.surrounded, self.behind, self.stale) = (number, 0, true);
+        }
+        Ok(())
+    }
+
+    /// From the next picture on this one stands behind, whose number changes with it.
+    pub fn put_behind(&mut self, number: u64, picture: &Picture) -> Result<(), ViewError> {
+        if self.behind != number {
+            self.surroundings = std::mem::take(&mut self.surroundings).before(&self.gpu, picture)?;
+            self.renderer.surround(&self.surroundings)?;
+            (self.behind, self.stale) = (number, true);
         }
         Ok(())
     }

@@ -13,8 +13,10 @@ pub const FILMS: [&str; 5] = ["mp4", "m4v", "mkv", "mov", "webm"];
 
 /// Pictures a second, whatever the film has: the place in it is a function of the time alone.
 const RATE_HZ: f64 = 25.0;
-/// Wider or higher films are scaled down to this many pixels.
-const LONGEST_SIDE: usize = 1920;
+/// Wider or higher films are scaled down to this many pixels, in films …
+pub const LONGEST_SIDE: usize = 1920;
+/// … and in the window, which is drawn while it is looked at.
+pub const LONGEST_LIVE_SIDE: usize = 960;
 
 /// Whether a file is taken for a film, by its ending.
 pub fn is_film(name: &str) -> bool {
@@ -25,6 +27,7 @@ pub fn is_film(name: &str) -> bool {
 /// A film in a loop, of which one picture at a time is held.
 pub struct BackFilm {
     path: PathBuf,
+    longest_side: usize,
     decoder: Decoder,
     /// How many pictures were decoded since its beginning; the last of them is held.
     decoded: u64,
@@ -34,19 +37,19 @@ pub struct BackFilm {
 }
 
 impl BackFilm {
-    /// Opens a film at its first picture.
+    /// Opens a film at its first picture, of at most `longest_side` pixels either way.
     ///
     /// # Errors
     /// One line, where ffmpeg is not there or finds no film in the file.
-    pub fn open(name: &str) -> Result<Self, Error> {
+    pub fn open(name: &str, longest_side: usize) -> Result<Self, Error> {
         let path = PathBuf::from(name);
         std::fs::metadata(&path).map_err(|why| Error::Input(format!("{name}: {why}")))?;
-        let mut decoder = Decoder::begin(&path)?;
+        let mut decoder = Decoder::begin(&path, longest_side)?;
         let mut picture = Picture { width: 0, height: 0, rgba: Vec::new() };
         if !decoder.next(&mut picture).map_err(|why| Error::Input(format!("{name}: {why}")))? {
             return Err(Error::Input(format!("{name}: {}", decoder.complaint())));
         }
-        Ok(Self { path, decoder, decoded: 1, picture, length: None })
+        Ok(Self { path, longest_side, decoder, decoded: 1, picture, length: None })
     }
 
     /// The first picture, or that which was asked for last.
@@ -64,7 +67,7 @@ impl BackFilm {
         let before = self.decoded;
         while self.decoded != wanted {
             if self.decoded > wanted {
-                (self.decoder, self.decoded) = (Decoder::begin(&self.path)?, 0);
+                (self.decoder, self.decoded) = (Decoder::begin(&self.path, self.longest_side)?, 0);
             }
             let unread = |why| Error::Input(format!("{}: {why}", self.path.display()));
             if self.decoder.next(&mut self.picture).map_err(unread)? {
@@ -87,9 +90,9 @@ struct Decoder {
 }
 
 impl Decoder {
-    fn begin(path: &Path) -> Result<Self, Error> {
+    fn begin(path: &Path, longest_side: usize) -> Result<Self, Error> {
         let fits = format!(
-            "fps={RATE_HZ},scale=w='min({LONGEST_SIDE},iw)':h='min({LONGEST_SIDE},ih)':force_original_aspect_ratio=decrease"
+            "fps={RATE_HZ},scale=w='min({longest_side},iw)':h='min({longest_side},ih)':force_original_aspect_ratio=decrease"
         );
         let missing = |why| Error::other(format!("ffmpeg, which reads films, cannot be started: {why}"));
         // Names are files, never addresses.
@@ -187,7 +190,7 @@ mod tests {
         assert!(made.unwrap().success());
         let name = path.to_string_lossy();
         let brightness = |film: &BackFilm| film.picture().rgba[0];
-        let mut film = BackFilm::open(&name).unwrap();
+        let mut film = BackFilm::open(&name, LONGEST_SIDE).unwrap();
         assert_eq!((film.picture().width, film.picture().height), (32, 16));
         let mut seen = Vec::new();
         for frame in 0..30 {
@@ -198,7 +201,7 @@ mod tests {
         assert_eq!((&seen[10..20], &seen[20..]), (&seen[..10], &seen[..10]));
         assert!(!film.go_to(29.5 / 25.0).unwrap());
         // Whoever begins in the middle sees the same.
-        let mut later = BackFilm::open(&name).unwrap();
+        let mut later = BackFilm::open(&name, LONGEST_SIDE).unwrap();
         for frame in [27, 3, 14] {
             later.go_to(f64::from(frame) / 25.0).unwrap();
             assert_eq!(brightness(&later), seen[frame as usize], "{frame}");
@@ -211,7 +214,7 @@ mod tests {
         let path = folder.path().join("text.mp4").to_string_lossy().into_owned();
         std::fs::write(&path, "no film").unwrap();
         for name in [&*path, "gone.mp4"] {
-            let Err(error) = BackFilm::open(name) else { panic!("{name}") };
+            let Err(error) = BackFilm::open(name, LONGEST_SIDE) else { panic!("{name}") };
             let line = error.to_string();
             assert!(!line.contains('\n') && !line.is_empty(), "{line}");
         }

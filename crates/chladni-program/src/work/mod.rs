@@ -20,6 +20,7 @@ mod hearing;
 mod lag;
 #[cfg(feature = "desktop")]
 mod lettering;
+mod live_back_film;
 #[cfg(feature = "desktop")]
 pub mod mask;
 mod mood;
@@ -47,6 +48,7 @@ mod titles;
 mod tuning;
 mod watcher;
 
+pub use back_film::FILMS;
 pub use bars::{bar_lines, read_beats};
 pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
@@ -58,6 +60,7 @@ pub use hearing::{Heard, Hearing, KnownSong, bands_of};
 pub use lag::Lag;
 #[cfg(feature = "desktop")]
 pub use lettering::Lettering;
+pub use live_back_film::LiveBackFilm;
 pub use opening_look::{opening_looks, opening_view};
 pub use own_look::OwnLook;
 pub use piece::{Piece, Share};

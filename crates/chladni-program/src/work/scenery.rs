@@ -5,7 +5,8 @@ use std::path::Path;
 use chladni_view::{Device, Panorama, Picture, Surroundings, ViewError};
 
 use super::Error;
-use super::back_film::{BackFilm, is_film};
+use super::back_film::{BackFilm, LONGEST_LIVE_SIDE, LONGEST_SIDE, is_film};
+use super::live_back_film::LiveBackFilm;
 
 /// The endings of files that may stand behind a shape, and of those that may shine on it.
 pub const PICTURES: [&str; 3] = ["png", "jpg", "jpeg"];
@@ -34,7 +35,7 @@ impl Scenery {
     pub fn open(picture: &str, panorama: &str) -> Result<Self, Error> {
         let film = is_film(picture).then(|| picture.to_owned());
         let behind = match &film {
-            Some(film) => Some(BackFilm::open(film)?.picture().clone()),
+            Some(film) => Some(BackFilm::open(film, LONGEST_LIVE_SIDE)?.picture().clone()),
             None => read(picture, Picture::decode)?,
         };
         Ok(Self { behind, film, around: read(panorama, Panorama::decode)? })
@@ -45,7 +46,12 @@ impl Scenery {
     /// # Errors
     /// As those of [`open`](Self::open).
     pub fn film(&self) -> Result<Option<BackFilm>, Error> {
-        self.film.as_deref().map(BackFilm::open).transpose()
+        self.film.as_deref().map(|name| BackFilm::open(name, LONGEST_SIDE)).transpose()
+    }
+
+    /// The same for those who cannot wait for its pictures.
+    pub fn live_film(&self) -> Option<LiveBackFilm> {
+        self.film.as_deref().map(|name| LiveBackFilm::open(name.to_owned(), LONGEST_LIVE_SIDE))
     }
 
     /// For those who draw on `device`.

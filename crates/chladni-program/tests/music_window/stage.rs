@@ -48,6 +48,34 @@ fn corners_are_pinned_on_stage_and_nowhere_else() {
     assert!(!settings.contains("0.2"), "{settings}");
 }
 
+#[test]
+fn a_film_plays_behind_what_dances() {
+    if !chladni_testdata::program("ffmpeg") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("tide.mkv");
+    // It gets brighter for two seconds, and again.
+    let made = std::process::Command::new("ffmpeg")
+        .args(["-loglevel", "error", "-f", "lavfi", "-i", "color=black:s=64x64:r=25:d=2"])
+        .args(["-vf", "geq=lum=16+4*N:cb=128:cr=128", "-c:v", "ffv1"])
+        .arg(&film)
+        .status();
+    assert!(made.unwrap().success());
+    let (mut window, _folder) = enter_with(&format!("look = \"\"\npicture = {film:?}\n"));
+    press_on(&mut window, "dance/1", Key::S);
+    let (mut dark, mut bright) = (false, false);
+    let began = std::time::Instant::now();
+    while !(dark && bright) {
+        assert!(began.elapsed().as_secs() < 300, "dark {dark}, bright {bright}");
+        window.run_steps(5);
+        let picture = window.render().unwrap();
+        let corner = picture.get_pixel(20, picture.height() - 20);
+        (dark, bright) = (dark || corner[1] < 70, bright || corner[1] > 130);
+    }
+    screenshot(&mut window, "window-music-film-behind.png");
+}
+
 /// The list lies below what the drawer shows.
 #[cfg(target_os = "linux")]
 fn choose(window: &mut Window, camera: &str) {

@@ -11,7 +11,7 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::choose::Chooser;
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::{PANORAMAS, PICTURES};
+use crate::work::{FILMS, PANORAMAS, PICTURES};
 
 /// Screens that are offered; the system does not tell how many there are.
 const SCREENS: usize = 4;
@@ -36,8 +36,9 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
     part(ui, "background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
     palette(ui, &mut preferences.palette);
     let chooser = &mut *shared.chooser;
-    let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background";
-    file(ui, chooser, ("Picture", tip), &mut preferences.picture, ("Pictures", &PICTURES));
+    let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background, or a film (through ffmpeg)";
+    let kinds: Vec<&str> = PICTURES.into_iter().chain(FILMS).collect();
+    file(ui, chooser, ("Picture", tip), &mut preferences.picture, ("Pictures and films", &kinds));
     let tip = "A panorama of your own (HDR, PNG or JPEG, twice as wide as high): shapes mirror it, and its light is theirs";
     file(ui, chooser, ("Panorama", tip), &mut preferences.panorama, ("Panoramas", &PANORAMAS));
     ui.label(RichText::new("Stage").strong());

@@ -3,7 +3,7 @@
 use super::Concert;
 use crate::studio::job::Job;
 use crate::studio::room::Shared;
-use crate::work::{Error, Scenery};
+use crate::work::{Error, LiveBackFilm, Scenery};
 
 /// What is shown of them, and what is being read.
 #[derive(Default)]
@@ -11,13 +11,24 @@ pub struct Backcloth {
     named: [String; 2],
     reading: Option<Job<Scenery>>,
     scenery: Scenery,
+    /// Where it is a film that stands behind.
+    film: Option<LiveBackFilm>,
     /// Changes with the scenery.
     version: u64,
 }
 
 impl Backcloth {
+    /// Whether what stands behind moves.
+    pub fn moves(&self) -> bool {
+        self.film.is_some()
+    }
+
     /// Follows the preferences.
     pub fn follow(&mut self, shared: &mut Shared<'_>) {
+        if let Some(why) = self.film.as_mut().and_then(LiveBackFilm::trouble) {
+            shared.notices.failed(why);
+            self.film = None;
+        }
         let music = &shared.settings.music;
         let named = [&music.picture, &music.panorama].map(String::clone);
         if self.named != named {
@@ -28,7 +39,10 @@ impl Backcloth {
         }
         match self.reading.as_ref().and_then(Job::ended) {
             None => return,
-            Some(Ok(scenery)) => (self.scenery, self.version) = (scenery, self.version + 1),
+            Some(Ok(scenery)) => {
+                self.film = scenery.live_film();
+                (self.scenery, self.version) = (scenery, self.version + 1);
+            }
             Some(Err(why)) => shared.notices.failed(why),
         }
         self.reading = None;
@@ -38,7 +52,13 @@ impl Backcloth {
 impl Concert {
     /// Puts up what the preferences name, on the pane that is drawn.
     pub(super) fn hang(&mut self) -> Result<(), Error> {
-        let Backcloth { scenery, version, .. } = &self.backcloth;
-        Ok(self.pane.viewport.surround(*version, scenery)?)
+        let Backcloth { scenery, version, film, .. } = &mut self.backcloth;
+        self.pane.viewport.surround(*version, scenery)?;
+        if let Some((number, picture)) = film.as_mut().map(|film| film.at(self.moment.at_secs))
+            && number > 0
+        {
+            self.pane.viewport.put_behind(number, picture)?;
+        }
+        Ok(())
     }
 }

@@ -339,8 +339,8 @@ impl Concert {
         let began = (shared.now)();
         let whole = ui.available_rect_before_wrap();
         self.seconds = ui.input(|input| input.time);
-        self.moving = false;
         self.backcloth.follow(shared);
+        self.moving = self.backcloth.moves();
         if listening.beats_changed() {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
