@@ -18,6 +18,8 @@ const PERIOD: Duration = Duration::from_millis(13);
 pub struct LiveBackFilm {
     common: Arc<Common>,
     thread: Option<JoinHandle<Result<(), Error>>>,
+    /// Why there is no thread.
+    unspawned: Option<Error>,
     picture: Picture,
     number: u64,
 }
@@ -36,11 +38,14 @@ impl LiveBackFilm {
     pub fn open(name: String, longest_side: usize) -> Self {
         let common = Arc::new(Common::default());
         let shared = Arc::clone(&common);
-        let thread = std::thread::Builder::new()
+        let spawned = std::thread::Builder::new()
             .name("film behind".into())
-            .spawn(move || shared.decode(&name, longest_side))
-            .ok();
-        Self { common, thread, picture: Picture::default(), number: 0 }
+            .spawn(move || shared.decode(&name, longest_side));
+        let (thread, unspawned) = match spawned {
+            Ok(thread) => (Some(thread), None),
+            Err(why) => (None, Some(Error::other(format!("no thread for the film behind: {why}")))),
+        };
+        Self { common, thread, unspawned, picture: Picture::default(), number: 0 }
     }
 
     /// The newest picture there is for `at_secs`, with a number that changes with it; 0 before the first.
@@ -58,6 +63,9 @@ impl LiveBackFilm {
 
     /// Why it stands still, once it does.
     pub fn trouble(&mut self) -> Option<Error> {
+        if let Some(why) = self.unspawned.take() {
+            return Some(why);
+        }
         let ended = self.thread.take_if(|thread| thread.is_finished())?.join();
         ended.unwrap_or_else(|_| Err(Error::other("the film behind cannot be read"))).err()
     }

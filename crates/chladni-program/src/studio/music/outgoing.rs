@@ -62,7 +62,7 @@ impl Outgoing {
         // One that goes on under the same name is ended first.
         self.camera = None;
         if let Some(target) = target {
-            // Half of the programs that read video want even sides.
+            // Programs that halve the chroma want even sides.
             let [width, height] = size.map(|length| (length & !1).max(2));
             self.camera = Some((target.clone(), LiveCamera::open(target, (width, height), RATE)?));
         }
@@ -90,9 +90,13 @@ impl Outgoing {
         now_secs: f64,
         (veil, dark): (Veil, f32),
     ) -> Result<(), Error> {
+        if self.recorder.is_none() && self.camera.is_none() {
+            // What is on its way would be old when somebody wants it again.
+            self.flying.clear();
+            return Ok(());
+        }
         let slot = RATE.slot(now_secs - self.since_secs);
-        let is_wanted = self.recorder.is_some() || self.camera.is_some();
-        if !is_wanted || self.last.is_some_and(|last| slot <= last) {
+        if self.last.is_some_and(|last| slot <= last) {
             return Ok(());
         }
         self.last = Some(slot);
