@@ -8,7 +8,7 @@ use wasm_bindgen::prelude::*;
 use crate::parcel::Parcel;
 use crate::reporter::{Reporter, shape};
 
-/// The bytes of a body of so many harmonics: of the shape called `name`, which is `sample:NAME` or a file whose
+/// The bytes of a body with a number of harmonics: of the shape called `name`, which is `sample:NAME` or a file whose
 /// content is `bytes`. `report` gets two strings, `"step"` or `"warning"` and what it is.
 ///
 /// # Errors

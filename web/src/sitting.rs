@@ -53,7 +53,7 @@ pub struct Sitting {
 #[wasm_bindgen]
 impl Sitting {
     /// The shape called `name`, which is `sample:NAME` or a file whose content is `file`, with the `project` in the text
-    /// of a project file, or a new one of so many `harmonics`.
+    /// of a project file, or a new one of that many `harmonics`.
     ///
     /// # Errors
     /// What cannot be read.

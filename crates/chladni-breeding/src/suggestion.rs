@@ -136,7 +136,7 @@ pub fn most_different(described: &[Descriptor], count: usize) -> Vec<usize> {
     farthest_first(described, &(0..described.len()).collect::<Vec<_>>(), &[], count)
 }
 
-/// Those of `order` that no earlier one of it looks like; at least `least` of them, as far as there are so many.
+/// Those of `order` that no earlier one of it looks like; at least `least` of them where there are that many.
 fn without_twins(described: &[Descriptor], order: &[usize], least: usize) -> Vec<usize> {
     let mut apart = TWINS;
     loop {

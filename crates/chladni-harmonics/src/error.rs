@@ -91,7 +91,7 @@ pub enum HarmonicsError {
     },
     /// A vertex is so far from all sources that no heat reaches it; its distance cannot be measured.
     #[error(
-        "vertex {vertex} is so many edges away from every source that no heat reaches it: take a longer step"
+        "vertex {vertex} is too many edges away from every source for heat to reach it: take a longer step"
     )]
     TooFar {
         /// The vertex in the file, from 0.

@@ -69,7 +69,7 @@ pub struct Autopilot {
 }
 
 impl Autopilot {
-    /// Among `candidates` and so many looks.
+    /// Among `candidates` and a number of looks.
     pub fn new(seed: u64, candidates: Vec<Candidate>, looks: usize) -> Self {
         Self {
             seed,

@@ -130,7 +130,7 @@ impl ClockTrack {
             let next = self.marks.get(i + 1);
             let end_secs = next.map_or(to_secs, |next| next.at_secs.min(to_secs));
             let most = next.map_or(f64::INFINITY, |next| next.count);
-            // A bar with which the clock is taken up, or counts anew, has begun with it; one that a correction met is not told twice.
+            // A bar with which the clock is taken up, or counts anew, has begun with it; one that a correction met is not counted twice.
             let before = i
                 .checked_sub(1)
                 .and_then(|i| self.marks.get(i))
@@ -204,7 +204,7 @@ mod tests {
         for (told, seen) in told.iter().zip(&seen) {
             assert!((told - seen).abs() < 0.04, "{told} instead of {seen}");
         }
-        // However the time is cut, each bar is told once.
+        // However the time is cut, each bar comes once.
         let cut: Vec<f64> = (0..6000)
             .flat_map(|i| track.bars_between(0.01 * f64::from(i), 0.01 * f64::from(i + 1)))
             .map(|bar| bar.at_secs)

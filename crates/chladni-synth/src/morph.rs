@@ -82,7 +82,7 @@ impl Movement {
         self.frames
     }
 
-    /// At most `most` displacements that reproduce as much of the movement as so many can. They are the
+    /// At most `most` displacements that reproduce as much of the movement as that number can. They are the
     /// strongest directions of single harmonics; directions that move in proportion are combined into one
     /// displacement. If `most` does not limit their number, they reproduce the movement exactly (up to
     /// rounding).

@@ -15,7 +15,7 @@ use chladni_view::{
 };
 use measured::{bumpy, cpu_ms};
 
-/// What is drawn: so many items of so many vertices.
+/// What is drawn: numbers of items and of vertices in each.
 struct Scene {
     name: &'static str,
     items: usize,

@@ -75,7 +75,7 @@ impl Concert {
         Ok(())
     }
 
-    /// Turns the viewer by a drag of so many pixels.
+    /// Turns the viewer by a drag in pixels.
     pub fn turn(&mut self, dx: f32, dy: f32) {
         let view = &mut self.viewpoint;
         let mut camera = Camera { yaw_rad: view.yaw_rad, pitch_rad: view.pitch_rad, ..Camera::default() };

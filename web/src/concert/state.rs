@@ -20,7 +20,7 @@ struct Dance<'a> {
 struct State<'a> {
     body: &'a str,
     dances: Vec<Dance<'a>>,
-    /// The generation shown, counted from 0, of so many.
+    /// The generation shown, counted from 0, and how many there are.
     generation: usize,
     generations: usize,
     /// One dance has the whole picture.

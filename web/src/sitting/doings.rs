@@ -164,7 +164,7 @@ impl Sitting {
         Ok(self.settle()?)
     }
 
-    /// Turns the viewer by a drag of so many pixels.
+    /// Turns the viewer by a drag in pixels.
     pub fn turn(&mut self, dx: f32, dy: f32) {
         self.stage.camera.orbit(dx, dy);
         self.stage.moved(false);

@@ -28,7 +28,7 @@ pub struct InkOptions {
     /// Colors of the ink and the paper [default: #1c1917,#faf7f0].
     #[arg(long, value_name = "#RRGGBB,#RRGGBB", requires = "picture", value_parser = colors)]
     ink_colors: Option<[[u8; 3]; 2]>,
-    /// Light as so many flat tones, 2 to 4, in place of hatching, which is drawn over them where --ink-hatching asks for it.
+    /// Light as this many flat tones, 2 to 4, in place of hatching, which is drawn over them where --ink-hatching asks for it.
     #[arg(long, value_name = "N", requires = "picture", value_parser = clap::value_parser!(u8).range(2..=Ink::MOST_TONES as i64))]
     ink_tones: Option<u8>,
     /// Lines are the wider the farther the shape is exaggerated there.

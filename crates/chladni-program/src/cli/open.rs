@@ -12,7 +12,7 @@ pub struct Open {
     /// Meshes or a project, songs, a preset or a session; the first mesh is the shape, the next
     /// ones are templates for it.
     files: Vec<PathBuf>,
-    /// Close by itself after so many seconds of a song, and print as JSON how the frames came and
+    /// Close by itself after this many seconds of a song, and print as JSON how the frames came and
     /// whether the sound kept in step.
     #[arg(long, value_name = "SECS", requires = "files")]
     measure: Option<f64>,

@@ -84,7 +84,7 @@ pub struct FrameReport {
 }
 
 impl Measure {
-    /// Counts for so many seconds, from the first frame on that has a song.
+    /// Counts for a number of seconds, from the first frame on that has a song.
     pub fn new(secs: f64) -> Self {
         Self { secs, began: None, frames: Vec::new(), underruns: 0, stage: None }
     }

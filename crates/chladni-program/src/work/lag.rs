@@ -131,7 +131,7 @@ mod tests {
         c[1]
     }
 
-    /// What swings at 1 Hz, at the end of two seconds of so many frames each.
+    /// What swings at 1 Hz, at the end of two seconds at a frame rate.
     fn swung(fps: u32) -> f32 {
         let mut lag = Lag::default();
         let mut last = 0.0;

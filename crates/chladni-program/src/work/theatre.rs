@@ -22,7 +22,7 @@ use super::Heard;
 const FILL: f32 = 0.96;
 /// The floor is this share of the farthest movement below the shape, which seldom goes through it then.
 const FLOOR_BELOW: f32 = 0.4;
-/// Between cells lies one part in so many of the picture's shorter side.
+/// The gap between cells is the picture's shorter side divided by this.
 const GAP: u32 = 100;
 
 /// The initial viewpoint.

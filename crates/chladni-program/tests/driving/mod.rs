@@ -64,7 +64,7 @@ pub fn no_time() -> Instant {
     *START.get_or_init(Instant::now)
 }
 
-/// Opens the window with so many points.
+/// Opens the window in a size in points.
 pub fn open(opening: Opening, size: [f32; 2]) -> Window {
     open_with(opening, Harness::builder().with_size(size))
 }

@@ -227,7 +227,7 @@ fn between(row: &[[f32; 3]], at: f32) -> [f32; 3] {
     blend(row[left], row[right], share)
 }
 
-/// Pixels that are computed together: so many that loops over them become vectors, and all fits the first cache.
+/// Pixels that are computed together: enough that loops over them become vectors, and few enough for the first cache.
 const BLOCK: usize = 128;
 
 type Block = [f32; BLOCK];

@@ -137,7 +137,7 @@ impl ShadowMap {
         self.share(lit, at)
     }
 
-    /// The share of a disc, so many of whose nine texels are lit: where they agree, so does nearly always what lies
+    /// The share of a disc that is lit, from how many of its nine texels are: where they agree, so does nearly always what lies
     /// between them.
     #[inline(always)]
     fn share(&self, lit: i32, [x, y, depth]: [f32; 3]) -> f32 {

@@ -23,7 +23,7 @@ pub struct Detail {
     pub vertices: usize,
 }
 
-/// Shapes of about so many vertices each, `wanted` being in falling order; what is drawn through them
+/// Shapes of about as many vertices as `wanted` says, in falling order; what is drawn through them
 /// moves exactly as the whole does.
 ///
 /// Vertices are collapsed into neighbors one by one, the one that changes the surface least first (quadric

@@ -35,7 +35,7 @@ pub enum Wish {
     Take(Box<Preset>),
     /// Delete a preset of the shelf.
     Discard(PathBuf),
-    /// Mark the item so many columns to the right and rows below.
+    /// Mark the item a number of columns to the right and rows below.
     #[allow(missing_docs, reason = "the words above say it")]
     Mark { right: isize, down: isize },
     /// Lean back, or no longer.

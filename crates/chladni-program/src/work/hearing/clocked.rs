@@ -63,7 +63,7 @@ impl Hearing {
         let bars = track.bars_between(from_secs, to_secs);
         bars.into_iter()
             .map(|bar| {
-                // The clock tells neither energy nor sections: those of the music since the bar before.
+                // A clock has neither energy nor sections: those of the music since the bar before.
                 let of_music = self.bars_of_songs(bar.at_secs - bar.secs, bar.at_secs);
                 let energy =
                     of_music.last().map_or_else(|| self.energy_before(bar.at_secs), |bar| bar.energy);

@@ -15,7 +15,7 @@ impl Concert {
         }
     }
 
-    /// Marks the item so many columns to the right and rows below the one that is marked.
+    /// Marks the item that lies a number of columns to the right and rows below the one that is marked.
     pub fn mark_neighbor(&mut self, right: isize, down: isize) {
         let count = self.instrument.gallery().items().len();
         let step = right + down * self.columns as isize;

@@ -17,7 +17,7 @@ pub fn camera_at(viewpoint: &Viewpoint, stands: Orientation) -> Camera {
     camera
 }
 
-/// Moves the viewer by pointer and keys on `response`, which is so many cells high.
+/// Moves the viewer by pointer and keys on `response`, given how many cells high it is.
 pub fn navigate(ui: &Ui, response: &egui::Response, viewpoint: &mut Viewpoint, cells_high: f32) {
     // A viewpoint is relative to how the shape stands: any stance gives the same.
     let before = camera_at(viewpoint, Orientation::Y_UP);

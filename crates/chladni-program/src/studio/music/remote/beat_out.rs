@@ -11,7 +11,7 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 use super::midi::Outputs;
 use crate::studio::music::listening::Progress;
 
-/// Bands are sent so often, and so many.
+/// How often bands are sent, and how many.
 const BANDS_SECS: f64 = 1.0 / 30.0;
 const BANDS: usize = 8;
 /// Below this the beat is a guess: a clock that goes out stops.
