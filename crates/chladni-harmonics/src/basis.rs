@@ -52,14 +52,14 @@ impl Certificate {
         }
         if exceeds(self.max_relative_residual, Self::RESIDUAL) {
             failed.push(format!(
-                "the harmonics solve their equation to {:.0e} only (sound meshes: {:.0e})",
+                "the harmonics solve their equation to {:.1e} only (sound meshes: at most {:.0e})",
                 self.max_relative_residual,
                 Self::RESIDUAL
             ));
         }
         if exceeds(self.max_orthogonality_error, Self::ORTHOGONALITY) {
             failed.push(format!(
-                "any two harmonics overlap by up to {:.0e} (sound meshes: {:.0e})",
+                "any two harmonics overlap by up to {:.1e} (sound meshes: at most {:.0e})",
                 self.max_orthogonality_error,
                 Self::ORTHOGONALITY
             ));
@@ -131,7 +131,7 @@ mod tests {
         assert!(sound.is_precise() && sound.warning().is_none());
         let rough = Certificate { max_relative_residual: 3e-9, ..sound };
         let slanted = Certificate { max_orthogonality_error: 2e-8, ..sound };
-        let (residual, overlap) = ("solve their equation to 3e-9", "overlap by up to 2e-8");
+        let (residual, overlap) = ("solve their equation to 3.0e-9", "overlap by up to 2.0e-8");
         let warning = |certificate: Certificate| certificate.warning().unwrap();
         assert!(warning(rough).contains(residual) && !warning(rough).contains("overlap"));
         assert!(warning(slanted).contains(overlap) && !warning(slanted).contains("equation"));
