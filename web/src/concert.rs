@@ -15,7 +15,7 @@ use chladni_music::{
     Veil, Viewpoint,
 };
 use chladni_program::work::{
-    Error, Hearing, KnownSong, Playing, Programme, SandTable, ShowClock, Staging, along, chooses_shots,
+    Error, Hearing, KnownSong, Lag, Playing, Programme, SandTable, ShowClock, Staging, along, chooses_shots,
     look_named, look_on_stage, opening_looks, opening_view,
 };
 use chladni_sound::Song;
@@ -39,6 +39,8 @@ pub struct Concert {
     ensemble: Ensemble,
     staging: Staging,
     sand: SandTable,
+    /// What palettes know of speed.
+    lag: Lag,
     programme: Option<Programme>,
     /// The knobs as they stood before there was sand.
     before_sand: Option<Parameters>,
@@ -55,6 +57,8 @@ struct Shot {
     reaction: Reaction,
     framing: Option<Framing>,
     mood: Mood,
+    /// How many dances are seen.
+    count: usize,
 }
 
 #[wasm_bindgen]
@@ -84,6 +88,7 @@ impl Concert {
             instrument,
             ensemble: Ensemble::new(dancer),
             staging,
+            lag: Lag::default(),
             sand: SandTable::new(body, 0.0),
             programme: None,
             before_sand: None,
@@ -143,6 +148,7 @@ impl Concert {
         }
         let at_secs = self.clock.at_secs();
         self.follow_programme(at_secs)?;
+        let feels_speed = self.look().feels_speed();
         let (hearing, ensemble) = (&mut self.hearing, &mut self.ensemble);
         let is_live = self.live.is_some();
         let (heard, framing) = match &mut self.live {
@@ -158,12 +164,15 @@ impl Concert {
             }
         };
         let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
-        let shot = Shot { at_secs, reaction: heard.reaction(&self.instrument), framing, mood: heard.mood() };
+        let (reaction, mood) = (heard.reaction(&self.instrument), heard.mood());
         let items = ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
+        let shot = Shot { at_secs, reaction, framing, mood, count: items.len() };
         while is_live && self.sand.due(at_secs).is_some() {
             self.sand.step(items, &self.instrument);
         }
-        self.stage.deform(items, &self.instrument.parameters().frame_settings())?;
+        let mut items = items.to_vec();
+        self.lag.follow(&mut items, at_secs, feels_speed);
+        self.stage.deform(&items, &self.instrument.parameters().frame_settings())?;
         self.draw(shot, width, height)?;
         Ok(true)
     }
@@ -217,22 +226,21 @@ impl Concert {
     }
 
     fn draw(&mut self, shot: Shot, width: u32, height: u32) -> Result<(), Error> {
-        let Shot { at_secs, reaction, framing, mood } = shot;
+        let Shot { at_secs, reaction, framing, mood, count } = shot;
         let look = self.look().answering(&mood);
         let stage = &mut self.stage;
         let Figures { topology, small, rest, buffers, renderer, screen } = &mut stage.figures;
         screen.fit(width, height)?;
-        let items = buffers.items();
         let from = (&self.viewpoint, framing.as_ref());
         let area = Rect::of_size(width, height);
-        let staged = self.staging.set(area, items, from, &look, reaction, &self.instrument);
+        let staged = self.staging.set(area, count, from, &look, reaction, &self.instrument);
         let grains = self.sand.drawn();
-        let topology = small.as_ref().filter(|_| items > 1).unwrap_or(topology);
+        let topology = small.as_ref().filter(|_| count > 1).unwrap_or(topology);
         let figure = |item| Figure {
             grains: grains.get(item).copied(),
             ..staged.figure(topology, buffers, item, rest)
         };
-        let figures: Vec<Figure<'_>> = (0..items).map(figure).collect();
+        let figures: Vec<Figure<'_>> = (0..count).map(figure).collect();
         let cells = staged.cells(&figures);
         renderer.draw_finished(screen.canvas(), &cells, &staged.look.finish, at_secs)?;
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
