@@ -129,6 +129,7 @@ fn first_frames(camera: &mut LiveCamera) -> (Running, Receiver<Vec<u8>>) {
     command.args(["video/x-raw,format=RGBA", "!", "fdsink", "fd=1", "sync=false"]);
     let began = Instant::now();
     camera.picture(&mut halves(LEFT, RIGHT));
+    let mut wait = Duration::from_secs(5);
     while began.elapsed() < PATIENCE {
         if let Some(why) = camera.trouble() {
             panic!("{why}");
@@ -142,9 +143,11 @@ fn first_frames(camera: &mut LiveCamera) -> (Running, Receiver<Vec<u8>>) {
             while pipe.read_exact(&mut frame).is_ok() && sender.send(frame.clone()).is_ok() {}
         });
         // One that comes before the camera is announced gives up or waits in vain, and another one comes.
-        if frames.recv_timeout(Duration::from_secs(5)).is_ok() {
+        if frames.recv_timeout(wait).is_ok() {
             return (reader, frames);
         }
+        // On a busy machine it may only have been slow.
+        wait *= 2;
     }
     panic!("nothing was seen; sent {}", camera.sent());
 }
