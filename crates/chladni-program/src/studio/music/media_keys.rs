@@ -3,7 +3,7 @@
 //! Without a bus nothing happens. The window tells what plays and collects what was asked; it never waits.
 
 use std::collections::HashMap;
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use chladni_sound::PlayerState;
@@ -21,6 +21,8 @@ const PATH: &str = "/org/mpris/MediaPlayer2";
 const SONGS: &str = "/org/chladni/song";
 /// A place that is further from where it was expected was jumped to.
 const JUMP_SECS: f64 = 1.0;
+/// What is asked beyond this until the next frame is left aside.
+const MOST_ASKED: usize = 64;
 
 /// What is asked of the player.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,7 +90,7 @@ impl MediaKeys {
         bus: impl FnOnce() -> zbus::Result<Builder<'static>> + Send + 'static,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let (asks, asked) = channel();
+        let (asks, asked) = sync_channel(MOST_ASKED);
         let (told, tells) = channel();
         let place = Arc::new(Mutex::new(Place::default()));
         let player =
@@ -234,7 +236,7 @@ impl Root {
 }
 
 struct Player {
-    asks: Sender<Asked>,
+    asks: SyncSender<Asked>,
     wake: Box<dyn Fn() + Send + Sync>,
     place: Arc<Mutex<Place>>,
     playing: Playing,
@@ -242,8 +244,8 @@ struct Player {
 
 impl Player {
     fn ask(&self, asked: Asked) {
-        // The window may have closed.
-        if self.asks.send(asked).is_ok() {
+        // The window may have closed, or others ask for more than it can do.
+        if self.asks.try_send(asked).is_ok() {
             (self.wake)();
         }
     }
@@ -382,7 +384,8 @@ mod tests {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
-    use zbus::blocking::Proxy;
+    use zbus::blocking::{Proxy, proxy};
+    use zbus::proxy::CacheProperties;
 
     use super::*;
 
@@ -416,7 +419,12 @@ mod tests {
         };
         keys.tell(playing.clone(), 10.0);
         let client = Builder::address(address.as_str()).unwrap().build().unwrap();
-        let other = Proxy::new(&client, NAME, PATH, "org.mpris.MediaPlayer2.Player").unwrap();
+        // A proxy that keeps properties remembers, too, that nobody was there at first.
+        let other = proxy::Builder::<Proxy<'_>>::new(&client)
+            .destination(NAME)
+            .and_then(|proxy| proxy.path(PATH)?.interface("org.mpris.MediaPlayer2.Player"))
+            .and_then(|proxy| proxy.cache_properties(CacheProperties::No).build())
+            .unwrap();
         let state =
             |state: &str| other.get_property::<String>("PlaybackStatus").is_ok_and(|seen| seen == state);
         until("it is there", || state("Playing"));
