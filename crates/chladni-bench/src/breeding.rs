@@ -16,7 +16,7 @@ use crate::music::ready::Ready;
 const BANDS: usize = 64;
 /// How many items the person clicks in each generation.
 const CLICKS: usize = 3;
-/// How much nearer than the nearest of the first gallery a dance must come.
+/// Shares of the distance of the nearest one in the first gallery, within which a dance is to come.
 const NEARER: [f32; 3] = [0.9, 0.8, 0.7];
 /// A person gives up after this many generations.
 const PATIENCE: usize = 40;

@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Beat;
+use crate::tempo::QUARTERS_PER_BAR as BAR;
 
-/// Beats in a bar.
-const BAR: f64 = 4.0;
 /// A clock that runs otherwise than was expected by less than this many beats runs as expected: 10 ms at 120 beats a
 /// minute, a third of a frame.
 const TOLERANCE_BEATS: f64 = 0.02;

@@ -252,6 +252,12 @@ impl Show {
         Ok(instrument)
     }
 
+    /// The same, to be danced to something else from its beginning.
+    #[must_use]
+    pub fn unheard(self) -> Self {
+        Self { heard: Vec::new(), clock: ClockTrack::default(), duration_secs: None, ..self }
+    }
+
     /// A warning for the user who opens it; only old files have one.
     pub fn caution(&self) -> Option<&'static str> {
         (self.read_from_version < 2).then_some(

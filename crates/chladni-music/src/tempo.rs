@@ -5,7 +5,7 @@ use crate::pulses::Pulses;
 use crate::{BarLine, Beat};
 
 /// Quarters per bar, which MIDI clock does not transmit.
-const QUARTERS_PER_BAR: f64 = 4.0;
+pub(crate) const QUARTERS_PER_BAR: f64 = 4.0;
 /// The slowest and the fastest tempo, in beats per minute.
 const TEMPI_BPM: std::ops::RangeInclusive<f64> = 20.0..=400.0;
 /// How often the tempo may be halved or doubled.

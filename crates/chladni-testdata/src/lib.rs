@@ -1,5 +1,6 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
-//! repository because their licenses vary, and whether the programs are there that some of them need.
+//! repository because their licenses vary, and whether the programs are there that some of them need. Films
+//! they make themselves.
 //!
 //! ```
 //! // Tests that need real data return early where there is none.
@@ -7,7 +8,8 @@
 //! assert!(path.exists());
 //! ```
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// The path of `name` in the shared data folder, or `None`, with a printed line, where it is
 /// not there.
@@ -30,9 +32,29 @@ pub fn shared(name: &str) -> Option<PathBuf> {
 /// Whether a program that says its version with `-version`, such as ffmpeg, is on the PATH; prints a line where it is not.
 #[allow(clippy::print_stderr, reason = "a skipped test must say so, and only tests call this")]
 pub fn program(name: &str) -> bool {
-    let is_there = std::process::Command::new(name).arg("-version").output().is_ok();
+    let is_there = Command::new(name).arg("-version").output().is_ok();
     if !is_there {
         eprintln!("skipped: no {name}");
     }
     is_there
+}
+
+/// A film in `folder` of 25 pictures a second, each of one gray, that gets brighter by `step` of 255 from picture to
+/// picture; `None`, with a printed line, where ffmpeg is not there.
+///
+/// # Panics
+/// Where ffmpeg cannot make it.
+pub fn brightening_film(folder: &Path, [width, height]: [u32; 2], secs: f64, step: u32) -> Option<PathBuf> {
+    if !program("ffmpeg") {
+        return None;
+    }
+    let path = folder.join("brightening.mkv");
+    let made = Command::new("ffmpeg")
+        .args(["-loglevel", "error", "-f", "lavfi", "-i"])
+        .arg(format!("color=black:s={width}x{height}:r=25:d={secs}"))
+        .args(["-vf", &format!("geq=lum=16+{step}*N:cb=128:cr=128"), "-c:v", "ffv1"])
+        .arg(&path)
+        .status();
+    assert!(made.is_ok_and(|status| status.success()), "ffmpeg does not make {}", path.display());
+    Some(path)
 }

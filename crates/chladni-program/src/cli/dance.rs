@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use chladni_music::{
-    Action, BeatReading, CHOIRS, Choir, ClockTrack, FORMS, Form, PAPER_MODE, Parameter, Preset, Show, Switch,
-    Timbre, setting,
+    Action, BeatReading, CHOIRS, Choir, FORMS, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre,
+    setting,
 };
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
@@ -256,8 +256,7 @@ impl Dance {
                 let mut show = show;
                 let songs = match &self.song {
                     Some(song) => {
-                        (show.heard, show.clock, show.duration_secs) =
-                            (Vec::new(), ClockTrack::default(), None);
+                        show = show.unheard();
                         vec![(song.clone(), BeatReading::default())]
                     }
                     None => {

@@ -176,18 +176,10 @@ mod tests {
 
     #[test]
     fn a_film_goes_around_and_its_picture_is_a_function_of_the_time() {
-        if !chladni_testdata::program("ffmpeg") {
-            return;
-        }
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("clouds.mkv");
-        // Ten frames, brighter and brighter.
-        let made = Command::new("ffmpeg")
-            .args(["-loglevel", "error", "-f", "lavfi", "-i", "color=black:s=32x16:r=25:d=0.4"])
-            .args(["-vf", "geq=lum=20*N:cb=128:cr=128", "-c:v", "ffv1"])
-            .arg(&path)
-            .status();
-        assert!(made.unwrap().success());
+        // Ten pictures.
+        let film = chladni_testdata::brightening_film(folder.path(), [32, 16], 0.4, 20);
+        let Some(path) = film else { return };
         let name = path.to_string_lossy();
         let brightness = |film: &BackFilm| film.picture().rgba[0];
         let mut film = BackFilm::open(&name, LONGEST_SIDE).unwrap();

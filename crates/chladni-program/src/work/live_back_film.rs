@@ -81,12 +81,13 @@ impl Drop for LiveBackFilm {
 impl Common {
     fn decode(&self, name: &str, longest_side: usize) -> Result<(), Error> {
         let mut film = BackFilm::open(name, longest_side)?;
-        let mut is_new = true;
+        let (mut is_new, mut copy) = (true, Picture::default());
         while !self.ends.load(Ordering::Relaxed) {
             is_new |= film.go_to(f64::from_bits(self.wanted_secs.load(Ordering::Relaxed)))?;
             if std::mem::take(&mut is_new) {
+                copy.clone_from(film.picture());
                 let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
-                newest.0.clone_from(film.picture());
+                std::mem::swap(&mut newest.0, &mut copy);
                 newest.1 = true;
             } else {
                 std::thread::sleep(PERIOD);
@@ -98,7 +99,6 @@ impl Common {
 
 #[cfg(test)]
 mod tests {
-    use std::process::Command;
     use std::time::Instant;
 
     use super::*;
@@ -119,18 +119,10 @@ mod tests {
             why.is_some()
         });
         assert!(why.unwrap().to_string().contains("gone.mp4") && gone.at(1.0).0 == 0);
-        if !chladni_testdata::program("ffmpeg") {
-            return;
-        }
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("clouds.mkv");
-        // Ten frames, brighter and brighter.
-        let made = Command::new("ffmpeg")
-            .args(["-loglevel", "error", "-f", "lavfi", "-i", "color=black:s=128x64:r=25:d=0.4"])
-            .args(["-vf", "geq=lum=20*N:cb=128:cr=128", "-c:v", "ffv1"])
-            .arg(&path)
-            .status();
-        assert!(made.unwrap().success());
+        // Ten pictures.
+        let film = chladni_testdata::brightening_film(folder.path(), [128, 64], 0.4, 20);
+        let Some(path) = film else { return };
         let mut film = LiveBackFilm::open(path.to_string_lossy().into_owned(), 64);
         until("the first picture", &mut || film.at(0.0).0 > 0);
         let (_, first) = film.at(0.0);

@@ -50,18 +50,9 @@ fn corners_are_pinned_on_stage_and_nowhere_else() {
 
 #[test]
 fn a_film_plays_behind_what_dances() {
-    if !chladni_testdata::program("ffmpeg") {
-        return;
-    }
     let folder = tempfile::tempdir().unwrap();
-    let film = folder.path().join("tide.mkv");
-    // It gets brighter for two seconds, and again.
-    let made = std::process::Command::new("ffmpeg")
-        .args(["-loglevel", "error", "-f", "lavfi", "-i", "color=black:s=64x64:r=25:d=2"])
-        .args(["-vf", "geq=lum=16+4*N:cb=128:cr=128", "-c:v", "ffv1"])
-        .arg(&film)
-        .status();
-    assert!(made.unwrap().success());
+    // Two seconds, and again.
+    let Some(film) = chladni_testdata::brightening_film(folder.path(), [64, 64], 2.0, 4) else { return };
     let (mut window, _folder) = enter_with(&format!("look = \"\"\npicture = {film:?}\n"));
     press_on(&mut window, "dance/1", Key::S);
     let (mut dark, mut bright) = (false, false);

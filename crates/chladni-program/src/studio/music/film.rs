@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use chladni_music::{Action, BeatReading, ClockTrack, LoggedAction, Moment, Show, Switch};
+use chladni_music::{Action, BeatReading, LoggedAction, Moment, Show, Switch};
 use chladni_view::{FrameRate, Look, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
@@ -301,8 +301,7 @@ fn as_it_is(mut show: Show, view: View, favorites: usize) -> Show {
         }
         _ => {}
     }
-    (show.heard, show.clock, show.duration_secs) = (Vec::new(), ClockTrack::default(), None);
-    show
+    show.unheard()
 }
 
 #[cfg(test)]

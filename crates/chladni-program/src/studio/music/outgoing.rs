@@ -121,7 +121,9 @@ impl Outgoing {
         (self.landed.width, self.landed.height) = flying.size;
         shade(&mut self.landed.rgba, flying.veil, flying.dark);
         if let Some(recorder) = &mut self.recorder {
-            recorder.picture(flying.now_secs, self.landed.clone());
+            let is_shared = self.camera.is_some();
+            let picture = if is_shared { self.landed.clone() } else { std::mem::take(&mut self.landed) };
+            recorder.picture(flying.now_secs, picture);
         }
         if let Some((_, camera)) = &mut self.camera {
             camera.picture(&mut self.landed);
