@@ -15,7 +15,7 @@ use std::sync::Arc;
 use chladni_caricature::{Evaluation, History, LayerId, Project, ShapeSource, Stack};
 use chladni_harmonics::Body;
 use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, TriMesh};
-use chladni_program::work::{Aside, Error, OwnLook, settled, source};
+use chladni_program::work::{Aside, Error, OwnLook, Subject, settled, source};
 use chladni_task::Task;
 use wasm_bindgen::prelude::*;
 
@@ -66,11 +66,11 @@ impl Sitting {
     ) -> Result<Self, JsError> {
         let task = Task::new();
         let aside = Aside::new(&task);
-        let mesh = Arc::new(shape(name, file.as_deref(), &aside)?);
-        let project = match project {
+        let mut project = match project {
             Some(text) => source::project_in(Path::new(files::PROJECT), &text, &aside)?,
             None => Project::new(ShapeSource::named(name), harmonics),
         };
+        let mesh = Subject::of_mesh(shape(name, file.as_deref(), &aside)?, &mut project, &aside)?.mesh;
         let known = project.shape.stands().map_or_else(Known::default, Known::from);
         let stands = Estimate::of(&mesh, known, &task)?;
         let body = Body::unsolved(&mesh).map_err(|error| Error::from(error).of(name))?;

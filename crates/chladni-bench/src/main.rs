@@ -6,6 +6,7 @@ mod caricature;
 mod limbs;
 mod music;
 mod sand;
+mod scan;
 mod sphere;
 mod synth;
 mod tables;
@@ -35,6 +36,7 @@ enum What {
     Limbs(limbs::BenchLimbs),
     Music(music::BenchMusic),
     Sand(sand::BenchSand),
+    Scan(scan::BenchScan),
     Synth(synth::BenchSynth),
     Tables(tables::BenchTables),
 }
@@ -50,6 +52,7 @@ fn main() -> ExitCode {
         What::Limbs(limbs) => limbs.run(&terminal),
         What::Music(music) => music.run(&terminal),
         What::Sand(sand) => sand.run(&terminal),
+        What::Scan(scan) => scan.run(&terminal),
         What::Synth(synth) => synth.run(&terminal),
         What::Tables(tables) => tables.run(&terminal),
     };

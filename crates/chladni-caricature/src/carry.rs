@@ -33,10 +33,7 @@ impl Project {
     /// A region that does not belong to `from`, a match that fails, a cancelled task.
     pub fn carried(&self, from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Carried, CaricatureError> {
         let (old_frame, new_frame) = (Frame::of(from), Frame::of(to));
-        let tied = |layer: &Layer| {
-            matches!(layer.region.painted, Painted::Vertices(_)) || !layer.matching.landmarks.is_empty()
-        };
-        let way = match self.layers().iter().any(|(_, layer)| tied(layer)) {
+        let way = match self.names_vertices() {
             true => Some(Way::between(from, to, task)?),
             false => None,
         };

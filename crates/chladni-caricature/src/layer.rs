@@ -7,7 +7,7 @@ use chladni_mesh::ShapeSource;
 use chladni_mesh::samples::portrait_sliders;
 use serde::{Deserialize, Serialize};
 
-use crate::{CaricatureError, Model, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
+use crate::{CaricatureError, Model, Painted, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
 use chladni_mesh::surface::vec3::Vec3;
 
 /// Names a layer for as long as its project is open, across moves and undo.
@@ -294,6 +294,11 @@ impl Layer {
             return Err(CaricatureError::Range { what, value: wavelength, range });
         }
         self.curve.validate()
+    }
+
+    /// Whether it names vertices of the shape by number: in a painted region or by landmarks.
+    pub fn names_vertices(&self) -> bool {
+        matches!(self.region.painted, Painted::Vertices(_)) || !self.matching.landmarks.is_empty()
     }
 
     /// μ times strength.

@@ -8,8 +8,10 @@ use crate::project::DEFAULT_HARMONICS;
 use crate::scale_curve::monotone;
 use crate::{CaricatureError, ScaleCurve, usual_wavelength};
 
-/// The format that this program writes.
-pub const FORMAT_VERSION: i64 = 4;
+/// The newest format, which only projects are written in that are worked on through a proxy.
+pub const FORMAT_VERSION: i64 = 5;
+/// The format of all others, so that older programs read them.
+pub(crate) const USUAL_VERSION: i64 = 4;
 
 /// `table` in the current format with the number of the older one it was in, or `None` where it is current
 /// already.
@@ -19,8 +21,8 @@ pub(crate) fn migrate(mut table: Table, path: &Path) -> Result<Option<(Table, i6
         return Err(invalid("names no format_version; it is not a Chladni project"));
     };
     match version {
-        // Format 3 could not keep triangles and lacks the key, which is off without it.
-        3 | FORMAT_VERSION => return Ok(None),
+        // Format 3 could not keep triangles, 4 had no proxies; the keys are off where they lack.
+        3 | USUAL_VERSION | FORMAT_VERSION => return Ok(None),
         1 => {
             from_1_to_2(&mut table);
             from_2_to_3(&mut table);

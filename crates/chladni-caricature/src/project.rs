@@ -8,7 +8,8 @@ use chladni_mesh::Orientation;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    CaricatureError, Layer, LayerId, Model, PaintEdit, ScaleCurve, ShapeSource, Smoothing, Surface, Template,
+    CaricatureError, Layer, LayerId, Model, PaintEdit, Resolution, ScaleCurve, ShapeSource, Smoothing,
+    Surface, Template,
 };
 
 /// K of a project that names none.
@@ -23,6 +24,8 @@ pub struct Project {
     pub harmonics: usize,
     /// The format of the file that it was read from, if an older one.
     pub(crate) older_format: Option<i64>,
+    /// How finely the shape is worked on.
+    pub resolution: Resolution,
     /// How the shape stands in pictures; `None` is estimated.
     pub stands: Option<Orientation>,
     /// The operator whose harmonics they are. New layers of a project with the papers' own have the
@@ -118,6 +121,7 @@ impl Project {
             laplacian: Laplacian::default(),
             keep_triangles: false,
             older_format: None,
+            resolution: Resolution::Usual,
             stands: None,
             layers: Vec::new(),
             next_id: 1,
@@ -151,6 +155,11 @@ impl Project {
     /// Whether a layer acts: it is enabled, and soloed where any layer is.
     pub fn acts(&self, layer: &Layer) -> bool {
         layer.enabled && (layer.solo || !self.layers.iter().any(|(_, l)| l.solo))
+    }
+
+    /// Whether any layer names vertices of the shape by number: in a painted region or by landmarks.
+    pub fn names_vertices(&self) -> bool {
+        self.layers.iter().any(|(_, layer)| layer.names_vertices())
     }
 
     /// The id that the next new layer gets.

@@ -10,11 +10,11 @@ use chladni_mesh::{MeshError, Orientation};
 use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
-use crate::migration::{FORMAT_VERSION, migrate};
+use crate::migration::{FORMAT_VERSION, USUAL_VERSION, migrate};
 use crate::project::DEFAULT_HARMONICS;
 use crate::{
-    CaricatureError, Layer, LayerId, Model, Painted, Project, Region, ScaleCurve, ShapeSource, Smoothing,
-    Sphere, Template, runs,
+    CaricatureError, Layer, LayerId, Model, Painted, Project, ProxyKey, Region, Resolution, ScaleCurve,
+    ShapeSource, Smoothing, Sphere, Template, runs,
 };
 
 /// What is read of one file at most.
@@ -39,6 +39,9 @@ struct ShapeTable {
     source: String,
     #[serde(default = "default_harmonics")]
     harmonics: usize,
+    /// Only where the shape is worked on through one; format 5.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    proxy: Option<ProxyKey>,
     /// Only if the orientation was set by hand.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     stands: Option<Orientation>,
@@ -143,6 +146,11 @@ impl Project {
             .map_err(|source| CaricatureError::Io { path: path.into(), source })
     }
 
+    /// The oldest format that holds it, which it is written in.
+    pub fn format_version(&self) -> i64 {
+        if matches!(self.resolution, Resolution::Proxy(_)) { FORMAT_VERSION } else { USUAL_VERSION }
+    }
+
     /// The text of a project file at `path`; with `recovered_from`, of a recovery file.
     ///
     /// # Errors
@@ -155,12 +163,17 @@ impl Project {
             sample @ ShapeSource::Sample(_) => sample.to_string(),
         };
         let layers = self.layers().iter().map(|(_, l)| LayerTable::of(l, self, &folder));
+        let proxy = match &self.resolution {
+            Resolution::Proxy(proxy) => Some(proxy.clone()),
+            Resolution::Usual | Resolution::Whole => None,
+        };
         let document = Document {
-            format_version: FORMAT_VERSION,
+            format_version: self.format_version(),
             recovered_from,
             shape: ShapeTable {
                 source,
                 harmonics: self.harmonics,
+                proxy,
                 stands: self.stands,
                 laplacian: self.laplacian,
                 keep_triangles: self.keep_triangles,
@@ -197,6 +210,13 @@ impl Project {
         }
         let mut project = Self::new(shape, document.shape.harmonics);
         project.older_format = older_format;
+        project.resolution = match document.shape.proxy {
+            Some(proxy) if proxy.vertices < ProxyKey::FEWEST => {
+                return Err(invalid(format!("a proxy has {} vertices or more", ProxyKey::FEWEST)));
+            }
+            Some(proxy) => Resolution::Proxy(proxy),
+            None => Resolution::Whole,
+        };
         project.stands = document.shape.stands;
         project.laplacian = document.shape.laplacian;
         project.keep_triangles = document.shape.keep_triangles;

@@ -239,6 +239,27 @@ fn a_file_made_by_hand_may_leave_out_what_is_usual() {
 }
 
 #[test]
+fn only_a_project_on_a_proxy_needs_the_newest_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.chladni");
+    let mut project = Project::new(ShapeSource::File(folder.path().join("h.obj")), 8);
+    for (resolution, version) in [
+        (Resolution::Whole, 4),
+        (Resolution::Proxy(ProxyKey { vertices: 1000, fingerprint: None }), 5),
+        (Resolution::Proxy(ProxyKey { vertices: 1000, fingerprint: Some("2f".into()) }), 5),
+    ] {
+        project.resolution = resolution;
+        project.save(&path).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(&format!("format_version = {version}")), "{text}");
+        assert_eq!(Project::load(&path).unwrap(), project);
+    }
+    let few = "format_version = 5\nshape.source = 'h.obj'\nshape.proxy.vertices = 3\n";
+    std::fs::write(&path, few).unwrap();
+    assert!(Project::load(&path).unwrap_err().to_string().contains("100 vertices or more"));
+}
+
+#[test]
 fn what_is_wrong_with_a_file_is_told_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.chladni");
@@ -307,7 +328,9 @@ fn a_dead_session_is_found_and_a_living_one_is_not() {
     let (found, unreadable) = Recovery::find(&state);
     assert!(unreadable.is_empty());
     assert_eq!(found.len(), 1);
-    assert_eq!(found[0].project, empty());
+    let mut expected = empty();
+    expected.resolution = Resolution::Whole;
+    assert_eq!(found[0].project, expected);
     assert_eq!(found[0].original.as_deref(), Some(Path::new("/somewhere/mine.chladni")));
     found[0].discard();
     second.finish();

@@ -123,4 +123,43 @@ mod tests {
         assert!(error < 0.35 * whole, "{error} of {whole}");
         println!("off by {:.3} of the mean movement", error / whole);
     }
+
+    /// Two identities of one face model, whose vertices correspond by number: that is the answer, which a match by shape
+    /// alone is to find.
+    #[test]
+    fn another_identity_of_a_face_model_makes_the_same_face() {
+        let [Some(neutral), Some(target)] = ["generic_neutral_mesh", "identity005"]
+            .map(|name| chladni_testdata::shared(&format!("meshes/heads/{name}.obj")))
+        else {
+            return;
+        };
+        let [neutral, target] = [neutral, target].map(|path| chladni_mesh::load_mesh(&path).unwrap().mesh);
+        let size = 0.5 * chladni_mesh::surface::Bounds::of(neutral.positions.iter().copied()).diagonal();
+        let center = chladni_mesh::Frame::of(&neutral).center;
+        let expression = TriMesh {
+            positions: neutral
+                .positions
+                .iter()
+                .map(|p| {
+                    let d = grimace(&std::array::from_fn(|i| 1.7 * (p[i] - center[i]) / size));
+                    std::array::from_fn(|i| p[i] + 0.6 * size * d[i])
+                })
+                .collect(),
+            ..neutral.clone()
+        };
+        let by = |method| {
+            let settings = MatchSettings { method, ..MatchSettings::default() };
+            transfer(&neutral, &expression, &target, &settings, &Task::new()).unwrap().positions
+        };
+        let (answer, found) = (by(Method::Same), by(Method::Fit));
+        let mean = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+            a.iter()
+                .zip(b)
+                .map(|(a, b)| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt())
+                .sum::<f64>()
+        };
+        let (error, whole) = (mean(&found, &answer), mean(&target.positions, &answer));
+        println!("identity005: off by {:.3} of the mean movement", error / whole);
+        assert!(error < 0.35 * whole, "{error} of {whole}");
+    }
 }

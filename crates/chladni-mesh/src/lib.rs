@@ -43,6 +43,7 @@ mod health;
 mod mesh;
 mod mirror;
 mod orientation;
+mod proxy;
 mod read;
 pub mod samples;
 mod shape_source;
@@ -61,9 +62,10 @@ pub use health::{HealthReport, Topology, Welded};
 pub use mesh::TriMesh;
 pub use mirror::{MirrorPlane, MirrorSearch, OnSurface};
 pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
+pub use proxy::Proxy;
 pub use read::{Loaded, Mended, load_mesh, nothing_beside, read_mesh, read_mesh_beside, read_named_mesh};
 pub use shape_source::ShapeSource;
-pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
+pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_normals, vertex_triangles, weld};
 pub use write::{
     MorphAnimation, MorphTarget, add_morph_targets, add_morph_targets_in, save_mesh, write_animated_glb,
     write_glb, write_mesh,

@@ -80,7 +80,7 @@ impl Sitting {
         self.settle()?;
         let sculpture = Sculpture {
             source: self.history.project().shape.clone(),
-            mesh: self.mesh.clone(),
+            subject: self.mesh.clone().into(),
             body: self.stack.body().clone(),
             evaluation: self.evaluation.clone(),
         };

@@ -7,6 +7,7 @@ mod rehearsal;
 pub use gallery::BenchGallery;
 pub use keeping::BenchKeeping;
 
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -22,7 +23,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use chladni_program::cli::Terminal;
-use chladni_program::work::{Error, body, make, source};
+use chladni_program::work::{Error, Subject, body, make};
 
 /// Time what the caricature studio does between an action and its picture.
 #[derive(clap::Args)]
@@ -55,11 +56,12 @@ struct Row {
 impl BenchCaricature {
     /// Times everything and prints a row for each.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        let mesh = source::mesh(&self.shape, terminal)?;
-        let (body, _) = body::build(&self.shape, &mesh, self.harmonics, Laplacian::Delaunay, terminal)?;
+        let subject = Subject::open(&ShapeSource::named(Path::new(&self.shape)), terminal)?;
+        let (body, _) =
+            body::build(&self.shape, &subject.mesh, self.harmonics, Laplacian::Delaunay, terminal)?;
         let (vertices, harmonics) = (body.basis.vertices(), body.basis.harmonics());
         let project = project(harmonics)?;
-        let mut stack = make(mesh, Arc::new(body), &project, false, terminal)?.stack;
+        let mut stack = make(subject, Arc::new(body), &project, false, terminal)?.stack;
         let mut history = History::new(project);
         let basis = stack.body().basis.clone();
         let mut rows = Vec::new();

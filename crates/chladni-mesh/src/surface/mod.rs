@@ -5,6 +5,8 @@
 
 mod adjacency;
 mod curvature;
+#[cfg(feature = "simplify")]
+mod detail;
 mod normals;
 mod point;
 mod spread;
@@ -18,6 +20,8 @@ mod zero_lines;
 pub(crate) use adjacency::{HalfEdge, Pieces, sorted_half_edges, vertex_faces};
 pub use adjacency::{Rows, boundary_vertices, components, vertex_neighbors, vertex_triangles};
 pub use curvature::{Principal, Tensor, averaged, curvature_tensors, times, vertex_areas, vertex_gradients};
+#[cfg(feature = "simplify")]
+pub use detail::{Detail, details};
 pub use normals::{
     STAND_IN_NORMAL, corners, doubled_area_normal, total_area, vertex_normals, vertex_normals_around,
 };

@@ -9,7 +9,7 @@ use chladni_caricature::{
 use chladni_harmonics::Laplacian;
 use chladni_match::{MatchSettings, Method, Scaling, load_landmarks};
 
-use crate::work::Error;
+use crate::work::{Error, Subject};
 
 /// How a layer exaggerates.
 #[derive(clap::Args, Clone, Debug)]
@@ -93,27 +93,28 @@ impl LayerOptions {
         self.seed
     }
 
-    /// How a template mesh is matched.
+    /// How a template mesh is matched with `subject`.
     ///
     /// # Errors
-    /// Landmarks that cannot be read.
-    pub fn matching(&self) -> Result<MatchSettings, Error> {
+    /// Landmarks that cannot be read, or are not there.
+    pub fn matching(&self, subject: &Subject) -> Result<MatchSettings, Error> {
         let mut matching =
             MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
-            matching.landmarks = load_landmarks(path)?;
+            matching.landmarks = subject.renumbered(load_landmarks(path)?)?;
         }
         Ok(matching)
     }
 
-    /// The layer called `name` with these options where χ01 is `painted`, for `project`.
+    /// The layer called `name` with these options where χ01 is `painted`, for `project` on `subject`.
     pub fn layer(
         &self,
         name: &str,
         template: Template,
         painted: Painted,
         project: &Project,
+        subject: &Subject,
     ) -> Result<Layer, Error> {
         let paper = project.laplacian == Laplacian::Cotangent;
         let usual = if paper { Layer::paper(name, template) } else { Layer::new(name, template) };
@@ -124,7 +125,7 @@ impl LayerOptions {
             clamp: smoothing.clamp && !self.no_clamp,
         };
         let mu = self.mu.unwrap_or(if paper { self.model.paper_mu() } else { usual.mu });
-        let matching = self.matching()?;
+        let matching = self.matching(subject)?;
         let curve = project.usual_curve(&usual.template, matching.method, mu);
         let layer = Layer {
             matching,

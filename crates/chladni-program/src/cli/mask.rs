@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::Painted;
-use chladni_mesh::TriMesh;
+use chladni_mesh::ShapeSource;
 
 use super::Terminal;
 use super::region::RegionOptions;
 use crate::work::formats::is_project;
 use crate::work::outputs::check_file;
-use crate::work::{Error, mask, source};
+use crate::work::{Error, Subject, mask, source};
 
 /// Write a region as a number from 0 to 1 for each vertex of the shape's file.
 #[derive(clap::Args)]
@@ -34,14 +34,14 @@ impl MaskCommand {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         mask::check(&self.output)?;
         check_file(&self.output)?;
-        let (mesh, painted) =
+        let (subject, painted) =
             if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
-        let masked = mask::write(&self.output, &painted, &mesh, self.as_colors)?;
+        let masked = mask::write(&self.output, &painted, &subject, self.as_colors)?;
         terminal.result(format_args!("{} of {} vertices", masked.inside, masked.vertices))?;
         terminal.wrote(&self.output)
     }
 
-    fn of_mesh(&self, terminal: &Terminal) -> Result<(TriMesh, Painted), Error> {
+    fn of_mesh(&self, terminal: &Terminal) -> Result<(Subject, Painted), Error> {
         if self.layer.is_some() {
             return Err(Error::input("--layer names a layer of a project, and this is a mesh"));
         }
@@ -49,22 +49,23 @@ impl MaskCommand {
             let ways = "--region, --part, --limb, --curved or --mask";
             return Err(Error::input(format_args!("say which region of the shape: by {ways}")));
         }
-        let mesh = source::mesh(&self.shape, terminal)?;
-        let painted = self.region.painted(&self.shape.display().to_string(), || Ok(&mesh), terminal)?;
-        Ok((mesh, painted))
+        let subject = Subject::open(&ShapeSource::named(&self.shape), terminal)?;
+        let painted = self.region.painted(&self.shape.display().to_string(), &subject, terminal)?;
+        Ok((subject, painted))
     }
 
-    fn of_project(&self, terminal: &Terminal) -> Result<(TriMesh, Painted), Error> {
+    fn of_project(&self, terminal: &Terminal) -> Result<(Subject, Painted), Error> {
         if self.region.is_given() {
             return Err(Error::input("a project brings its regions along: name a --layer"));
         }
-        let project = source::project(&self.shape, terminal)?;
+        let mut project = source::project(&self.shape, terminal)?;
         let wanted = |name: &String| self.layer.as_ref().is_none_or(|wanted| wanted == name);
         let found = project.layers().iter().rev().find(|(_, layer)| wanted(&layer.name));
         let Some((_, layer)) = found else {
             return Err(Error::input(no_layer(&self.shape, self.layer.as_deref())));
         };
-        Ok((source::shape(&project.shape, terminal)?, layer.region.painted.clone()))
+        let painted = layer.region.painted.clone();
+        Ok((Subject::of(&mut project, terminal)?, painted))
     }
 }
 

@@ -22,6 +22,7 @@ mod parts;
 mod portrait;
 mod project;
 mod region;
+mod resolution;
 mod sheet;
 mod spectrum;
 mod stance;

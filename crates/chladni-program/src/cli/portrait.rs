@@ -85,7 +85,7 @@ pub fn render(
     kept: Option<Orientation>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let from = portrait.camera(name, &made.sculpture.mesh, kept, made.stands, terminal)?;
+    let from = portrait.camera(name, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
     let size = portrait.size;
     let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
         None
@@ -231,7 +231,7 @@ fn panel_of(
 
 /// Both with the shape's own colors.
 fn before_and_after(
-    Sculpture { mesh, body, evaluation, .. }: &Sculpture,
+    Sculpture { subject, body, evaluation, .. }: &Sculpture,
     name: &str,
     from: Camera,
     [width, height]: [u32; 2],
@@ -241,7 +241,7 @@ fn before_and_after(
     let single =
         |positions: &[[f64; 3]]| -> Vec<[f32; 3]> { positions.iter().map(|p| p.map(|c| c as f32)).collect() };
     let (before, after) = (single(&body.positions), single(&evaluation.result.positions));
-    let own = OwnLook::of(name, mesh, body, watcher);
+    let own = OwnLook::of(name, &subject.mesh, body, watcher);
     let colors = match &own {
         Some(OwnLook::Colors(bytes)) => Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect()),
         _ => None::<Vec<[f32; 4]>>,

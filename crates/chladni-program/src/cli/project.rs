@@ -2,17 +2,18 @@
 
 use std::path::PathBuf;
 
-use chladni_caricature::{DEFAULT_HARMONICS, FORMAT_VERSION, Layer, Painted, Project, ShapeSource, Template};
+use chladni_caricature::{DEFAULT_HARMONICS, Layer, Painted, Project, ShapeSource, Template};
 use chladni_harmonics::{Laplacian, Operator};
 use serde::Serialize;
 
 use super::Terminal;
 use super::layer_options::LayerOptions;
 use super::region::RegionOptions;
+use super::resolution::ResolutionOptions;
 use super::stance::StanceOptions;
 use crate::work::body::laplacian;
 use crate::work::outputs::check_file;
-use crate::work::{Error, Stance, source, template_mesh};
+use crate::work::{Error, Stance, Subject, source, template_mesh};
 
 /// Make, change and read caricature projects.
 #[derive(clap::Subcommand)]
@@ -36,6 +37,8 @@ pub struct New {
     /// K, the number of harmonics.
     #[arg(short = 'k', long, value_name = "K", default_value_t = DEFAULT_HARMONICS)]
     harmonics: usize,
+    #[command(flatten)]
+    resolution: ResolutionOptions,
     #[command(flatten)]
     stance: StanceOptions,
     /// Paper mode: the papers' plain cotangent Laplacian, which not every mesh can have; its layers
@@ -104,9 +107,10 @@ impl New {
         // Refuse a shape that cannot be read before making a project on it.
         let stance = Stance::from(self.stance);
         stance.check()?;
-        let mesh = source::mesh(&self.shape, terminal)?;
         let shape: ShapeSource = self.shape.parse()?;
         let mut project = Project::new(shape, self.harmonics);
+        project.resolution = self.resolution.wanted();
+        let mesh = Subject::of(&mut project, terminal)?.mesh;
         if stance.is_told() {
             project.stands = Some(stance.of(&self.shape, &mesh, None, None, terminal)?);
         }
@@ -127,8 +131,9 @@ impl AddLayer {
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
         let shape = project.shape.to_string();
-        let painted = self.region.painted(&shape, || source::shape(&project.shape, terminal), terminal)?;
-        let layer = self.layer.layer(&name, self.template, painted, &project)?;
+        let subject = Subject::of(&mut project, terminal)?;
+        let painted = self.region.painted(&shape, &subject, terminal)?;
+        let layer = self.layer.layer(&name, self.template, painted, &project, &subject)?;
         project.push(layer)?;
         project.save(&self.project).map_err(Error::unsaved)?;
         let layers = project.layers().len();
@@ -212,7 +217,7 @@ impl Show {
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let project = source::project(&self.project, terminal)?;
         let shown = Shown {
-            format_version: FORMAT_VERSION,
+            format_version: project.format_version(),
             shape: project.shape.to_string(),
             harmonics: project.harmonics,
             laplacian: project.laplacian,

@@ -1,13 +1,12 @@
 //! Where a layer acts: the ways in which commands say it.
 
-use std::borrow::Borrow;
 use std::path::PathBuf;
 
 use chladni_caricature::{Curved, HEAD_PARTS, Limbs, Painted, Sphere};
 use chladni_mesh::{TriMesh, weld};
 
 use super::{Terminal, limbs, parts};
-use crate::work::{Error, mask};
+use crate::work::{Error, Subject, mask};
 
 /// A region, said in one of several ways; none of them is everywhere.
 #[derive(clap::Args, Clone, Debug)]
@@ -52,23 +51,17 @@ impl RegionOptions {
         !lists || self.curved.is_some() || self.mask.is_some()
     }
 
-    /// χ01 on the shape that is called `name`; `mesh` gets it where it is needed.
-    pub fn painted<M: Borrow<TriMesh>>(
-        &self,
-        name: &str,
-        mesh: impl FnOnce() -> Result<M, Error>,
-        terminal: &Terminal,
-    ) -> Result<Painted, Error> {
+    /// χ01 on the shape that is called `name`.
+    pub fn painted(&self, name: &str, subject: &Subject, terminal: &Terminal) -> Result<Painted, Error> {
         if !self.region.is_empty() {
             return Ok(Painted::Spheres(self.region.clone()));
         }
         if !self.is_given() {
             return Ok(Painted::Everywhere);
         }
-        let mesh = mesh()?;
-        let mesh = mesh.borrow();
+        let mesh: &TriMesh = &subject.mesh;
         if let Some(path) = &self.mask {
-            return mask::read(path, self.mask_channel.as_deref(), mesh);
+            return mask::read(path, self.mask_channel.as_deref(), subject);
         }
         if !self.limb.is_empty() {
             return limbs::region((name, mesh), self.level, &self.limb, terminal);

@@ -8,12 +8,12 @@ use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::{Orientation, ShapeSource, TriMesh};
 use chladni_synth::Term;
 
-use super::{Error, Stance, Watcher, body, formats, make, source};
+use super::{Error, Stance, Subject, Watcher, body, formats, make, source};
 
 /// A mesh, and the project that it comes from where it is a caricature.
 pub struct Cast {
     name: String,
-    mesh: Arc<TriMesh>,
+    subject: Subject,
     project: Option<Project>,
 }
 
@@ -23,19 +23,18 @@ impl Cast {
     /// # Errors
     /// Whatever is wrong with either file.
     pub fn open(path: &Path, watcher: &impl Watcher) -> Result<Self, Error> {
-        let project = match formats::is_project(path) {
-            true => Some(source::project(path, watcher)?),
-            false => None,
-        };
-        let shape =
-            project.as_ref().map_or_else(|| ShapeSource::named(path), |project| project.shape.clone());
-        let mesh = Arc::new(source::shape(&shape, watcher)?);
-        Ok(Self { name: shape.to_string(), mesh, project })
+        if formats::is_project(path) {
+            let mut project = source::project(path, watcher)?;
+            let subject = Subject::of(&mut project, watcher)?;
+            return Ok(Self { name: project.shape.to_string(), subject, project: Some(project) });
+        }
+        let shape = ShapeSource::named(path);
+        Ok(Self { name: shape.to_string(), subject: Subject::open(&shape, watcher)?, project: None })
     }
 
-    /// The mesh exactly as in its file.
+    /// The mesh as in its file, or, where it is very large, fewer of its vertices.
     pub fn mesh(&self) -> &Arc<TriMesh> {
-        &self.mesh
+        &self.subject.mesh
     }
 
     /// How its project says that it stands.
@@ -53,7 +52,7 @@ impl Cast {
     /// # Errors
     /// As [`Stance::of`].
     pub fn stands(&self, stance: Stance, watcher: &impl Watcher) -> Result<Orientation, Error> {
-        stance.of(&self.name, &self.mesh, self.kept_stance(), None, watcher)
+        stance.of(&self.name, &self.subject.mesh, self.kept_stance(), None, watcher)
     }
 
     /// The body with this many harmonics, and the voices by name, each at full strength. A layer that cannot
@@ -68,7 +67,8 @@ impl Cast {
         forgiven: bool,
         watcher: &impl Watcher,
     ) -> Result<(Body, Vec<(String, Term)>), Error> {
-        let build = |harmonics, laplacian| body::build(&self.name, &self.mesh, harmonics, laplacian, watcher);
+        let build =
+            |harmonics, laplacian| body::build(&self.name, &self.subject.mesh, harmonics, laplacian, watcher);
         let (body, _) = build(harmonics, laplacian)?;
         let Some(project) = &self.project else { return Ok((body, Vec::new())) };
         // The layers are displacements: they do not depend on how many harmonics dance.
@@ -76,7 +76,7 @@ impl Cast {
             true => body.clone(),
             false => build(project.harmonics, project.laplacian)?.0,
         };
-        let made = make(Arc::clone(&self.mesh), Arc::new(layered), project, forgiven, watcher)?;
+        let made = make(self.subject, Arc::new(layered), project, forgiven, watcher)?;
         Ok((body, made.sculpture.evaluation.voices()))
     }
 }

@@ -6,7 +6,7 @@ use chladni_caricature::Painted;
 use chladni_harmonics::npz::{read_numbers, write_npy, write_npz};
 use chladni_mesh::{Attribute, Format, Mended, ShapeSource, TriMesh, save_mesh, weld};
 
-use super::Error;
+use super::{Error, Subject};
 
 /// What masks are called in archives and meshes where nothing else is said.
 pub const MASK: &str = "mask";
@@ -29,12 +29,12 @@ fn refused(path: &Path, why: impl std::fmt::Display) -> Error {
     Error::input(format_args!("{}: {why}", path.display()))
 }
 
-/// χ01 from the file at `path`, for `mesh`: of an array, of the array `channel` of an archive, or of the attribute or
+/// χ01 from the file at `path`, for a shape: of an array, of the array `channel` of an archive, or of the attribute or
 /// color channel `channel` of a mesh with as many vertices. Without a name it is `mask`, or, of a mesh that has none, red.
 ///
 /// # Errors
 /// [`Error::Input`] where that is not there, has another number of values, or one outside [0, 1].
-pub fn read(path: &Path, channel: Option<&str>, mesh: &TriMesh) -> Result<Painted, Error> {
+pub fn read(path: &Path, channel: Option<&str>, subject: &Subject) -> Result<Painted, Error> {
     let values = match Format::of_path(path) {
         Some(format) => {
             let loaded = ShapeSource::named(path).load(None)?;
@@ -50,7 +50,7 @@ pub fn read(path: &Path, channel: Option<&str>, mesh: &TriMesh) -> Result<Painte
         None => read_numbers(path, channel.unwrap_or(MASK))
             .map_err(|why| refused(path, format_args!("no mask can be read from it: {why}")))?,
     };
-    painted(values, mesh).map_err(|why| refused(path, why))
+    painted(values, subject.whole(), subject).map_err(|why| refused(path, why))
 }
 
 fn no_channel(mesh: &TriMesh, channel: Option<&str>) -> String {
@@ -59,18 +59,20 @@ fn no_channel(mesh: &TriMesh, channel: Option<&str>) -> String {
     format!("its vertices have no {}; they have {known}", channel.unwrap_or("mask or color"))
 }
 
-/// χ01 from a channel of the mesh's own, whose file is of this `format`.
+/// χ01 from a channel of the shape's own, whose file is of this `format`.
 ///
 /// # Errors
 /// As [`read`].
-pub fn own(channel: &str, mesh: &TriMesh, format: Format) -> Result<Painted, Error> {
+pub fn own(channel: &str, subject: &Subject, format: Format) -> Result<Painted, Error> {
+    let mesh = subject.whole();
     let values = mesh.channel(channel, format);
     let values = values.ok_or_else(|| Error::input(no_channel(mesh, Some(channel))))?;
-    painted(values, mesh).map_err(|why| Error::input(format_args!("{channel}: {why}")))
+    painted(values, mesh, subject).map_err(|why| Error::input(format_args!("{channel}: {why}")))
 }
 
-fn painted(values: Vec<f64>, mesh: &TriMesh) -> Result<Painted, String> {
-    let vertices = mesh.positions.len();
+/// `values` at the vertices of the `whole` shape, on those that are worked on.
+fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Painted, String> {
+    let vertices = whole.positions.len();
     if values.len() != vertices {
         let found = values.len();
         return Err(format!("a mask has a number for each of the {vertices} vertices, this has {found}"));
@@ -78,19 +80,27 @@ fn painted(values: Vec<f64>, mesh: &TriMesh) -> Result<Painted, String> {
     if let Some((vertex, value)) = values.iter().enumerate().find(|(_, x)| !(0.0..=1.0).contains(*x)) {
         return Err(format!("a mask lies in [0, 1], at vertex {vertex} it is {value}"));
     }
-    Ok(Painted::of_file(values.into_iter().map(|x| x as f32), &weld(mesh).operator_vertex))
+    let operator_vertex = weld(&subject.mesh).operator_vertex;
+    Ok(match &subject.proxy {
+        None => Painted::of_file(values.into_iter().map(|x| x as f32), &operator_vertex),
+        Some(proxy) => {
+            let chosen =
+                proxy.whole_vertex().iter().map(|v| values.get(*v as usize).map_or(0.0, |x| *x as f32));
+            Painted::of_file(chosen, &operator_vertex)
+        }
+    })
 }
 
-/// Writes χ01 of `mesh` to `path`: an array, an archive with the array `mask`, a PLY with the attribute `mask`, or, as OBJ
+/// Writes χ01 of a shape to `path`: an array, an archive with the array `mask`, a PLY with the attribute `mask`, or, as OBJ
 /// and GLB, and as PLY where `as_colors`, a mesh whose vertices are gray, from black (0) to white (1). 0 where no triangle
 /// uses a vertex.
 ///
 /// # Errors
 /// [`Error::Input`] for another ending, or a region that was painted on another number of vertices;
 /// [`Error::Unwritten`] and [`Error::Unsaved`] with the file's name.
-pub fn write(path: &Path, painted: &Painted, mesh: &TriMesh, as_colors: bool) -> Result<Masked, Error> {
+pub fn write(path: &Path, painted: &Painted, subject: &Subject, as_colors: bool) -> Result<Masked, Error> {
     check(path)?;
-    let welded = weld(mesh);
+    let welded = weld(&subject.mesh);
     let values = painted.values(&welded.positions);
     let vertices = welded.positions.len();
     if values.len() != vertices {
@@ -101,6 +111,15 @@ pub fn write(path: &Path, painted: &Painted, mesh: &TriMesh, as_colors: bool) ->
     let masked = Masked { inside: values.iter().filter(|x| **x > 0.0).count(), vertices };
     let of = |vertex: &Option<u32>| vertex.and_then(|v| values.get(v as usize)).copied().unwrap_or(0.0);
     let values: Vec<f32> = welded.operator_vertex.iter().map(of).collect();
+    let (values, masked) = match &subject.proxy {
+        None => (values, masked),
+        Some(proxy) => {
+            let values = proxy.spread(&values);
+            let masked =
+                Masked { inside: values.iter().filter(|x| **x > 0.0).count(), vertices: values.len() };
+            (values, masked)
+        }
+    };
     let Some(format) = Format::of_path(path) else {
         let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
         let written = if is_archive {
@@ -111,7 +130,7 @@ pub fn write(path: &Path, painted: &Painted, mesh: &TriMesh, as_colors: bool) ->
         return written.map(|()| masked).map_err(|error| Error::unwritten(path, error));
     };
     let values: Vec<f64> = values.into_iter().map(f64::from).collect();
-    let mut mesh = mesh.clone();
+    let mut mesh = TriMesh::clone(subject.whole());
     if as_colors || format != Format::Ply {
         mesh.set_gray(&values, format);
     } else {
@@ -141,8 +160,8 @@ mod tests {
     #[test]
     fn masks_come_back_from_every_kind_of_file() {
         let folder = tempfile::tempdir().unwrap();
-        let mesh = sample("template").unwrap();
-        let welded = weld(&mesh);
+        let mesh = Subject::from(sample("template").unwrap());
+        let welded = weld(&mesh.mesh);
         let values: Vec<f32> = (0..welded.positions.len()).map(|v| (v % 256) as f32 / 255.0).collect();
         let painted = Painted::Vertices(values.as_slice().into());
         for (name, as_colors, off) in [
@@ -158,7 +177,7 @@ mod tests {
             let back = read(&path, None, &mesh).unwrap().values(&welded.positions);
             let farthest = values.iter().zip(&*back).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(farthest <= off, "{name}: {farthest}");
-            let other = sample("octopus").unwrap();
+            let other = Subject::from(sample("octopus").unwrap());
             assert!(
                 read(&path, None, &other).unwrap_err().to_string().contains("a number for each"),
                 "{name}"
@@ -180,7 +199,8 @@ mod tests {
             attribute("weight", ramp.clone()),
             attribute("quality", ramp.iter().map(|x| 7.0 * x).collect()),
         ];
-        let expected = Painted::of_file(ramp.iter().map(|x| *x as f32), &weld(&mesh).operator_vertex);
+        let mesh = Subject::from(mesh);
+        let expected = Painted::of_file(ramp.iter().map(|x| *x as f32), &weld(&mesh.mesh).operator_vertex);
         assert_eq!(own("weight", &mesh, Format::Ply).unwrap(), expected);
         assert!(own("quality", &mesh, Format::Ply).unwrap_err().to_string().contains("it is 7"));
         assert!(own("red", &mesh, Format::Ply).is_err());

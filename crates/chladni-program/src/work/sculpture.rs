@@ -5,20 +5,21 @@ use std::sync::Arc;
 
 use chladni_caricature::{Evaluation, LayerState, Project, Stack};
 use chladni_harmonics::Body;
+use chladni_mesh::surface::vec3::{Vec3, add, sub};
 use chladni_mesh::{
     Format, MeshError, MorphTarget, Orientation, ShapeSource, TriMesh, add_morph_targets,
     add_morph_targets_in, save_mesh, write_glb, write_mesh,
 };
 use chladni_task::write_atomic;
 
-use super::{Error, Warning, Watcher, matched};
+use super::{Error, Subject, Warning, Watcher, matched};
 
 /// The result of a project on its shape. Later edits of the project do not change it.
 pub struct Sculpture {
     /// Where the shape comes from.
     pub source: ShapeSource,
-    /// The shape as its file holds it.
-    pub mesh: Arc<TriMesh>,
+    /// The shape.
+    pub subject: Subject,
     /// With its harmonics.
     pub body: Arc<Body>,
     /// Of all layers.
@@ -35,23 +36,24 @@ pub struct Made {
     pub stands: Option<Orientation>,
 }
 
-/// Matches what `project` asks for with `mesh`, which `body` was built from, and evaluates it. A layer that
+/// Matches what `project` asks for with the mesh of `subject`, which `body` was built from, and evaluates it. A layer that
 /// cannot act is an error, or, if `forgiven`, a warning, and the others continue without it.
 ///
 /// # Errors
 /// [`Error::Caricature`] or [`Error::Input`] with the first layer that cannot act.
 pub fn make(
-    mesh: impl Into<Arc<TriMesh>>,
+    subject: impl Into<Subject>,
     body: Arc<Body>,
     project: &Project,
     forgiven: bool,
     watcher: &impl Watcher,
 ) -> Result<Made, Error> {
-    let mesh = mesh.into();
+    let subject = subject.into();
+    let mesh = &subject.mesh;
     let mut stack = Stack::new(Arc::clone(&body))?;
     let mut stands = None;
     for request in stack.missing(project) {
-        let found = match matched(&request, &mesh, &body, watcher) {
+        let found = match matched(&request, mesh, &body, watcher) {
             Err(why) if !forgiven => return Err(why.into()),
             found => found,
         };
@@ -70,12 +72,12 @@ pub fn make(
             return Err(Error::Input(format!("layer {}: {why}", layer.name)));
         }
         if layer.mask.as_ref().is_some_and(|mask| mask.iter().all(|share| *share == 0.0)) {
-            let [from, to] = reach(&mesh);
+            let [from, to] = reach(mesh);
             watcher.warn(Warning::EmptyRegion { layer: layer.name.clone(), from, to });
         }
     }
     let source = project.shape.clone();
-    Ok(Made { sculpture: Sculpture { source, mesh, body, evaluation }, stack, stands })
+    Ok(Made { sculpture: Sculpture { source, subject, body, evaluation }, stack, stands })
 }
 
 /// Evaluates `project` on `stack` and, where it keeps triangles, limits its layers, the lowest first.
@@ -126,23 +128,49 @@ impl Sculpture {
         Ok((write_mesh(&self.result(), format)?, None))
     }
 
+    /// All of the shape, with what the body's displacements make of it.
     fn result(&self) -> TriMesh {
-        let positions = self.evaluation.file_positions(&self.body, &self.mesh.positions);
-        TriMesh { positions, ..TriMesh::clone(&self.mesh) }
+        let whole = self.subject.whole();
+        let positions = match &self.subject.proxy {
+            None => self.evaluation.file_positions(&self.body, &whole.positions),
+            Some(proxy) => {
+                let moved = self.body.displacements_in_file(&self.evaluation.displacement());
+                whole.positions.iter().zip(proxy.carried(&moved)).map(|(p, d)| add(*p, d)).collect()
+            }
+        };
+        TriMesh { positions, ..TriMesh::clone(whole) }
+    }
+
+    /// The displacements of all of the shape by each acting layer. They add up to the result.
+    fn morph_targets(&self) -> Vec<MorphTarget> {
+        let targets = self.evaluation.morph_targets(&self.body);
+        let Some(proxy) = &self.subject.proxy else {
+            let target = |(name, displacements)| MorphTarget { name, displacements };
+            return targets.into_iter().map(target).collect();
+        };
+        // How detail turns depends on all layers up to this one.
+        let mut moved = vec![[0.0; 3]; self.subject.mesh.positions.len()];
+        let mut below = vec![[0.0; 3]; self.subject.whole().positions.len()];
+        let target = |(name, displacements): (String, Vec<Vec3>)| {
+            moved.iter_mut().zip(displacements).for_each(|(sum, d)| *sum = add(*sum, d));
+            let carried = proxy.carried(&moved);
+            let displacements = carried.iter().zip(&below).map(|(now, before)| sub(*now, *before)).collect();
+            below = carried;
+            MorphTarget { name, displacements }
+        };
+        targets.into_iter().map(target).collect()
     }
 
     /// `file` is what the shape was read from, where that is in memory.
     fn glb(&self, file: Option<&[u8]>) -> Result<(Vec<u8>, Option<Warning>), MeshError> {
-        let targets = self.evaluation.morph_targets(&self.body).into_iter();
-        let targets: Vec<MorphTarget> =
-            targets.map(|(name, displacements)| MorphTarget { name, displacements }).collect();
+        let (whole, targets) = (self.subject.whole(), self.morph_targets());
         let mut warning = None;
         if let ShapeSource::File(source) = &self.source
             && matches!(Format::of_path(source), Some(Format::Glb | Format::Gltf))
         {
             let added = match file {
-                Some(bytes) => add_morph_targets_in(bytes, &self.mesh, &targets),
-                None => add_morph_targets(source, &self.mesh, &targets),
+                Some(bytes) => add_morph_targets_in(bytes, whole, &targets),
+                None => add_morph_targets(source, whole, &targets),
             };
             match added {
                 Ok(bytes) => return Ok((bytes, None)),
@@ -152,6 +180,6 @@ impl Sculpture {
                 }
             }
         }
-        Ok((write_glb(&self.mesh, &targets)?, warning))
+        Ok((write_glb(whole, &targets)?, warning))
     }
 }

@@ -10,6 +10,7 @@
 mod archive;
 mod pictures;
 mod projects;
+mod proxies;
 mod regions;
 
 use std::path::{Path, PathBuf};

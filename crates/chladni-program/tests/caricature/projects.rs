@@ -80,7 +80,7 @@ fn a_project_finds_its_files_from_anywhere_and_after_a_move() {
 }
 
 /// The names of a GLB's morph targets and the sum of their displacements.
-fn morph_sum(path: &Path, vertices: usize) -> (Vec<String>, Vec<[f64; 3]>) {
+pub(super) fn morph_sum(path: &Path, vertices: usize) -> (Vec<String>, Vec<[f64; 3]>) {
     let bytes = std::fs::read(path).unwrap();
     let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
     let json_len = word(12);

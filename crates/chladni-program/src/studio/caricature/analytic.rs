@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, ed
                 let round = *template == Template::Sphere;
                 let fitted = if round { Ellipsoid::fitted_sphere } else { Ellipsoid::fitted };
                 // Without a surface nothing fits; the match says so.
-                if let Ok(fitted) = fitted(&session.mesh) {
+                if let Ok(fitted) = fitted(&session.subject.mesh) {
                     edits.set(id, Property::Template(Template::Given(fitted.into())));
                 }
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use chladni_caricature::{Action, Layer, Project, ShapeSource, Template};
+use chladni_caricature::{Action, Layer, Project, Resolution, ShapeSource, Template};
 use chladni_view::{Background, Camera, View};
 use egui::Context;
 
@@ -89,8 +89,8 @@ impl CaricatureRoom {
         let Some(session) = &self.session else { return };
         let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)]) else { return };
         let mut project = session.project().clone();
-        project.shape = ShapeSource::File(path);
-        let made_on = Some(Arc::clone(&session.mesh));
+        (project.shape, project.resolution) = (ShapeSource::File(path), Resolution::Usual);
+        let made_on = Some(Arc::clone(&session.subject.mesh));
         self.start(Candidate { made_on, ..Candidate::new(project) }, shared);
     }
 

@@ -27,7 +27,11 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
         return;
     }
     ui.horizontal(|ui| {
-        let vertices = format!("{} vertices", grouped(session.mesh.positions.len()));
+        let [worked_on, all] = [&session.subject.mesh, session.subject.whole()].map(|m| m.positions.len());
+        let vertices = match worked_on == all {
+            true => format!("{} vertices", grouped(all)),
+            false => format!("{} of {} vertices", grouped(worked_on), grouped(all)),
+        };
         ui.label(RichText::new(vertices).small().color(palette.weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let good = body.basis.certificate.is_precise();

@@ -8,7 +8,7 @@ use chladni_caricature::{Painted, Project, Recovered, Stack};
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_task::Task;
 
-use crate::work::{Aside, Error, OwnLook, Warning, Watcher, body, source};
+use crate::work::{Aside, Error, OwnLook, Subject, Warning, Watcher, body};
 
 /// A project that will replace the open one.
 pub struct Candidate {
@@ -40,7 +40,7 @@ pub struct Loaded {
     pub new: bool,
     /// The recovery copy that the project comes from.
     pub recovered: Option<Recovered>,
-    pub mesh: Arc<TriMesh>,
+    pub subject: Subject,
     pub stands: Estimate,
     /// On the shape with its harmonics.
     pub stack: Stack,
@@ -60,28 +60,29 @@ pub fn load(
     let Candidate { mut project, path, recovered, made_on, .. } = candidate;
     let aside = Aside::new(task);
     let name = project.shape.to_string();
-    let mesh = Arc::new(source::shape(&project.shape, &aside)?);
+    let subject = Subject::of(&mut project, &aside)?;
+    let mesh = &subject.mesh;
     if let Some(message) = project.taken_over() {
         aside.warn(Warning::Plain(format!("This is {message}.")));
     }
     let known = project.shape.stands().map_or_else(Known::default, Known::from);
-    let stands = Estimate::of(&mesh, known, task)?;
+    let stands = Estimate::of(mesh, known, task)?;
     // There may be no receiver any more.
-    let _ = read.send((Arc::clone(&mesh), project.stands.unwrap_or(stands.orientation)));
+    let _ = read.send((Arc::clone(mesh), project.stands.unwrap_or(stands.orientation)));
     let new = recovered.is_some() || made_on.is_some();
     if let Some(from) = made_on {
-        let carried = project.carried(&from, &mesh, task)?;
+        let carried = project.carried(&from, mesh, task)?;
         for message in carried.report.into_iter().flat_map(|report| report.warnings) {
             aside.warn(Warning::of(&name, message));
         }
         project = carried.project;
     }
-    let (body, _) = body::build(&name, &mesh, project.harmonics, project.laplacian, &aside)?;
-    let look = OwnLook::of(&name, &mesh, &body, &aside);
+    let (body, _) = body::build(&name, mesh, project.harmonics, project.laplacian, &aside)?;
+    let look = OwnLook::of(&name, mesh, &body, &aside);
     let stack = Stack::new(Arc::new(body))?;
     if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
         stack.brush_preparation()();
     }
     let warnings = aside.warnings();
-    Ok(Loaded { project, path, new, recovered, mesh, stands, stack, look, warnings })
+    Ok(Loaded { project, path, new, recovered, subject, stands, stack, look, warnings })
 }

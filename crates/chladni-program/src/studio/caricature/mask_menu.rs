@@ -97,10 +97,10 @@ pub fn fulfil(
     let painted = match wish {
         MaskWish::Open => {
             let Some(path) = shared.chooser.open(&[("Masks", &mask::READ)]) else { return Ok(()) };
-            mask::read(&path, None, &session.mesh)?
+            mask::read(&path, None, &session.subject)?
         }
         MaskWish::Save => return save(layer, session, shared),
-        MaskWish::Own(name) => mask::own(&name, &session.mesh, format(session))?,
+        MaskWish::Own(name) => mask::own(&name, &session.subject, format(session))?,
         MaskWish::Curved(curved) => {
             let surface = session.stack.surface();
             curved.painted(&surface.positions, &surface.triangles)
@@ -117,7 +117,7 @@ fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<()
         return Ok(());
     };
     let painted = session.project().layer(layer).map_or(Painted::Everywhere, |l| l.region.painted.clone());
-    mask::write(&path, &painted, &session.mesh, false)?;
+    mask::write(&path, &painted, &session.subject, false)?;
     shared.notices.done(format!("Wrote {}", path.display()));
     Ok(())
 }

@@ -296,7 +296,7 @@ impl CaricatureRoom {
                 let folds = session.folds_of(id);
                 let mirror = session.known_mirror();
                 let kept = session.kept();
-                let channels: Vec<String> = session.mesh.channels().map(str::to_owned).collect();
+                let channels: Vec<String> = session.subject.mesh.channels().map(str::to_owned).collect();
                 let measured =
                     Measured { spectrum: &spectrum, mirror, folds, crossings, kept, channels: &channels };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {

@@ -1,9 +1,6 @@
-//! Fewer triangles over some of the same vertices, for small pictures on slow devices.
+//! How many vertices a small picture of a dance needs.
 
 use chladni_synth::{Coefficients, Item, Term};
-
-use meshopt::{SimplifyOptions, simplify_decoder};
-use std::collections::HashSet;
 
 /// A level of detail has one vertex per this many pixels of its cell, of which a shape fills about a third:
 /// edges of five or six pixels.
@@ -13,39 +10,6 @@ const PIXELS_OF_VERTEX: usize = 50;
 const VERTICES_OF_HARMONIC: usize = 5;
 /// Displacements below this (the shape's area is one) are invisible in a cell: a third of a pixel.
 const SEEN: f32 = 0.002;
-
-/// A shape over the vertices of a larger one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Detail {
-    /// Triangles over the larger shape's vertices.
-    pub triangles: Vec<[u32; 3]>,
-    /// How many vertices they name.
-    pub vertices: usize,
-}
-
-/// Shapes of about as many vertices as `wanted` says, in falling order; what is drawn through them
-/// moves exactly as the whole does.
-///
-/// Vertices are collapsed into neighbors one by one, the one that changes the surface least first (quadric
-/// error metric: Garland and Heckbert 1997), with triangles kept even, as shapes bend where they are flat at
-/// rest. A shape that cannot become as small as wanted ends with fewer details.
-pub fn details(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize]) -> Vec<Detail> {
-    let inside = |t: &&[u32; 3]| t.iter().all(|v| (*v as usize) < positions.len());
-    let mut indices: Vec<u32> = triangles.iter().filter(inside).flatten().copied().collect();
-    let mut details = Vec::new();
-    for &count in wanted {
-        // A closed surface without handles has two triangles a vertex, less four.
-        let target = (6 * count).saturating_sub(12);
-        indices = simplify_decoder(&indices, positions, target, f32::MAX, SimplifyOptions::Regularize, None);
-        if indices.is_empty() || indices.len() > target {
-            break;
-        }
-        let triangles: Vec<[u32; 3]> = indices.as_chunks().0.to_vec();
-        let named: HashSet<u32> = indices.iter().copied().collect();
-        details.push(Detail { triangles, vertices: named.len() });
-    }
-    details
-}
 
 /// How many harmonics of `item` are needed for all visible movement in a cell.
 pub fn harmonics_seen(item: &Item) -> usize {
@@ -72,46 +36,6 @@ pub fn vertices_needed(harmonics: usize, pixels: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_mesh::samples;
-    use std::collections::HashMap;
-
-    fn positions(mesh: &chladni_mesh::TriMesh) -> Vec<[f32; 3]> {
-        mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect()
-    }
-
-    /// How often each edge is there in each direction.
-    fn directed(triangles: &[[u32; 3]]) -> HashMap<[u32; 2], usize> {
-        let mut edges = HashMap::new();
-        for [a, b, c] in triangles {
-            [[*a, *b], [*b, *c], [*c, *a]].into_iter().for_each(|edge| *edges.entry(edge).or_default() += 1);
-        }
-        edges
-    }
-
-    #[test]
-    fn levels_of_the_octopus_are_closed_and_lie_on_it() {
-        let mesh = samples::sample("octopus").expect("it is there");
-        let positions = positions(&mesh);
-        let area = |triangles: &[[u32; 3]]| {
-            let twice = |t: &[u32; 3]| normal(&positions, t).iter().map(|n| n * n).sum::<f64>().sqrt();
-            0.5 * triangles.iter().map(twice).sum::<f64>()
-        };
-        let (whole, volume) = (area(&mesh.triangles), volume(&positions, &mesh.triangles));
-        let found = details(&positions, &mesh.triangles, &[4000, 1300]);
-        assert_eq!(found.iter().map(|detail| detail.vertices).collect::<Vec<_>>(), [4000, 1300]);
-        for detail in &found {
-            let named: HashSet<u32> = detail.triangles.iter().flatten().copied().collect();
-            assert_eq!(named.len(), detail.vertices);
-            // Closed, oriented and of one piece without a handle, as the octopus is.
-            assert_eq!(detail.triangles.len(), 2 * detail.vertices - 4);
-            let edges = directed(&detail.triangles);
-            assert!(edges.iter().all(|([a, b], count)| *count == 1 && edges.contains_key(&[*b, *a])));
-            let (area, volume) =
-                (area(&detail.triangles) / whole, self::volume(&positions, &detail.triangles) / volume);
-            assert!((0.97..1.01).contains(&area) && (0.97..1.01).contains(&volume), "{area} {volume}");
-        }
-        assert_eq!(found, details(&positions, &mesh.triangles, &[4000, 1300]));
-    }
 
     #[test]
     fn fine_waves_need_more_vertices_where_they_are_seen() {
@@ -125,54 +49,5 @@ mod tests {
         assert_eq!((seen, harmonics_seen(&Item::default())), ([40, 40, 500], 0));
         let needed = [(40, 50_000), (40, 100), (500, 50_000)].map(|(k, pixels)| vertices_needed(k, pixels));
         assert_eq!(needed, [1000, 200, 2500]);
-    }
-
-    /// As long as twice the triangle's area.
-    fn normal(positions: &[[f32; 3]], [a, b, c]: &[u32; 3]) -> [f64; 3] {
-        let at = |v: &u32| positions[*v as usize].map(f64::from);
-        cross(minus(at(b), at(a)), minus(at(c), at(a)))
-    }
-
-    fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-    }
-
-    fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    }
-
-    fn volume(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> f64 {
-        let at = |v: u32| positions[v as usize].map(f64::from);
-        let of = |[a, b, c]: &[u32; 3]| {
-            let (a, n) = (at(*a), cross(at(*b), at(*c)));
-            (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0
-        };
-        triangles.iter().map(of).sum()
-    }
-
-    #[test]
-    fn a_border_stays() {
-        // A flat square of 20 × 20 cells.
-        let n = 21_u32;
-        let positions: Vec<[f32; 3]> = (0..n * n).map(|i| [(i % n) as f32, (i / n) as f32, 0.0]).collect();
-        let cells = (0..n * n).filter(|i| i % n < n - 1 && i / n < n - 1);
-        let triangles: Vec<[u32; 3]> =
-            cells.flat_map(|i| [[i, i + 1, i + n], [i + n, i + 1, i + n + 1]]).collect();
-        let detail = details(&positions, &triangles, &[50]).pop().expect("it becomes smaller");
-        let edges = directed(&detail.triangles);
-        let border = edges.keys().filter(|[a, b]| !edges.contains_key(&[*b, *a]));
-        let on_side = |v: u32| positions[v as usize][..2].iter().any(|c| *c == 0.0 || *c == 20.0);
-        assert!(border.flatten().all(|v| on_side(*v)));
-        let area: f64 = detail.triangles.iter().map(|t| 0.5 * normal(&positions, t)[2]).sum();
-        assert!((area - 400.0).abs() < 1e-9, "{area}");
-    }
-
-    #[test]
-    fn what_cannot_become_smaller_stays() {
-        let ring = [[0, 1, 2], [2, 1, 0]];
-        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, f32::NAN]];
-        assert!(details(&corners, &ring, &[2]).is_empty());
-        assert!(details(&[], &[], &[5]).iter().all(|detail| detail.triangles.is_empty()));
-        assert!(details(&corners, &[[0, 1, 7]], &[2]).iter().all(|detail| detail.triangles.is_empty()));
     }
 }

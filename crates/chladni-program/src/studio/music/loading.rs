@@ -4,11 +4,11 @@ use std::path::Path;
 
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::Orientation;
+use chladni_mesh::surface::{Detail, details as simplified};
 use chladni_music::Viewpoint;
 use chladni_synth::Term;
 use chladni_task::Task;
 
-use super::coarse::{self, Detail};
 use crate::work::dancer::{Dancing, classes};
 use crate::work::{Aside, Cast, Error, Stance, Warning, opening_view};
 
@@ -70,5 +70,5 @@ fn details(body: &Body) -> Vec<Detail> {
     let mut wanted: Vec<usize> = sizes.take_while(|size| *size <= most).map(|size| size as usize).collect();
     wanted.reverse();
     let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
-    coarse::details(&rest, &body.triangles, &wanted)
+    simplified(&rest, &body.triangles, &wanted)
 }

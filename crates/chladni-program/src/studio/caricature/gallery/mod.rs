@@ -71,7 +71,7 @@ impl GalleryView {
     /// Prepares the gallery of the open shape.
     pub fn begin(session: &Session, ctx: &egui::Context) -> Self {
         let body = Arc::clone(session.stack.body());
-        let mesh = Arc::clone(&session.mesh);
+        let mesh = Arc::clone(&session.subject.mesh);
         let matched = session.project().layers().iter().filter(|(_, layer)| layer.template.is_mesh());
         let given = matched.filter_map(|(_, layer)| MatchRequest::of(layer)).next_back();
         let stack = session.stack.with_harmonics_of(Arc::clone(&body));

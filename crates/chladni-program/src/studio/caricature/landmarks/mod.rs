@@ -88,7 +88,7 @@ impl Picking {
             return None;
         }
         let viewport = Viewport::new(shared.gpu);
-        let shape = match Side::new(viewport.gpu(), &session.mesh, session.stands()) {
+        let shape = match Side::new(viewport.gpu(), &session.subject.mesh, session.stands()) {
             Ok(shape) => shape,
             Err(error) => return Some(Err(error.into())),
         };

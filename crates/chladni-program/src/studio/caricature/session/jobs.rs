@@ -94,7 +94,7 @@ impl Session {
         let (harmonics, laplacian) = (self.project().harmonics, self.project().laplacian);
         if self.asked != (harmonics, laplacian) {
             self.asked = (harmonics, laplacian);
-            let (mesh, name) = (Arc::clone(&self.mesh), self.project().shape.to_string());
+            let (mesh, name) = (Arc::clone(&self.subject.mesh), self.project().shape.to_string());
             let work = move |task: &Task| {
                 let aside = Aside::new(task);
                 let (body, _) = body::build(&name, &mesh, harmonics, laplacian, &aside)?;
@@ -133,7 +133,7 @@ impl Session {
     }
 
     fn start_match(&self, request: MatchRequest, ctx: &egui::Context) -> Job<Found> {
-        let (shape, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
+        let (shape, body) = (Arc::clone(&self.subject.mesh), Arc::clone(self.stack.body()));
         let name = template_name(&request.template, self.project());
         // Warnings of a match are shown beside its quality.
         let work = move |task: &Task| Ok(matched(&request, &shape, &body, &Aside::new(task)));

@@ -12,7 +12,7 @@ use chladni_caricature::{
     Matched, Project, ShapeSource, Stack, Surface, furthest,
 };
 use chladni_harmonics::Laplacian;
-use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation, TriMesh};
+use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation};
 use chladni_task::Task;
 
 use super::crossings::CrossingMeter;
@@ -20,7 +20,7 @@ use super::edits::Edit;
 use super::export::named_after;
 use super::loading::Loaded;
 use crate::studio::job::Job;
-use crate::work::{Error, Sculpture};
+use crate::work::{Error, Sculpture, Subject};
 
 /// How far a layer is held back where it would fold the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,8 +40,8 @@ pub struct Session {
     pub history: History,
     /// Where it was saved, if it was.
     pub path: Option<PathBuf>,
-    /// The mesh as its file holds it.
-    pub mesh: Arc<TriMesh>,
+    /// The shape.
+    pub subject: Subject,
     /// Evaluates the document.
     pub stack: Stack,
     /// What the document looks like now.
@@ -79,7 +79,7 @@ impl Session {
                 History::new(loaded.project)
             },
             path: loaded.path,
-            mesh: loaded.mesh,
+            subject: loaded.subject,
             stack,
             evaluation,
             selected,
@@ -243,9 +243,13 @@ impl Session {
 
     /// What it looks like now; later edits do not change it.
     pub fn sculpture(&self) -> Sculpture {
-        let (mesh, body) = (Arc::clone(&self.mesh), Arc::clone(self.stack.body()));
-        let source = self.project().shape.clone();
-        Sculpture { source, mesh, body, evaluation: self.evaluation.clone() }
+        let (source, subject) = (self.project().shape.clone(), self.subject.clone());
+        Sculpture {
+            source,
+            subject,
+            body: Arc::clone(self.stack.body()),
+            evaluation: self.evaluation.clone(),
+        }
     }
 
     fn selected_request(&self) -> Option<MatchRequest> {
@@ -313,6 +317,7 @@ mod tests {
     use super::*;
     use crate::work::Warning;
     use chladni_caricature::{Layer, ShapeSource, Template};
+    use chladni_mesh::TriMesh;
     use std::sync::mpsc::channel;
 
     #[test]

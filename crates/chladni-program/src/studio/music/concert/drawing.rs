@@ -1,10 +1,11 @@
 //! The picture of all items, which is shown once its brightness is known.
 
+use chladni_mesh::surface::Detail;
 use chladni_music::{Framing, Reaction, Switch, Veil};
 use chladni_view::{Figure, Gpu, ItemBuffers, Look, Rect, Topology};
 use egui::{Color32, Ui};
 
-use super::super::coarse::{self, Detail};
+use super::super::coarse;
 use super::super::glimpse::Glimpse;
 use super::super::projection::Projection;
 use super::super::stillness::StillPicture;

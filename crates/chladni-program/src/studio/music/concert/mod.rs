@@ -10,6 +10,7 @@ mod piloted;
 mod standing;
 mod suggesting;
 
+use chladni_mesh::surface::Detail;
 use chladni_music::{
     Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Parameters, Preset,
     SAND_MODE, Settings, Show, Switch, Viewpoint, without_sand,
@@ -29,7 +30,7 @@ use standing::{Hand, camera_at, navigate, touches};
 use suggesting::{Judging, Recent};
 
 use super::close_up::{self, Draft};
-use super::coarse::{self, Detail};
+use super::coarse;
 use super::gallery;
 use super::harmonics::Harmonics;
 use super::listening::Listening;

@@ -1,13 +1,15 @@
 //! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate what makes a shape differ from a
 //! template, or play a whole recipe on one or many shapes.
 
-use std::collections::{HashMap, HashSet};
-use std::ffi::OsStr;
+mod batch;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use chladni_caricature::{Base, Crossings, DEFAULT_HARMONICS, Project, ShapeSource, Stack, Template};
-use chladni_mesh::{Format, TriMesh};
+use chladni_caricature::{
+    Base, Crossings, DEFAULT_HARMONICS, Project, Resolution, ShapeSource, Stack, Template,
+};
+use chladni_mesh::{Format, Orientation, TriMesh};
 use chladni_view::FilmFormat;
 
 use super::Terminal;
@@ -16,11 +18,12 @@ use super::ink::{InkOptions, check_drawing};
 use super::layer_options::LayerOptions;
 use super::portrait::{self, Portrait};
 use super::region::RegionOptions;
+use super::resolution::ResolutionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
 use crate::work::outputs::{check_file, check_picture};
-use crate::work::{Error, Made, Sculpture, Share, Warning, Watcher, make, settled, sitter, source};
+use crate::work::{Error, Made, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source};
 
 /// Exaggerate what makes a shape differ from a template.
 #[derive(clap::Args)]
@@ -44,6 +47,8 @@ pub struct Caricature {
     /// the paper prints (sharp cut of the region at 96, every scale alike, μ = -0.8 or -8).
     #[arg(long, conflicts_with = "recipe")]
     paper: bool,
+    #[command(flatten)]
+    resolution: ResolutionOptions,
     /// Hold the exaggeration back where it would fold the surface or pass it through itself, and carry detail along
     /// with what it sits on. Of a recipe, too.
     #[arg(long)]
@@ -89,30 +94,21 @@ impl Caricature {
         let mut project = source::project(recipe, terminal)?;
         project.keep_triangles |= self.keep_triangles;
         match (&self.batch, &self.shape) {
-            (Some(folder), _) => self.batch(&project, folder, terminal),
+            (Some(folder), _) => self.batch(project, folder, terminal),
             (None, Some(shape)) => {
                 self.check()?;
-                let from = source::shape(&project.shape, terminal)?;
-                one(
-                    shape,
-                    &project,
-                    Some(&from),
-                    self.output.as_deref(),
-                    self.pictures(self.render.as_deref()),
-                    terminal,
-                )
+                let from = Subject::of(&mut project, terminal)?.mesh;
+                self.one_of(shape, &project, Some(&from), terminal)
             }
             (None, None) => {
                 self.check()?;
+                if self.resolution.wanted() != Resolution::Usual {
+                    return Err(Error::input(
+                        "--proxy is for another shape: its own is worked on as the recipe says",
+                    ));
+                }
                 let shape = project.shape.to_string();
-                one(
-                    &shape,
-                    &project,
-                    None,
-                    self.output.as_deref(),
-                    self.pictures(self.render.as_deref()),
-                    terminal,
-                )
+                self.one_of(&shape, &project, None, terminal)
             }
         }
     }
@@ -147,10 +143,25 @@ impl Caricature {
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
         project.keep_triangles = self.keep_triangles;
-        let painted = self.region.painted(shape, || source::mesh(shape, terminal), terminal)?;
-        let layer = self.layer.layer("caricature", template.clone(), painted, &project)?;
+        project.resolution = self.resolution.wanted();
+        let subject = Subject::of(&mut project, terminal)?;
+        let painted = self.region.painted(shape, &subject, terminal)?;
+        let layer = self.layer.layer("caricature", template.clone(), painted, &project, &subject)?;
         project.push(layer)?;
-        one(shape, &project, None, self.output.as_deref(), self.pictures(self.render.as_deref()), terminal)
+        let pictures = self.pictures(self.render.as_deref());
+        finish(shape, subject, &project, project.stands, self.output.as_deref(), pictures, terminal)
+    }
+
+    /// The recipe `project` on one shape.
+    fn one_of(
+        &self,
+        shape: &str,
+        project: &Project,
+        from: Option<&TriMesh>,
+        terminal: &Terminal,
+    ) -> Result<(), Error> {
+        let (output, pictures) = (self.output.as_deref(), self.pictures(self.render.as_deref()));
+        one(shape, project, from, self.resolution.wanted(), output, pictures, terminal)
     }
 
     /// A sheet of twelve caricatures, or one of them as a mesh.
@@ -165,114 +176,30 @@ impl Caricature {
         } else {
             check_picture(output)?;
         }
-        let mesh = Arc::new(source::mesh(shape, terminal)?);
         let (harmonics, laplacian) = (self.harmonics.unwrap_or(DEFAULT_HARMONICS), laplacian(self.paper));
-        let (body, _) = body::build(shape, &mesh, harmonics, laplacian, terminal)?;
         let mut project = Project::new(shape.parse()?, harmonics);
         (project.laplacian, project.keep_triangles) = (laplacian, self.keep_triangles);
+        project.resolution = self.resolution.wanted();
+        let subject = Subject::of(&mut project, terminal)?;
+        let mesh = &subject.mesh;
+        let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
-        let given = self.template.clone().map(|template| Ok::<_, Error>((template, self.layer.matching()?)));
-        let sitter = sitter(&mesh, &mut stack, given.transpose()?, terminal)?;
+        let given =
+            self.template.clone().map(|template| Ok::<_, Error>((template, self.layer.matching(&subject)?)));
+        let sitter = sitter(mesh, &mut stack, given.transpose()?, terminal)?;
         if self.gallery.is_single() {
             for layer in self.gallery.single(&sitter, self.layer.seed(), terminal)? {
                 project.push(layer)?;
             }
             let evaluation = settled(&mut stack, &project, terminal)?;
             let source = project.shape.clone();
-            return save(&Sculpture { source, mesh, body, evaluation }, output, terminal);
+            return save(&Sculpture { source, subject, body, evaluation }, output, terminal);
         }
-        let from = self.portrait.camera(shape, &mesh, None, None, terminal)?;
+        let from = self.portrait.camera(shape, mesh, None, None, terminal)?;
         self.gallery.sheet(&sitter, self.layer.seed(), (from, self.portrait.size), output, terminal)?;
         terminal.wrote(output)
     }
-
-    /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
-    fn batch(&self, project: &Project, batch: &Path, terminal: &Terminal) -> Result<(), Error> {
-        let Some(results) = &self.output else {
-            return Err(Error::input("--batch needs a folder for the results: -o"));
-        };
-        let shapes = if batch.is_dir() { meshes_in(batch)? } else { meshes_listed(batch)? };
-        // Whether results would collide depends on all of them, whichever of them are made here.
-        let planned = self.planned(results, &shapes)?;
-        let piece = self.piece.map_or(0..shapes.len() as u64, |piece| piece.range(shapes.len() as u64));
-        let piece = piece.start as usize..piece.end as usize;
-        let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
-        let from = source::shape(&project.shape, terminal)?;
-        for out in [Some(results), self.render.as_ref()].into_iter().flatten() {
-            std::fs::create_dir_all(out).map_err(|error| Error::unwritten(out, error))?;
-        }
-        let (mut failed, mut kept) = (0, 0);
-        for (shape, (output, render)) in shapes.iter().zip(planned) {
-            terminal.task().check()?;
-            if self.resume && output.is_file() && render.as_ref().is_none_or(|render| render.is_file()) {
-                kept += 1;
-                continue;
-            }
-            let name = shape.display().to_string();
-            match one(&name, project, Some(&from), Some(output), self.pictures(render.as_deref()), terminal) {
-                Ok(()) => {}
-                Err(Error::Cancelled) => return Err(Error::Cancelled),
-                Err(failure) => {
-                    failed += 1;
-                    match failure.to_string() {
-                        message if message.starts_with(&name) => terminal.warn(Warning::Plain(message)),
-                        message => terminal.warn(Warning::of(&name, message)),
-                    }
-                }
-            }
-        }
-        if kept > 0 {
-            terminal.note(format_args!("{kept} of {} results were there already", shapes.len()));
-        }
-        match failed {
-            0 => Ok(()),
-            _ => Err(Error::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
-        }
-    }
-
-    /// The mesh in `results` and the picture that each of `shapes` becomes; refused where one would replace another or
-    /// a shape.
-    fn planned(&self, results: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
-        let real = |path: &Path| {
-            let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
-            std::fs::canonicalize(path).ok()
-        };
-        let output = real(results);
-        let folders: HashSet<&Path> = shapes.iter().filter_map(|shape| shape.parent()).collect();
-        if let Some(folder) = folders.into_iter().find(|folder| output.is_some() && real(folder) == output) {
-            let folder = folder.display();
-            return Err(Error::input(format_args!("{folder}: results there would replace the shapes")));
-        }
-        let mut owners: HashMap<PathBuf, &Path> = HashMap::new();
-        let mut planned = Vec::with_capacity(shapes.len());
-        for shape in shapes {
-            let stem = shape.file_stem().unwrap_or_default();
-            // A format that can be written is kept; the others become PLY, which keeps every digit.
-            let extension = match format_of(shape) {
-                Ok(_) => shape.extension().unwrap_or_default(),
-                Err(_) => "ply".as_ref(),
-            };
-            let output = named(results, stem, extension);
-            let render = self.render.as_ref().map(|folder| named(folder, stem, "png".as_ref()));
-            for path in std::iter::once(&output).chain(&render) {
-                if let Some(other) = owners.insert(path.clone(), shape) {
-                    let (path, other, shape) = (path.display(), other.display(), shape.display());
-                    return Err(Error::input(format_args!("{other} and {shape} would both become {path}")));
-                }
-            }
-            planned.push((output, render));
-        }
-        Ok(planned)
-    }
-}
-
-/// `STEM.EXTENSION` in `folder`; the stem may hold dots.
-fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
-    let mut name = stem.to_owned();
-    name.push(".");
-    name.push(extension);
-    folder.join(name)
 }
 
 /// The pictures that are asked for.
@@ -294,22 +221,41 @@ fn save(sculpture: &Sculpture, output: &Path, terminal: &Terminal) -> Result<(),
 }
 
 /// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
-/// regions and landmarks are carried over.
+/// regions and landmarks are carried over, and it is worked on as is `wanted`.
 fn one(
     shape: &str,
     project: &Project,
     from: Option<&TriMesh>,
+    wanted: Resolution,
     output: Option<&Path>,
     pictures: Pictures<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let mesh = source::mesh(shape, terminal)?;
+    let Some(from) = from else {
+        let mut project = project.clone();
+        let subject = Subject::of(&mut project, terminal)?;
+        return finish(shape, subject, &project, project.stands, output, pictures, terminal);
+    };
+    let mut other = Project::new(ShapeSource::named(Path::new(shape)), project.harmonics);
+    other.resolution = wanted;
+    let subject = Subject::of(&mut other, terminal)?;
+    let project = carry(project, from, shape, &subject.mesh, terminal)?;
     // Another shape need not stand as the project's own does.
-    let kept = project.stands.filter(|_| from.is_none());
-    let carried = from.map(|from| carry(project, from, shape, &mesh, terminal)).transpose()?;
-    let project = carried.as_ref().unwrap_or(project);
-    let (body, _) = body::build(shape, &mesh, project.harmonics, project.laplacian, terminal)?;
-    let mut made = make(mesh, Arc::new(body), project, false, terminal)?;
+    finish(shape, subject, &project, None, output, pictures, terminal)
+}
+
+/// `project` on `subject`, which is called `shape` and stands as is `kept`, to its files.
+fn finish(
+    shape: &str,
+    subject: Subject,
+    project: &Project,
+    kept: Option<Orientation>,
+    output: Option<&Path>,
+    pictures: Pictures<'_>,
+    terminal: &Terminal,
+) -> Result<(), Error> {
+    let (body, _) = body::build(shape, &subject.mesh, project.harmonics, project.laplacian, terminal)?;
+    let mut made = make(subject, Arc::new(body), project, false, terminal)?;
     made.sculpture.source = shape.parse()?;
     describe(&made, terminal)?;
     if let Some(output) = output {
@@ -321,7 +267,7 @@ fn one(
         terminal.wrote(path)?;
     }
     if let Some(path) = &turntable.turntable {
-        let from = portrait.camera(shape, &made.sculpture.mesh, kept, made.stands, terminal)?;
+        let from = portrait.camera(shape, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
         turntable.film(path, &made.sculpture, from, portrait.size, ink, terminal)?;
         terminal.wrote(path)?;
     }
@@ -381,31 +327,4 @@ fn carry(
         terminal.warn(Warning::of(format_args!("{name}, matched with {}", project.shape), warning));
     }
     Ok(carried.project)
-}
-
-/// The largest list of meshes that is read.
-const MOST_BYTES: u64 = 64 << 20;
-
-/// The meshes that a text file names, in its order; empty lines are left out.
-fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
-    let text = chladni_task::read_text_file(list, MOST_BYTES);
-    let text = text.map_err(|error| Error::input(format_args!("{}: {error}", list.display())))?;
-    let meshes: Vec<PathBuf> =
-        text.lines().map(str::trim).filter(|line| !line.is_empty()).map(PathBuf::from).collect();
-    if meshes.is_empty() {
-        return Err(Error::input(format_args!("{}: lists no mesh", list.display())));
-    }
-    Ok(meshes)
-}
-
-fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let unreadable = |error| Error::input(format_args!("{}: {error}", folder.display()));
-    let entries = std::fs::read_dir(folder).map_err(unreadable)?;
-    let is_mesh = |path: &PathBuf| path.is_file() && Format::of_path(path).is_some();
-    let mut meshes: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_mesh).collect();
-    meshes.sort();
-    if meshes.is_empty() {
-        return Err(Error::input(format_args!("{}: holds no mesh", folder.display())));
-    }
-    Ok(meshes)
 }

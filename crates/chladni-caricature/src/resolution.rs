@@ -1,0 +1,32 @@
+//! How finely a project's shape is worked on.
+
+use serde::{Deserialize, Serialize};
+
+/// How finely a project's shape is worked on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Resolution {
+    /// Not decided: whole, unless the shape is very large. Saved like [`Whole`](Self::Whole).
+    #[default]
+    Usual,
+    /// With each vertex of its file.
+    Whole,
+    /// Through a [`Proxy`](chladni_mesh::Proxy).
+    Proxy(ProxyKey),
+}
+
+/// Which proxy of a shape.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProxyKey {
+    /// About how many vertices it has.
+    pub vertices: usize,
+    /// What tells it from other proxies of as many vertices, as regions and landmarks name vertices by number; `None`
+    /// until it was made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<String>,
+}
+
+impl ProxyKey {
+    /// The fewest vertices that a proxy may be asked to have.
+    pub const FEWEST: usize = 100;
+}

@@ -1,0 +1,129 @@
+//! One recipe on many shapes.
+
+use std::collections::{HashMap, HashSet};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use chladni_caricature::Project;
+use chladni_mesh::Format;
+
+use super::{Caricature, format_of, one};
+use crate::cli::Terminal;
+use crate::work::{Error, Subject, Warning, Watcher};
+
+impl Caricature {
+    /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
+    pub(super) fn batch(&self, mut project: Project, batch: &Path, terminal: &Terminal) -> Result<(), Error> {
+        let Some(results) = &self.output else {
+            return Err(Error::input("--batch needs a folder for the results: -o"));
+        };
+        let shapes = if batch.is_dir() { meshes_in(batch)? } else { meshes_listed(batch)? };
+        // Whether results would collide depends on all of them, whichever of them are made here.
+        let planned = self.planned(results, &shapes)?;
+        let piece = self.piece.map_or(0..shapes.len() as u64, |piece| piece.range(shapes.len() as u64));
+        let piece = piece.start as usize..piece.end as usize;
+        let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
+        let from = Subject::of(&mut project, terminal)?.mesh;
+        for out in [Some(results), self.render.as_ref()].into_iter().flatten() {
+            std::fs::create_dir_all(out).map_err(|error| Error::unwritten(out, error))?;
+        }
+        let (mut failed, mut kept) = (0, 0);
+        for (shape, (output, render)) in shapes.iter().zip(planned) {
+            terminal.task().check()?;
+            if self.resume && output.is_file() && render.as_ref().is_none_or(|render| render.is_file()) {
+                kept += 1;
+                continue;
+            }
+            let name = shape.display().to_string();
+            let (wanted, pictures) = (self.resolution.wanted(), self.pictures(render.as_deref()));
+            match one(&name, &project, Some(&from), wanted, Some(output), pictures, terminal) {
+                Ok(()) => {}
+                Err(Error::Cancelled) => return Err(Error::Cancelled),
+                Err(failure) => {
+                    failed += 1;
+                    match failure.to_string() {
+                        message if message.starts_with(&name) => terminal.warn(Warning::Plain(message)),
+                        message => terminal.warn(Warning::of(&name, message)),
+                    }
+                }
+            }
+        }
+        if kept > 0 {
+            terminal.note(format_args!("{kept} of {} results were there already", shapes.len()));
+        }
+        match failed {
+            0 => Ok(()),
+            _ => Err(Error::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
+        }
+    }
+
+    /// The mesh in `results` and the picture that each of `shapes` becomes; refused where one would replace another or
+    /// a shape.
+    fn planned(&self, results: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
+        let real = |path: &Path| {
+            let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+            std::fs::canonicalize(path).ok()
+        };
+        let output = real(results);
+        let folders: HashSet<&Path> = shapes.iter().filter_map(|shape| shape.parent()).collect();
+        if let Some(folder) = folders.into_iter().find(|folder| output.is_some() && real(folder) == output) {
+            let folder = folder.display();
+            return Err(Error::input(format_args!("{folder}: results there would replace the shapes")));
+        }
+        let mut owners: HashMap<PathBuf, &Path> = HashMap::new();
+        let mut planned = Vec::with_capacity(shapes.len());
+        for shape in shapes {
+            let stem = shape.file_stem().unwrap_or_default();
+            // A format that can be written is kept; the others become PLY, which keeps every digit.
+            let extension = match format_of(shape) {
+                Ok(_) => shape.extension().unwrap_or_default(),
+                Err(_) => "ply".as_ref(),
+            };
+            let output = named(results, stem, extension);
+            let render = self.render.as_ref().map(|folder| named(folder, stem, "png".as_ref()));
+            for path in std::iter::once(&output).chain(&render) {
+                if let Some(other) = owners.insert(path.clone(), shape) {
+                    let (path, other, shape) = (path.display(), other.display(), shape.display());
+                    return Err(Error::input(format_args!("{other} and {shape} would both become {path}")));
+                }
+            }
+            planned.push((output, render));
+        }
+        Ok(planned)
+    }
+}
+
+/// `STEM.EXTENSION` in `folder`; the stem may hold dots.
+fn named(folder: &Path, stem: &OsStr, extension: &OsStr) -> PathBuf {
+    let mut name = stem.to_owned();
+    name.push(".");
+    name.push(extension);
+    folder.join(name)
+}
+
+/// The largest list of meshes that is read.
+const MOST_BYTES: u64 = 64 << 20;
+
+/// The meshes that a text file names, in its order; empty lines are left out.
+fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
+    let text = chladni_task::read_text_file(list, MOST_BYTES);
+    let text = text.map_err(|error| Error::input(format_args!("{}: {error}", list.display())))?;
+    let meshes: Vec<PathBuf> =
+        text.lines().map(str::trim).filter(|line| !line.is_empty()).map(PathBuf::from).collect();
+    if meshes.is_empty() {
+        return Err(Error::input(format_args!("{}: lists no mesh", list.display())));
+    }
+    Ok(meshes)
+}
+
+fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let unreadable = |error| Error::input(format_args!("{}: {error}", folder.display()));
+    let entries = std::fs::read_dir(folder).map_err(unreadable)?;
+    let is_mesh = |path: &PathBuf| path.is_file() && Format::of_path(path).is_some();
+    let mut meshes: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_mesh).collect();
+    meshes.sort();
+    if meshes.is_empty() {
+        return Err(Error::input(format_args!("{}: holds no mesh", folder.display())));
+    }
+    Ok(meshes)
+}

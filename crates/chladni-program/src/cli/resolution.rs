@@ -1,0 +1,30 @@
+//! How finely a shape is worked on: the way in which commands say it.
+
+use chladni_caricature::{ProxyKey, Resolution};
+
+use crate::work::Error;
+
+/// How finely a shape is worked on.
+#[derive(clap::Args, Clone, Debug)]
+pub struct ResolutionOptions {
+    /// Work on about this many of the shape's vertices, chosen so that its surface stays; meshes are written with all of
+    /// them. 0 works on all [default: 150000 where the shape has more than 400000, else all].
+    #[arg(long, value_name = "VERTICES", value_parser = vertices)]
+    proxy: Option<usize>,
+}
+
+impl ResolutionOptions {
+    /// What is asked for.
+    pub fn wanted(&self) -> Resolution {
+        match self.proxy {
+            None => Resolution::Usual,
+            Some(0) => Resolution::Whole,
+            Some(vertices) => Resolution::Proxy(ProxyKey { vertices, fingerprint: None }),
+        }
+    }
+}
+
+fn vertices(text: &str) -> Result<usize, Error> {
+    let number = text.parse().ok().filter(|n| *n == 0 || *n >= ProxyKey::FEWEST);
+    number.ok_or_else(|| Error::input(format_args!("must be 0, or {} or more", ProxyKey::FEWEST)))
+}

@@ -1,0 +1,210 @@
+//! A shape as it is worked on: whole, or, where it is very large, through a proxy.
+
+use std::fmt::Display;
+use std::sync::Arc;
+
+use chladni_caricature::{Project, ProxyKey, Resolution, ShapeSource};
+use chladni_match::Landmark;
+use chladni_mesh::{Proxy, TriMesh, total_area};
+
+use super::{Error, Warning, Watcher, source};
+
+/// Shapes with more vertices than this are worked on through a proxy, where nobody says otherwise.
+const MOST_VERTICES: usize = 400_000;
+/// What such a proxy has.
+const PROXY_VERTICES: usize = 150_000;
+
+/// A shape as it is worked on. Everything is computed on `mesh`; files are written with all of the shape.
+#[derive(Clone)]
+pub struct Subject {
+    /// The shape as its file holds it, or fewer of its vertices.
+    pub mesh: Arc<TriMesh>,
+    /// The way from `mesh` to the whole shape, where `mesh` is less.
+    pub proxy: Option<Arc<Proxy>>,
+}
+
+impl From<TriMesh> for Subject {
+    fn from(mesh: TriMesh) -> Self {
+        Arc::new(mesh).into()
+    }
+}
+
+impl From<Arc<TriMesh>> for Subject {
+    fn from(mesh: Arc<TriMesh>) -> Self {
+        Self { mesh, proxy: None }
+    }
+}
+
+impl Subject {
+    /// Reads or makes a shape; warns where it is so large that a proxy is taken.
+    ///
+    /// # Errors
+    /// As [`source::shape`].
+    pub fn open(shape: &ShapeSource, watcher: &impl Watcher) -> Result<Self, Error> {
+        Ok(Self::at(&mut Resolution::Usual, shape, source::shape(shape, watcher)?, watcher)?.0)
+    }
+
+    /// The shape of `project`, whose resolution is decided then and kept in it.
+    ///
+    /// # Errors
+    /// As [`source::shape`] and [`of_mesh`](Self::of_mesh).
+    pub fn of(project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
+        let mesh = source::shape(&project.shape, watcher)?;
+        Self::of_mesh(mesh, project, watcher)
+    }
+
+    /// The same of a mesh that is in memory.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where the proxy that the project asks for cannot be made, or is not the one whose
+    /// vertices its regions and landmarks name.
+    pub fn of_mesh(mesh: TriMesh, project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
+        let (subject, is_other) = Self::at(&mut project.resolution, &project.shape, mesh, watcher)?;
+        if is_other && project.names_vertices() {
+            return Err(Error::input(format_args!(
+                "{}: the regions and landmarks of this project belong to another selection of its vertices: the file \
+                 has changed, or the project was made on another kind of processor",
+                project.shape
+            )));
+        }
+        Ok(subject)
+    }
+
+    /// As `resolution` says, which is decided then; and whether it is another proxy than that.
+    fn at(
+        resolution: &mut Resolution,
+        name: impl Display,
+        mesh: TriMesh,
+        watcher: &impl Watcher,
+    ) -> Result<(Self, bool), Error> {
+        let mesh = Arc::new(mesh);
+        let (key, is_asked) = match &*resolution {
+            Resolution::Proxy(key) => (key.clone(), true),
+            Resolution::Usual if mesh.positions.len() > MOST_VERTICES => {
+                (ProxyKey { vertices: PROXY_VERTICES, fingerprint: None }, false)
+            }
+            Resolution::Usual | Resolution::Whole => {
+                *resolution = Resolution::Whole;
+                return Ok((mesh.into(), false));
+            }
+        };
+        let made = watcher.watch("choosing fewer vertices", |_| proxy(&mesh, key.vertices));
+        watcher.task().check()?;
+        let Some(proxy) = made else {
+            let only_there = if cfg!(feature = "desktop") { "" } else { ", except in the desktop program" };
+            let message = format!("cannot be worked on through about {} vertices{only_there}", key.vertices);
+            if is_asked {
+                return Err(Error::input(format_args!("{name}: {message}")));
+            }
+            watcher.warn(Warning::of(name, format_args!("{message}: all are taken, which is slow")));
+            *resolution = Resolution::Whole;
+            return Ok((mesh.into(), false));
+        };
+        let size = (total_area(&mesh.positions, &mesh.triangles) / std::f64::consts::PI).sqrt();
+        let share = 100.0 * proxy.farthest() / size;
+        watcher.warn(Warning::of(
+            name,
+            format_args!(
+                "of {} vertices {} are worked on, whose surface lies within {share:.2} % of the shape's size; meshes are \
+                 written with all",
+                mesh.positions.len(),
+                proxy.mesh().positions.len(),
+            ),
+        ));
+        let fingerprint = Some(fingerprint(&proxy));
+        let is_other = key.fingerprint.is_some() && key.fingerprint != fingerprint;
+        *resolution = Resolution::Proxy(ProxyKey { fingerprint, ..key });
+        Ok((Self { mesh: Arc::clone(proxy.mesh()), proxy: Some(Arc::new(proxy)) }, is_other))
+    }
+
+    /// `landmarks` whose shape's ends are numbers of its file, with those of [`mesh`](Self::mesh) instead: of the
+    /// nearest vertices.
+    ///
+    /// # Errors
+    /// [`Error::Input`] for a vertex that is not there.
+    pub fn renumbered(&self, landmarks: Vec<Landmark>) -> Result<Vec<Landmark>, Error> {
+        let Some(proxy) = &self.proxy else { return Ok(landmarks) };
+        let of = |landmark: Landmark| match proxy.nearest(landmark.shape) {
+            Some(shape) => Ok(Landmark { shape, ..landmark }),
+            None => {
+                Err(Error::input(format_args!("the shape has no vertex {} to be a landmark", landmark.shape)))
+            }
+        };
+        landmarks.into_iter().map(of).collect()
+    }
+
+    /// The shape with all that its file holds.
+    pub fn whole(&self) -> &Arc<TriMesh> {
+        self.proxy.as_ref().map_or(&self.mesh, |proxy| proxy.whole())
+    }
+}
+
+#[cfg(feature = "desktop")]
+fn proxy(mesh: &Arc<TriMesh>, vertices: usize) -> Option<Proxy> {
+    Proxy::of(mesh, vertices)
+}
+
+/// The simplifier's C++ has no compiler where there is no desktop.
+#[cfg(not(feature = "desktop"))]
+fn proxy(_: &Arc<TriMesh>, _: usize) -> Option<Proxy> {
+    None
+}
+
+/// Of which vertices it has and how they are joined.
+fn fingerprint(proxy: &Proxy) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(bytemuck::cast_slice(proxy.whole_vertex()));
+    hasher.update(bytemuck::cast_slice(&proxy.mesh().triangles));
+    hasher.finalize().to_hex()[..16].to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::samples::icosphere;
+    use chladni_task::Task;
+
+    use super::*;
+    use crate::work::Aside;
+
+    #[test]
+    fn only_very_large_shapes_are_worked_on_through_a_proxy_unasked() {
+        let task = Task::new();
+        let open = |mesh: TriMesh| {
+            let aside = Aside::new(&task);
+            let mut project = Project::new(ShapeSource::Sample("ball".into()), 8);
+            let subject = Subject::of_mesh(mesh, &mut project, &aside).unwrap();
+            let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+            (subject, project.resolution, said)
+        };
+        let (small, resolution, said) = open(icosphere(4));
+        assert_eq!((resolution, small.proxy.is_none(), said.len()), (Resolution::Whole, true, 0));
+        let (large, resolution, said) = open(icosphere(8));
+        assert_eq!((large.mesh.positions.len(), large.whole().positions.len()), (PROXY_VERTICES, 655_362));
+        let Resolution::Proxy(key) = resolution else { panic!("{resolution:?}") };
+        assert!(key.vertices == PROXY_VERTICES && key.fingerprint.is_some_and(|f| f.len() == 16));
+        assert!(said.len() == 1 && said[0].contains("of 655362 vertices 150000 are worked on"), "{said:?}");
+        let mark = |shape| Landmark { shape, template: 7 };
+        let chosen = large.proxy.as_ref().unwrap().whole_vertex()[5];
+        assert_eq!(large.renumbered(vec![mark(chosen)]).unwrap(), [mark(5)]);
+        assert!(large.renumbered(vec![mark(700_000)]).is_err());
+        assert_eq!(small.renumbered(vec![mark(700_000)]).unwrap(), [mark(700_000)]);
+    }
+
+    #[test]
+    fn a_shape_of_many_pieces_is_taken_whole_and_says_so() {
+        let mut soup = TriMesh::default();
+        for i in 0..101_000_u32 {
+            let x = f64::from(i);
+            let corner = [[x, 0.0, 0.0], [x + 0.5, 0.0, 0.0], [x, 0.5, 0.0], [x, 0.0, 0.5 + x % 7.0]];
+            soup.positions.extend(corner);
+            soup.triangles
+                .extend([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]].map(|t| t.map(|v: u32| 4 * i + v)));
+        }
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let mut project = Project::new(ShapeSource::Sample("soup".into()), 8);
+        let subject = Subject::of_mesh(soup, &mut project, &aside).unwrap();
+        assert_eq!((project.resolution, subject.mesh.positions.len()), (Resolution::Whole, 404_000));
+        assert!(aside.warnings()[0].to_string().contains("which is slow"));
+    }
+}
