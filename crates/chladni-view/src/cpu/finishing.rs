@@ -214,7 +214,7 @@ fn blend(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
 
 /// The two of `count` pixels around a place, and how near it is to the second.
 #[inline(always)]
-fn neighbours(at: f32, count: usize) -> (usize, usize, f32) {
+pub(super) fn neighbours(at: f32, count: usize) -> (usize, usize, f32) {
     let last = count as f32 - 1.0;
     let at = clamp(at - 0.5, 0.0, last);
     let first = at as usize;

@@ -1,0 +1,142 @@
+// Depth of field: what is out of focus spreads on a small picture, which is laid over the sharp one. Colours are
+// the picture's own numbers, sRGB-encoded and premultiplied; light spreads as their squares.
+
+// What a cell has in focus.
+struct Circle {
+    // Of a depth the way to it from the focus as a share of the whole way to it: at 0, and by a unit.
+    line: vec2f,
+    // Ways below this are none.
+    sharp: f32,
+    // Radius by a unit of the way beyond, pixels of the small picture, and the largest one.
+    radius: f32,
+    most: f32,
+}
+
+struct Spread {
+    // Pixels of the picture.
+    size: vec2f,
+    // Pixels in one of the small picture.
+    step: u32,
+    // Pixels to the right and below, how far that is, and the part of the disc that each stands for.
+    taps: array<vec4f, 64>,
+}
+
+@group(0) @binding(0) var<uniform> spread: Spread;
+@group(0) @binding(1) var smooth_sampler: sampler;
+@group(0) @binding(2) var picture: texture_2d<f32>;
+// Radius of each pixel's circle of light, pixels of the small picture; below 0 before the focus.
+@group(0) @binding(3) var circles: texture_2d<f32>;
+// Light that has spread, and how much of it lies before what is there.
+@group(0) @binding(4) var light: texture_2d<f32>;
+@group(0) @binding(5) var cover: texture_2d<f32>;
+
+@group(0) @binding(0) var<uniform> circle: Circle;
+@group(1) @binding(0) var depths: texture_depth_multisampled_2d;
+@group(1) @binding(0) var one_depth: texture_depth_2d;
+
+@vertex
+fn screen_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    return vec4f(vec2f(f32((i << 1u) & 2u), f32(i & 2u)) * 2.0 - 1.0, 0.0, 1.0);
+}
+
+// The radius of what lies at this depth. At depth 1 is what is behind all figures, as far away as can be.
+fn circle_at(depth: f32) -> f32 {
+    let way = select(circle.line.x + circle.line.y * depth, 1.0, depth >= 1.0);
+    let radius = min(max(abs(way) - circle.sharp, 0.0) * circle.radius, circle.most);
+    return select(radius, -radius, way < 0.0);
+}
+
+// The circle of what is nearest in a pixel.
+@fragment
+fn circles_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    var nearest = 1.0;
+    for (var i = 0; i < 4; i++) { nearest = min(nearest, textureLoad(depths, vec2i(clip.xy), i)); }
+    return vec4f(circle_at(nearest), 0.0, 0.0, 1.0);
+}
+
+// The same of one sample a pixel.
+@fragment
+fn circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    return vec4f(circle_at(textureLoad(one_depth, vec2i(clip.xy), 0)), 0.0, 0.0, 1.0);
+}
+
+struct Small { @location(0) light: vec4f, @location(1) number: vec4f }
+
+// Each square of pixels as one: the circle of what lies before the focus, else the largest one, and the colour of what
+// has such a circle.
+@fragment
+fn shrink_fragment(@builtin(position) clip: vec4f) -> Small {
+    let first = vec2u(clip.xy) * spread.step;
+    let end = min(first + spread.step, vec2u(spread.size));
+    var low = 1e9;
+    var high = -1e9;
+    for (var y = first.y; y < end.y; y++) {
+        for (var x = first.x; x < end.x; x++) {
+            let c = textureLoad(circles, vec2u(x, y), 0).r;
+            low = min(low, c);
+            high = max(high, c);
+        }
+    }
+    let chosen = select(high, low, low < -0.5);
+    var sum = vec4f(0.0);
+    var all = 0.0;
+    for (var y = first.y; y < end.y; y++) {
+        for (var x = first.x; x < end.x; x++) {
+            let away = abs(textureLoad(circles, vec2u(x, y), 0).r - chosen);
+            let weight = max(1.0 - away, 0.0) + 1.0 / 256.0;
+            let c = textureLoad(picture, vec2u(x, y), 0);
+            sum += c * c * weight;
+            all += weight;
+        }
+    }
+    return Small(sum / all, vec4f(chosen, 0.0, 0.0, 1.0));
+}
+
+// The part of the disc that a pixel's own colour stands for.
+const MIDDLE = 0.25;
+
+// How much a colour takes part: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is
+// seen through something before the focus.
+fn soft(radius: f32, middle: f32) -> f32 {
+    return select(min(abs(radius), 1.0) + 1.0 / 64.0, 1.0, middle < 0.0);
+}
+
+// Gathers a pixel of the small picture from the circles around it.
+@fragment
+fn gather_fragment(@builtin(position) clip: vec4f) -> Small {
+    let end = vec2i(textureDimensions(picture)) - 1;
+    let p = vec2i(clip.xy);
+    let middle = textureLoad(circles, p, 0).r;
+    let own = abs(middle);
+    var all = MIDDLE * soft(middle, middle) / max(own * own, 1.0);
+    var sum = textureLoad(picture, p, 0) * all;
+    var before = 0.0;
+    for (var i = 0; i < 64; i++) {
+        let tap = spread.taps[i];
+        let at = clamp(p + vec2i(tap.xy), vec2i(0), end);
+        let there = textureLoad(circles, at, 0).r;
+        // What lies behind is seen as far as what lies before it is spread.
+        let size = select(abs(there), own, there > middle);
+        let share = clamp(size - tap.z + 0.5, 0.0, 1.0) * tap.w / max(size * size, 1.0);
+        before += select(0.0, share, there < 0.0);
+        let weight = share * soft(there, middle);
+        sum += textureLoad(picture, at, 0) * weight;
+        all += weight;
+    }
+    return Small(sum / all, vec4f(min(before, 1.0), 0.0, 0.0, 1.0));
+}
+
+// What has spread over the sharp picture.
+@fragment
+fn compose_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    let p = vec2u(clip.xy);
+    let at = clip.xy / f32(spread.step) / vec2f(textureDimensions(light));
+    let soft = sqrt(textureSampleLevel(light, smooth_sampler, at, 0.0));
+    let before = textureSampleLevel(cover, smooth_sampler, at, 0.0).r;
+    let share = max(smoothstep(0.1, 1.0, abs(textureLoad(circles, p, 0).r)), before);
+    // The dither of the background was averaged away.
+    let q = p & vec2u(1u);
+    let dither = (f32(2u * (q.x ^ q.y) + q.y) - 1.5) / (4.0 * 255.0) * share;
+    let c = mix(textureLoad(picture, p, 0), soft, share) + vec4f(vec3f(dither), 0.0);
+    return clamp(c, vec4f(0.0), vec4f(1.0));
+}
