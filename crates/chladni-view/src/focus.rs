@@ -23,6 +23,32 @@ const SHARP: f32 = 0.2;
 /// Places that are looked at around each pixel.
 pub(crate) const TAPS: usize = 64;
 
+/// What is no softer than this, in pixels of the small picture, is drawn sharp.
+pub(crate) const LEAST: f32 = 0.25;
+
+/// How far into what is sharp the colors beside it are continued, pixels of the small picture: pixels of the large one that
+/// lie between two of these take none of the sharp color.
+pub(crate) const CONTINUED: f32 = 2.0;
+
+/// The part of a disc that a pixel is, where the whole is the square of its radius.
+pub(crate) const PIXEL: f32 = std::f32::consts::FRAC_1_PI;
+
+/// The places next to a pixel, all of which are looked at.
+const NEAR: [[f32; 2]; 12] = [
+    [1.0, 0.0],
+    [-1.0, 0.0],
+    [0.0, 1.0],
+    [0.0, -1.0],
+    [1.0, 1.0],
+    [-1.0, -1.0],
+    [1.0, -1.0],
+    [-1.0, 1.0],
+    [2.0, 0.0],
+    [-2.0, 0.0],
+    [0.0, 2.0],
+    [0.0, -2.0],
+];
+
 /// From depths of one cell to circles of light, as `focus.wgsl` describes it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -87,8 +113,8 @@ pub(crate) struct Spread {
     pub(crate) step: u32,
     pub(crate) padding: u32,
     /// Whole pixels to the right and below, how far that is, and the part of the disc that each stands for, all of
-    /// which are the square of its radius.
-    pub(crate) taps: [[f32; 4]; TAPS],
+    /// which are the square of its radius. Even and odd rows have others, and are averaged later.
+    pub(crate) taps: [[[f32; 4]; TAPS]; 2],
 }
 
 impl Spread {
@@ -96,19 +122,27 @@ impl Spread {
     pub(crate) fn new([width, height]: [u32; 2]) -> Self {
         const GOLDEN: f32 = 0.618_034;
         let most = most(height);
-        let mut taps = [[0.0; 4]; TAPS];
-        let pairs = TAPS / 2;
-        let share = |i: usize| (i as f32 + 0.5) / pairs as f32;
-        // Denser in the middle, so that small circles have some too, and opposite each other, so that nothing is moved.
-        let all: f32 = (0..pairs).map(|i| 2.0 * share(i).sqrt()).sum();
-        for i in 0..pairs {
-            let r = most * share(i).powf(0.75);
-            let (sin, cos) = (std::f32::consts::PI * GOLDEN * i as f32).sin_cos();
-            let [x, y] = [cos, sin].map(|c| (r * c).round());
-            let area = most * most * share(i).sqrt() / all;
-            taps[2 * i] = [x, y, x.hypot(y), area];
-            taps[2 * i + 1] = [-x, -y, x.hypot(y), area];
-        }
+        let taps = [0.25, 0.75].map(|first| {
+            let mut taps = [[0.0; 4]; TAPS];
+            for (tap, [x, y]) in taps.iter_mut().zip(NEAR) {
+                *tap = [x, y, x.hypot(y), PIXEL];
+            }
+            // In pairs opposite each other, so that nothing is moved, and denser in the middle, so that small circles have
+            // some too.
+            let pairs = (TAPS - NEAR.len()) / 2;
+            let (least, share) = ((13.0 * PIXEL).sqrt(), |i: usize| (i as f32 + first) / pairs as f32);
+            let radius = |i: usize| least + (most - least).max(0.0) * share(i).powf(0.75);
+            let area = |i: usize| radius(i) * share(i).powf(-0.25);
+            let all: f32 = (0..pairs).map(|i| 2.0 * area(i)).sum();
+            for i in 0..pairs {
+                let (sin, cos) = (std::f32::consts::PI * (GOLDEN * i as f32 + first)).sin_cos();
+                let [x, y] = [cos, sin].map(|c| (radius(i) * c).round());
+                let area = area(i) / all * (most * most - least * least).max(0.0);
+                taps[NEAR.len() + 2 * i] = [x, y, x.hypot(y), area];
+                taps[NEAR.len() + 2 * i + 1] = [-x, -y, x.hypot(y), area];
+            }
+            taps
+        });
         Self { size: [width as f32, height as f32], step: step(height), padding: 0, taps }
     }
 }
@@ -180,11 +214,13 @@ mod tests {
         for height in [48, 360, 720, 1080] {
             let spread = Spread::new([2 * height, height]);
             let most = most(height);
-            let sum = |k: usize| spread.taps.iter().map(|tap| tap[k] * tap[3]).sum::<f32>();
-            assert!(sum(0).abs() < 1e-3 && sum(1).abs() < 1e-3);
-            let area: f32 = spread.taps.iter().map(|tap| tap[3]).sum();
-            assert!((area / (most * most) - 1.0).abs() < 1e-4, "{height}: {area}");
-            assert!(spread.taps.iter().all(|tap| tap[2] <= most + 1.0));
+            for taps in &spread.taps {
+                let sum = |k: usize| taps.iter().map(|tap| tap[k] * tap[3]).sum::<f32>();
+                assert!(sum(0).abs() < 1e-3 && sum(1).abs() < 1e-3);
+                let area: f32 = PIXEL + taps.iter().map(|tap| tap[3]).sum::<f32>();
+                assert!((area / (most * most).max(13.0 * PIXEL) - 1.0).abs() < 1e-4, "{height}: {area}");
+                assert!(taps.iter().all(|tap| tap[2] <= most.max(2.0) + 1.0));
+            }
         }
     }
 }

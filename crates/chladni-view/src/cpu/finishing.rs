@@ -355,8 +355,8 @@ fn finish(
 }
 
 #[inline(always)]
-fn unpack(pixels: &[[u8; 4]], [r, g, b, a]: &mut [Block; 4]) {
-    for (i, pixel) in pixels.iter().enumerate().take(BLOCK) {
+pub(super) fn unpack<const N: usize>(pixels: &[[u8; 4]], [r, g, b, a]: &mut [[f32; N]; 4]) {
+    for (i, pixel) in pixels.iter().enumerate().take(N) {
         [r[i], g[i], b[i], a[i]] = unpacked(*pixel);
     }
 }

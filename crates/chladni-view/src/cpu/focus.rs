@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::curves::{clamp, max, min, mix, packed, smoothstep, unpacked};
-use super::finishing::neighbours;
+use super::curves::{clamp, max, min, mix, packed, smoothstep};
+use super::finishing::{neighbours, unpack};
 use super::instructions::{Instructions, Kernel};
-use crate::focus::{Spread, most};
+use crate::focus::{CONTINUED, LEAST, PIXEL, Spread, most};
 
 /// What is kept from picture to picture.
 #[derive(Debug, Default)]
@@ -15,6 +15,8 @@ pub(super) struct Focusing {
     small: Small,
     /// Light that has spread: the means of squares of the four channels, and how much of it lies before what is there.
     spread: Vec<f32>,
+    /// The same, evened out.
+    even: Vec<f32>,
 }
 
 /// Numbers of each pixel of the small picture: the squares of its four channels, and its circle.
@@ -50,18 +52,34 @@ impl Focusing {
         let step = spread.step as usize;
         self.small.shrink(step, most(size[1]), (pixels, &self.circles), [width, height]);
         let small = &self.small;
-        let row = PLANES * small.width.next_multiple_of(BLOCK);
-        self.spread.resize(row * small.height, 0.0);
-        let rows = self.spread.par_chunks_mut(row).enumerate();
+        let padded = small.width.next_multiple_of(BLOCK);
+        // With a pixel more on either side.
+        let margined = PLANES * (padded + 2);
+        self.spread.resize(margined * small.height, 0.0);
+        let rows = self.spread.par_chunks_mut(margined).enumerate();
         rows.for_each(|(y, to)| with.run(Gather { small, spread: &spread, y, to }));
-        let (spread, circles) = (&self.spread, &self.circles);
-        let rows = pixels.par_chunks_mut(4 * width).zip(circles.par_chunks(width)).enumerate();
-        rows.for_each_init(Vec::new, |wide, (y, (pixels, circles))| {
-            let (above, below, share) = neighbours((y as f32 + 0.5) / step as f32, small.height);
-            let part = |y: usize| &spread[row * y..row * (y + 1)];
-            widen([part(above), part(below)], share, [step, small.width, width], wide);
-            with.run(Compose { y, pixels, circles, wide });
+        let row = PLANES * padded;
+        self.even.resize(row * small.height, 0.0);
+        let rows = self.even.par_chunks_mut(row).enumerate();
+        rows.for_each(|(y, to)| {
+            let around = [y.saturating_sub(1), y, (y + 1).min(small.height - 1)];
+            let from = around.map(|y| &self.spread[margined * y..margined * (y + 1)]);
+            with.run(Even { small, from, y, to });
         });
+        let (even, circles) = (&self.even, &self.circles);
+        let rows = pixels.par_chunks_mut(4 * width).zip(circles.par_chunks(width)).enumerate();
+        rows.for_each_init(
+            Default::default,
+            |(between, wide): &mut (Vec<_>, Vec<_>), (y, (pixels, circles))| {
+                let (above, below, share) = neighbours((y as f32 + 0.5) / step as f32, small.height);
+                let part = |y: usize| &even[row * y..row * (y + 1)];
+                let (above, below, small) = (part(above), part(below), small.width);
+                // Whole squares, and whole blocks.
+                wide.resize(PLANES * (step * small).next_multiple_of(BLOCK), 0.0);
+                with.run(Widen { above, below, share, step, small, between, wide });
+                with.run(Compose { y, pixels, circles, wide });
+            },
+        );
     }
 }
 
@@ -75,8 +93,7 @@ impl Small {
         self.stride() * (self.height + 2 * self.rim)
     }
 
-    /// Each square of a picture as one pixel: the circle of what lies before the focus, else the largest one, and the
-    /// color of what has such a circle.
+    /// Each square of a picture as one pixel: the circle of what is nearest, and the color of what has such a circle.
     fn shrink(
         &mut self,
         step: usize,
@@ -86,7 +103,7 @@ impl Small {
     ) {
         (self.width, self.height) = (width.div_ceil(step), height.div_ceil(step));
         // Taps are rounded.
-        self.rim = most.ceil() as usize + 1;
+        self.rim = (most.ceil() as usize).max(2) + 1;
         let (stride, plane, rim) = (self.stride(), self.plane(), self.rim);
         self.numbers.resize(PLANES * plane, 0.0);
         let mut planes: Vec<_> =
@@ -104,11 +121,7 @@ impl Small {
             for x in 0..small_width {
                 let columns = step * x..(step * (x + 1)).min(width);
                 let each = rows.clone().flat_map(|y| columns.clone().map(move |x| width * y + x));
-                let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-                for i in each.clone() {
-                    (low, high) = (min(circles[i], low), max(circles[i], high));
-                }
-                let circle = if low < -0.5 { low } else { high };
+                let circle = each.clone().fold(f32::INFINITY, |nearest, i| min(circles[i], nearest));
                 let (mut sum, mut all) = ([0.0; 4], 0.0);
                 for i in each {
                     let weight = max(1.0 - (circles[i] - circle).abs(), 0.0) + 1.0 / 256.0;
@@ -144,19 +157,21 @@ impl Kernel for Gather<'_> {
     fn run(self) {
         let Self { small, spread, y, to } = self;
         let (stride, plane) = (small.stride(), small.plane());
-        let padded = to.len() / PLANES;
-        for x in (0..padded).step_by(BLOCK) {
+        let row = to.len() / PLANES;
+        for x in (0..row - 2).step_by(BLOCK) {
             let middle = stride * (y + small.rim) + small.rim + x;
             let part = |k: usize, at: usize| {
                 small.numbers.get(k * plane + at..).and_then(<[f32]>::first_chunk::<BLOCK>)
             };
             let Some(circle) = part(CIRCLE, middle) else { return };
-            // Without this the middle of what is sharp would take part in what is not, beside it.
-            let (mut own, mut softness, mut all) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+            let mut own = [0.0; BLOCK];
+            let (mut behind, mut softness, mut all) = (own, own, own);
             for i in 0..BLOCK {
                 own[i] = circle[i].abs();
+                let continued = max(own[i], CONTINUED * (1.0 - 2.0 * own[i]));
+                behind[i] = if circle[i] < 0.0 { own[i] } else { continued };
                 softness[i] = if circle[i] < 0.0 { 0.0 } else { 1.0 };
-                all[i] = MIDDLE * soft(circle[i], softness[i]) / max(own[i] * own[i], 1.0);
+                all[i] = PIXEL * soft(circle[i], softness[i]) / max(own[i] * own[i], 1.0);
             }
             let (mut sums, mut cover) = ([[0.0; BLOCK]; 4], [0.0; BLOCK]);
             for (k, sum) in sums.iter_mut().enumerate() {
@@ -165,13 +180,14 @@ impl Kernel for Gather<'_> {
                     sum[i] = color[i] * all[i];
                 }
             }
-            for [dx, dy, far, area] in spread.taps {
+            for [dx, dy, far, area] in spread.taps[y & 1] {
                 let at = (middle as isize + dy as isize * stride as isize + dx as isize) as usize;
                 let Some(there) = part(CIRCLE, at) else { return };
                 let mut weight = [0.0; BLOCK];
                 for i in 0..BLOCK {
-                    // What lies behind is seen as far as what lies before it is spread.
-                    let size = if there[i] > circle[i] { own[i] } else { there[i].abs() };
+                    // What lies behind is seen as far as what lies before it is spread, and is continued where that is
+                    // sharp.
+                    let size = if there[i] > circle[i] { behind[i] } else { there[i].abs() };
                     let share = clamp(size - far + 0.5, 0.0, 1.0) * area / max(size * size, 1.0);
                     cover[i] += if there[i] < 0.0 { share } else { 0.0 };
                     weight[i] = share * soft(there[i], softness[i]);
@@ -185,19 +201,73 @@ impl Kernel for Gather<'_> {
                 }
             }
             for (k, sum) in sums.iter().enumerate() {
-                for (to, (sum, all)) in to[k * padded + x..].iter_mut().zip(sum.iter().zip(&all)) {
+                for (to, (sum, all)) in to[k * row + 1 + x..].iter_mut().zip(sum.iter().zip(&all)) {
                     *to = sum / all;
                 }
             }
-            for (to, cover) in to[COVER * padded + x..].iter_mut().zip(&cover) {
+            for (to, cover) in to[COVER * row + 1 + x..].iter_mut().zip(&cover) {
                 *to = min(*cover, 1.0);
+            }
+        }
+        for to in to.chunks_mut(row) {
+            (to[0], to[small.width + 1]) = (to[1], to[small.width]);
+        }
+    }
+}
+
+/// The mean of what has spread in a row and around it, of like softness: of the taps of two rows.
+struct Even<'a> {
+    small: &'a Small,
+    /// The rows above, here and below.
+    from: [&'a [f32]; 3],
+    y: usize,
+    to: &'a mut [f32],
+}
+
+impl Kernel for Even<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { small, from, y, to } = self;
+        let (stride, padded, row) = (small.stride(), to.len() / PLANES, from[0].len() / PLANES);
+        let circles = &small.numbers[CIRCLE * small.plane() + stride * (y + small.rim - 1) + small.rim - 1..];
+        for x in (0..padded).step_by(BLOCK) {
+            let circle = |dx: usize, dy: usize| {
+                circles.get(stride * dy + x + dx..).and_then(<[f32]>::first_chunk::<BLOCK>)
+            };
+            let part = |k: usize, dx: usize, dy: usize| {
+                from[dy].get(row * k + x + dx..).and_then(<[f32]>::first_chunk::<BLOCK>)
+            };
+            let Some(middle) = circle(1, 1) else { return };
+            let (mut sums, mut all) = ([[0.0; BLOCK]; PLANES], [0.0; BLOCK]);
+            for (dx, dy) in (0..9).map(|i| (i % 3, i / 3)) {
+                let (Some(there), tent) = (circle(dx, dy), TENT[dx] * TENT[dy]) else { return };
+                let mut weight = [tent; BLOCK];
+                if (dx, dy) != (1, 1) {
+                    for i in 0..BLOCK {
+                        weight[i] = tent * clamp(min(middle[i].abs(), there[i].abs()) - 1.0, 0.0, 1.0);
+                    }
+                }
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    let Some(from) = part(k, dx, dy) else { return };
+                    for i in 0..BLOCK {
+                        sum[i] += from[i] * if k == COVER { tent } else { weight[i] };
+                    }
+                }
+                for i in 0..BLOCK {
+                    all[i] += weight[i];
+                }
+            }
+            for (k, sum) in sums.iter().enumerate() {
+                for (to, (sum, all)) in to[k * padded + x..].iter_mut().zip(sum.iter().zip(&all)) {
+                    *to = if k == COVER { *sum } else { sum / all };
+                }
             }
         }
     }
 }
 
-/// The part of the disc that a pixel's own color stands for.
-const MIDDLE: f32 = 0.25;
+/// Weights of three pixels in a row.
+const TENT: [f32; 3] = [0.25, 0.5, 0.25];
 
 /// How much a color takes part: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
 /// through something before the focus.
@@ -207,26 +277,63 @@ fn soft(circle: f32, softness: f32) -> f32 {
 }
 
 /// A row between two of the small picture, as wide as the picture.
-fn widen([above, below]: [&[f32]; 2], share: f32, [step, small, width]: [usize; 3], wide: &mut Vec<f32>) {
-    let padded = width.next_multiple_of(BLOCK);
-    wide.resize(PLANES * padded, 0.0);
-    let row = above.len() / PLANES;
-    for (k, wide) in wide.chunks_mut(padded).enumerate() {
-        let (above, below) = (&above[row * k..row * k + small], &below[row * k..row * k + small]);
-        let at = |x: usize| mix(above[x], below[x], share);
-        let mut right = at(0);
-        for gap in 0..=small {
-            let left = right;
-            right = at(gap.min(small - 1));
-            let first = (step * gap + step / 2).saturating_sub(step).min(width);
-            let end = (step * gap + step / 2).min(width);
-            // From the middle of the left one.
-            let from = (first as f32 + 0.5) / step as f32 + 0.5 - gap as f32;
-            for (i, number) in wide[first..end].iter_mut().enumerate() {
-                *number = mix(left, right, from + i as f32 / step as f32);
+struct Widen<'a> {
+    above: &'a [f32],
+    below: &'a [f32],
+    /// How near it is to the row below.
+    share: f32,
+    /// Pixels in one of the small picture, and in a row of it.
+    step: usize,
+    small: usize,
+    /// Of one plane of the row, with a pixel more on either side.
+    between: &'a mut Vec<f32>,
+    wide: &'a mut [f32],
+}
+
+impl Kernel for Widen<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self { above, below, share, step, small, between, wide } = self;
+        let (row, padded) = (above.len() / PLANES, wide.len() / PLANES);
+        between.resize(small + 2, 0.0);
+        for (k, wide) in wide.chunks_mut(padded).enumerate() {
+            let both = above[row * k..][..small].iter().zip(&below[row * k..][..small]);
+            for (to, (above, below)) in between[1..].iter_mut().zip(both) {
+                *to = mix(*above, *below, share);
+            }
+            (between[0], between[small + 1]) = (between[1], between[small]);
+            // Loops of a known length become vectors.
+            match step {
+                1 => wide[..small].copy_from_slice(&between[1..=small]),
+                2 => ramps(wide.as_chunks_mut::<2>().0, between),
+                3 => ramps(wide.as_chunks_mut::<3>().0, between),
+                4 => ramps(wide.as_chunks_mut::<4>().0, between),
+                _ => {
+                    for (to, around) in wide.chunks_mut(step).zip(between.windows(3)) {
+                        for (i, to) in to.iter_mut().enumerate() {
+                            *to = ramp(around, i, step);
+                        }
+                    }
+                }
             }
         }
     }
+}
+
+#[inline(always)]
+fn ramps<const STEP: usize>(wide: &mut [[f32; STEP]], between: &[f32]) {
+    for (to, around) in wide.iter_mut().zip(between.windows(3)) {
+        for (i, to) in to.iter_mut().enumerate() {
+            *to = ramp(around, i, STEP);
+        }
+    }
+}
+
+/// Pixel `i` of the `step` that are the middle one of three small ones.
+#[inline(always)]
+fn ramp(around: &[f32], i: usize, step: usize) -> f32 {
+    let at = (i as f32 + 0.5) / step as f32 - 0.5;
+    if at < 0.0 { mix(around[0], around[1], 1.0 + at) } else { mix(around[1], around[2], at) }
 }
 
 /// Lays what has spread over a row of the picture.
@@ -251,21 +358,24 @@ impl Kernel for Compose<'_> {
             else {
                 return;
             };
-            for (i, (pixel, circle)) in pixels.iter_mut().zip(circles).enumerate().take(BLOCK) {
-                let share = max(smoothstep(0.1, 1.0, circle.abs()), cover[i]);
+            let mut shares = [0.0; BLOCK];
+            for (share, (circle, cover)) in shares.iter_mut().zip(circles.iter().zip(cover)) {
+                *share = max(smoothstep(LEAST, 1.0, circle.abs()), *cover);
+            }
+            let mut c = [[0.0; BLOCK]; 4];
+            unpack(pixels, &mut c);
+            for (c, light) in c.iter_mut().zip([r, g, b, a]) {
+                for i in 0..BLOCK {
+                    c[i] = mix(c[i], light[i].sqrt(), shares[i]);
+                }
+            }
+            let [r, g, b, a] = &c;
+            for (i, pixel) in pixels.iter_mut().enumerate().take(BLOCK) {
                 let (px, py) = ((x + i) as u32 & 1, y as u32 & 1);
                 // The dither of the background was averaged away.
-                let dither = ((2 * (px ^ py) + py) as i32 as f32 - 1.5) / (4.0 * 255.0) * share;
-                let bare = unpacked(*pixel);
-                let seen = |k: usize, light: f32, dither: f32| {
-                    clamp(mix(bare[k], light.sqrt(), share) + dither, 0.0, 1.0)
-                };
-                *pixel = packed([
-                    seen(0, r[i], dither),
-                    seen(1, g[i], dither),
-                    seen(2, b[i], dither),
-                    seen(3, a[i], 0.0),
-                ]);
+                let dither = ((2 * (px ^ py) + py) as i32 as f32 - 1.5) / (4.0 * 255.0) * shares[i];
+                let seen = |c: f32| clamp(c + dither, 0.0, 1.0);
+                *pixel = packed([seen(r[i]), seen(g[i]), seen(b[i]), clamp(a[i], 0.0, 1.0)]);
             }
         }
     }

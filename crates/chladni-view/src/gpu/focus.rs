@@ -28,9 +28,12 @@ pub(crate) struct Focusing {
     /// Light and number of the small picture, before and after the light has spread.
     small: [wgpu::TextureView; 2],
     spread: [wgpu::TextureView; 2],
+    /// The same, evened out: the light takes the place of the one that has not spread yet.
+    even: [wgpu::TextureView; 2],
     depths: wgpu::BindGroup,
     shrink: wgpu::BindGroup,
     gather: wgpu::BindGroup,
+    evening: wgpu::BindGroup,
     compose: wgpu::BindGroup,
 }
 
@@ -43,6 +46,7 @@ struct Pipelines {
     circles: wgpu::RenderPipeline,
     shrink: wgpu::RenderPipeline,
     gather: wgpu::RenderPipeline,
+    even: wgpu::RenderPipeline,
     compose: wgpu::RenderPipeline,
 }
 
@@ -74,6 +78,7 @@ impl Focusing {
         let few = size.map(|side| side.div_ceil(step(size[1])));
         let small = [image("small picture", few, LIGHT), image("small circles", few, NUMBER)];
         let spread = [image("spread light", few, LIGHT), image("spread cover", few, NUMBER)];
+        let even = [small[0].clone(), image("even cover", few, NUMBER)];
         let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("spread"),
             contents: bytemuck::bytes_of(&Spread::new(size)),
@@ -93,12 +98,14 @@ impl Focusing {
             // What is not read is bound to what is.
             shrink: images([&sharp, &circles, &sharp, &sharp]),
             gather: images([&small[0], &small[1], &small[0], &small[0]]),
-            compose: images([&sharp, &circles, &spread[0], &spread[1]]),
+            evening: images([&sharp, &small[1], &spread[0], &spread[1]]),
+            compose: images([&sharp, &circles, &even[0], &even[1]]),
             depth,
             sharp,
             circles,
             small,
             spread,
+            even,
             pipelines,
         }
     }
@@ -134,9 +141,13 @@ impl Focusing {
             pass.draw(0..3, 0..1);
         }
         drop(pass);
-        let [small, spread] = [&self.small, &self.spread].map(|[light, number]| [light, number]);
-        screen::pass(encoder, &pipelines.shrink, &self.shrink, &small);
-        screen::pass(encoder, &pipelines.gather, &self.gather, &spread);
+        for (pipeline, group, [light, number]) in [
+            (&pipelines.shrink, &self.shrink, &self.small),
+            (&pipelines.gather, &self.gather, &self.spread),
+            (&pipelines.even, &self.evening, &self.even),
+        ] {
+            screen::pass(encoder, pipeline, group, &[light, number]);
+        }
         screen::pass(encoder, &pipelines.compose, &self.compose, &[target]);
     }
 }
@@ -166,6 +177,7 @@ impl Pipelines {
             circles: of_cell.pipeline(circles, &[NUMBER]),
             shrink: of_images.pipeline("shrink_fragment", &[LIGHT, NUMBER]),
             gather: of_images.pipeline("gather_fragment", &[LIGHT, NUMBER]),
+            even: of_images.pipeline("even_fragment", &[LIGHT, NUMBER]),
             compose: of_images.pipeline("compose_fragment", &[crate::Canvas::FORMAT]),
             sampler: smooth_sampler(device),
             cell,

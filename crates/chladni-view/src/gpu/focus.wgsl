@@ -18,7 +18,8 @@ struct Spread {
     // Pixels in one of the small picture.
     step: u32,
     // Pixels to the right and below, how far that is, and the part of the disc that each stands for.
-    taps: array<vec4f, 64>,
+    // Even and odd rows have others.
+    taps: array<array<vec4f, 64>, 2>,
 }
 
 @group(0) @binding(0) var<uniform> spread: Spread;
@@ -62,38 +63,36 @@ fn circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
 
 struct Small { @location(0) light: vec4f, @location(1) number: vec4f }
 
-// Each square of pixels as one: the circle of what lies before the focus, else the largest one, and the colour of what
-// has such a circle.
+// Each square of pixels as one: the circle of what is nearest, and the colour of what has such a circle.
 @fragment
 fn shrink_fragment(@builtin(position) clip: vec4f) -> Small {
     let first = vec2u(clip.xy) * spread.step;
     let end = min(first + spread.step, vec2u(spread.size));
-    var low = 1e9;
-    var high = -1e9;
+    var nearest = 1e9;
     for (var y = first.y; y < end.y; y++) {
         for (var x = first.x; x < end.x; x++) {
-            let c = textureLoad(circles, vec2u(x, y), 0).r;
-            low = min(low, c);
-            high = max(high, c);
+            nearest = min(nearest, textureLoad(circles, vec2u(x, y), 0).r);
         }
     }
-    let chosen = select(high, low, low < -0.5);
     var sum = vec4f(0.0);
     var all = 0.0;
     for (var y = first.y; y < end.y; y++) {
         for (var x = first.x; x < end.x; x++) {
-            let away = abs(textureLoad(circles, vec2u(x, y), 0).r - chosen);
+            let away = abs(textureLoad(circles, vec2u(x, y), 0).r - nearest);
             let weight = max(1.0 - away, 0.0) + 1.0 / 256.0;
             let c = textureLoad(picture, vec2u(x, y), 0);
             sum += c * c * weight;
             all += weight;
         }
     }
-    return Small(sum / all, vec4f(chosen, 0.0, 0.0, 1.0));
+    return Small(sum / all, vec4f(nearest, 0.0, 0.0, 1.0));
 }
 
-// The part of the disc that a pixel's own colour stands for.
-const MIDDLE = 0.25;
+// The part of a disc that a pixel is, where the whole is the square of its radius.
+const PIXEL = 0.31830987;
+
+// How far into what is sharp the colours beside it are continued.
+const CONTINUED = 2.0;
 
 // How much a colour takes part: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is
 // seen through something before the focus.
@@ -108,15 +107,16 @@ fn gather_fragment(@builtin(position) clip: vec4f) -> Small {
     let p = vec2i(clip.xy);
     let middle = textureLoad(circles, p, 0).r;
     let own = abs(middle);
-    var all = MIDDLE * soft(middle, middle) / max(own * own, 1.0);
+    let behind = select(max(own, CONTINUED * (1.0 - 2.0 * own)), own, middle < 0.0);
+    var all = PIXEL * soft(middle, middle) / max(own * own, 1.0);
     var sum = textureLoad(picture, p, 0) * all;
     var before = 0.0;
     for (var i = 0; i < 64; i++) {
-        let tap = spread.taps[i];
+        let tap = spread.taps[p.y & 1][i];
         let at = clamp(p + vec2i(tap.xy), vec2i(0), end);
         let there = textureLoad(circles, at, 0).r;
-        // What lies behind is seen as far as what lies before it is spread.
-        let size = select(abs(there), own, there > middle);
+        // What lies behind is seen as far as what lies before it is spread, and is continued where that is sharp.
+        let size = select(abs(there), behind, there > middle);
         let share = clamp(size - tap.z + 0.5, 0.0, 1.0) * tap.w / max(size * size, 1.0);
         before += select(0.0, share, there < 0.0);
         let weight = share * soft(there, middle);
@@ -126,6 +126,29 @@ fn gather_fragment(@builtin(position) clip: vec4f) -> Small {
     return Small(sum / all, vec4f(min(before, 1.0), 0.0, 0.0, 1.0));
 }
 
+// The mean of what has spread there and around, of like softness: of the taps of two rows.
+@fragment
+fn even_fragment(@builtin(position) clip: vec4f) -> Small {
+    let end = vec2i(textureDimensions(circles)) - 1;
+    let p = vec2i(clip.xy);
+    let own = abs(textureLoad(circles, p, 0).r);
+    var sum = vec4f(0.0);
+    var all = 0.0;
+    var before = 0.0;
+    for (var y = -1; y <= 1; y++) {
+        for (var x = -1; x <= 1; x++) {
+            let at = clamp(p + vec2i(x, y), vec2i(0), end);
+            let tent = 0.0625 * f32((2 - abs(x)) * (2 - abs(y)));
+            let alike = clamp(min(own, abs(textureLoad(circles, at, 0).r)) - 1.0, 0.0, 1.0);
+            let weight = tent * select(alike, 1.0, x == 0 && y == 0);
+            sum += textureLoad(light, at, 0) * weight;
+            all += weight;
+            before += textureLoad(cover, at, 0).r * tent;
+        }
+    }
+    return Small(sum / all, vec4f(before, 0.0, 0.0, 1.0));
+}
+
 // What has spread over the sharp picture.
 @fragment
 fn compose_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
@@ -133,7 +156,7 @@ fn compose_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let at = clip.xy / f32(spread.step) / vec2f(textureDimensions(light));
     let soft = sqrt(textureSampleLevel(light, smooth_sampler, at, 0.0));
     let before = textureSampleLevel(cover, smooth_sampler, at, 0.0).r;
-    let share = max(smoothstep(0.1, 1.0, abs(textureLoad(circles, p, 0).r)), before);
+    let share = max(smoothstep(0.25, 1.0, abs(textureLoad(circles, p, 0).r)), before);
     // The dither of the background was averaged away.
     let q = p & vec2u(1u);
     let dither = (f32(2u * (q.x ^ q.y) + q.y) - 1.5) / (4.0 * 255.0) * share;

@@ -307,13 +307,9 @@ fn what_is_in_focus_stays_as_it_is() {
     };
     assert_eq!(inside(&picture(1.0, 0.0)), inside(&bare));
     assert_eq!(inside(&picture(1.0, 0.15)), inside(&bare));
-    let mut sharper = contrast(&bare);
-    // Behind the focus, farther and farther, then before it.
-    for (focus, share) in [(0.4, 0.95), (0.6, 0.8), (1.0, 0.5)] {
-        let found = contrast(&picture(1.0, focus));
-        assert!(f64::from(found) < share * f64::from(sharper), "{focus}: {found} of {sharper}");
-        sharper = found;
-    }
+    // Behind the focus, and before it.
+    assert!(contrast(&picture(1.0, 0.4)) < contrast(&bare));
+    assert!(2 * contrast(&picture(1.0, 0.8)) < contrast(&bare));
     assert!(2 * contrast(&picture(1.0, -0.8)) < contrast(&bare));
     assert_eq!(picture(0.0, 1.0), bare);
 }
