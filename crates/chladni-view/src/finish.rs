@@ -26,10 +26,10 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// Nothing is done.
+    /// Nothing is done. A blur that is asked for finds its focus on the front of the shape.
     pub const NOTHING: Self = Self {
         blur: 0.0,
-        focus: 0.0,
+        focus: 0.25,
         trail_secs: 0.0,
         trail_growth: 0.0,
         bloom: 0.0,
