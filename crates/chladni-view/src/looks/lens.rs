@@ -12,15 +12,15 @@ impl Look {
             edge: [70, 110, 80],
             ..Material::BARE
         },
-        answer: answer_from(0.35, Palette::Moss, 0.35, 0.0, 0.55, 0.12),
+        answer: answer_from(0.12, Palette::Moss, 0.2, 0.0, 0.5, 0.03),
         lights: Lights {
             lights: [
-                lamp(LEFT, [1.0, 0.98, 0.86]),
+                lamp(LEFT, [0.8, 0.8, 0.66]),
                 lamp(RIGHT, [0.16, 0.3, 0.26]),
-                lamp(BEHIND, [0.95, 1.0, 0.75]),
+                lamp(BEHIND, [0.8, 0.95, 0.55]),
             ],
-            sky: [0.34, 0.42, 0.4],
-            ground: [0.12, 0.16, 0.08],
+            sky: [0.22, 0.3, 0.28],
+            ground: [0.06, 0.1, 0.05],
             shadow: 0.7,
             strips: 0.6,
             horizon: [0.2, 0.24, 0.14],
@@ -28,7 +28,7 @@ impl Look {
             ..Lights::BARE
         },
         background: halo([150, 178, 120], [34, 62, 50]),
-        finish: Finish { blur: 0.6, bloom: 0.45, bloom_from: 0.7, vignette: 0.4, ..Finish::NOTHING },
-        response: Response { light: 0.4, halo: 0.4, ..Self::AURORA.response },
+        finish: Finish { blur: 0.6, bloom: 0.4, bloom_from: 0.76, vignette: 0.4, ..Finish::NOTHING },
+        response: Response { glow: 0.03, light: 0.4, halo: 0.4, ..Self::AURORA.response },
     };
 }
