@@ -165,13 +165,14 @@ impl Kernel for Gather<'_> {
             };
             let Some(circle) = part(CIRCLE, middle) else { return };
             let mut own = [0.0; BLOCK];
-            let (mut behind, mut softness, mut all) = (own, own, own);
+            // Whether colors count for as much as they are, where the pixel itself is before the focus.
+            let (mut behind, mut whole, mut all) = (own, own, own);
             for i in 0..BLOCK {
                 own[i] = circle[i].abs();
                 let continued = max(own[i], CONTINUED * (1.0 - 2.0 * own[i]));
                 behind[i] = if circle[i] < 0.0 { own[i] } else { continued };
-                softness[i] = if circle[i] < 0.0 { 0.0 } else { 1.0 };
-                all[i] = PIXEL * soft(circle[i], softness[i]) / max(own[i] * own[i], 1.0);
+                whole[i] = if circle[i] < 0.0 { 1.0 } else { 0.0 };
+                all[i] = PIXEL * soft(circle[i], whole[i]) / max(own[i] * own[i], 1.0);
             }
             let (mut sums, mut cover) = ([[0.0; BLOCK]; 4], [0.0; BLOCK]);
             for (k, sum) in sums.iter_mut().enumerate() {
@@ -190,7 +191,7 @@ impl Kernel for Gather<'_> {
                     let size = if there[i] > circle[i] { behind[i] } else { there[i].abs() };
                     let share = clamp(size - far + 0.5, 0.0, 1.0) * area / max(size * size, 1.0);
                     cover[i] += if there[i] < 0.0 { share } else { 0.0 };
-                    weight[i] = share * soft(there[i], softness[i]);
+                    weight[i] = share * soft(there[i], whole[i]);
                     all[i] += weight[i];
                 }
                 for (k, sum) in sums.iter_mut().enumerate() {
@@ -269,11 +270,11 @@ impl Kernel for Even<'_> {
 /// Weights of three pixels in a row.
 const TENT: [f32; 3] = [0.25, 0.5, 0.25];
 
-/// How much a color takes part: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
-/// through something before the focus.
+/// How much a color counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
+/// through something before the focus, where `whole` is 1.
 #[inline(always)]
-fn soft(circle: f32, softness: f32) -> f32 {
-    mix(1.0, min(circle.abs(), 1.0) + 1.0 / 64.0, softness)
+fn soft(circle: f32, whole: f32) -> f32 {
+    mix(min(circle.abs(), 1.0) + 1.0 / 64.0, 1.0, whole)
 }
 
 /// A row between two of the small picture, as wide as the picture.

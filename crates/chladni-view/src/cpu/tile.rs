@@ -1,5 +1,6 @@
 //! A tile of a picture: what is seen in it, layer after layer, and its colours.
 
+mod circles;
 mod colors;
 
 use std::ops::Range;
@@ -142,23 +143,6 @@ impl Tile<'_, '_> {
         self.grains();
         self.markers();
         self.focus(any);
-    }
-
-    /// Writes the circles of what is nearest in each pixel, or of nothing at all.
-    fn focus(&mut self, any: bool) {
-        let Some((circle, circles)) = self.circles.take() else { return };
-        let [left, right] = [self.low[0], self.high[0]].map(|x| x as usize);
-        for y in self.low[1]..=self.high[1] {
-            let row = self.picture.width * (y - self.origin[1]) as usize;
-            let to = &mut circles[row + left..=row + right];
-            if any {
-                for (to, (_, depths)) in to.iter_mut().zip(self.row(&self.scratch.depth, y)) {
-                    *to = circle.at(depths.iter().fold(1.0, |nearest, depth| min(*depth, nearest)));
-                }
-            } else {
-                to.fill(circle.at(1.0));
-            }
-        }
     }
 
     /// Draws the layers of the figures from `first` on that hide each other; those after them are next.
