@@ -276,7 +276,7 @@ fn what_is_in_focus_stays_as_it_is() {
     buffers.write(&device, 0, &positions, &smooth_normals(&positions, &triangles)).unwrap();
     let colors = VertexPaint::new(&device, positions.len());
     let checks: Vec<[u8; 4]> = (0..side * side)
-        .map(|i| if (i % side + i / side) % 2 == 0 { [240; 4] } else { [20, 40, 60, 255] })
+        .map(|i| if (i % side + i / side).is_multiple_of(2) { [240; 4] } else { [20, 40, 60, 255] })
         .collect();
     colors.write_colors(&device, &checks).unwrap();
     let figures = [Figure { paint: Paint::Colors(&colors), ..Figure::new(&topology, &buffers, 0) }];
