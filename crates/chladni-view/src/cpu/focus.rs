@@ -165,49 +165,64 @@ impl Kernel for Gather<'_> {
             };
             let Some(circle) = part(CIRCLE, middle) else { return };
             let mut own = [0.0; BLOCK];
-            // Whether colors count for as much as they are, where the pixel itself is before the focus.
-            let (mut behind, mut whole, mut all) = (own, own, own);
+            // Whether the pixel is before the focus: then colors count for as much as they are.
+            let (mut reach, mut whole) = (own, own);
+            // What lies before the focus, and all else.
+            let (mut before, mut behind) = (own, own);
             for i in 0..BLOCK {
                 own[i] = circle[i].abs();
+                whole[i] = softness(-circle[i]);
                 let continued = max(own[i], CONTINUED * (1.0 - 2.0 * own[i]));
-                behind[i] = if circle[i] < 0.0 { own[i] } else { continued };
-                whole[i] = if circle[i] < 0.0 { 1.0 } else { 0.0 };
-                all[i] = PIXEL * soft(circle[i], whole[i]) / max(own[i] * own[i], 1.0);
+                reach[i] = mix(continued, own[i], whole[i]);
+                let mine = PIXEL / max(own[i] * own[i], 1.0);
+                before[i] = mine * whole[i];
+                behind[i] = mine * (1.0 - whole[i]) * soft(circle[i], whole[i]);
             }
-            let (mut sums, mut cover) = ([[0.0; BLOCK]; 4], [0.0; BLOCK]);
-            for (k, sum) in sums.iter_mut().enumerate() {
+            let (mut near, mut far) = ([[0.0; BLOCK]; 4], [[0.0; BLOCK]; 4]);
+            for (k, (near, far)) in near.iter_mut().zip(&mut far).enumerate() {
                 let Some(color) = part(k, middle) else { return };
                 for i in 0..BLOCK {
-                    sum[i] = color[i] * all[i];
+                    near[i] = color[i] * before[i];
+                    far[i] = color[i] * behind[i];
                 }
             }
-            for [dx, dy, far, area] in spread.taps[y & 1] {
+            for [dx, dy, away, area] in spread.taps[y & 1] {
                 let at = (middle as isize + dy as isize * stride as isize + dx as isize) as usize;
                 let Some(there) = part(CIRCLE, at) else { return };
-                let mut weight = [0.0; BLOCK];
+                let (mut nearer, mut weight) = ([0.0; BLOCK], [0.0; BLOCK]);
                 for i in 0..BLOCK {
                     // What lies behind is seen as far as what lies before it is spread, and is continued where that is
                     // sharp.
-                    let size = if there[i] > circle[i] { behind[i] } else { there[i].abs() };
-                    let share = clamp(size - far + 0.5, 0.0, 1.0) * area / max(size * size, 1.0);
-                    cover[i] += if there[i] < 0.0 { share } else { 0.0 };
-                    weight[i] = share * soft(there[i], whole[i]);
-                    all[i] += weight[i];
+                    let size = if there[i] > circle[i] { reach[i] } else { there[i].abs() };
+                    let share = clamp(size - away + 0.5, 0.0, 1.0) * area / max(size * size, 1.0);
+                    nearer[i] = share * softness(-there[i]);
+                    weight[i] = (share - nearer[i]) * soft(there[i], whole[i]);
+                    before[i] += nearer[i];
+                    behind[i] += weight[i];
                 }
-                for (k, sum) in sums.iter_mut().enumerate() {
+                for (k, (near, far)) in near.iter_mut().zip(&mut far).enumerate() {
                     let Some(color) = part(k, at) else { return };
                     for i in 0..BLOCK {
-                        sum[i] += color[i] * weight[i];
+                        near[i] += color[i] * nearer[i];
+                        far[i] += color[i] * weight[i];
                     }
                 }
             }
-            for (k, sum) in sums.iter().enumerate() {
-                for (to, (sum, all)) in to[k * row + 1 + x..].iter_mut().zip(sum.iter().zip(&all)) {
-                    *to = sum / all;
+            let mut over = [0.0; BLOCK];
+            for i in 0..BLOCK {
+                let covered = mix(min(before[i], 1.0), before[i] / (before[i] + behind[i]), whole[i]);
+                // The part of all that is laid over the sharp picture there.
+                over[i] = min(covered / max(softness(own[i]), max(covered, LEAST_COVER)), 1.0);
+                before[i] = max(before[i], LEAST_COVER);
+                behind[i] = max(behind[i], LEAST_COVER);
+                if let Some(cover) = to.get_mut(COVER * row + 1 + x + i) {
+                    *cover = covered;
                 }
             }
-            for (to, cover) in to[COVER * row + 1 + x..].iter_mut().zip(&cover) {
-                *to = min(*cover, 1.0);
+            for (k, (near, far)) in near.iter().zip(&far).enumerate() {
+                for (i, to) in to[k * row + 1 + x..].iter_mut().take(BLOCK).enumerate() {
+                    *to = mix(far[i] / behind[i], near[i] / before[i], over[i]);
+                }
             }
         }
         for to in to.chunks_mut(row) {
@@ -265,6 +280,15 @@ impl Kernel for Even<'_> {
             }
         }
     }
+}
+
+/// Less light than this covers nothing.
+const LEAST_COVER: f32 = 1e-5;
+
+/// How much of the sharp picture goes where the circle has this radius.
+#[inline(always)]
+fn softness(radius: f32) -> f32 {
+    smoothstep(LEAST, 1.0, radius)
 }
 
 /// Weights of three pixels in a row.
@@ -361,13 +385,13 @@ impl Kernel for Compose<'_> {
             };
             let mut shares = [0.0; BLOCK];
             for (share, (circle, cover)) in shares.iter_mut().zip(circles.iter().zip(cover)) {
-                *share = max(smoothstep(LEAST, 1.0, circle.abs()), *cover);
+                *share = max(softness(circle.abs()), *cover);
             }
             let mut c = [[0.0; BLOCK]; 4];
             unpack(pixels, &mut c);
             for (c, light) in c.iter_mut().zip([r, g, b, a]) {
                 for i in 0..BLOCK {
-                    c[i] = mix(c[i], light[i].sqrt(), shares[i]);
+                    c[i] = mix(c[i] * c[i], light[i], shares[i]).sqrt();
                 }
             }
             let [r, g, b, a] = &c;

@@ -94,10 +94,18 @@ const PIXEL = 0.31830987;
 // How far into what is sharp the colours beside it are continued.
 const CONTINUED = 2.0;
 
-// How much a colour takes part: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is
-// seen through something before the focus.
-fn soft(radius: f32, middle: f32) -> f32 {
-    return select(min(abs(radius), 1.0) + 1.0 / 64.0, 1.0, middle < 0.0);
+// How much a colour counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
+// through something before the focus, where `whole` is 1.
+fn soft(radius: f32, whole: f32) -> f32 {
+    return mix(min(abs(radius), 1.0) + 1.0 / 64.0, 1.0, whole);
+}
+
+// Less light than this covers nothing.
+const LEAST_COVER = 1e-5;
+
+// How much of the sharp picture goes where the circle has this radius.
+fn softness(radius: f32) -> f32 {
+    return smoothstep(0.25, 1.0, radius);
 }
 
 // Gathers a pixel of the small picture from the circles around it.
@@ -107,23 +115,35 @@ fn gather_fragment(@builtin(position) clip: vec4f) -> Small {
     let p = vec2i(clip.xy);
     let middle = textureLoad(circles, p, 0).r;
     let own = abs(middle);
-    let behind = select(max(own, CONTINUED * (1.0 - 2.0 * own)), own, middle < 0.0);
-    var all = PIXEL * soft(middle, middle) / max(own * own, 1.0);
-    var sum = textureLoad(picture, p, 0) * all;
-    var before = 0.0;
+    // Whether it is before the focus.
+    let whole = softness(-middle);
+    let reach = mix(max(own, CONTINUED * (1.0 - 2.0 * own)), own, whole);
+    let mine = PIXEL / max(own * own, 1.0);
+    // What lies before the focus, and all else.
+    var before = mine * whole;
+    var behind = mine * (1.0 - whole) * soft(middle, whole);
+    var near = textureLoad(picture, p, 0) * before;
+    var far = textureLoad(picture, p, 0) * behind;
     for (var i = 0; i < 64; i++) {
         let tap = spread.taps[p.y & 1][i];
         let at = clamp(p + vec2i(tap.xy), vec2i(0), end);
         let there = textureLoad(circles, at, 0).r;
         // What lies behind is seen as far as what lies before it is spread, and is continued where that is sharp.
-        let size = select(abs(there), behind, there > middle);
+        let size = select(abs(there), reach, there > middle);
         let share = clamp(size - tap.z + 0.5, 0.0, 1.0) * tap.w / max(size * size, 1.0);
-        before += select(0.0, share, there < 0.0);
-        let weight = share * soft(there, middle);
-        sum += textureLoad(picture, at, 0) * weight;
-        all += weight;
+        let nearer = share * softness(-there);
+        let weight = (share - nearer) * soft(there, whole);
+        let c = textureLoad(picture, at, 0);
+        near += c * nearer;
+        far += c * weight;
+        before += nearer;
+        behind += weight;
     }
-    return Small(sum / all, vec4f(min(before, 1.0), 0.0, 0.0, 1.0));
+    let covered = mix(min(before, 1.0), before / (before + behind), whole);
+    // The part of all that is laid over the sharp picture there.
+    let part = min(covered / max(softness(own), max(covered, LEAST_COVER)), 1.0);
+    let c = mix(far / max(behind, LEAST_COVER), near / max(before, LEAST_COVER), part);
+    return Small(c, vec4f(covered, 0.0, 0.0, 1.0));
 }
 
 // The mean of what has spread there and around, of like softness: of the taps of two rows.
@@ -154,12 +174,13 @@ fn even_fragment(@builtin(position) clip: vec4f) -> Small {
 fn compose_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let p = vec2u(clip.xy);
     let at = clip.xy / f32(spread.step) / vec2f(textureDimensions(light));
-    let soft = sqrt(textureSampleLevel(light, smooth_sampler, at, 0.0));
+    let spread_light = textureSampleLevel(light, smooth_sampler, at, 0.0);
     let before = textureSampleLevel(cover, smooth_sampler, at, 0.0).r;
-    let share = max(smoothstep(0.25, 1.0, abs(textureLoad(circles, p, 0).r)), before);
+    let share = max(softness(abs(textureLoad(circles, p, 0).r)), before);
     // The dither of the background was averaged away.
     let q = p & vec2u(1u);
     let dither = (f32(2u * (q.x ^ q.y) + q.y) - 1.5) / (4.0 * 255.0) * share;
-    let c = mix(textureLoad(picture, p, 0), soft, share) + vec4f(vec3f(dither), 0.0);
+    let sharp = textureLoad(picture, p, 0);
+    let c = sqrt(mix(sharp * sharp, spread_light, share)) + vec4f(vec3f(dither), 0.0);
     return clamp(c, vec4f(0.0), vec4f(1.0));
 }
