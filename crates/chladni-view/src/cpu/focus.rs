@@ -13,7 +13,7 @@ pub(super) struct Focusing {
     /// Of each pixel the radius of its circle of light, pixels of the small picture; below 0 before the focus.
     circles: Vec<f32>,
     small: Small,
-    /// Light that has spread: the means of squares of the four channels, and how much of it lies before what is there.
+    /// Light that has spread.
     spread: Vec<f32>,
     /// The same, evened out.
     even: Vec<f32>,
@@ -32,8 +32,11 @@ struct Small {
     numbers: Vec<f32>,
 }
 
-/// What spread at a pixel of the small picture: as [`PLANES`], with what lies before it in the place of the circle.
-const COVER: usize = 4;
+/// What spread at a pixel of the small picture: the four channels of what lies in the focus or behind it, of what lies
+/// before it, by how much it covers, and that.
+const LAYERS: usize = 9;
+const NEAR: usize = 4;
+const COVER: usize = 8;
 
 /// Pixels that are computed together.
 const BLOCK: usize = 64;
@@ -54,11 +57,11 @@ impl Focusing {
         let small = &self.small;
         let padded = small.width.next_multiple_of(BLOCK);
         // With a pixel more on either side.
-        let margined = PLANES * (padded + 2);
+        let margined = LAYERS * (padded + 2);
         self.spread.resize(margined * small.height, 0.0);
         let rows = self.spread.par_chunks_mut(margined).enumerate();
         rows.for_each(|(y, to)| with.run(Gather { small, spread: &spread, y, to }));
-        let row = PLANES * padded;
+        let row = LAYERS * padded;
         self.even.resize(row * small.height, 0.0);
         let rows = self.even.par_chunks_mut(row).enumerate();
         rows.for_each(|(y, to)| {
@@ -75,7 +78,7 @@ impl Focusing {
                 let part = |y: usize| &even[row * y..row * (y + 1)];
                 let (above, below, small) = (part(above), part(below), small.width);
                 // Whole squares, and whole blocks.
-                wide.resize(PLANES * (step * small).next_multiple_of(BLOCK), 0.0);
+                wide.resize(LAYERS * (step * small).next_multiple_of(BLOCK), 0.0);
                 with.run(Widen { above, below, share, step, small, between, wide });
                 with.run(Compose { y, pixels, circles, wide });
             },
@@ -157,7 +160,7 @@ impl Kernel for Gather<'_> {
     fn run(self) {
         let Self { small, spread, y, to } = self;
         let (stride, plane) = (small.stride(), small.plane());
-        let row = to.len() / PLANES;
+        let row = to.len() / LAYERS;
         for x in (0..row - 2).step_by(BLOCK) {
             let middle = stride * (y + small.rim) + small.rim + x;
             let part = |k: usize, at: usize| {
@@ -208,21 +211,31 @@ impl Kernel for Gather<'_> {
                     }
                 }
             }
-            let mut over = [0.0; BLOCK];
+            let mut cover = [0.0; BLOCK];
             for i in 0..BLOCK {
-                let covered = mix(min(before[i], 1.0), before[i] / (before[i] + behind[i]), whole[i]);
-                // The part of all that is laid over the sharp picture there.
-                over[i] = min(covered / max(softness(own[i]), max(covered, LEAST_COVER)), 1.0);
-                before[i] = max(before[i], LEAST_COVER);
-                behind[i] = max(behind[i], LEAST_COVER);
-                if let Some(cover) = to.get_mut(COVER * row + 1 + x + i) {
-                    *cover = covered;
+                cover[i] = mix(min(before[i], 1.0), before[i] / (before[i] + behind[i]), whole[i]);
+                // Behind what covers all is taken to be the same.
+                behind[i] += before[i] * HIDDEN + 1e-9;
+                before[i] = cover[i] / max(before[i], 1e-9);
+            }
+            for k in 0..NEAR {
+                let at = k * row + 1 + x;
+                let (Some(to), both) = (to[at..].first_chunk_mut::<BLOCK>(), (&near[k], &far[k])) else {
+                    return;
+                };
+                for i in 0..BLOCK {
+                    to[i] = (both.1[i] + both.0[i] * HIDDEN) / behind[i];
                 }
             }
-            for (k, (near, far)) in near.iter().zip(&far).enumerate() {
-                for (i, to) in to[k * row + 1 + x..].iter_mut().take(BLOCK).enumerate() {
-                    *to = mix(far[i] / behind[i], near[i] / before[i], over[i]);
+            for (k, near) in near.iter().enumerate() {
+                let at = (NEAR + k) * row + 1 + x;
+                let Some(to) = to[at..].first_chunk_mut::<BLOCK>() else { return };
+                for i in 0..BLOCK {
+                    to[i] = near[i] * before[i];
                 }
+            }
+            if let Some(to) = to[COVER * row + 1 + x..].first_chunk_mut::<BLOCK>() {
+                *to = cover;
             }
         }
         for to in to.chunks_mut(row) {
@@ -244,7 +257,7 @@ impl Kernel for Even<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { small, from, y, to } = self;
-        let (stride, padded, row) = (small.stride(), to.len() / PLANES, from[0].len() / PLANES);
+        let (stride, padded, row) = (small.stride(), to.len() / LAYERS, from[0].len() / LAYERS);
         let circles = &small.numbers[CIRCLE * small.plane() + stride * (y + small.rim - 1) + small.rim - 1..];
         for x in (0..padded).step_by(BLOCK) {
             let circle = |dx: usize, dy: usize| {
@@ -254,7 +267,7 @@ impl Kernel for Even<'_> {
                 from[dy].get(row * k + x + dx..).and_then(<[f32]>::first_chunk::<BLOCK>)
             };
             let Some(middle) = circle(1, 1) else { return };
-            let (mut sums, mut all) = ([[0.0; BLOCK]; PLANES], [0.0; BLOCK]);
+            let (mut sums, mut all) = ([[0.0; BLOCK]; LAYERS], [0.0; BLOCK]);
             for (dx, dy) in (0..9).map(|i| (i % 3, i / 3)) {
                 let (Some(there), tent) = (circle(dx, dy), TENT[dx] * TENT[dy]) else { return };
                 let mut weight = [tent; BLOCK];
@@ -266,7 +279,7 @@ impl Kernel for Even<'_> {
                 for (k, sum) in sums.iter_mut().enumerate() {
                     let Some(from) = part(k, dx, dy) else { return };
                     for i in 0..BLOCK {
-                        sum[i] += from[i] * if k == COVER { tent } else { weight[i] };
+                        sum[i] += from[i] * if k < NEAR { weight[i] } else { tent };
                     }
                 }
                 for i in 0..BLOCK {
@@ -275,15 +288,15 @@ impl Kernel for Even<'_> {
             }
             for (k, sum) in sums.iter().enumerate() {
                 for (to, (sum, all)) in to[k * padded + x..].iter_mut().zip(sum.iter().zip(&all)) {
-                    *to = if k == COVER { *sum } else { sum / all };
+                    *to = if k < NEAR { sum / all } else { *sum };
                 }
             }
         }
     }
 }
 
-/// Less light than this covers nothing.
-const LEAST_COVER: f32 = 1e-5;
+/// What is before the focus counts for so little behind itself.
+const HIDDEN: f32 = 1e-3;
 
 /// How much of the sharp picture goes where the circle has this radius.
 #[inline(always)]
@@ -319,7 +332,7 @@ impl Kernel for Widen<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { above, below, share, step, small, between, wide } = self;
-        let (row, padded) = (above.len() / PLANES, wide.len() / PLANES);
+        let (row, padded) = (above.len() / LAYERS, wide.len() / LAYERS);
         between.resize(small + 2, 0.0);
         for (k, wide) in wide.chunks_mut(padded).enumerate() {
             let both = above[row * k..][..small].iter().zip(&below[row * k..][..small]);
@@ -373,25 +386,24 @@ impl Kernel for Compose<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { y, pixels, circles, wide } = self;
-        let padded = wide.len() / PLANES;
+        let padded = wide.len() / LAYERS;
         let blocks = pixels.as_chunks_mut::<4>().0.chunks_mut(BLOCK).zip(circles.chunks(BLOCK));
         for (block, (pixels, circles)) in blocks.enumerate() {
             let x = BLOCK * block;
             let part = |k: usize| wide.get(k * padded + x..).and_then(<[f32]>::first_chunk::<BLOCK>);
-            let (Some(r), Some(g), Some(b), Some(a), Some(cover)) =
-                (part(0), part(1), part(2), part(3), part(COVER))
-            else {
-                return;
-            };
-            let mut shares = [0.0; BLOCK];
-            for (share, (circle, cover)) in shares.iter_mut().zip(circles.iter().zip(cover)) {
-                *share = max(softness(circle.abs()), *cover);
+            let Some(cover) = part(COVER) else { return };
+            let (mut soft, mut shares) = ([0.0; BLOCK], [0.0; BLOCK]);
+            for (i, circle) in circles.iter().enumerate().take(BLOCK) {
+                soft[i] = softness(circle.abs());
+                shares[i] = 1.0 - (1.0 - soft[i]) * (1.0 - cover[i]);
             }
             let mut c = [[0.0; BLOCK]; 4];
             unpack(pixels, &mut c);
-            for (c, light) in c.iter_mut().zip([r, g, b, a]) {
+            for (k, c) in c.iter_mut().enumerate() {
+                let (Some(far), Some(near)) = (part(k), part(NEAR + k)) else { return };
                 for i in 0..BLOCK {
-                    c[i] = mix(c[i] * c[i], light[i], shares[i]).sqrt();
+                    let light = mix(c[i] * c[i], far[i], soft[i]) * (1.0 - cover[i]) + near[i];
+                    c[i] = light.sqrt();
                 }
             }
             let [r, g, b, a] = &c;

@@ -25,11 +25,12 @@ pub(crate) struct Focusing {
     depth: wgpu::TextureView,
     sharp: wgpu::TextureView,
     circles: wgpu::TextureView,
-    /// Light and number of the small picture, before and after the light has spread.
+    /// Light and circles of the small picture.
     small: [wgpu::TextureView; 2],
-    spread: [wgpu::TextureView; 2],
-    /// The same, evened out: the light takes the place of the one that has not spread yet.
-    even: [wgpu::TextureView; 2],
+    /// Light that has spread: of what lies behind, of what lies before, and how much that covers.
+    spread: [wgpu::TextureView; 3],
+    /// The same, evened out: the first takes the place of the light that has not spread yet.
+    even: [wgpu::TextureView; 3],
     depths: wgpu::BindGroup,
     shrink: wgpu::BindGroup,
     gather: wgpu::BindGroup,
@@ -77,14 +78,15 @@ impl Focusing {
         let circles = image("circles", size, NUMBER);
         let few = size.map(|side| side.div_ceil(step(size[1])));
         let small = [image("small picture", few, LIGHT), image("small circles", few, NUMBER)];
-        let spread = [image("spread light", few, LIGHT), image("spread cover", few, NUMBER)];
-        let even = [small[0].clone(), image("even cover", few, NUMBER)];
+        let spread = [("far", LIGHT), ("near", LIGHT), ("cover", NUMBER)];
+        let spread = spread.map(|(label, format)| image(label, few, format));
+        let even = [small[0].clone(), image("even near", few, LIGHT), image("even cover", few, NUMBER)];
         let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("spread"),
             contents: bytemuck::bytes_of(&Spread::new(size)),
             usage: wgpu::BufferUsages::UNIFORM,
         });
-        let images = |images: [&wgpu::TextureView; 4]| {
+        let images = |images: [&wgpu::TextureView; 5]| {
             let first = [uniform.as_entire_binding(), wgpu::BindingResource::Sampler(&pipelines.sampler)];
             let all: Vec<_> =
                 first.into_iter().chain(images.map(wgpu::BindingResource::TextureView)).collect();
@@ -96,10 +98,10 @@ impl Focusing {
             cells: Uniforms::new(device, &pipelines.cell, "circles"),
             depths: group(device, &pipelines.depths, &[wgpu::BindingResource::TextureView(&depth)]),
             // What is not read is bound to what is.
-            shrink: images([&sharp, &circles, &sharp, &sharp]),
-            gather: images([&small[0], &small[1], &small[0], &small[0]]),
-            evening: images([&sharp, &small[1], &spread[0], &spread[1]]),
-            compose: images([&sharp, &circles, &even[0], &even[1]]),
+            shrink: images([&sharp, &circles, &sharp, &sharp, &sharp]),
+            gather: images([&small[0], &small[1], &small[0], &small[0], &small[0]]),
+            evening: images([&sharp, &small[1], &spread[0], &spread[1], &spread[2]]),
+            compose: images([&sharp, &circles, &even[0], &even[1], &even[2]]),
             depth,
             sharp,
             circles,
@@ -141,12 +143,12 @@ impl Focusing {
             pass.draw(0..3, 0..1);
         }
         drop(pass);
-        for (pipeline, group, [light, number]) in [
-            (&pipelines.shrink, &self.shrink, &self.small),
-            (&pipelines.gather, &self.gather, &self.spread),
-            (&pipelines.even, &self.evening, &self.even),
+        for (pipeline, group, targets) in [
+            (&pipelines.shrink, &self.shrink, &self.small[..]),
+            (&pipelines.gather, &self.gather, &self.spread[..]),
+            (&pipelines.even, &self.evening, &self.even[..]),
         ] {
-            screen::pass(encoder, pipeline, group, &[light, number]);
+            screen::pass(encoder, pipeline, group, &targets.iter().collect::<Vec<_>>());
         }
         screen::pass(encoder, &pipelines.compose, &self.compose, &[target]);
     }
@@ -167,7 +169,7 @@ impl Pipelines {
         };
         let cell = layout(device, "circle", &[(fragment, uniform(true))]);
         let depths = layout(device, "depths", &[(fragment, depth)]);
-        let bindings = [uniform(false), SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE];
+        let bindings = [uniform(false), SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE, IMAGE];
         let images = layout(device, "spread", &bindings.map(|binding| (fragment, binding)));
         let module = device.create_shader_module(wgpu::include_wgsl!("focus.wgsl"));
         let of_cell = Pipes::new(device, &module, &[Some(&cell), Some(&depths)]);
@@ -176,8 +178,8 @@ impl Pipelines {
         Self {
             circles: of_cell.pipeline(circles, &[NUMBER]),
             shrink: of_images.pipeline("shrink_fragment", &[LIGHT, NUMBER]),
-            gather: of_images.pipeline("gather_fragment", &[LIGHT, NUMBER]),
-            even: of_images.pipeline("even_fragment", &[LIGHT, NUMBER]),
+            gather: of_images.pipeline("gather_fragment", &[LIGHT, LIGHT, NUMBER]),
+            even: of_images.pipeline("even_fragment", &[LIGHT, LIGHT, NUMBER]),
             compose: of_images.pipeline("compose_fragment", &[crate::Canvas::FORMAT]),
             sampler: smooth_sampler(device),
             cell,

@@ -27,9 +27,10 @@ struct Spread {
 @group(0) @binding(2) var picture: texture_2d<f32>;
 // Radius of each pixel's circle of light, pixels of the small picture; below 0 before the focus.
 @group(0) @binding(3) var circles: texture_2d<f32>;
-// Light that has spread, and how much of it lies before what is there.
+// What has spread, as `Layers` have it.
 @group(0) @binding(4) var light: texture_2d<f32>;
-@group(0) @binding(5) var cover: texture_2d<f32>;
+@group(0) @binding(5) var before: texture_2d<f32>;
+@group(0) @binding(6) var cover: texture_2d<f32>;
 
 @group(0) @binding(0) var<uniform> circle: Circle;
 @group(1) @binding(0) var depths: texture_depth_multisampled_2d;
@@ -100,8 +101,11 @@ fn soft(radius: f32, whole: f32) -> f32 {
     return mix(min(abs(radius), 1.0) + 1.0 / 64.0, 1.0, whole);
 }
 
-// Less light than this covers nothing.
-const LEAST_COVER = 1e-5;
+// What is before the focus counts for so little behind itself.
+const HIDDEN = 1e-3;
+
+// What has spread: of what lies in the focus or behind it, of what lies before it by how much it covers, and that.
+struct Layers { @location(0) far: vec4f, @location(1) near: vec4f, @location(2) cover: vec4f }
 
 // How much of the sharp picture goes where the circle has this radius.
 fn softness(radius: f32) -> f32 {
@@ -110,7 +114,7 @@ fn softness(radius: f32) -> f32 {
 
 // Gathers a pixel of the small picture from the circles around it.
 @fragment
-fn gather_fragment(@builtin(position) clip: vec4f) -> Small {
+fn gather_fragment(@builtin(position) clip: vec4f) -> Layers {
     let end = vec2i(textureDimensions(picture)) - 1;
     let p = vec2i(clip.xy);
     let middle = textureLoad(circles, p, 0).r;
@@ -140,21 +144,21 @@ fn gather_fragment(@builtin(position) clip: vec4f) -> Small {
         behind += weight;
     }
     let covered = mix(min(before, 1.0), before / (before + behind), whole);
-    // The part of all that is laid over the sharp picture there.
-    let part = min(covered / max(softness(own), max(covered, LEAST_COVER)), 1.0);
-    let c = mix(far / max(behind, LEAST_COVER), near / max(before, LEAST_COVER), part);
-    return Small(c, vec4f(covered, 0.0, 0.0, 1.0));
+    // Behind what covers all is taken to be the same.
+    let base = (far + near * HIDDEN) / (behind + before * HIDDEN + 1e-9);
+    return Layers(base, near * (covered / max(before, 1e-9)), vec4f(covered, 0.0, 0.0, 1.0));
 }
 
 // The mean of what has spread there and around, of like softness: of the taps of two rows.
 @fragment
-fn even_fragment(@builtin(position) clip: vec4f) -> Small {
+fn even_fragment(@builtin(position) clip: vec4f) -> Layers {
     let end = vec2i(textureDimensions(circles)) - 1;
     let p = vec2i(clip.xy);
     let own = abs(textureLoad(circles, p, 0).r);
     var sum = vec4f(0.0);
     var all = 0.0;
-    var before = 0.0;
+    var near = vec4f(0.0);
+    var covered = 0.0;
     for (var y = -1; y <= 1; y++) {
         for (var x = -1; x <= 1; x++) {
             let at = clamp(p + vec2i(x, y), vec2i(0), end);
@@ -163,10 +167,11 @@ fn even_fragment(@builtin(position) clip: vec4f) -> Small {
             let weight = tent * select(alike, 1.0, x == 0 && y == 0);
             sum += textureLoad(light, at, 0) * weight;
             all += weight;
-            before += textureLoad(cover, at, 0).r * tent;
+            near += textureLoad(before, at, 0) * tent;
+            covered += textureLoad(cover, at, 0).r * tent;
         }
     }
-    return Small(sum / all, vec4f(before, 0.0, 0.0, 1.0));
+    return Layers(sum / all, near, vec4f(covered, 0.0, 0.0, 1.0));
 }
 
 // What has spread over the sharp picture.
@@ -174,13 +179,15 @@ fn even_fragment(@builtin(position) clip: vec4f) -> Small {
 fn compose_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let p = vec2u(clip.xy);
     let at = clip.xy / f32(spread.step) / vec2f(textureDimensions(light));
-    let spread_light = textureSampleLevel(light, smooth_sampler, at, 0.0);
-    let before = textureSampleLevel(cover, smooth_sampler, at, 0.0).r;
-    let share = max(softness(abs(textureLoad(circles, p, 0).r)), before);
+    let base = textureSampleLevel(light, smooth_sampler, at, 0.0);
+    let near = textureSampleLevel(before, smooth_sampler, at, 0.0);
+    let covered = textureSampleLevel(cover, smooth_sampler, at, 0.0).r;
+    let own = softness(abs(textureLoad(circles, p, 0).r));
     // The dither of the background was averaged away.
     let q = p & vec2u(1u);
+    let share = 1.0 - (1.0 - own) * (1.0 - covered);
     let dither = (f32(2u * (q.x ^ q.y) + q.y) - 1.5) / (4.0 * 255.0) * share;
     let sharp = textureLoad(picture, p, 0);
-    let c = sqrt(mix(sharp * sharp, spread_light, share)) + vec4f(vec3f(dither), 0.0);
+    let c = sqrt(mix(sharp * sharp, base, own) * (1.0 - covered) + near) + vec4f(vec3f(dither), 0.0);
     return clamp(c, vec4f(0.0), vec4f(1.0));
 }
