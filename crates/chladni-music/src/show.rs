@@ -128,6 +128,9 @@ pub struct Looks {
     /// The file of a panorama that shines on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub panorama: String,
+    /// How soft is what is not in focus, percent of the most; the scene's own where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blur_percent: Option<u8>,
 }
 
 /// The viewpoint, before the beat turns the shape. The default shows the whole shape.

@@ -1,7 +1,7 @@
 //! The processor beside the graphics device that this machine has: the same pictures, level for level.
 //!
 //! `cargo run --release -p chladni-view --example twins [FOLDER]` prints a table and writes pictures of both
-//! where a folder is named. `bench/draw/run` writes the table into BENCHMARKS.md.
+//! where a folder is named; a second word is the one effect that is drawn, beside the bare shape. `bench/draw/run` writes the table into BENCHMARKS.md.
 #![allow(clippy::print_stdout, reason = "it reports to a terminal")]
 
 mod measured;
@@ -93,7 +93,7 @@ fn bare(shadow: f32) -> Look {
 }
 
 /// One effect each beside the bare look, then two whole ones.
-fn effects() -> [(&'static str, Look); 10] {
+fn effects() -> [(&'static str, Look); 11] {
     let look = bare(0.7);
     let lights = Lights { horizon: [0.5; 3], strips: 1.0, curve: Curve::Filmic, ..look.lights };
     let mut floor = look.background;
@@ -110,6 +110,7 @@ fn effects() -> [(&'static str, Look); 10] {
         }),
         ("studio of lines, film's curve", Look { lights, ..look }),
         ("floor", Look { background: floor, ..look }),
+        ("depth of field", finish(Finish { blur: 0.6, ..Finish::NOTHING })),
         ("glow", finish(Finish { bloom: 1.0, bloom_from: 0.5, ..Finish::NOTHING })),
         ("trails", finish(Finish { trail_secs: 0.2, trail_growth: 0.2, ..Finish::NOTHING })),
         ("rim and grain", finish(Finish { vignette: 0.3, grain: 0.03, ..Finish::NOTHING })),
@@ -119,7 +120,7 @@ fn effects() -> [(&'static str, Look); 10] {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = std::env::args().nth(1);
+    let (folder, only) = (std::env::args().nth(1), std::env::args().nth(2));
     let mut devices = vec![Device::open(Draw::Cpu)?];
     devices.extend(Device::open(Draw::Gpu).ok());
     for device in &devices {
@@ -138,7 +139,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let plain = [("no shadow", bare(0.0)), ("shadow", bare(0.7))];
     let of = |scene| plain.map(|(what, look)| (scene, what, look));
     let with_effects = effects().map(|(what, look)| (&SCENES[1], what, look));
-    for (scene, what, look) in SCENES.iter().flat_map(of).chain(with_effects) {
+    let is_asked = |scene: &Scene, what| {
+        only.as_ref().is_none_or(|only| scene.name == "one shape" && (what == "shadow" || what == *only))
+    };
+    let all = SCENES.iter().flat_map(of).chain(with_effects);
+    for (scene, what, look) in all.filter(|(scene, what, _)| is_asked(scene, *what)) {
         let mut line = format!("| {} {} x {} | {what}", scene.name, scene.items, scene.vertices);
         let mut first = None;
         for (device, who) in devices.iter().zip(["processor", "device"]) {

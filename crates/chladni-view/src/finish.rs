@@ -1,10 +1,16 @@
-//! What is done to a finished picture: glow around what is bright, trails, a darker rim, grain.
+//! What is done to a finished picture: depth of field, glow around what is bright, trails, a darker rim, grain.
 
 use bytemuck::{Pod, Zeroable};
 
 /// Effects on the whole picture, in the order in which they are laid over it. All 0 is nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Finish {
+    /// How soft is what is not in focus, in [0, 1]: the opening of the lens, as a share of the camera's
+    /// [reach](crate::Camera::reach). 0 is a lens that sees everything sharp.
+    pub blur: f32,
+    /// Where the focus is: from the camera's target towards the viewer, as a share of its reach, in [−1, 1]. A fifth of
+    /// the reach on either side is as sharp.
+    pub focus: f32,
     /// How long what was light shows on, seconds until a third is left; 0 is not at all.
     pub trail_secs: f32,
     /// How fast what shows on grows from the middle, its size per second; below 0 it shrinks.
@@ -20,19 +26,27 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// Nothing is done.
-    pub const NOTHING: Self =
-        Self { trail_secs: 0.0, trail_growth: 0.0, bloom: 0.0, bloom_from: 0.0, vignette: 0.0, grain: 0.0 };
+    /// Nothing is done. A blur that is asked for finds its focus on the front of the shape.
+    pub const NOTHING: Self = Self {
+        blur: 0.0,
+        focus: 0.25,
+        trail_secs: 0.0,
+        trail_growth: 0.0,
+        bloom: 0.0,
+        bloom_from: 0.0,
+        vignette: 0.0,
+        grain: 0.0,
+    };
 
     /// Without what looks at other pixels than the one it changes, which costs most.
     pub fn without_glow(self) -> Self {
-        Self { trail_secs: 0.0, bloom: 0.0, ..self }
+        Self { blur: 0.0, trail_secs: 0.0, bloom: 0.0, ..self }
     }
 
     /// Whether the picture stays as it is.
     pub fn is_nothing(&self) -> bool {
-        let Self { trail_secs, bloom, vignette, grain, .. } = *self;
-        [trail_secs, bloom, vignette, grain].iter().all(|share| *share <= 0.0)
+        let Self { blur, trail_secs, bloom, vignette, grain, .. } = *self;
+        [blur, trail_secs, bloom, vignette, grain].iter().all(|share| *share <= 0.0)
     }
 
     /// The numbers for a picture of this size at `at_secs`, the last of which was shown at `before_secs`.

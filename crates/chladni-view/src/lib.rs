@@ -49,6 +49,7 @@ mod error;
 pub mod filling;
 pub mod film;
 mod finish;
+mod focus;
 pub mod framing;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 mod gpu;

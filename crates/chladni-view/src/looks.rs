@@ -1,5 +1,6 @@
 //! Looks by name: scenes whose material, palette, light, ground and finish were made for each other.
 
+mod lens;
 mod vibration;
 
 use crate::look::Response;
@@ -556,7 +557,7 @@ impl Look {
     };
 
     /// Names and looks, for menus and the command line.
-    pub const PRESETS: [(&'static str, Self); 21] = [
+    pub const PRESETS: [(&'static str, Self); 22] = [
         ("aurora", Self::AURORA),
         ("ember", Self::EMBER),
         ("abyss", Self::ABYSS),
@@ -577,6 +578,7 @@ impl Look {
         ("opal", Self::OPAL),
         ("patina", Self::PATINA),
         ("figures", Self::FIGURES),
+        ("dew", Self::DEW),
         ("plain", Self::PLAIN),
     ];
 }

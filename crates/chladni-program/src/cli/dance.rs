@@ -15,7 +15,7 @@ use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, Piece, Watcher, cautions, resolve};
+use crate::work::{Error, Piece, Watcher, blur, cautions, resolve};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -144,6 +144,10 @@ pub struct Dance {
     /// Light from all around, which shapes mirror: an HDR, PNG or JPEG file of all directions, twice as wide as high.
     #[arg(long, value_name = "FILE")]
     panorama: Option<String>,
+    /// How soft is what is not in focus, percent: what lies before or behind the front of the shape. That of the look unless
+    /// given; 0 is sharp everywhere.
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(0..=100))]
+    blur: Option<u8>,
     /// Turn of the shape in degrees, to begin with.
     #[arg(long, allow_negative_numbers = true)]
     yaw: Option<f32>,
@@ -284,7 +288,8 @@ impl Dance {
         film.autopilot = self.autopilot;
         film.start_secs = self.start;
         film.duration_secs = self.duration;
-        film.beginning.keeps_look = self.look.is_some() || self.palette.is_some() || self.chooses_parts();
+        film.beginning.keeps_look =
+            self.look.is_some() || self.palette.is_some() || self.blur.is_some() || self.chooses_parts();
         film.look = self.look(film.look);
         film.picture = self.picture.clone().unwrap_or(film.picture);
         film.panorama = self.panorama.clone().unwrap_or(film.panorama);
@@ -316,6 +321,7 @@ impl Dance {
         }
         look.lights = self.lights.unwrap_or(look.lights);
         look.background = self.background.unwrap_or(look.background);
+        look.finish.blur = self.blur.map_or(look.finish.blur, blur);
         look
     }
 

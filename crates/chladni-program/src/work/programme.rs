@@ -35,9 +35,10 @@ impl Programme {
         dances.extend(favorites);
         let candidates =
             dances.iter().zip(weights).map(|(preset, weight)| Candidate::tagged(&preset.tags, weight));
-        // The plain look is for those who choose its parts.
+        // The plain look is for those who choose its parts, and a near lens for those who choose where to stand.
+        let comes = |look: &Look| *look != Look::PLAIN && look.finish.blur <= 0.0;
         let looks: Vec<&str> =
-            Look::PRESETS.iter().filter(|(_, look)| *look != Look::PLAIN).map(|(name, _)| *name).collect();
+            Look::PRESETS.iter().filter(|(_, look)| comes(look)).map(|(name, _)| *name).collect();
         Ok(Self {
             autopilot: Autopilot::new(instrument.seed(), candidates.collect(), looks.len()),
             dances,

@@ -97,7 +97,15 @@ pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
     let background = Background::named(&looks.background);
     found(&looks.background, background.is_some());
     look.background = background.unwrap_or(look.background);
+    if let Some(percent) = looks.blur_percent {
+        look.finish.blur = blur(percent);
+    }
     (look, missing)
+}
+
+/// The blur of a finish that is chosen in percent.
+pub fn blur(percent: u8) -> f32 {
+    f32::from(percent.min(100)) / 100.0
 }
 
 /// What the beat does to the picture; while a jump in the song fades, so does its effect.
@@ -408,6 +416,8 @@ impl Staged {
 
 #[cfg(test)]
 mod tests {
+    use chladni_view::Finish;
+
     use super::*;
 
     #[test]
@@ -462,6 +472,8 @@ mod tests {
         assert_eq!((mixed.material, mixed.answer), (Material::BRONZE, None));
         assert_eq!((mixed.lights, mixed.finish), (Look::EMBER.lights, Look::EMBER.finish));
         assert_eq!(missing, ["candle"]);
+        let soft = Looks { look: "ember".into(), blur_percent: Some(60), ..Looks::default() };
+        assert_eq!(look_named(&soft).0.finish, Finish { blur: 0.6, ..Look::EMBER.finish });
         let gold = Looks { look: "ember".into(), palette: "gold".into(), ..Looks::default() };
         assert_eq!(look_named(&gold).0.answer.map(|answer| answer.palette), Some(Palette::Gold));
         assert_eq!(look_named(&names(["dawn", "", "", ""])), (Look::PLAIN, vec!["dawn".to_owned()]));

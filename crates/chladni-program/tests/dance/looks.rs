@@ -47,6 +47,15 @@ fn a_show_repeats_the_looks_that_came_on_stage() {
     assert_eq!(frame(&changing, "0.4", &[]), frame(&contour, "0.4", &[]));
     // A film that asks for a look has that one throughout.
     assert_eq!(frame(&changing, "0.4", &["--look", "ember"]), frame(&ember, "0.4", &[]));
+    // So has one that asks for a blur, which a show may name, too.
+    let soft = |name| {
+        let mut show = show(name, None);
+        show.looks.iter_mut().for_each(|looks| looks.blur_percent = Some(90));
+        show
+    };
+    assert_ne!(frame(&contour, "0.4", &["--blur", "90"]), frame(&contour, "0.4", &[]));
+    assert_eq!(frame(&contour, "0.4", &["--blur", "90"]), frame(&soft("contour"), "0.4", &[]));
+    assert_eq!(frame(&contour, "0.4", &["--blur", "0"]), frame(&contour, "0.4", &[]));
     // A look of another version leaves the show's own.
     assert_eq!(frame(&show("ember", Some("dawn of 2031")), "0.4", &[]), frame(&ember, "0.4", &[]));
 }

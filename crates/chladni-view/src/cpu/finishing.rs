@@ -214,7 +214,7 @@ fn blend(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
 
 /// The two of `count` pixels around a place, and how near it is to the second.
 #[inline(always)]
-fn neighbours(at: f32, count: usize) -> (usize, usize, f32) {
+pub(super) fn neighbours(at: f32, count: usize) -> (usize, usize, f32) {
     let last = count as f32 - 1.0;
     let at = clamp(at - 0.5, 0.0, last);
     let first = at as usize;
@@ -355,8 +355,8 @@ fn finish(
 }
 
 #[inline(always)]
-fn unpack(pixels: &[[u8; 4]], [r, g, b, a]: &mut [Block; 4]) {
-    for (i, pixel) in pixels.iter().enumerate().take(BLOCK) {
+pub(super) fn unpack<const N: usize>(pixels: &[[u8; 4]], [r, g, b, a]: &mut [[f32; N]; 4]) {
+    for (i, pixel) in pixels.iter().enumerate().take(N) {
         [r[i], g[i], b[i], a[i]] = unpacked(*pixel);
     }
 }

@@ -6,7 +6,7 @@
 //! one thread in one order, so that the number of threads changes no bit.
 //!
 //! One layer after the other lies over what is there: opaque figures together, sides of translucent
-//! figures, brush rings, grains, markers. The finish of a picture comes after these.
+//! figures, brush rings, grains, markers. Depth of field and the rest of the finish come after these.
 
 mod backdrop;
 mod batch;
@@ -14,6 +14,7 @@ mod chroma;
 mod curves;
 mod fill;
 mod finishing;
+mod focus;
 mod grains;
 mod instructions;
 mod markers;
@@ -34,8 +35,10 @@ pub(crate) use instructions::Instructions;
 pub(crate) use pyramid::Pyramid;
 
 use self::finishing::Finishing;
+use self::focus::Focusing;
 use self::stage::{Locks, Stage};
 use self::tile::{Scratch, TILE_BITS};
+use crate::focus::Circle;
 use crate::style::linear;
 use crate::{Cell, ColorMap, Finish, Palette, Surroundings, ViewError};
 
@@ -63,6 +66,7 @@ pub(crate) struct Renderer {
     instructions: Instructions,
     stage: Stage,
     finishing: Finishing,
+    focusing: Focusing,
     surroundings: Surroundings,
     /// Linear light of the colour maps, then of the palettes, one a row.
     maps: Vec<[[f32; 3]; 256]>,
@@ -79,6 +83,7 @@ impl Default for Renderer {
             instructions: Instructions::fastest(),
             stage: Stage::default(),
             finishing: Finishing::default(),
+            focusing: Focusing::default(),
             surroundings: Surroundings::default(),
             maps: maps.chain(palettes).collect(),
             scratch: Mutex::default(),
@@ -105,25 +110,39 @@ impl Renderer {
         let subjects = locks.subjects(cells)?;
         self.stage.set(self.instructions, canvas, (cells, &self.surroundings), &subjects)?;
         let around = self.surroundings.around.as_ref();
+        let size = [canvas.width, canvas.height];
+        let circles: Vec<Circle> = if finish.blur > 0.0 {
+            cells.iter().map(|cell| Circle::new(finish, cell, canvas.height)).collect()
+        } else {
+            Vec::new()
+        };
         let picture = tile::Picture {
             instructions: self.instructions,
             stage: &self.stage,
             subjects: &subjects,
             maps: &self.maps,
             around: around.map(|(skin, _)| skin.held.cpu()).transpose()?.map(|pyramid| &**pyramid),
+            circles: &circles,
             width: canvas.width as usize,
         };
         let scratch = &self.scratch;
         let pool = || scratch.lock().unwrap_or_else(PoisonError::into_inner);
         let band = (4 * picture.width) << TILE_BITS[1];
         let mut pixels = canvas.pixels();
-        pixels.par_chunks_mut(band).enumerate().for_each(|(row, pixels)| {
+        let draw = |row: usize, pixels: &mut [u8], circles: &mut [f32]| {
             let mut own = pool().pop().unwrap_or_else(Scratch::new);
-            picture.draw_band(row as i32, pixels, &mut own);
+            picture.draw_band(row as i32, (pixels, circles), &mut own);
             pool().push(own);
-        });
+        };
+        let bands = pixels.par_chunks_mut(band).enumerate();
+        if circles.is_empty() {
+            bands.for_each(|(row, pixels)| draw(row, pixels, &mut []));
+        } else {
+            let each = bands.zip(self.focusing.circles(size).par_chunks_mut(band / 4));
+            each.for_each(|((row, pixels), circles)| draw(row, pixels, circles));
+            self.focusing.lay(self.instructions, size, &mut pixels);
+        }
         if !finish.is_nothing() {
-            let size = [canvas.width, canvas.height];
             self.finishing.lay(self.instructions, (finish, at_secs), size, &mut pixels);
         }
         Ok(())
@@ -172,7 +191,7 @@ mod tests {
             figures: &[figure],
             markers: &[],
         };
-        let finish = Finish { bloom: 0.8, vignette: 0.5, grain: 0.1, ..Finish::NOTHING };
+        let finish = Finish { blur: 0.6, bloom: 0.8, vignette: 0.5, grain: 0.1, ..Finish::NOTHING };
         let pictures = Instructions::available().iter().map(|instructions| {
             let canvas = Canvas::new(150, 90);
             Renderer::with(*instructions).draw(&canvas, &[cell], (&finish, 0.5)).unwrap();

@@ -1,5 +1,6 @@
 //! A tile of a picture: what is seen in it, layer after layer, and its colours.
 
+mod circles;
 mod colors;
 
 use std::ops::Range;
@@ -10,6 +11,7 @@ use super::fill::{Bias, Farthest, Fill, FillOne, MARGIN, NONE, Target, Triangles
 use super::shadow::AskKey;
 use super::stage::{Coat, Stage, StagedCell, StagedFigure, Subject};
 use super::{Instructions, Pyramid};
+use crate::focus::Circle;
 
 /// Binary logarithms of a tile's width and height: its samples fit the first cache.
 pub(super) const TILE_BITS: [u32; 2] = [5, 5];
@@ -53,6 +55,8 @@ pub(super) struct Picture<'a> {
     pub(super) maps: &'a [[[f32; 3]; 256]],
     /// The panorama that shines on all figures.
     pub(super) around: Option<&'a Pyramid>,
+    /// What each cell has in focus; none where everything is sharp.
+    pub(super) circles: &'a [Circle],
     /// Pixels in a row of the canvas.
     pub(super) width: usize,
 }
@@ -66,13 +70,19 @@ enum Layer {
 }
 
 impl Picture<'_> {
-    /// Draws the tiles of a row.
-    pub(super) fn draw_band(&self, row: i32, pixels: &mut [u8], scratch: &mut Scratch) {
+    /// Draws the tiles of a row, and the circles of light of its pixels, where they are asked for.
+    pub(super) fn draw_band(
+        &self,
+        row: i32,
+        (pixels, circles): (&mut [u8], &mut [f32]),
+        scratch: &mut Scratch,
+    ) {
         pixels.fill(0);
+        circles.fill(0.0);
         let (top, rows) = (row << TILE_BITS[1], pixels.len() / (4 * self.width));
         for column in 0..self.width.div_ceil(WIDTH) as i32 {
             let left = column << TILE_BITS[0];
-            for cell in &self.stage.cells {
+            for (i, cell) in self.stage.cells.iter().enumerate() {
                 let grid = &cell.grid;
                 let low = [grid.low[0].max(left), grid.low[1].max(top)];
                 let high =
@@ -86,6 +96,7 @@ impl Picture<'_> {
                         low,
                         high,
                         pixels,
+                        circles: self.circles.get(i).map(|circle| (*circle, &mut *circles)),
                         scratch,
                     };
                     tile.draw();
@@ -108,6 +119,8 @@ struct Tile<'a, 'p> {
     high: [i32; 2],
     /// The canvas's rows from the tile's first.
     pixels: &'p mut [u8],
+    /// Where what is drawn is out of focus: how depths say so, and where it is written.
+    circles: Option<(Circle, &'p mut [f32])>,
     scratch: &'p mut Scratch,
 }
 
@@ -118,7 +131,7 @@ impl Tile<'_, '_> {
         let here = |figure: &StagedFigure| figure.projected.chunks.iter().any(|c| !c.is_empty(self.index));
         let any = stage.figures[self.cell.figures.clone()].iter().any(here);
         if !any && self.cell.discs.is_empty() && self.cell.grains.is_empty(self.index) {
-            return;
+            return self.focus(false);
         }
         self.scratch.depth.fill(1.0);
         if any {
@@ -129,6 +142,7 @@ impl Tile<'_, '_> {
         }
         self.grains();
         self.markers();
+        self.focus(any);
     }
 
     /// Draws the layers of the figures from `first` on that hide each other; those after them are next.

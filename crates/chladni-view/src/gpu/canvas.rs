@@ -84,11 +84,13 @@ impl Canvas {
         })
     }
 
-    /// Begins a pass over the whole canvas, cleared to nothing; resolved samples go to `target`.
+    /// Begins a pass over the whole canvas, cleared to nothing; resolved samples go to `target`, and depths stay where
+    /// they are to be kept.
     pub(crate) fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
+        kept: Option<&wgpu::TextureView>,
     ) -> wgpu::RenderPass<'e> {
         let multisampled = self.rough.is_none();
         let store = if multisampled { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
@@ -101,10 +103,10 @@ impl Canvas {
                 ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
+                view: kept.unwrap_or(&self.depth),
                 depth_ops: Some(wgpu::Operations {
                     load: wgpu::LoadOp::Clear(1.0),
-                    store: wgpu::StoreOp::Discard,
+                    store: if kept.is_some() { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard },
                 }),
                 stencil_ops: None,
             }),

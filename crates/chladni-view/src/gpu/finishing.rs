@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::canvas::Canvas;
 use super::pipelines::{IMAGE, SAMPLER, layout};
+use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
 use crate::finish::{FinishUniform, step};
 use crate::{Finish, Gpu, ViewError};
 
@@ -59,19 +60,7 @@ impl Finishing {
     }
 
     fn new(device: &wgpu::Device, pipelines: Arc<Pipelines>, size: [u32; 2]) -> Self {
-        let texture = |label, [width, height]: [u32; 2], format, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        };
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let texture = |label, size, format, usage| texture(device, label, size, format, (1, usage));
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let small = size.map(|side| side.div_ceil(step(size[1])));
         let smaller = small.map(|side| side.div_ceil(4));
@@ -138,22 +127,7 @@ impl Finishing {
         group: &wgpu::BindGroup,
         target: &wgpu::TextureView,
     ) {
-        let mut drawing = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("finish"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        drawing.set_pipeline(&self.pipelines.made[pass as usize]);
-        drawing.set_bind_group(0, group, &[]);
-        drawing.draw(0..3, 0..1);
+        screen::pass(encoder, &self.pipelines.made[pass as usize], group, &[target]);
     }
 }
 
@@ -168,47 +142,12 @@ impl Pipelines {
         let bindings = [uniform, SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE].map(|binding| (fragment, binding));
         let groups = layout(device, "finish", &bindings);
         let module = device.create_shader_module(wgpu::include_wgsl!("finish.wgsl"));
-        let whole = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("finish"),
-            bind_group_layouts: &[Some(&groups)],
-            immediate_size: 0,
-        });
-        let pipeline = |entry_point, format| {
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(entry_point),
-                layout: Some(&whole),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("screen_vertex"),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: None,
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &[Some(wgpu::ColorTargetState {
-                        format,
-                        blend: None,
-                        write_mask: wgpu::ColorWrites::ALL,
-                    })],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
+        let pipes = Pipes::new(device, &module, &[Some(&groups)]);
+        let pipeline = |entry_point, format| pipes.pipeline(entry_point, &[format]);
         let small = ["bright_fragment", "smaller_fragment", "across_fragment", "down_fragment"];
         let mut made: Vec<_> = small.into_iter().map(|name| pipeline(name, SMALL)).collect();
         made.push(pipeline("finish_fragment", crate::Canvas::FORMAT));
-        let linear = wgpu::FilterMode::Linear;
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            mag_filter: linear,
-            min_filter: linear,
-            ..Default::default()
-        });
+        let sampler = smooth_sampler(device);
         Self { layout: groups, sampler, made }
     }
 
@@ -220,14 +159,7 @@ impl Pipelines {
     ) -> wgpu::BindGroup {
         let first = [uniform.as_entire_binding(), wgpu::BindingResource::Sampler(&self.sampler)];
         let images = images.map(wgpu::BindingResource::TextureView);
-        let entries: Vec<_> = (0..)
-            .zip(first.into_iter().chain(images))
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-            .collect();
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("finish"),
-            layout: &self.layout,
-            entries: &entries,
-        })
+        let all: Vec<_> = first.into_iter().chain(images).collect();
+        group(device, &self.layout, &all)
     }
 }

@@ -2,11 +2,13 @@
 
 mod canvas;
 mod finishing;
+mod focus;
 mod grains;
 mod images;
 mod memory;
 mod pipelines;
 mod renderer;
+mod screen;
 mod sharing;
 mod uniforms;
 

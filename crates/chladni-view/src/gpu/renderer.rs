@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::canvas::Canvas;
 use super::finishing::Finishing;
+use super::focus::Focusing;
 use super::grains::GrainBuffer;
 use super::images::Images;
 use super::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
@@ -28,6 +29,8 @@ pub(crate) struct Renderer {
     marker_bytes: Vec<MarkerInstance>,
     /// None before the first picture that has a finish.
     finishing: Option<Finishing>,
+    /// None before the first picture that is not sharp everywhere.
+    focusing: Option<Focusing>,
     grains: GrainBuffer,
     surroundings: Surroundings,
     /// The picture behind, bound as a skin.
@@ -73,6 +76,7 @@ impl Renderer {
             markers,
             marker_bytes: Vec::new(),
             finishing: None,
+            focusing: None,
             grains: GrainBuffer::new(),
             surroundings: Surroundings::default(),
             behind: None,
@@ -111,13 +115,21 @@ impl Renderer {
             Finishing::fit(&mut finishing, &self.gpu, canvas)?;
         }
         let bare = finishing.as_ref().filter(|_| finished).map(Finishing::bare);
-        let target = bare.unwrap_or(&canvas.finished_view);
-        self.draw_cells(&mut encoder, canvas, target, cells)?;
+        let bare = bare.unwrap_or(&canvas.finished_view);
+        let mut kept = self.focusing.take();
+        let mut focusing = (finish.blur > 0.0).then(|| Focusing::fit(&mut kept, &self.gpu, canvas));
+        let [depth, sharp] = focusing.as_deref().map_or([None; 2], |of| of.targets().map(Some));
+        let target = sharp.unwrap_or(bare);
+        self.draw_cells(&mut encoder, canvas, (target, depth), cells)?;
         if let Some((rough, mut pass)) = canvas.smoothing(&mut encoder, target) {
             pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Smooth, Samples::One)));
             pass.set_bind_group(0, rough, &[]);
             pass.draw(0..3, 0..1);
         }
+        if let Some(focusing) = &mut focusing {
+            focusing.draw(&self.gpu, &mut encoder, (finish, cells), bare);
+        }
+        self.focusing = kept;
         if let Some(finishing) = finishing.as_mut().filter(|_| finished) {
             finishing.draw(&self.gpu, &mut encoder, canvas, finish, at_secs);
         }
@@ -130,11 +142,11 @@ impl Renderer {
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         canvas: &Canvas,
-        target: &wgpu::TextureView,
+        (target, depth): (&wgpu::TextureView, Option<&wgpu::TextureView>),
         cells: &[Cell<'_>],
     ) -> Result<(), ViewError> {
         let (samples, device) = (canvas.samples, self.gpu.device.clone());
-        let mut pass = canvas.pass(encoder, target);
+        let mut pass = canvas.pass(encoder, target, depth);
         let (mut figure_index, mut first_marker, mut first_grain) = (0, 0, 0);
         for (cell_index, cell) in cells.iter().enumerate() {
             let r = cell.viewport;

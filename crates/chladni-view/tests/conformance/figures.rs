@@ -155,7 +155,7 @@ impl Model {
 /// How a picture is made of a model.
 pub type Drawn = fn(&Model, [u32; 2]) -> Picture;
 
-pub const LOOKS: [(&str, Drawn); 25] = [
+pub const LOOKS: [(&str, Drawn); 28] = [
     ("clay", |m, size| m.draw(size[0], size[1], &[m.cell(&[m.figure()], size)])),
     ("pearl under dramatic light", |m, size| {
         let figures = [Figure { material: Material::PEARL, ..m.figure() }];
@@ -287,6 +287,34 @@ pub const LOOKS: [(&str, Drawn); 25] = [
         };
         let finish = Finish { bloom: 1.0, bloom_from: 0.4, vignette: 0.5, grain: 0.1, ..Finish::NOTHING };
         m.finish(size, &[cell], &finish)
+    }),
+    ("near and far out of focus, on a floor", |m, size| {
+        let [near, far] = [[0.7, -0.2, 0.9], [-0.8, 0.2, -0.9]].map(|[x, y, z]| {
+            let mut model = chladni_view::IDENTITY;
+            (0..3).for_each(|axis| model[axis][axis] = 0.6);
+            model[3] = [x, y, z, 1.0];
+            Figure { model, material: Material::PORCELAIN, ..m.figure() }
+        });
+        let figures = [m.figure(), near, far];
+        let floor = Some(Floor { color: [90, 60, 50], shadow: 0.8, at: [0.0, -0.9, 0.0], radius: 0.8 });
+        let background = Background { floor, ..Background::SLATE };
+        let camera = Camera { reach: 1.6, ..m.camera };
+        let finish = Finish { blur: 0.7, focus: 0.2, ..Finish::NOTHING };
+        m.finish(size, &[Cell { background, camera, ..m.cell(&figures, size) }], &finish)
+    }),
+    ("out of focus on nothing, parallel lines, glow", |m, size| {
+        let figures = [m.figure()];
+        let camera = Camera { projection: Projection::Orthographic, ..m.camera };
+        let cell = Cell { camera, background: Background::TRANSPARENT, ..m.cell(&figures, size) };
+        let finish = Finish { blur: 1.0, focus: -0.5, bloom: 0.6, bloom_from: 0.5, ..Finish::NOTHING };
+        m.finish(size, &[cell], &finish)
+    }),
+    ("gallery out of focus", |m, size| {
+        let figure = m.figure();
+        let area = Rect::of_size(size[0], size[1]);
+        let placed = layout::grid(area, 2, 3, 3, 5).into_iter().map(|cell| (cell, &figure));
+        let cells = Cell::gallery(area, Background::SLATE, m.camera, Lights::STAGE, placed);
+        m.finish(size, &cells, &Finish { blur: 1.0, focus: 0.6, ..Finish::NOTHING })
     }),
     ("trails on nothing", |m, size| {
         let figures = [m.figure()];

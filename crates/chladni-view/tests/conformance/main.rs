@@ -255,3 +255,61 @@ fn a_finish_does_what_it_says() {
     picture(&trail, 2.0);
     assert_eq!(picture(&trail, 9.0), bare);
 }
+
+/// A sheet that faces the viewer stays as it is in focus and is softened out of it, and a lens that sees everything sharp
+/// changes no bit.
+#[test]
+fn what_is_in_focus_stays_as_it_is() {
+    let device = Device::Processor;
+    let size = [256, 192];
+    let side = 24_u32;
+    let positions: Vec<[f32; 3]> = (0..side * side)
+        .map(|i| [i % side, i / side].map(|c| c as f32 / (side - 1) as f32 - 0.5))
+        .map(|[x, y]| [1.4 * x, 1.4 * y, 0.0])
+        .collect();
+    let triangles: Vec<[u32; 3]> = (0..side * (side - 1))
+        .filter(|i| i % side != side - 1)
+        .flat_map(|i| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]])
+        .collect();
+    let topology = Topology::new(&device, positions.len(), &triangles).unwrap();
+    let buffers = ItemBuffers::new(&device, positions.len(), 1);
+    buffers.write(&device, 0, &positions, &smooth_normals(&positions, &triangles)).unwrap();
+    let colors = VertexPaint::new(&device, positions.len());
+    let checks: Vec<[u8; 4]> = (0..side * side)
+        .map(|i| if (i % side + i / side).is_multiple_of(2) { [240; 4] } else { [20, 40, 60, 255] })
+        .collect();
+    colors.write_colors(&device, &checks).unwrap();
+    let figures = [Figure { paint: Paint::Colors(&colors), ..Figure::new(&topology, &buffers, 0) }];
+    let cell = Cell {
+        viewport: Rect::of_size(size[0], size[1]),
+        camera: Camera { reach: 1.0, ..Camera::default() },
+        lights: Lights::STUDIO,
+        background: Background::PAPER,
+        figures: &figures,
+        markers: &[],
+    };
+    let canvas = Canvas::new(&device, size[0], size[1]).unwrap();
+    let mut renderer = Renderer::new(&device);
+    let mut picture = |blur: f32, focus: f32| {
+        renderer.draw_finished(&canvas, &[cell], &Finish { blur, focus, ..Finish::NOTHING }, 0.0).unwrap();
+        canvas.read(&device).unwrap()
+    };
+    let bare = picture(0.0, 0.0);
+    // The sheet's own pixels, away from its edge.
+    let inside = |picture: &Picture| -> Vec<[u8; 4]> {
+        (60..130)
+            .flat_map(|y| (95..160).map(move |x| (x, y)))
+            .map(|(x, y)| picture.pixel(x, y).unwrap())
+            .collect()
+    };
+    let contrast = |picture: &Picture| -> u32 {
+        inside(picture).windows(2).map(|pair| u32::from(pair[0][0].abs_diff(pair[1][0]))).sum()
+    };
+    assert_eq!(inside(&picture(1.0, 0.0)), inside(&bare));
+    assert_eq!(inside(&picture(1.0, 0.15)), inside(&bare));
+    // Behind the focus, and before it.
+    assert!(contrast(&picture(1.0, 0.4)) < contrast(&bare));
+    assert!(2 * contrast(&picture(1.0, 0.8)) < contrast(&bare));
+    assert!(2 * contrast(&picture(1.0, -0.8)) < contrast(&bare));
+    assert_eq!(picture(0.0, 1.0), bare);
+}

@@ -30,11 +30,14 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
             &mut preferences.background,
         ];
         parts.into_iter().for_each(String::clear);
+        preferences.blur_percent = None;
     }
     part(ui, "material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
     part(ui, "light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
     part(ui, "background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
     palette(ui, &mut preferences.palette);
+    let own = Look::named(&preferences.look).unwrap_or(Look::PLAIN).finish.blur;
+    blur(ui, &mut preferences.blur_percent, own);
     let chooser = &mut *shared.chooser;
     let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background, or a film (through ffmpeg)";
     let kinds: Vec<&str> = PICTURES.into_iter().chain(FILMS).collect();
@@ -143,6 +146,22 @@ fn palette(ui: &mut Ui, chosen: &mut String) {
         }
     });
     response.response.on_hover_text("The colors of what moves");
+    ui.add_space(theme::GAP);
+}
+
+/// How soft is what is not in focus: the look's own until it is moved.
+fn blur(ui: &mut Ui, chosen: &mut Option<u8>, own: f32) {
+    ui.label(RichText::new("Depth of field").strong());
+    let tip = "As through a lens that is wide open: what lies before or behind the front of the shape is soft. 0 is sharp \
+               everywhere. It goes first where pictures are late.";
+    let mut percent = chosen.unwrap_or((100.0 * own).round() as u8);
+    let slider = theme::slider(&mut percent, 0..=100).suffix(" %");
+    if theme::row(ui, "Blur", tip, |ui| ui.add(slider)).on_hover_text(tip).changed() {
+        *chosen = Some(percent);
+    }
+    if chosen.is_some() && ui.button("As the look").author_id("blur/own").clicked() {
+        *chosen = None;
+    }
     ui.add_space(theme::GAP);
 }
 

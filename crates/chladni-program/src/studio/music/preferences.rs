@@ -30,6 +30,8 @@ pub struct Preferences {
     pub picture: String,
     /// That of a panorama that shines on it.
     pub panorama: String,
+    /// How soft is what is not in focus; `None` is the look's own.
+    pub blur_percent: Option<u8>,
     /// Where the stage appears.
     pub screen: Screen,
     /// The stage has a window of its own, and the gallery goes on in the first.
@@ -99,7 +101,8 @@ impl Camera {
 
 impl Default for Preferences {
     fn default() -> Self {
-        let Looks { look, palette, material, lights, background, picture, panorama } = first_looks();
+        let Looks { look, palette, material, lights, background, picture, panorama, blur_percent } =
+            first_looks();
         Self {
             look,
             palette,
@@ -108,6 +111,7 @@ impl Default for Preferences {
             background,
             picture,
             panorama,
+            blur_percent,
             screen: Screen::default(),
             own_window: false,
             camera: Camera::default(),
@@ -132,15 +136,17 @@ impl Preferences {
         let [look, palette, material, lights, background] =
             [&self.look, &self.palette, &self.material, &self.lights, &self.background].map(String::clone);
         let [picture, panorama] = [&self.picture, &self.panorama].map(String::clone);
-        Looks { look, palette, material, lights, background, picture, panorama }
+        let blur_percent = self.blur_percent;
+        Looks { look, palette, material, lights, background, picture, panorama, blur_percent }
     }
 
     /// Looks like a show.
     pub fn look_like(&mut self, looks: &Looks) {
-        let Looks { look, palette, material, lights, background, picture, panorama } = looks.clone();
+        let Looks { look, palette, material, lights, background, picture, panorama, blur_percent } =
+            looks.clone();
         (self.look, self.palette, self.material) = (look, palette, material);
         (self.lights, self.background) = (lights, background);
-        (self.picture, self.panorama) = (picture, panorama);
+        (self.picture, self.panorama, self.blur_percent) = (picture, panorama, blur_percent);
     }
 
     /// What those names mean.

@@ -1,0 +1,190 @@
+//! Depth of field on a graphics device: the depths that are kept for it, and its passes.
+
+use std::sync::Arc;
+
+use wgpu::util::DeviceExt;
+
+use super::canvas::Canvas;
+use super::pipelines::{DEPTH, IMAGE, SAMPLER, layout};
+use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
+use super::uniforms::Uniforms;
+use crate::focus::{Circle, Spread, step};
+use crate::{Cell, Finish, Gpu, Samples};
+
+/// Light that spreads: more than eight bits, as these are squares.
+const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Radii of circles, and how much of light lies before what is there.
+const NUMBER: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
+
+/// All that softens pictures of one size.
+pub(crate) struct Focusing {
+    size: [u32; 2],
+    samples: Samples,
+    pipelines: Arc<Pipelines>,
+    cells: Uniforms<Circle>,
+    depth: wgpu::TextureView,
+    sharp: wgpu::TextureView,
+    circles: wgpu::TextureView,
+    /// Light and circles of the small picture.
+    small: [wgpu::TextureView; 2],
+    /// Light that has spread: of what lies behind, of what lies before, and how much that covers.
+    spread: [wgpu::TextureView; 3],
+    /// The same, evened out: the first takes the place of the light that has not spread yet.
+    even: [wgpu::TextureView; 3],
+    depths: wgpu::BindGroup,
+    shrink: wgpu::BindGroup,
+    gather: wgpu::BindGroup,
+    evening: wgpu::BindGroup,
+    compose: wgpu::BindGroup,
+}
+
+struct Pipelines {
+    /// Of one cell, of depths, and of images.
+    cell: wgpu::BindGroupLayout,
+    depths: wgpu::BindGroupLayout,
+    images: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    circles: wgpu::RenderPipeline,
+    shrink: wgpu::RenderPipeline,
+    gather: wgpu::RenderPipeline,
+    even: wgpu::RenderPipeline,
+    compose: wgpu::RenderPipeline,
+}
+
+impl Focusing {
+    /// Sees to it that there is one for `canvas`.
+    pub(crate) fn fit<'k>(kept: &'k mut Option<Self>, gpu: &Gpu, canvas: &Canvas) -> &'k mut Self {
+        let size = [canvas.width, canvas.height];
+        let before = kept.take();
+        let fits = |kept: &Self| kept.size == size && kept.samples == canvas.samples;
+        let fitting = match before {
+            Some(before) if fits(&before) => before,
+            before => {
+                let pipelines = before.filter(|before| before.samples == canvas.samples);
+                let pipelines = pipelines.map(|before| before.pipelines);
+                let device = &gpu.device;
+                let pipelines = pipelines.unwrap_or_else(|| Arc::new(Pipelines::new(device, canvas.samples)));
+                Self::new(device, pipelines, size, canvas.samples)
+            }
+        };
+        kept.insert(fitting)
+    }
+
+    fn new(device: &wgpu::Device, pipelines: Arc<Pipelines>, size: [u32; 2], samples: Samples) -> Self {
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
+        let image = |label, size, format| view(&texture(device, label, size, format, (1, drawn)));
+        let depth = view(&texture(device, "kept depth", size, DEPTH, (samples.count(), drawn)));
+        let sharp = image("sharp picture", size, crate::Canvas::FORMAT);
+        let circles = image("circles", size, NUMBER);
+        let few = size.map(|side| side.div_ceil(step(size[1])));
+        let small = [image("small picture", few, LIGHT), image("small circles", few, NUMBER)];
+        let spread = [("far", LIGHT), ("near", LIGHT), ("cover", NUMBER)];
+        let spread = spread.map(|(label, format)| image(label, few, format));
+        let even = [small[0].clone(), image("even near", few, LIGHT), image("even cover", few, NUMBER)];
+        let uniform = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("spread"),
+            contents: bytemuck::bytes_of(&Spread::new(size)),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let images = |images: [&wgpu::TextureView; 5]| {
+            let first = [uniform.as_entire_binding(), wgpu::BindingResource::Sampler(&pipelines.sampler)];
+            let all: Vec<_> =
+                first.into_iter().chain(images.map(wgpu::BindingResource::TextureView)).collect();
+            group(device, &pipelines.images, &all)
+        };
+        Self {
+            size,
+            samples,
+            cells: Uniforms::new(device, &pipelines.cell, "circles"),
+            depths: group(device, &pipelines.depths, &[wgpu::BindingResource::TextureView(&depth)]),
+            // What is not read is bound to what is.
+            shrink: images([&sharp, &circles, &sharp, &sharp, &sharp]),
+            gather: images([&small[0], &small[1], &small[0], &small[0], &small[0]]),
+            evening: images([&sharp, &small[1], &spread[0], &spread[1], &spread[2]]),
+            compose: images([&sharp, &circles, &even[0], &even[1], &even[2]]),
+            depth,
+            sharp,
+            circles,
+            small,
+            spread,
+            even,
+            pipelines,
+        }
+    }
+
+    /// Where the depths of the picture are kept, and where it is drawn before it is softened.
+    pub(crate) fn targets(&self) -> [&wgpu::TextureView; 2] {
+        [&self.depth, &self.sharp]
+    }
+
+    /// From the sharp picture of `cells` to `target`.
+    pub(crate) fn draw(
+        &mut self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        (finish, cells): (&Finish, &[Cell<'_>]),
+        target: &wgpu::TextureView,
+    ) {
+        self.cells.clear();
+        for cell in cells {
+            self.cells.push(&Circle::new(finish, cell, self.size[1]));
+        }
+        let pipelines = &self.pipelines;
+        if !cells.is_empty() {
+            self.cells.upload(&gpu.device, &gpu.queue, &pipelines.cell);
+        }
+        let mut pass = screen::begin(encoder, &[&self.circles]);
+        pass.set_pipeline(&pipelines.circles);
+        pass.set_bind_group(1, &self.depths, &[]);
+        for (i, cell) in cells.iter().enumerate() {
+            let r = cell.viewport;
+            pass.set_scissor_rect(r.x, r.y, r.width, r.height);
+            pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(i)]);
+            pass.draw(0..3, 0..1);
+        }
+        drop(pass);
+        for (pipeline, group, targets) in [
+            (&pipelines.shrink, &self.shrink, &self.small[..]),
+            (&pipelines.gather, &self.gather, &self.spread[..]),
+            (&pipelines.even, &self.evening, &self.even[..]),
+        ] {
+            screen::pass(encoder, pipeline, group, &targets.iter().collect::<Vec<_>>());
+        }
+        screen::pass(encoder, &pipelines.compose, &self.compose, &[target]);
+    }
+}
+
+impl Pipelines {
+    fn new(device: &wgpu::Device, samples: Samples) -> Self {
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: None,
+        };
+        let depth = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Depth,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: samples == Samples::Four,
+        };
+        let cell = layout(device, "circle", &[(fragment, uniform(true))]);
+        let depths = layout(device, "depths", &[(fragment, depth)]);
+        let bindings = [uniform(false), SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE, IMAGE];
+        let images = layout(device, "spread", &bindings.map(|binding| (fragment, binding)));
+        let module = device.create_shader_module(wgpu::include_wgsl!("focus.wgsl"));
+        let of_cell = Pipes::new(device, &module, &[Some(&cell), Some(&depths)]);
+        let of_images = Pipes::new(device, &module, &[Some(&images)]);
+        let circles = if samples == Samples::Four { "circles_fragment" } else { "circle_fragment" };
+        Self {
+            circles: of_cell.pipeline(circles, &[NUMBER]),
+            shrink: of_images.pipeline("shrink_fragment", &[LIGHT, NUMBER]),
+            gather: of_images.pipeline("gather_fragment", &[LIGHT, LIGHT, NUMBER]),
+            even: of_images.pipeline("even_fragment", &[LIGHT, LIGHT, NUMBER]),
+            compose: of_images.pipeline("compose_fragment", &[crate::Canvas::FORMAT]),
+            sampler: smooth_sampler(device),
+            cell,
+            depths,
+            images,
+        }
+    }
+}

@@ -1,0 +1,193 @@
+// Depth of field: what is out of focus spreads on a small picture, which is laid over the sharp one. Colours are
+// the picture's own numbers, sRGB-encoded and premultiplied; light spreads as their squares.
+
+// What a cell has in focus.
+struct Circle {
+    // Of a depth the way to it from the focus as a share of the whole way to it: at 0, and by a unit.
+    line: vec2f,
+    // Ways below this are none.
+    sharp: f32,
+    // Radius by a unit of the way beyond, pixels of the small picture, and the largest one.
+    radius: f32,
+    most: f32,
+}
+
+struct Spread {
+    // Pixels of the picture.
+    size: vec2f,
+    // Pixels in one of the small picture.
+    step: u32,
+    // Pixels to the right and below, how far that is, and the part of the disc that each stands for.
+    // Even and odd rows have others.
+    taps: array<array<vec4f, 64>, 2>,
+}
+
+@group(0) @binding(0) var<uniform> spread: Spread;
+@group(0) @binding(1) var smooth_sampler: sampler;
+@group(0) @binding(2) var picture: texture_2d<f32>;
+// Radius of each pixel's circle of light, pixels of the small picture; below 0 before the focus.
+@group(0) @binding(3) var circles: texture_2d<f32>;
+// What has spread, as `Layers` have it.
+@group(0) @binding(4) var light: texture_2d<f32>;
+@group(0) @binding(5) var before: texture_2d<f32>;
+@group(0) @binding(6) var cover: texture_2d<f32>;
+
+@group(0) @binding(0) var<uniform> circle: Circle;
+@group(1) @binding(0) var depths: texture_depth_multisampled_2d;
+@group(1) @binding(0) var one_depth: texture_depth_2d;
+
+@vertex
+fn screen_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
+    return vec4f(vec2f(f32((i << 1u) & 2u), f32(i & 2u)) * 2.0 - 1.0, 0.0, 1.0);
+}
+
+// The radius of what lies at this depth. At depth 1 is what is behind all figures, as far away as can be.
+fn circle_at(depth: f32) -> f32 {
+    let way = select(circle.line.x + circle.line.y * depth, 1.0, depth >= 1.0);
+    let radius = min(max(abs(way) - circle.sharp, 0.0) * circle.radius, circle.most);
+    return select(radius, -radius, way < 0.0);
+}
+
+// The circle of what is nearest in a pixel.
+@fragment
+fn circles_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    var nearest = 1.0;
+    for (var i = 0; i < 4; i++) { nearest = min(nearest, textureLoad(depths, vec2i(clip.xy), i)); }
+    return vec4f(circle_at(nearest), 0.0, 0.0, 1.0);
+}
+
+// The same of one sample a pixel.
+@fragment
+fn circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    return vec4f(circle_at(textureLoad(one_depth, vec2i(clip.xy), 0)), 0.0, 0.0, 1.0);
+}
+
+struct Small { @location(0) light: vec4f, @location(1) number: vec4f }
+
+// Each square of pixels as one: the circle of what is nearest, and the colour of what has such a circle.
+@fragment
+fn shrink_fragment(@builtin(position) clip: vec4f) -> Small {
+    let first = vec2u(clip.xy) * spread.step;
+    let end = min(first + spread.step, vec2u(spread.size));
+    var nearest = 1e9;
+    for (var y = first.y; y < end.y; y++) {
+        for (var x = first.x; x < end.x; x++) {
+            nearest = min(nearest, textureLoad(circles, vec2u(x, y), 0).r);
+        }
+    }
+    var sum = vec4f(0.0);
+    var all = 0.0;
+    for (var y = first.y; y < end.y; y++) {
+        for (var x = first.x; x < end.x; x++) {
+            let away = abs(textureLoad(circles, vec2u(x, y), 0).r - nearest);
+            let weight = max(1.0 - away, 0.0) + 1.0 / 256.0;
+            let c = textureLoad(picture, vec2u(x, y), 0);
+            sum += c * c * weight;
+            all += weight;
+        }
+    }
+    return Small(sum / all, vec4f(nearest, 0.0, 0.0, 1.0));
+}
+
+// The part of a disc that a pixel is, where the whole is the square of its radius.
+const PIXEL = 0.31830987;
+
+// How far into what is sharp the colours beside it are continued.
+const CONTINUED = 2.0;
+
+// How much a colour counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
+// through something before the focus, where `whole` is 1.
+fn soft(radius: f32, whole: f32) -> f32 {
+    return mix(min(abs(radius), 1.0) + 1.0 / 64.0, 1.0, whole);
+}
+
+// What is before the focus counts for so little behind itself.
+const HIDDEN = 1e-3;
+
+// What has spread: of what lies in the focus or behind it, of what lies before it by how much it covers, and that.
+struct Layers { @location(0) far: vec4f, @location(1) near: vec4f, @location(2) cover: vec4f }
+
+// How much of the sharp picture goes where the circle has this radius.
+fn softness(radius: f32) -> f32 {
+    return smoothstep(0.25, 1.0, radius);
+}
+
+// Gathers a pixel of the small picture from the circles around it.
+@fragment
+fn gather_fragment(@builtin(position) clip: vec4f) -> Layers {
+    let end = vec2i(textureDimensions(picture)) - 1;
+    let p = vec2i(clip.xy);
+    let middle = textureLoad(circles, p, 0).r;
+    let own = abs(middle);
+    // Whether it is before the focus.
+    let whole = softness(-middle);
+    let reach = mix(max(own, CONTINUED * (1.0 - 2.0 * own)), own, whole);
+    let mine = PIXEL / max(own * own, 1.0);
+    // What lies before the focus, and all else.
+    var before = mine * whole;
+    var behind = mine * (1.0 - whole) * soft(middle, whole);
+    var near = textureLoad(picture, p, 0) * before;
+    var far = textureLoad(picture, p, 0) * behind;
+    for (var i = 0; i < 64; i++) {
+        let tap = spread.taps[p.y & 1][i];
+        let at = clamp(p + vec2i(tap.xy), vec2i(0), end);
+        let there = textureLoad(circles, at, 0).r;
+        // What lies behind is seen as far as what lies before it is spread, and is continued where that is sharp.
+        let size = select(abs(there), reach, there > middle);
+        let share = clamp(size - tap.z + 0.5, 0.0, 1.0) * tap.w / max(size * size, 1.0);
+        let nearer = share * softness(-there);
+        let weight = (share - nearer) * soft(there, whole);
+        let c = textureLoad(picture, at, 0);
+        near += c * nearer;
+        far += c * weight;
+        before += nearer;
+        behind += weight;
+    }
+    let covered = mix(min(before, 1.0), before / (before + behind), whole);
+    // Behind what covers all is taken to be the same.
+    let base = (far + near * HIDDEN) / (behind + before * HIDDEN + 1e-9);
+    return Layers(base, near * (covered / max(before, 1e-9)), vec4f(covered, 0.0, 0.0, 1.0));
+}
+
+// The mean of what has spread there and around, of like softness: of the taps of two rows.
+@fragment
+fn even_fragment(@builtin(position) clip: vec4f) -> Layers {
+    let end = vec2i(textureDimensions(circles)) - 1;
+    let p = vec2i(clip.xy);
+    let own = abs(textureLoad(circles, p, 0).r);
+    var sum = vec4f(0.0);
+    var all = 0.0;
+    var near = vec4f(0.0);
+    var covered = 0.0;
+    for (var y = -1; y <= 1; y++) {
+        for (var x = -1; x <= 1; x++) {
+            let at = clamp(p + vec2i(x, y), vec2i(0), end);
+            let tent = 0.0625 * f32((2 - abs(x)) * (2 - abs(y)));
+            let alike = clamp(min(own, abs(textureLoad(circles, at, 0).r)) - 1.0, 0.0, 1.0);
+            let weight = tent * select(alike, 1.0, x == 0 && y == 0);
+            sum += textureLoad(light, at, 0) * weight;
+            all += weight;
+            near += textureLoad(before, at, 0) * tent;
+            covered += textureLoad(cover, at, 0).r * tent;
+        }
+    }
+    return Layers(sum / all, near, vec4f(covered, 0.0, 0.0, 1.0));
+}
+
+// What has spread over the sharp picture.
+@fragment
+fn compose_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    let p = vec2u(clip.xy);
+    let at = clip.xy / f32(spread.step) / vec2f(textureDimensions(light));
+    let base = textureSampleLevel(light, smooth_sampler, at, 0.0);
+    let near = textureSampleLevel(before, smooth_sampler, at, 0.0);
+    let covered = textureSampleLevel(cover, smooth_sampler, at, 0.0).r;
+    let own = softness(abs(textureLoad(circles, p, 0).r));
+    // The dither of the background was averaged away.
+    let q = p & vec2u(1u);
+    let share = 1.0 - (1.0 - own) * (1.0 - covered);
+    let dither = (f32(2u * (q.x ^ q.y) + q.y) - 1.5) / (4.0 * 255.0) * share;
+    let sharp = textureLoad(picture, p, 0);
+    let c = sqrt(mix(sharp * sharp, base, own) * (1.0 - covered) + near) + vec4f(vec3f(dither), 0.0);
+    return clamp(c, vec4f(0.0), vec4f(1.0));
+}
