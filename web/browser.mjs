@@ -1,4 +1,4 @@
-// A page in headless Chromium, and files made up for it: for tests and benchmarks.
+// A page in headless Chromium or Firefox, and files made up for it: for tests and benchmarks.
 import { createServer } from "node:http";
 import { createRequire } from "node:module";
 import { existsSync, readFileSync } from "node:fs";
@@ -33,6 +33,13 @@ export async function launch(out, flags = WITHOUT_CARD) {
   const { chromium } = createRequire(join(out, "tools/"))("playwright-core");
   const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find(existsSync);
   return chromium.launch({ executablePath, args: [...FLAGS, ...flags] });
+}
+
+/** Firefox of the system, driven by puppeteer-core of the tools folder; undefined where it is not there. */
+export async function launchFirefox(out) {
+  const executablePath = ["/usr/bin/firefox", "/usr/bin/firefox-esr"].find(existsSync);
+  if (!executablePath) return undefined;
+  return createRequire(join(out, "tools/"))("puppeteer-core").launch({ browser: "firefox", executablePath });
 }
 
 /** The picture's pixels, thinned out. */

@@ -1,8 +1,9 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|microphone|caricature|card|offline]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|microphone|caricature|card|offline|firefox]; pictures of it go into OUT/screens.
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import * as caricature from "./tests/caricature.mjs";
+import { firefox } from "./tests/firefox.mjs";
 import * as microphone from "./tests/microphone.mjs";
 import * as music from "./tests/music.mjs";
 import { offline } from "./tests/offline.mjs";
@@ -14,6 +15,7 @@ const rooms = {
   caricature: [caricature.laptop, caricature.phone],
   card: [card.pictures, card.loss],
   offline: [offline],
+  firefox: [firefox],
 };
 try {
   for (const [room, tests] of Object.entries(rooms)) {

@@ -122,7 +122,7 @@ async function playSong(song) {
       sound.load(decoded, songs.count() === 1);
       if (concert) hear();
       if (microphone) await stopListening();
-      if (aloud) await sound.play();
+      if (aloud) await playAloud();
       songs.prepare(unreadable);
       break;
     } catch (error) {
@@ -214,11 +214,13 @@ function refresh() {
 }
 
 /** Goes in: the octopus dances. */
+async function playAloud() {
+  if (!(await sound.play())) say("No sound device answers: the song runs on silently.", true);
+}
+
 export async function enter() {
   showPicture(room);
-  await sound.play();
-  refresh();
-  await dance("sample:octopus");
+  await Promise.all([playAloud().then(refresh), dance("sample:octopus")]);
 }
 
 /** Goes in with what is there, for a file that was brought. */
@@ -255,7 +257,7 @@ export function listen() {
   of("look").append(...options(JSON.parse(looks()), (name) => name));
   on("play", async () => {
     await stopListening();
-    if (sound.isHeard) sound.pause(); else await sound.play();
+    if (sound.isHeard) sound.pause(); else await playAloud();
     refresh();
   });
   curves.listen(act);

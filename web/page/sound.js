@@ -1,6 +1,9 @@
 // What plays, and where in it we are: the clock of what is heard. Before a person has asked for sound, which browsers
 // demand, the song runs on silently, so that the picture moves at once.
 
+/** How long a sound device may take to begin. Firefox waits for one for ever. */
+const PATIENCE_SECS = 2;
+
 export class Sound {
   constructor() {
     this.number = -1;
@@ -41,11 +44,20 @@ export class Sound {
     return Math.min(contextTime + since, this.context.currentTime);
   }
 
-  /** Aloud from here on; call it from a click. */
+  /** Aloud from here on; call it from a click. False where no sound device begins: the song runs on silently then, and
+   * aloud as soon as one does. */
   async play() {
-    const at = this.position();
+    let at = this.position();
     this.context ??= new AudioContext();
-    await this.context.resume();
+    const resumed = this.context.resume();
+    await Promise.race([resumed, new Promise((done) => setTimeout(done, 1000 * PATIENCE_SECS))]);
+    if (this.context.state !== "running") {
+      if (!this.playing) this.seek(at);
+      this.playing = true;
+      resumed.then(() => { if (this.playing && !this.source) this.play(); });
+      return false;
+    }
+    if (this.playing && !this.source) at = this.position();
     if (!this.buffer && this.samples) {
       const { rate, left, right } = this.samples;
       this.buffer = this.context.createBuffer(2, left.length, rate);
@@ -54,6 +66,7 @@ export class Sound {
     }
     this.playing = true;
     this.startSource(at);
+    return true;
   }
 
   pause() {

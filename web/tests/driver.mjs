@@ -30,16 +30,20 @@ export async function opened(viewport, touch, { within = browser, query = "", pr
   return { page, wrong, elsewhere, shot: (name) => page.screenshot({ path: join(screens, `${name}.png`) }) };
 }
 
-/** Until so much of the picture has changed. */
-export async function moves(page, what, least = 60) {
-  const before = await pixels(page);
+/** Until so many of the picture's pixels differ from those it has now. */
+export async function differs(picture, pause, what, least = 60) {
+  const before = await picture();
   let most = 0;
   for (let i = 0; i < 60 && most < least; i++) {
-    await page.waitForTimeout(200);
-    most = Math.max(most, differing(before, await pixels(page)));
+    await pause(0.2);
+    most = Math.max(most, differing(before, await picture()));
   }
   assert.ok(most >= least, `${what}: only ${most} of 4000 pixels have changed`);
 }
+
+/** Until so much of the picture has changed. */
+export const moves = (page, what, least) =>
+  differs(() => pixels(page), (secs) => page.waitForTimeout(1000 * secs), what, least);
 
 export const drop = (page, ...files) => page.evaluate((files) => {
   const dropped = new DataTransfer();
