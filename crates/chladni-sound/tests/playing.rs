@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-mod pulse;
-
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
@@ -12,6 +10,7 @@ use std::time::{Duration, Instant};
 use chladni_sound::{
     Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample, sample_tune, write_wav,
 };
+use chladni_testdata::SoundServer;
 
 fn silent() -> Player {
     Player::start(PlayerSettings { audible: false, ..PlayerSettings::default() }).unwrap()
@@ -132,7 +131,7 @@ fn number(json: &str, name: &str) -> f64 {
 
 #[test]
 fn what_a_real_sink_gets_is_what_was_decoded() {
-    let Some(server) = pulse::Server::start() else { return };
+    let Some(server) = SoundServer::start() else { return };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tune.wav");
     write_wav(&path, &sample_tune(), WavSample::Int16).unwrap();
@@ -148,7 +147,7 @@ fn what_a_real_sink_gets_is_what_was_decoded() {
 }
 
 /// The report of the example when it plays on `server`.
-fn played(server: &pulse::Server, arguments: &[&str]) -> String {
+fn played(server: &SoundServer, arguments: &[&str]) -> String {
     let output = server.command(example("playback")).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
@@ -169,7 +168,7 @@ fn undisturbed(mut measure: impl FnMut() -> (bool, String)) {
 
 #[test]
 fn a_device_that_goes_away_and_comes_back() {
-    let Some(mut server) = pulse::Server::start() else { return };
+    let Some(mut server) = SoundServer::start() else { return };
     let folder = tempfile::tempdir().unwrap();
     let song = write_tone(folder.path(), "long.wav", 44_100, 60.0);
     let mut child = server
@@ -206,7 +205,7 @@ fn a_device_that_goes_away_and_comes_back() {
 
 #[test]
 fn pauses_and_other_devices_do_not_move_the_position() {
-    let Some(server) = pulse::Server::start() else { return };
+    let Some(server) = SoundServer::start() else { return };
     let folder = tempfile::tempdir().unwrap();
     let song = write_tone(folder.path(), "long.wav", 44_100, 60.0);
     undisturbed(|| {
@@ -260,7 +259,7 @@ fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
 
 #[test]
 fn what_the_machine_plays_can_be_captured() {
-    let Some(server) = pulse::Server::start() else { return };
+    let Some(server) = SoundServer::start() else { return };
     let folder = tempfile::tempdir().unwrap();
     // Half amplitude on the left, silence on the right.
     let path = folder.path().join("left.wav");
@@ -283,6 +282,46 @@ fn what_the_machine_plays_can_be_captured() {
     assert_eq!(rate_hz, 48_000.0);
     assert!(frames > 30_000.0, "{text}");
     assert!((left - 0.5).abs() < 0.02 && right < 0.01, "{text}");
+}
+
+#[test]
+fn one_program_is_captured_and_others_are_not() {
+    let Some(server) = SoundServer::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    // Two programs: one plays on the left at half amplitude, the other on the right, a little softer.
+    let tone =
+        |amplitude: f32| (0..960_000).map(|n| amplitude * (n as f32 * 0.06).sin()).collect::<Vec<f32>>();
+    let (left, right, still) = (tone(0.5), tone(0.3), vec![0.0; 960_000]);
+    let songs = [("piper", left, still.clone()), ("drummer", still, right)];
+    let mut players = songs.map(|(name, left, right)| {
+        let path = folder.path().join(format!("{name}.wav"));
+        write_wav(&path, &Song { rate_hz: 48_000, left, right }, WavSample::Int16).unwrap();
+        let arguments = [format!("--client-name={name}"), path.display().to_string()];
+        server.command("paplay").args(arguments).spawn().unwrap()
+    });
+    let mut listed = String::new();
+    wait(10.0, "both programs", || {
+        let found = server.command(example("capture")).output().unwrap();
+        listed = String::from_utf8_lossy(&found.stdout).into_owned();
+        ["Program\tpiper", "Program\tdrummer"].iter().all(|program| listed.contains(program))
+    });
+    let capture = |name: &str| {
+        let heard = server.command(example("capture")).args([name, "1.5"]).output().unwrap();
+        let text = String::from_utf8_lossy(&heard.stdout).into_owned();
+        let numbers: Vec<f32> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let [frames, _, left, right] = numbers[..] else { panic!("{text} {heard:?}") };
+        (frames, left, right)
+    };
+    let (frames, left, right) = capture("piper");
+    assert!(frames > 30_000.0 && (left - 0.5).abs() < 0.02 && right < 0.01, "{frames} {left} {right}");
+    let (frames, left, right) = capture("drummer");
+    assert!(frames > 30_000.0 && left < 0.01 && (right - 0.3).abs() < 0.02, "{frames} {left} {right}");
+    for player in &mut players {
+        let _ = player.kill();
+        let _ = player.wait();
+    }
+    let gone = server.command(example("capture")).args(["piper", "1"]).output().unwrap();
+    assert!(!gone.status.success() && String::from_utf8_lossy(&gone.stderr).contains("no such source"));
 }
 
 #[test]

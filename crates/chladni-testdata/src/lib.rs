@@ -1,6 +1,6 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
 //! repository because their licenses vary, and whether the programs are there that some of them need. Films
-//! they make themselves.
+//! they make themselves, and a sound server of their own they start.
 //!
 //! ```
 //! // Tests that need real data return early where there is none.
@@ -8,8 +8,12 @@
 //! assert!(path.exists());
 //! ```
 
+mod sound_server;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+pub use sound_server::SoundServer;
 
 /// The path of `name` in the shared data folder, or `None`, with a printed line, where it is
 /// not there.

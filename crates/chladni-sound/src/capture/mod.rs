@@ -1,10 +1,10 @@
-//! Capture: records a microphone, or what the machine itself plays.
+//! Capture: records a microphone, or what the machine itself or one of its programs plays.
 //!
 //! Windows (WASAPI) and macOS (14.6 and later) let an output device be recorded directly. Linux sound
 //! servers offer the monitor of each sink as a source, but ALSA cannot name it; there the server's own
-//! `parec` is run (PulseAudio, or PipeWire with its PulseAudio service).
+//! `parec` is run (PulseAudio, or PipeWire with its PulseAudio service), which also records single programs.
 
-mod monitor;
+mod server;
 mod source;
 
 use std::sync::Arc;
@@ -45,7 +45,7 @@ pub struct Capture {
 /// The running source. It is kept only to be dropped, which stops it.
 enum Feed {
     Device { _stream: cpal::Stream },
-    Monitor { _recorder: monitor::Recorder },
+    Server { _recorder: server::Recorder },
     Own,
 }
 
@@ -94,10 +94,10 @@ impl Capture {
     pub fn start(source: &CaptureSource) -> Result<Self, SoundError> {
         let (inlet, consumer) = inlet();
         let lost = Arc::clone(&inlet.lost);
-        let (rate_hz, feed) = match &source.monitor {
-            Some(name) => {
-                let recorder = monitor::Recorder::start(name, inlet)?;
-                (monitor::RATE_HZ, Feed::Monitor { _recorder: recorder })
+        let (rate_hz, feed) = match &source.played {
+            Some(played) => {
+                let recorder = server::Recorder::start(&source.name, played, inlet)?;
+                (server::RATE_HZ, Feed::Server { _recorder: recorder })
             }
             None => {
                 let (rate_hz, stream) = source::open(source, inlet)?;

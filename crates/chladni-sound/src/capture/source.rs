@@ -7,7 +7,8 @@ use std::time::Duration;
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
 use cpal::{ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
 
-use super::{Inlet, monitor};
+use super::Inlet;
+use super::server::{self, Played};
 use crate::SoundError;
 
 /// What a source captures.
@@ -17,6 +18,8 @@ pub enum CaptureKind {
     Input,
     /// The sound that this machine plays.
     Loopback,
+    /// The sound that one program plays.
+    Program,
 }
 
 /// A source that can be captured.
@@ -24,15 +27,23 @@ pub enum CaptureKind {
 pub struct CaptureSource {
     /// Its name for display.
     pub name: String,
-    /// Whether it captures the room or this machine.
+    /// Whether it captures the room, this machine or a program.
     pub kind: CaptureKind,
     /// The id of the device within the audio host.
     pub(super) device: Option<String>,
-    /// The sound server's name for a monitor.
-    pub(super) monitor: Option<String>,
+    /// What a sound server plays.
+    pub(super) played: Option<Played>,
 }
 
-/// The sources that can be captured now: the default input first, then loopbacks, then other inputs.
+impl CaptureSource {
+    /// Whether it can be captured now; asks the sound system, which takes a moment.
+    pub fn is_there(&self) -> bool {
+        capture_sources().is_ok_and(|sources| sources.contains(self))
+    }
+}
+
+/// The sources that can be captured now: the default input first, then loopbacks, programs that play something (on
+/// Linux, where a sound server tells them apart), then other inputs.
 ///
 /// # Errors
 /// The sound system does not answer.
@@ -41,7 +52,7 @@ pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
     let failed = |error: cpal::Error| SoundError::Device { what: error.to_string() };
     let source = |device: cpal::Device, kind: CaptureKind| {
         let id = device.id().ok()?.to_string();
-        Some(CaptureSource { name: device.to_string(), kind, device: Some(id), monitor: None })
+        Some(CaptureSource { name: device.to_string(), kind, device: Some(id), played: None })
     };
     let default = host.default_input_device().and_then(|device| source(device, CaptureKind::Input));
     let mut sources: Vec<CaptureSource> = default.clone().into_iter().collect();
@@ -49,12 +60,18 @@ pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
         let outputs = host.output_devices().map_err(failed)?;
         sources.extend(outputs.filter_map(|device| source(device, CaptureKind::Loopback)));
     } else {
-        sources.extend(monitor::names().into_iter().map(|name| CaptureSource {
-            name: name.clone(),
-            kind: CaptureKind::Loopback,
+        let of = |name: String, kind, played: fn(String) -> Played| CaptureSource {
+            played: Some(played(name.clone())),
+            name,
+            kind,
             device: None,
-            monitor: Some(name),
-        }));
+        };
+        let monitors =
+            server::monitors().into_iter().map(|name| of(name, CaptureKind::Loopback, Played::Monitor));
+        sources.extend(monitors);
+        sources.extend(
+            server::programs().into_iter().map(|name| of(name, CaptureKind::Program, Played::Program)),
+        );
     }
     let inputs = host.input_devices().map_err(failed)?;
     let inputs = inputs.filter(|device| !is_converter(device));
@@ -92,7 +109,7 @@ pub(super) fn open(source: &CaptureSource, inlet: Inlet) -> Result<(u32, cpal::S
     let device = id.and_then(|id| host.device_by_id(&id)).ok_or_else(|| failed("is not there".into()))?;
     let supported = match source.kind {
         CaptureKind::Input => device.default_input_config(),
-        CaptureKind::Loopback => device.default_output_config(),
+        CaptureKind::Loopback | CaptureKind::Program => device.default_output_config(),
     }
     .map_err(|error| failed(error.to_string()))?;
     let config = supported.config();

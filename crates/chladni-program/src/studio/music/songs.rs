@@ -169,7 +169,11 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, notices: &
     }
     let mut chosen = None;
     for source in &inputs.found {
-        let mark = if source.kind == CaptureKind::Loopback { Icon::Headphones } else { Icon::Mic };
+        let mark = match source.kind {
+            CaptureKind::Loopback => Icon::Headphones,
+            CaptureKind::Program => Icon::AppWindow,
+            CaptureKind::Input => Icon::Mic,
+        };
         let on = listening.live().is_some_and(|name| name == source.name);
         let row = row(ui, ui.available_width(), on, icon::label(mark, &source.name));
         if row.on_hover_text(&source.name).clicked() {

@@ -3,6 +3,7 @@
 
 mod beats;
 mod ear;
+mod live;
 mod outer;
 mod playlist;
 
@@ -13,10 +14,11 @@ use std::path::{Path, PathBuf};
 
 use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Parameters, Stretch};
 use chladni_sound::{
-    Beats, Capture, CaptureSource, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat,
-    Spectrum, WavSample, sample_tune, write_wav,
+    Beats, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, Spectrum, WavSample,
+    sample_tune, write_wav,
 };
 
+use live::Live;
 use outer::Outer;
 
 use super::study::{Learned, Study};
@@ -99,12 +101,6 @@ pub struct HeardSound {
     until: Option<u64>,
 }
 
-/// What is listened to instead of a song.
-struct Live {
-    capture: Capture,
-    name: String,
-}
-
 impl Listening {
     /// Starts the player on the sample tune, at a volume in [0, 1], on a device or the system's own.
     pub fn start(volume: f32, device: Option<String>) -> Result<Self, Error> {
@@ -148,31 +144,6 @@ impl Listening {
         listening.player.play_list(listening.songs.clone());
         listening.set_repeat(Repeat::List);
         Ok(listening)
-    }
-
-    /// Listens to a microphone or to what the machine plays; the song pauses.
-    pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), Error> {
-        let capture = Capture::start(source)?;
-        self.listen_on(capture, source.name.clone());
-        Ok(())
-    }
-
-    /// Listens to a capture that is called `name`; the song pauses.
-    pub fn listen_on(&mut self, capture: Capture, name: String) {
-        self.player.pause();
-        self.live = Some(Live { capture, name });
-        self.forget_beat();
-    }
-
-    /// Back to the songs.
-    pub fn stop_listening(&mut self) {
-        self.live = None;
-        self.forget_beat();
-    }
-
-    /// The live input's name.
-    pub fn live(&self) -> Option<&str> {
-        self.live.as_ref().map(|live| live.name.as_str())
     }
 
     /// Whether a song is heard.
@@ -280,9 +251,7 @@ impl Listening {
         let since_last_secs = now_secs - self.last_secs;
         let dt_secs = since_last_secs.clamp(1e-3, 0.25);
         self.last_secs = now_secs;
-        if let Some(live) = self.live.take_if(|live| live.capture.is_lost()) {
-            self.warnings.push(format!("{} is gone; choose it again when it is back.", live.name));
-        }
+        self.keep_live(now_secs);
         let status = self.player.status();
         self.learn(&status);
         self.hearing.tune(self.clock.at_secs(), parameters);

@@ -1,8 +1,10 @@
-//! Captures a PulseAudio or PipeWire monitor with the server's own recorder.
+//! Captures what a PulseAudio or PipeWire server plays, all of it or one program's, with its own recorder.
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::Ordering;
+
+use serde::Deserialize;
 
 use super::Inlet;
 use crate::SoundError;
@@ -12,7 +14,7 @@ pub(super) const RATE_HZ: u32 = 48_000;
 const BYTES_PER_FRAME: usize = 8;
 
 /// Names of the monitors that the sound server offers; empty without a server.
-pub(super) fn names() -> Vec<String> {
+pub(super) fn monitors() -> Vec<String> {
     let listed = Command::new("pactl").args(["list", "short", "sources"]).stderr(Stdio::null()).output();
     let Ok(listed) = listed else { return Vec::new() };
     String::from_utf8_lossy(&listed.stdout)
@@ -23,16 +25,86 @@ pub(super) fn names() -> Vec<String> {
         .collect()
 }
 
+/// What a server can let be recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Played {
+    /// A sink's monitor, by name.
+    Monitor(String),
+    /// What a program of this name plays.
+    Program(String),
+}
+
+impl Played {
+    /// What `parec` is to record.
+    fn argument(&self) -> Option<String> {
+        match self {
+            Self::Monitor(name) => Some(format!("--device={name}")),
+            Self::Program(name) => {
+                let found = inputs().into_iter().find(|input| input.program() == Some(name));
+                found.map(|input| format!("--monitor-stream={}", input.index))
+            }
+        }
+    }
+}
+
+/// One stream of sound that a program plays, as `pactl` lists it.
+#[derive(Deserialize)]
+struct SinkInput {
+    index: u32,
+    /// Whether it is paused.
+    #[serde(default)]
+    corked: bool,
+    properties: Properties,
+}
+
+#[derive(Deserialize)]
+struct Properties {
+    #[serde(rename = "application.name")]
+    name: Option<String>,
+    #[serde(rename = "application.process.id")]
+    process: Option<String>,
+}
+
+impl SinkInput {
+    /// The program's name, unless it is this program itself.
+    fn program(&self) -> Option<&str> {
+        let own = std::process::id().to_string();
+        self.properties.name.as_deref().filter(|_| self.properties.process.as_deref() != Some(&own))
+    }
+}
+
+/// Streams that sound first; empty without a server, or with one that is older than its list in JSON.
+fn inputs() -> Vec<SinkInput> {
+    let listed =
+        Command::new("pactl").args(["-f", "json", "list", "sink-inputs"]).stderr(Stdio::null()).output();
+    let mut inputs: Vec<SinkInput> =
+        listed.ok().and_then(|listed| serde_json::from_slice(&listed.stdout).ok()).unwrap_or_default();
+    inputs.sort_by_key(|input| input.corked);
+    inputs
+}
+
+/// Names of the programs that play something, each once.
+pub(super) fn programs() -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for input in inputs() {
+        if let Some(name) = input.program().filter(|name| names.iter().all(|known| known != name)) {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
 /// A running `parec` process and the thread that reads its output.
 pub(super) struct Recorder {
     child: Child,
 }
 
 impl Recorder {
-    pub fn start(name: &str, inlet: Inlet) -> Result<Self, SoundError> {
+    pub fn start(name: &str, played: &Played, inlet: Inlet) -> Result<Self, SoundError> {
         let failed = |what: String| SoundError::Device { what: format!("{name}: {what}") };
+        let argument = played.argument().ok_or_else(|| failed("plays nothing now".into()))?;
         let mut child = Command::new("parec")
-            .arg(format!("--device={name}"))
+            .arg(argument)
             .args(["--raw", "--format=float32le", "--rate=48000", "--channels=2", "--latency-msec=15"])
             .arg("--client-name=chladni")
             .stdin(Stdio::null())

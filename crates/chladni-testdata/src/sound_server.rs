@@ -1,19 +1,18 @@
 //! A private PulseAudio server with a null sink.
 
-#![allow(clippy::print_stderr, reason = "a skipped test must say so")]
-
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A server that stops when it is dropped.
-pub struct Server {
+/// A PulseAudio server of a test's own, whose only device is a null sink at 48 kHz; it stops when it is dropped.
+pub struct SoundServer {
     folder: tempfile::TempDir,
     process: Option<Child>,
 }
 
-impl Server {
+impl SoundServer {
     /// Starts a server. `None`, with a printed line, if PulseAudio is not installed.
+    #[allow(clippy::print_stderr, reason = "a skipped test must say so")]
     pub fn start() -> Option<Self> {
         let found = |program: &str| Command::new(program).arg("--version").output().is_ok();
         if !cfg!(target_os = "linux") || !["pulseaudio", "parec", "pactl"].iter().all(|p| found(p)) {
@@ -80,7 +79,7 @@ impl Server {
     }
 }
 
-impl Drop for Server {
+impl Drop for SoundServer {
     fn drop(&mut self) {
         self.stop();
     }

@@ -1,0 +1,213 @@
+//! What is listened to instead of a song, and how it is found again after it was lost.
+
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use chladni_sound::{Capture, CaptureSource};
+
+use super::Listening;
+use crate::work::Error;
+
+/// How long after a look for a lost source the next one begins.
+const AGAIN_SECS: f64 = 1.0;
+
+/// What is listened to instead of a song.
+pub struct Live {
+    pub(super) capture: Capture,
+    pub(super) name: String,
+    /// Where it can be opened again; `None` of a capture that the program itself feeds.
+    source: Option<CaptureSource>,
+    lost: Option<Lost>,
+}
+
+/// A source that is looked for on a thread of its own: sound systems answer slowly.
+#[derive(Default)]
+struct Lost {
+    answer: Option<Receiver<bool>>,
+    next_secs: f64,
+}
+
+/// What has become of a source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fate {
+    /// It is heard, or still looked for.
+    Unchanged,
+    /// It was lost, and is looked for from now on.
+    Lost,
+    /// It was lost for good.
+    Gone,
+    /// It was found again.
+    Back,
+}
+
+impl Live {
+    fn new(capture: Capture, name: String, source: Option<CaptureSource>) -> Self {
+        Self { capture, name, source, lost: None }
+    }
+
+    /// Notices where the source was lost, and opens it again as soon as it is back. To be called in every frame.
+    fn keep(&mut self, now_secs: f64) -> Fate {
+        if !self.capture.is_lost() {
+            return Fate::Unchanged;
+        }
+        let Some(source) = &self.source else { return Fate::Gone };
+        let Some(lost) = &mut self.lost else {
+            self.lost = Some(Lost::default());
+            return Fate::Lost;
+        };
+        // Between the look and the opening it may be lost once more.
+        if lost.is_back(source, now_secs)
+            && let Ok(capture) = Capture::start(source)
+        {
+            (self.capture, self.lost) = (capture, None);
+            return Fate::Back;
+        }
+        Fate::Unchanged
+    }
+}
+
+impl Listening {
+    /// Listens to a microphone or to what the machine plays; the song pauses.
+    pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), Error> {
+        let live = Live::new(Capture::start(source)?, source.name.clone(), Some(source.clone()));
+        self.go_live(live);
+        Ok(())
+    }
+
+    /// Listens to a capture that is called `name`; the song pauses.
+    pub fn listen_on(&mut self, capture: Capture, name: String) {
+        self.go_live(Live::new(capture, name, None));
+    }
+
+    fn go_live(&mut self, live: Live) {
+        self.player.pause();
+        self.live = Some(live);
+        self.forget_beat();
+    }
+
+    /// Back to the songs.
+    pub fn stop_listening(&mut self) {
+        self.live = None;
+        self.forget_beat();
+    }
+
+    /// Says where what is listened to is lost, and where it is back.
+    pub(super) fn keep_live(&mut self, now_secs: f64) {
+        let Some(live) = &mut self.live else { return };
+        match live.keep(now_secs) {
+            Fate::Unchanged => {}
+            Fate::Lost => {
+                self.warnings
+                    .push(format!("{} is silent now; it is heard as soon as it is back.", live.name));
+            }
+            Fate::Back => self.warnings.push(format!("{} is heard again.", live.name)),
+            Fate::Gone => {
+                self.warnings.push(format!("{} is gone; choose it again when it is back.", live.name));
+                self.live = None;
+            }
+        }
+    }
+
+    /// The live input's name.
+    pub fn live(&self) -> Option<&str> {
+        self.live.as_ref().map(|live| live.name.as_str())
+    }
+}
+
+impl Lost {
+    fn is_back(&mut self, source: &CaptureSource, now_secs: f64) -> bool {
+        match self.answer.as_ref().map(Receiver::try_recv) {
+            Some(Err(TryRecvError::Empty)) => return false,
+            Some(Ok(true)) => {
+                self.answer = None;
+                return true;
+            }
+            Some(Ok(false) | Err(TryRecvError::Disconnected)) => {
+                (self.answer, self.next_secs) = (None, now_secs + AGAIN_SECS);
+            }
+            None => {}
+        }
+        if now_secs >= self.next_secs {
+            let (send, answer) = channel();
+            let source = source.clone();
+            let look = move || {
+                let _ = send.send(source.is_there());
+            };
+            // Where no thread begins, the next look tries again.
+            let begun = std::thread::Builder::new().name("lost source".into()).spawn(look);
+            self.answer = begun.is_ok().then_some(answer);
+            self.next_secs = now_secs + AGAIN_SECS;
+        }
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::process::{Child, Command};
+    use std::time::{Duration, Instant};
+
+    use chladni_sound::{Song, WavSample, capture_sources, write_wav};
+
+    use super::*;
+
+    fn until(what: &str, mut done: impl FnMut(f64) -> bool) {
+        let began = Instant::now();
+        while !done(began.elapsed().as_secs_f64()) {
+            assert!(began.elapsed() < Duration::from_secs(30), "waited for {what}");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    #[test]
+    fn a_feed_that_ends_is_gone() {
+        let (capture, feed) = Capture::fed(48_000).unwrap();
+        let mut live = Live::new(capture, "feed".into(), None);
+        assert_eq!(live.keep(0.0), Fate::Unchanged);
+        drop(feed);
+        assert_eq!(live.keep(0.1), Fate::Gone);
+    }
+
+    #[test]
+    fn a_program_that_was_lost_is_heard_when_it_is_back() {
+        let Some(server) = chladni_testdata::SoundServer::start() else { return };
+        // The environment names the sound server, and belongs to a whole process.
+        let inside = concat!(module_path!(), "::in_a_process_with_its_own_sound_server");
+        let inside = inside.split_once("::").unwrap().1;
+        let test = std::env::current_exe().unwrap();
+        let outcome = server.command(test).args(["--exact", inside, "--ignored"]).output().unwrap();
+        let said = String::from_utf8_lossy(&outcome.stdout);
+        assert!(outcome.status.success() && said.contains("1 passed"), "{said}");
+    }
+
+    #[test]
+    #[ignore = "run by the test above"]
+    fn in_a_process_with_its_own_sound_server() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("tone.wav");
+        let left: Vec<f32> = (0..2_880_000).map(|n| 0.5 * (n as f32 * 0.06).sin()).collect();
+        let song = Song { rate_hz: 48_000, right: left.clone(), left };
+        write_wav(&path, &song, WavSample::Int16).unwrap();
+        let play = || Command::new("paplay").arg("--client-name=piper").arg(&path).spawn().unwrap();
+        let stop = |mut player: Child| player.kill().and_then(|()| player.wait()).unwrap();
+        let player = play();
+        let mut source = None;
+        until("the program", |_| {
+            source = capture_sources().unwrap().into_iter().find(|source| source.name == "piper");
+            source.is_some()
+        });
+        let source = source.unwrap();
+        let mut live = Live::new(Capture::start(&source).unwrap(), source.name.clone(), Some(source));
+        let heard = |live: &mut Live, now_secs: f64| {
+            let fate = live.keep(now_secs);
+            live.capture.take(&mut Vec::new(), &mut Vec::new());
+            (fate, live.capture.level().peak > 0.4)
+        };
+        until("its sound", |now_secs| heard(&mut live, now_secs) == (Fate::Unchanged, true));
+        stop(player);
+        until("that it is lost", |now_secs| heard(&mut live, now_secs).0 == Fate::Lost);
+        let player = play();
+        until("that it is back", |now_secs| heard(&mut live, now_secs).0 == Fate::Back);
+        until("its sound again", |now_secs| heard(&mut live, now_secs).1);
+        stop(player);
+    }
+}
