@@ -26,6 +26,8 @@
 mod beat;
 #[cfg(feature = "devices")]
 mod capture;
+#[cfg(feature = "devices")]
+mod converters;
 mod decode;
 mod error;
 #[cfg(feature = "devices")]

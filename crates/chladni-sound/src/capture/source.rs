@@ -10,6 +10,7 @@ use cpal::{ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
 use super::Inlet;
 use super::server::{self, Played};
 use crate::SoundError;
+use crate::converters::is_converter;
 
 /// What a source captures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,27 +79,6 @@ pub fn capture_sources() -> Result<Vec<CaptureSource>, SoundError> {
     let inputs = inputs.filter_map(|device| source(device, CaptureKind::Input));
     sources.extend(inputs.filter(|input| Some(input) != default.as_ref()));
     Ok(sources)
-}
-
-/// Whether the device is one of the ALSA plugins that convert or discard samples. They are listed among the
-/// inputs but offer nothing beyond their source.
-fn is_converter(device: &cpal::Device) -> bool {
-    const CONVERTERS: [&str; 11] = [
-        "null",
-        "lavrate",
-        "samplerate",
-        "speexrate",
-        "jack",
-        "oss",
-        "speex",
-        "upmix",
-        "vdownmix",
-        "usbstream",
-        "default",
-    ];
-    let id = device.id().map_or_else(|_| String::new(), |id| id.to_string());
-    let name = id.strip_prefix("alsa:").map(|id| id.split(':').next().unwrap_or(id));
-    name.is_some_and(|name| CONVERTERS.contains(&name))
 }
 
 /// Opens a device. A loopback is an output device that is opened as an input.

@@ -9,6 +9,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::clock::Clock;
 use crate::SoundError;
+use crate::converters::is_converter;
 use crate::history::Frame;
 
 /// The rate used without a device.
@@ -31,6 +32,7 @@ pub struct OutputDevice {
 }
 
 /// The devices that can play, with the system's default first.
+/// ALSA's plugins that convert or discard samples are left out.
 ///
 /// # Errors
 /// The sound system does not answer.
@@ -40,6 +42,7 @@ pub fn output_devices() -> Result<Vec<OutputDevice>, SoundError> {
     let mut devices: Vec<OutputDevice> = host
         .output_devices()
         .map_err(|error| SoundError::Device { what: error.to_string() })?
+        .filter(|device| !is_converter(device))
         .filter_map(|device| {
             Some(OutputDevice { id: device.id().ok()?.to_string(), name: device.to_string() })
         })
