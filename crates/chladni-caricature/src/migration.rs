@@ -8,7 +8,7 @@ use crate::project::DEFAULT_HARMONICS;
 use crate::scale_curve::monotone;
 use crate::{CaricatureError, ScaleCurve, usual_wavelength};
 
-/// The newest format, which only projects are written in that are worked on through a proxy.
+/// The newest format, which only projects are written in whose resolution is not the usual one.
 pub const FORMAT_VERSION: i64 = 5;
 /// The format of all others, so that older programs read them.
 pub(crate) const USUAL_VERSION: i64 = 4;

@@ -39,7 +39,7 @@ struct ShapeTable {
     source: String,
     #[serde(default = "default_harmonics")]
     harmonics: usize,
-    /// Only where the shape is worked on through one; format 5.
+    /// Only where the resolution is not the usual one, 0 vertices where all are taken; format 5.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     proxy: Option<ProxyKey>,
     /// Only if the orientation was set by hand.
@@ -148,7 +148,7 @@ impl Project {
 
     /// The oldest format that holds it, which it is written in.
     pub fn format_version(&self) -> i64 {
-        if matches!(self.resolution, Resolution::Proxy(_)) { FORMAT_VERSION } else { USUAL_VERSION }
+        if self.resolution == Resolution::Usual { USUAL_VERSION } else { FORMAT_VERSION }
     }
 
     /// The text of a project file at `path`; with `recovered_from`, of a recovery file.
@@ -164,8 +164,9 @@ impl Project {
         };
         let layers = self.layers().iter().map(|(_, l)| LayerTable::of(l, self, &folder));
         let proxy = match &self.resolution {
+            Resolution::Usual => None,
+            Resolution::Whole => Some(ProxyKey { vertices: 0, fingerprint: None }),
             Resolution::Proxy(proxy) => Some(proxy.clone()),
-            Resolution::Usual | Resolution::Whole => None,
         };
         let document = Document {
             format_version: self.format_version(),
@@ -211,11 +212,12 @@ impl Project {
         let mut project = Self::new(shape, document.shape.harmonics);
         project.older_format = older_format;
         project.resolution = match document.shape.proxy {
+            None => Resolution::Usual,
+            Some(proxy) if proxy.vertices == 0 => Resolution::Whole,
             Some(proxy) if proxy.vertices < ProxyKey::FEWEST => {
                 return Err(invalid(format!("a proxy has {} vertices or more", ProxyKey::FEWEST)));
             }
             Some(proxy) => Resolution::Proxy(proxy),
-            None => Resolution::Whole,
         };
         project.stands = document.shape.stands;
         project.laplacian = document.shape.laplacian;

@@ -5,10 +5,10 @@ use serde::{Deserialize, Serialize};
 /// How finely a project's shape is worked on.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Resolution {
-    /// Not decided: whole, unless the shape is very large. Saved like [`Whole`](Self::Whole).
+    /// As is usual: with each vertex of its file, unless there are very many.
     #[default]
     Usual,
-    /// With each vertex of its file.
+    /// With each vertex of its file, however many there are.
     Whole,
     /// Through a [`Proxy`](chladni_mesh::Proxy).
     Proxy(ProxyKey),

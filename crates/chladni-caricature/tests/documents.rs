@@ -239,12 +239,13 @@ fn a_file_made_by_hand_may_leave_out_what_is_usual() {
 }
 
 #[test]
-fn only_a_project_on_a_proxy_needs_the_newest_format() {
+fn only_an_unusual_resolution_needs_the_newest_format() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.chladni");
     let mut project = Project::new(ShapeSource::File(folder.path().join("h.obj")), 8);
     for (resolution, version) in [
-        (Resolution::Whole, 4),
+        (Resolution::Usual, 4),
+        (Resolution::Whole, 5),
         (Resolution::Proxy(ProxyKey { vertices: 1000, fingerprint: None }), 5),
         (Resolution::Proxy(ProxyKey { vertices: 1000, fingerprint: Some("2f".into()) }), 5),
     ] {
@@ -328,9 +329,7 @@ fn a_dead_session_is_found_and_a_living_one_is_not() {
     let (found, unreadable) = Recovery::find(&state);
     assert!(unreadable.is_empty());
     assert_eq!(found.len(), 1);
-    let mut expected = empty();
-    expected.resolution = Resolution::Whole;
-    assert_eq!(found[0].project, expected);
+    assert_eq!(found[0].project, empty());
     assert_eq!(found[0].original.as_deref(), Some(Path::new("/somewhere/mine.chladni")));
     found[0].discard();
     second.finish();

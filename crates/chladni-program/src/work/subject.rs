@@ -44,7 +44,7 @@ impl Subject {
         Ok(Self::at(&mut Resolution::Usual, shape, source::shape(shape, watcher)?, watcher)?.0)
     }
 
-    /// The shape of `project`, whose resolution is decided then and kept in it.
+    /// The shape of `project`. Where it is very large, its resolution is decided then and kept in the project.
     ///
     /// # Errors
     /// As [`source::shape`] and [`of_mesh`](Self::of_mesh).
@@ -59,6 +59,10 @@ impl Subject {
     /// [`Error::Input`] where the proxy that the project asks for cannot be made, or is not the one whose
     /// vertices its regions and landmarks name.
     pub fn of_mesh(mesh: TriMesh, project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
+        // Regions of older projects belong to all vertices.
+        if project.resolution == Resolution::Usual && project.names_vertices() && is_large(&mesh) {
+            project.resolution = Resolution::Whole;
+        }
         let (subject, is_other) = Self::at(&mut project.resolution, &project.shape, mesh, watcher)?;
         if is_other && project.names_vertices() {
             return Err(Error::input(format_args!(
@@ -70,7 +74,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// As `resolution` says, which is decided then; and whether it is another proxy than that.
+    /// As `resolution` says, which is decided then where the shape is very large; and whether it is another proxy than that.
     fn at(
         resolution: &mut Resolution,
         name: impl Display,
@@ -80,13 +84,10 @@ impl Subject {
         let mesh = Arc::new(mesh);
         let (key, is_asked) = match &*resolution {
             Resolution::Proxy(key) => (key.clone(), true),
-            Resolution::Usual if mesh.positions.len() > MOST_VERTICES => {
+            Resolution::Usual if is_large(&mesh) => {
                 (ProxyKey { vertices: PROXY_VERTICES, fingerprint: None }, false)
             }
-            Resolution::Usual | Resolution::Whole => {
-                *resolution = Resolution::Whole;
-                return Ok((mesh.into(), false));
-            }
+            Resolution::Usual | Resolution::Whole => return Ok((mesh.into(), false)),
         };
         let made = watcher.watch("choosing fewer vertices", |_| proxy(&mesh, key.vertices));
         watcher.task().check()?;
@@ -139,6 +140,10 @@ impl Subject {
     }
 }
 
+fn is_large(mesh: &TriMesh) -> bool {
+    mesh.positions.len() > MOST_VERTICES
+}
+
 #[cfg(feature = "desktop")]
 fn proxy(mesh: &Arc<TriMesh>, vertices: usize) -> Option<Proxy> {
     Proxy::of(mesh, vertices)
@@ -177,7 +182,7 @@ mod tests {
             (subject, project.resolution, said)
         };
         let (small, resolution, said) = open(icosphere(4));
-        assert_eq!((resolution, small.proxy.is_none(), said.len()), (Resolution::Whole, true, 0));
+        assert_eq!((resolution, small.proxy.is_none(), said.len()), (Resolution::Usual, true, 0));
         let (large, resolution, said) = open(icosphere(8));
         assert_eq!((large.mesh.positions.len(), large.whole().positions.len()), (PROXY_VERTICES, 655_362));
         let Resolution::Proxy(key) = resolution else { panic!("{resolution:?}") };
