@@ -93,6 +93,11 @@ impl LayerOptions {
         self.seed
     }
 
+    /// Whether it is matched vertex by vertex, for which all are needed.
+    pub fn needs_all_vertices(&self) -> bool {
+        self.matching == Some(Method::Same)
+    }
+
     /// How a template mesh is matched with `subject`.
     ///
     /// # Errors

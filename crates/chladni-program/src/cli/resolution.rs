@@ -14,6 +14,14 @@ pub struct ResolutionOptions {
 }
 
 impl ResolutionOptions {
+    /// What is asked for; where nothing is, all vertices if they are needed.
+    pub fn or_all(&self, are_needed: bool) -> Resolution {
+        match self.wanted() {
+            Resolution::Usual if are_needed => Resolution::Whole,
+            wanted => wanted,
+        }
+    }
+
     /// What is asked for.
     pub fn wanted(&self) -> Resolution {
         match self.proxy {

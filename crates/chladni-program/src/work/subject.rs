@@ -3,8 +3,8 @@
 use std::fmt::Display;
 use std::sync::Arc;
 
-use chladni_caricature::{Project, ProxyKey, Resolution, ShapeSource};
-use chladni_match::Landmark;
+use chladni_caricature::{Layer, Project, ProxyKey, Resolution, ShapeSource};
+use chladni_match::{Landmark, Method};
 use chladni_mesh::{Proxy, TriMesh, total_area};
 
 use super::{Error, Warning, Watcher, source};
@@ -59,8 +59,10 @@ impl Subject {
     /// [`Error::Input`] where the proxy that the project asks for cannot be made, or is not the one whose
     /// vertices its regions and landmarks name.
     pub fn of_mesh(mesh: TriMesh, project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
-        // Regions of older projects belong to all vertices.
-        if project.resolution == Resolution::Usual && project.names_vertices() && is_large(&mesh) {
+        // Regions of older projects belong to all vertices, and so does a match vertex by vertex.
+        let is_same = |layer: &Layer| layer.matching.method == Method::Same && layer.template.is_mesh();
+        let needs_all = project.names_vertices() || project.layers().iter().any(|(_, layer)| is_same(layer));
+        if project.resolution == Resolution::Usual && needs_all && is_large(&mesh) {
             project.resolution = Resolution::Whole;
         }
         let (subject, is_other) = Self::at(&mut project.resolution, &project.shape, mesh, watcher)?;
@@ -165,6 +167,7 @@ fn fingerprint(proxy: &Proxy) -> String {
 
 #[cfg(test)]
 mod tests {
+    use chladni_caricature::Template;
     use chladni_mesh::samples::icosphere;
     use chladni_task::Task;
 
@@ -188,6 +191,14 @@ mod tests {
         let Resolution::Proxy(key) = resolution else { panic!("{resolution:?}") };
         assert!(key.vertices == PROXY_VERTICES && key.fingerprint.is_some_and(|f| f.len() == 16));
         assert!(said.len() == 1 && said[0].contains("of 655362 vertices 150000 are worked on"), "{said:?}");
+        // A match vertex by vertex needs all of them.
+        let mut registered = Project::new(ShapeSource::Sample("ball".into()), 8);
+        let mut layer = Layer::new("same", Template::File("other.obj".into()));
+        layer.matching.method = Method::Same;
+        registered.push(layer).unwrap();
+        let whole =
+            Subject::of_mesh(TriMesh::clone(large.whole()), &mut registered, &Aside::new(&task)).unwrap();
+        assert!(whole.proxy.is_none() && registered.resolution == Resolution::Whole);
         let mark = |shape| Landmark { shape, template: 7 };
         let chosen = large.proxy.as_ref().unwrap().whole_vertex()[5];
         assert_eq!(large.renumbered(vec![mark(chosen)]).unwrap(), [mark(5)]);

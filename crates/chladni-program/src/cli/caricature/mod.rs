@@ -143,7 +143,7 @@ impl Caricature {
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
         project.keep_triangles = self.keep_triangles;
-        project.resolution = self.resolution.wanted();
+        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices());
         let subject = Subject::of(&mut project, terminal)?;
         let painted = self.region.painted(shape, &subject, terminal)?;
         let layer = self.layer.layer("caricature", template.clone(), painted, &project, &subject)?;
@@ -179,7 +179,7 @@ impl Caricature {
         let (harmonics, laplacian) = (self.harmonics.unwrap_or(DEFAULT_HARMONICS), laplacian(self.paper));
         let mut project = Project::new(shape.parse()?, harmonics);
         (project.laplacian, project.keep_triangles) = (laplacian, self.keep_triangles);
-        project.resolution = self.resolution.wanted();
+        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices());
         let subject = Subject::of(&mut project, terminal)?;
         let mesh = &subject.mesh;
         let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
