@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_match::{Ellipsoid, MatchError, MatchSettings};
+use chladni_match::{Ellipsoid, MatchError, MatchSettings, Method};
 use chladni_mesh::ShapeSource;
 use chladni_mesh::samples::portrait_sliders;
 use serde::{Deserialize, Serialize};
@@ -294,6 +294,11 @@ impl Layer {
             return Err(CaricatureError::Range { what, value: wavelength, range });
         }
         self.curve.validate()
+    }
+
+    /// Whether it is matched with a template mesh vertex by vertex, for which all vertices of the shape are needed.
+    pub fn matches_vertices(&self) -> bool {
+        self.matching.method == Method::Same && self.template.is_mesh()
     }
 
     /// Whether it names vertices of the shape by number: in a painted region or by landmarks.

@@ -3,8 +3,8 @@
 use std::fmt::Display;
 use std::sync::Arc;
 
-use chladni_caricature::{Layer, Project, ProxyKey, Resolution, ShapeSource};
-use chladni_match::{Landmark, Method};
+use chladni_caricature::{Project, ProxyKey, Resolution, ShapeSource};
+use chladni_match::Landmark;
 use chladni_mesh::{Proxy, TriMesh, total_area};
 
 use super::{Error, Warning, Watcher, source};
@@ -59,13 +59,9 @@ impl Subject {
     /// [`Error::Input`] where the proxy that the project asks for cannot be made, or is not the one whose
     /// vertices its regions and landmarks name.
     pub fn of_mesh(mesh: TriMesh, project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
-        // Regions of older projects belong to all vertices, and so does a match vertex by vertex.
-        let is_same = |layer: &Layer| layer.matching.method == Method::Same && layer.template.is_mesh();
-        let needs_all = project.names_vertices() || project.layers().iter().any(|(_, layer)| is_same(layer));
-        if project.resolution == Resolution::Usual && needs_all && is_large(&mesh) {
-            project.resolution = Resolution::Whole;
-        }
-        let (subject, is_other) = Self::at(&mut project.resolution, &project.shape, mesh, watcher)?;
+        // Where nothing else is said, regions and landmarks belong to all vertices.
+        let needs_all = project.names_vertices();
+        let (subject, is_other) = Self::decided(mesh, project, needs_all, watcher)?;
         if is_other && project.names_vertices() {
             return Err(Error::input(format_args!(
                 "{}: the regions and landmarks of this project belong to another selection of its vertices: the file \
@@ -74,6 +70,31 @@ impl Subject {
             )));
         }
         Ok(subject)
+    }
+
+    /// The shape of `project` to which its layers, made on another one, are still to be carried: the vertices that they name
+    /// are not this shape's.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn before_carrying(project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
+        let mesh = source::shape(&project.shape, watcher)?;
+        Ok(Self::decided(mesh, project, false, watcher)?.0)
+    }
+
+    /// As the project says, which is decided then: whole where it `needs_all` vertices or matches them one by one. And
+    /// whether it is another proxy than the project's.
+    fn decided(
+        mesh: TriMesh,
+        project: &mut Project,
+        needs_all: bool,
+        watcher: &impl Watcher,
+    ) -> Result<(Self, bool), Error> {
+        let needs_all = needs_all || project.layers().iter().any(|(_, layer)| layer.matches_vertices());
+        if project.resolution == Resolution::Usual && needs_all && is_large(&mesh) {
+            project.resolution = Resolution::Whole;
+        }
+        Self::at(&mut project.resolution, &project.shape, mesh, watcher)
     }
 
     /// As `resolution` says, which is decided then where the shape is very large; and whether it is another proxy than that.
@@ -167,7 +188,8 @@ fn fingerprint(proxy: &Proxy) -> String {
 
 #[cfg(test)]
 mod tests {
-    use chladni_caricature::Template;
+    use chladni_caricature::{Layer, Template};
+    use chladni_match::Method;
     use chladni_mesh::samples::icosphere;
     use chladni_task::Task;
 
@@ -200,6 +222,19 @@ mod tests {
             Subject::of_mesh(TriMesh::clone(large.whole()), &mut registered, &Aside::new(&task)).unwrap();
         assert!(whole.proxy.is_none() && registered.resolution == Resolution::Whole);
         let mark = |shape| Landmark { shape, template: 7 };
+        // Landmarks belong to the shape that they were set on, not to one that they will be carried to.
+        for (is_its_own, expected) in [(true, 655_362), (false, PROXY_VERTICES)] {
+            let mut marked = Project::new(ShapeSource::Sample("ball".into()), 8);
+            let mut layer = Layer::new("marked", Template::File("other.obj".into()));
+            layer.matching.landmarks = vec![mark(3)];
+            marked.push(layer).unwrap();
+            let (mesh, aside) = (TriMesh::clone(large.whole()), Aside::new(&task));
+            let subject = match is_its_own {
+                true => Subject::of_mesh(mesh, &mut marked, &aside).unwrap(),
+                false => Subject::decided(mesh, &mut marked, false, &aside).unwrap().0,
+            };
+            assert_eq!(subject.mesh.positions.len(), expected);
+        }
         let chosen = large.proxy.as_ref().unwrap().whole_vertex()[5];
         assert_eq!(large.renumbered(vec![mark(chosen)]).unwrap(), [mark(5)]);
         assert!(large.renumbered(vec![mark(700_000)]).is_err());

@@ -236,9 +236,9 @@ fn one(
         let subject = Subject::of(&mut project, terminal)?;
         return finish(shape, subject, &project, project.stands, output, pictures, terminal);
     };
-    let mut other = Project::new(ShapeSource::named(Path::new(shape)), project.harmonics);
-    other.resolution = wanted;
-    let subject = Subject::of(&mut other, terminal)?;
+    let mut other = project.clone();
+    (other.shape, other.resolution) = (ShapeSource::named(Path::new(shape)), wanted);
+    let subject = Subject::before_carrying(&mut other, terminal)?;
     let project = carry(project, from, shape, &subject.mesh, terminal)?;
     // Another shape need not stand as the project's own does.
     finish(shape, subject, &project, None, output, pictures, terminal)

@@ -60,7 +60,10 @@ pub fn load(
     let Candidate { mut project, path, recovered, made_on, .. } = candidate;
     let aside = Aside::new(task);
     let name = project.shape.to_string();
-    let subject = Subject::of(&mut project, &aside)?;
+    let subject = match made_on {
+        Some(_) => Subject::before_carrying(&mut project, &aside)?,
+        None => Subject::of(&mut project, &aside)?,
+    };
     let mesh = &subject.mesh;
     if let Some(message) = project.taken_over() {
         aside.warn(Warning::Plain(format!("This is {message}.")));
