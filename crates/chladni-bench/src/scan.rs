@@ -1,9 +1,9 @@
 //! Makes a scan of millions of vertices out of a smaller one.
 
-use std::collections::HashMap;
 use std::path::PathBuf;
 
-use chladni_mesh::{TriMesh, save_mesh, vertex_normals};
+use chladni_mesh::surface::{subdivided, vertex_normals};
+use chladni_mesh::{TriMesh, save_mesh};
 use chladni_program::cli::Terminal;
 use chladni_program::work::{Error, source};
 
@@ -29,28 +29,13 @@ impl BenchScan {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let mut mesh = source::mesh(&self.shape, terminal)?;
         mesh.appearance = chladni_mesh::Appearance::default();
-        (0..self.times).for_each(|_| divide(&mut mesh));
+        for _ in 0..self.times {
+            mesh.triangles = subdivided(&mut mesh.positions, &mesh.triangles);
+        }
         raise_bumps(&mut mesh);
         save_mesh(&mesh, &self.output).map_err(Error::unsaved)?;
         terminal.result(format_args!("{} vertices", mesh.positions.len()))
     }
-}
-
-/// Each triangle becomes four, by the middles of its edges.
-fn divide(mesh: &mut TriMesh) {
-    let mut middles: HashMap<[u32; 2], u32> = HashMap::with_capacity(3 * mesh.triangles.len() / 2);
-    let mut divided = Vec::with_capacity(4 * mesh.triangles.len());
-    for &[a, b, c] in &mesh.triangles {
-        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[v, w]| {
-            *middles.entry([v.min(w), v.max(w)]).or_insert_with(|| {
-                let [p, q] = [v, w].map(|v| mesh.positions[v as usize]);
-                mesh.positions.push(std::array::from_fn(|i| 0.5 * (p[i] + q[i])));
-                mesh.positions.len() as u32 - 1
-            })
-        });
-        divided.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-    }
-    mesh.triangles = divided;
 }
 
 fn raise_bumps(mesh: &mut TriMesh) {

@@ -65,7 +65,7 @@ pub use orientation::{Axis, Estimate, Evidence, Known, Orientation};
 pub use proxy::Proxy;
 pub use read::{Loaded, Mended, load_mesh, nothing_beside, read_mesh, read_mesh_beside, read_named_mesh};
 pub use shape_source::ShapeSource;
-pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_normals, vertex_triangles, weld};
+pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
 pub use write::{
     MorphAnimation, MorphTarget, add_morph_targets, add_morph_targets_in, save_mesh, write_animated_glb,
     write_glb, write_mesh,

@@ -1,10 +1,10 @@
 //! Surfaces with a formula: for tests, and as templates.
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use crate::TriMesh;
-use crate::surface::vec3::{add, unit};
+use crate::surface::subdivided;
+use crate::surface::vec3::unit;
 
 fn mesh(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> TriMesh {
     TriMesh { positions, triangles, ..TriMesh::default() }
@@ -49,23 +49,6 @@ pub fn icosphere(subdivisions: u32) -> TriMesh {
         }
     }
     mesh(positions, triangles)
-}
-
-/// Every triangle cut in four at the middles of its edges, which are added to `positions`.
-fn subdivided(positions: &mut Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let mut middles = HashMap::new();
-    let mut finer = Vec::with_capacity(4 * triangles.len());
-    for &[a, b, c] in triangles {
-        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|[p, q]| {
-            *middles.entry([p.min(q), p.max(q)]).or_insert_with(|| {
-                let (p, q) = (positions[p as usize], positions[q as usize]);
-                positions.push(add(p, q).map(|x| 0.5 * x));
-                positions.len() as u32 - 1
-            })
-        });
-        finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-    }
-    finer
 }
 
 /// The unit sphere by latitude and longitude: `rings` − 1 circles of `segments` vertices and the

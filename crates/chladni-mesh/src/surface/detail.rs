@@ -40,6 +40,8 @@ pub fn details(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize])
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::doubled_area_normal;
+    use crate::surface::vec3::{Vec3, cross, dot, length};
     use crate::{TriMesh, samples};
     use std::collections::HashMap;
 
@@ -61,8 +63,7 @@ mod tests {
         let mesh = samples::sample("octopus").expect("it is there");
         let positions = positions(&mesh);
         let area = |triangles: &[[u32; 3]]| {
-            let twice = |t: &[u32; 3]| normal(&positions, t).iter().map(|n| n * n).sum::<f64>().sqrt();
-            0.5 * triangles.iter().map(twice).sum::<f64>()
+            0.5 * triangles.iter().map(|t| length(normal(&positions, t))).sum::<f64>()
         };
         let (whole, volume) = (area(&mesh.triangles), volume(&positions, &mesh.triangles));
         let found = details(&positions, &mesh.triangles, &[4000, 1300]);
@@ -82,25 +83,13 @@ mod tests {
     }
 
     /// As long as twice the triangle's area.
-    fn normal(positions: &[[f32; 3]], [a, b, c]: &[u32; 3]) -> [f64; 3] {
-        let at = |v: &u32| positions[*v as usize].map(f64::from);
-        cross(minus(at(b), at(a)), minus(at(c), at(a)))
-    }
-
-    fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-        [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-    }
-
-    fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    fn normal(positions: &[[f32; 3]], triangle: &[u32; 3]) -> Vec3 {
+        doubled_area_normal(triangle.map(|v| positions[v as usize].map(f64::from)))
     }
 
     fn volume(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> f64 {
         let at = |v: u32| positions[v as usize].map(f64::from);
-        let of = |[a, b, c]: &[u32; 3]| {
-            let (a, n) = (at(*a), cross(at(*b), at(*c)));
-            (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6.0
-        };
+        let of = |[a, b, c]: &[u32; 3]| dot(at(*a), cross(at(*b), at(*c))) / 6.0;
         triangles.iter().map(of).sum()
     }
 

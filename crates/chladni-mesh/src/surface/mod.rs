@@ -11,6 +11,7 @@ mod normals;
 mod point;
 mod spread;
 mod stars;
+mod subdivided;
 mod tree;
 pub mod vec3;
 mod walk;
@@ -28,6 +29,7 @@ pub use normals::{
 pub use point::{SurfacePoint, closest_on_triangle, mixed};
 pub use spread::spread;
 pub use stars::delaunay_stars;
+pub use subdivided::subdivided;
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub use walk::Ground;
 pub use weld::{Weld, places, weld};

@@ -108,18 +108,12 @@ pub fn write(path: &Path, painted: &Painted, subject: &Subject, as_colors: bool)
         let why = format_args!("the region was painted on {found} vertices, the shape has {vertices}");
         return Err(Error::input(why));
     }
-    let masked = Masked { inside: values.iter().filter(|x| **x > 0.0).count(), vertices };
     let of = |vertex: &Option<u32>| vertex.and_then(|v| values.get(v as usize)).copied().unwrap_or(0.0);
-    let values: Vec<f32> = welded.operator_vertex.iter().map(of).collect();
-    let (values, masked) = match &subject.proxy {
-        None => (values, masked),
-        Some(proxy) => {
-            let values = proxy.spread(&values);
-            let masked =
-                Masked { inside: values.iter().filter(|x| **x > 0.0).count(), vertices: values.len() };
-            (values, masked)
-        }
-    };
+    let on_mesh: Vec<f32> = welded.operator_vertex.iter().map(of).collect();
+    let on_whole = subject.proxy.as_ref().map(|proxy| proxy.spread(&on_mesh));
+    let counted = on_whole.as_deref().unwrap_or(&values);
+    let masked = Masked { inside: counted.iter().filter(|x| **x > 0.0).count(), vertices: counted.len() };
+    let values = on_whole.unwrap_or(on_mesh);
     let Some(format) = Format::of_path(path) else {
         let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
         let written = if is_archive {
