@@ -135,7 +135,7 @@ impl Basis {
             triangles,
             operator_vertex,
             eigenvalues: give(py, rows.eigenvalues).unbind(),
-            eigenvectors: give_matrix(py, rows.vectors, shape)?.unbind(),
+            eigenvectors: give_matrix(py, rows.vectors.into_vec(), shape)?.unbind(),
             mass: give(py, rows.mass).unbind(),
             certificate: rows.certificate,
             held,

@@ -108,7 +108,7 @@ pub fn symmetry<'py>(
     out.set_item("classes", give(py, found.classes.iter().map(|class: &Class| class.sign()).collect()))?;
     out.set_item("scores", give(py, found.scores))?;
     let shape = [body.operator_vertex.len(), rotated.eigenvalues.len()];
-    out.set_item("eigenvectors", give_matrix(py, rotated.vectors, shape)?)?;
+    out.set_item("eigenvectors", give_matrix(py, rotated.vectors.into_vec(), shape)?)?;
     let (mut normal, mut offset) = (None, None);
     if let SymmetryMethod::Mirror(plane) = found.method {
         // A point of the plane in the working frame is one of the plane in the file.

@@ -96,7 +96,7 @@ pub fn eigsh<'py>(
             (lumped, _) => {
                 let (basis, report) =
                     Pencil::new(&stiffness, &lumped.unwrap_or_default())?.solve(&settings, task)?;
-                let (eigenvalues, vectors) = (basis.eigenvalues, basis.vectors);
+                let (eigenvalues, vectors) = (basis.eigenvalues, basis.vectors.into_vec());
                 (Eigenpairs { eigenvalues, vectors, certificate: basis.certificate }, report)
             }
         })

@@ -102,5 +102,5 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Basis, Damaged> {
         serde_json::from_slice(take(&mut rest, head)?).map_err(|error| Damaged(error.to_string()))?;
     let mass = numbers(&mut rest, vertices, 1, f64::from_le_bytes)?;
     let vectors = numbers(&mut rest, vertices, eigenvalues.len(), f64::from_le_bytes)?;
-    Ok(Basis { eigenvalues, vectors, mass, certificate })
+    Ok(Basis { eigenvalues, vectors: vectors.into(), mass, certificate })
 }

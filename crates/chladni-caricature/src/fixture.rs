@@ -49,7 +49,7 @@ pub(crate) fn base_and_target() -> (Arc<Body>, Surface, Arc<Base>, Arc<Target>) 
 pub(crate) fn fewer(basis: &Basis, harmonics: usize) -> Basis {
     Basis {
         eigenvalues: basis.eigenvalues[..harmonics].to_vec(),
-        vectors: basis.vectors[..harmonics * basis.vertices()].to_vec(),
+        vectors: basis.vectors[..harmonics * basis.vertices()].to_vec().into(),
         ..basis.clone()
     }
 }
@@ -82,7 +82,7 @@ pub(crate) fn polynomials(points: &[Vec3], mass: Vec<f64>) -> Basis {
         max_relative_residual: 0.0,
         max_orthogonality_error: 1e-14,
     };
-    Basis { eigenvalues, vectors: columns.concat(), mass, certificate }
+    Basis { eigenvalues, vectors: columns.concat().into(), mass, certificate }
 }
 
 /// Positions in the precision of pictures.

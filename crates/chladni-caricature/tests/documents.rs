@@ -58,7 +58,7 @@ proptest! {
             triangles: mesh.triangles.clone(),
             operator_vertex: (0..mesh.positions.len() as u32).map(Some).collect(),
             basis: Arc::new(chladni_harmonics::Basis {
-                eigenvalues: vec![], vectors: vec![], mass: vec![1.0; mesh.positions.len()],
+                eigenvalues: vec![], vectors: vec![].into(), mass: vec![1.0; mesh.positions.len()],
                 certificate: chladni_harmonics::Certificate {
                     laplacian: Laplacian::Delaunay,
                     inertia_counts_match: true, max_relative_residual: 0.0, max_orthogonality_error: 0.0 },

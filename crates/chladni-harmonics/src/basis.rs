@@ -1,6 +1,6 @@
 //! The harmonic basis and the transform to and from it.
 
-use crate::Laplacian;
+use crate::{Laplacian, Values};
 
 /// The results of checking a [`Basis`] after it was solved.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -76,8 +76,9 @@ impl Certificate {
 pub struct Basis {
     /// λ_k, K values, ascending; 0 occurs once per component.
     pub eigenvalues: Vec<f64>,
-    /// H, N×K, column-major: harmonic k is `vectors[k·N .. (k+1)·N]`. HᵀMH = I.
-    pub vectors: Vec<f64>,
+    /// H, N×K, column-major: harmonic k is `vectors[k·N .. (k+1)·N]`. HᵀMH = I. In a file if
+    /// memory had no room for them ([`BasisSettings::scratch`](crate::BasisSettings::scratch)).
+    pub vectors: Values,
     /// a(v), N lumped areas; positive.
     pub mass: Vec<f64>,
     /// How far the pairs can be trusted.

@@ -11,7 +11,7 @@ use crate::operator::Domain;
 use crate::platform::{HAS_THREADS, Instant};
 use crate::{
     Basis, BasisCache, BasisSettings, Body, BuildReport, Certificate, ConsistentPencil, Eigenpairs,
-    HarmonicsError, Laplacian, Operator, Pencil,
+    HarmonicsError, Laplacian, Operator, Pencil, Values,
 };
 
 impl Body {
@@ -54,7 +54,7 @@ impl Body {
         cache: Option<&BasisCache>,
         task: &Task,
     ) -> Result<(Self, BuildReport), HarmonicsError> {
-        let settings = BasisSettings { laplacian: operator.laplacian, ..*settings };
+        let settings = BasisSettings { laplacian: operator.laplacian, ..settings.clone() };
         built(mesh, Some(operator), &settings, cache, task)
     }
 
@@ -66,7 +66,7 @@ impl Body {
         let domain = Domain::of(mesh)?;
         let basis = Basis {
             eigenvalues: Vec::new(),
-            vectors: Vec::new(),
+            vectors: Values::default(),
             mass: vec![1.0; domain.positions.len()],
             // For an empty set of pairs all conditions hold.
             certificate: Certificate {
@@ -123,12 +123,11 @@ impl Pencil<'_> {
         let start = Instant::now();
         let vertices = self.mass.len();
         let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
-        let harmonics = settings.clamped(vertices)?;
-        let Solved { basis, cuts_cluster, fell_back_to_dense, profile } =
-            on_threads(settings.threads, || {
-                eigen::solve_given(*self, harmonics, settings.whole_clusters, task)
-            })??;
+        let settings = BasisSettings { harmonics: settings.clamped(vertices)?, ..settings.clone() };
+        let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile } =
+            on_threads(settings.threads, || eigen::solve_given(*self, &settings, task))??;
         (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
+        report.short_of_memory = short_of_memory;
         report.profile = profile;
         report.seconds.solve = start.elapsed().as_secs_f64();
         report.seconds.total = report.seconds.solve;
@@ -149,7 +148,7 @@ impl ConsistentPencil {
     ) -> Result<(Eigenpairs, BuildReport), HarmonicsError> {
         let (basis, report) = self.pencil().solve(settings, task)?;
         let Basis { eigenvalues, vectors, certificate, .. } = basis;
-        Ok((Eigenpairs { eigenvalues, vectors, certificate }, report))
+        Ok((Eigenpairs { eigenvalues, vectors: vectors.into_vec(), certificate }, report))
     }
 }
 
@@ -165,12 +164,13 @@ fn built(
     let domain = operator.map_or_else(|| Domain::of(mesh), |operator| Ok(operator.domain()))?;
     let vertices = domain.positions.len();
     let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
-    let settings = &BasisSettings { harmonics: settings.clamped(vertices)?, ..*settings };
+    let settings = &BasisSettings { harmonics: settings.clamped(vertices)?, ..settings.clone() };
     let entry = cache.map(|c| c.entry(&domain, settings));
-    let found = entry.as_ref().map_or(Ok(None), |entry| entry.read(vertices)).unwrap_or_else(|warning| {
-        report.cache_warning = Some(warning);
-        None
-    });
+    let found =
+        entry.as_ref().map_or(Ok(None), |entry| entry.read(vertices, settings)).unwrap_or_else(|warning| {
+            report.cache_warning = Some(warning);
+            None
+        });
     let basis = match found {
         Some((basis, cuts_cluster)) => {
             (report.cached, report.cuts_cluster) = (true, cuts_cluster);
@@ -205,9 +205,10 @@ fn solved(
         stage.advance(1);
         report.seconds.operator = start.elapsed().as_secs_f64();
         let solving = Instant::now();
-        let Solved { basis, cuts_cluster, fell_back_to_dense, profile } =
-            eigen::solve(&operator, settings.harmonics, settings.whole_clusters, task)?;
+        let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile } =
+            eigen::solve(&operator, settings, task)?;
         (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
+        report.short_of_memory = short_of_memory;
         report.profile = profile;
         report.seconds.solve = solving.elapsed().as_secs_f64();
         Ok(basis)

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use chladni_task::write_atomic_with;
 
 use crate::operator::Domain;
-use crate::{Basis, BasisSettings, Certificate, Laplacian};
+use crate::values::{Keep, Values};
+use crate::{Basis, BasisSettings, Certificate, Laplacian, memory};
 
 /// Increased whenever the same mesh and settings would give a different basis.
 const VERSION: u32 = 3;
@@ -78,14 +79,19 @@ struct Header {
 impl CacheEntry {
     /// The basis and whether it cuts a cluster; `None` if there is no entry; a warning if there is one that
     /// cannot be used.
-    pub(crate) fn read(&self, vertices: usize) -> Result<Option<(Basis, bool)>, String> {
+    pub(crate) fn read(
+        &self,
+        vertices: usize,
+        settings: &BasisSettings,
+    ) -> Result<Option<(Basis, bool)>, String> {
         let mut file = match chladni_task::open_file(&self.path) {
             Ok(file) => file,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(format!("{}: {e}", self.path.display())),
         };
         let length = file.metadata().map(|m| m.len()).unwrap_or(0);
-        read_entry(&mut file, length, vertices, self.laplacian).map(Some).map_err(|reason| {
+        let keep = memory::room_for_harmonics(vertices, settings).map_err(|e| e.to_string())?;
+        read_entry(&mut file, length, vertices, self.laplacian, keep).map(Some).map_err(|reason| {
             format!("damaged cache entry {} was solved again: {reason}", self.path.display())
         })
     }
@@ -127,6 +133,7 @@ fn read_entry(
     length: u64,
     vertices: usize,
     laplacian: Laplacian,
+    keep: Keep,
 ) -> Result<(Basis, bool), String> {
     let mut hash = blake3::Hasher::new();
     let mut header: Header = bytemuck::Zeroable::zeroed();
@@ -140,8 +147,9 @@ fn read_entry(
     }
     let (n, k) = (n as usize, k as usize);
     // The length of the file has been checked: the buffers are not larger than the file.
-    let (mut eigenvalues, mut mass, mut vectors) = (vec![0.0; k], vec![0.0; n], vec![0.0; n * k]);
-    for part in [&mut eigenvalues, &mut mass, &mut vectors] {
+    let (mut eigenvalues, mut mass) = (vec![0.0; k], vec![0.0; n]);
+    let mut vectors = Values::zeroed(n * k, keep).map_err(|e| e.to_string())?;
+    for part in [&mut eigenvalues[..], &mut mass, &mut vectors] {
         read_part(file, bytemuck::cast_slice_mut(part), &mut hash)?;
     }
     let mut stored = [0; 32];

@@ -181,7 +181,11 @@ mod tests {
             max_relative_residual: 0.0,
             max_orthogonality_error: 0.0,
         };
-        (Basis { eigenvalues, vectors, mass: vec![1.0; n], certificate }, positions, stiffness)
+        (
+            Basis { eigenvalues, vectors: vectors.into(), mass: vec![1.0; n], certificate },
+            positions,
+            stiffness,
+        )
     }
 
     proptest! {

@@ -1,5 +1,7 @@
 //! The errors of this crate.
 
+use std::path::PathBuf;
+
 use chladni_task::Cancelled;
 
 /// Why a mesh or a pencil has no harmonics, or why work with them failed.
@@ -121,6 +123,14 @@ pub enum HarmonicsError {
         /// N.
         vertices: usize,
         /// The reason.
+        reason: String,
+    },
+    /// The harmonics that do not fit in memory cannot be kept in the scratch folder.
+    #[error("harmonics that do not fit in memory cannot be kept in {}: {reason}", folder.display())]
+    NoScratch {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
         reason: String,
     },
     /// SLEPc cannot be used, or not with the requested ranks.

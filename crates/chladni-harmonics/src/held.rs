@@ -51,7 +51,12 @@ impl Body {
             free.iter().zip(inner.harmonic(k)).for_each(|(v, value)| h[*v] = *value);
         }
         let certificate = Certificate { laplacian: settings.laplacian, ..inner.certificate };
-        let basis = Basis { eigenvalues: inner.eigenvalues, vectors, mass: operator.mass, certificate };
+        let basis = Basis {
+            eigenvalues: inner.eigenvalues,
+            vectors: vectors.into(),
+            mass: operator.mass,
+            certificate,
+        };
         let mut body = Self::unsolved(mesh)?;
         body.basis = Arc::new(basis);
         Ok((body, report))

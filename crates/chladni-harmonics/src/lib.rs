@@ -59,6 +59,7 @@ mod simd;
 mod sparse;
 mod symmetric_eigen;
 mod transform;
+mod values;
 
 pub use basis::{Basis, Certificate};
 pub use body::Body;
@@ -71,9 +72,10 @@ pub use operator::{Operator, mesh_laplacian, point_cloud_laplacian};
 pub use pencil::{ConsistentPencil, Eigenpairs, Pencil};
 #[cfg(not(target_family = "wasm"))]
 pub use ranks::{Ranks, RanksReport, RanksSeconds};
-pub use report::{BasisWarning, BuildReport, BuildSeconds, SolveProfile};
+pub use report::{BasisWarning, BuildReport, BuildSeconds, ShortOfMemory, SolveProfile};
 pub use settings::{BasisSettings, Laplacian};
 pub use sparse::SymmetricSparse;
+pub use values::Values;
 
 /// The examples of README.md, compiled.
 #[cfg(doctest)]

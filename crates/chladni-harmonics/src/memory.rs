@@ -1,58 +1,141 @@
 //! Estimates the memory that a solve needs, and compares it with what is available.
 
-use crate::HarmonicsError;
+use std::path::Path;
 
-/// Bytes per vertex: for the mesh, the operator and its analysis; for a factor; for the vectors of a Krylov
-/// space. Measured on surfaces of 100,000 to 800,000 vertices, where the sum is right to a quarter
+use crate::values::{self, Keep};
+use crate::{BasisSettings, HarmonicsError, ShortOfMemory};
+
+/// Bytes per vertex: for the mesh, the operator and its analysis; for a factor; for a Krylov space and
+/// the pairs that come of it. Measured on surfaces of 100,000 to 800,000 vertices, where the sum is right to a quarter
 /// (docs/scale.md).
 const SURFACE: u64 = 800;
 const FACTOR: u64 = 1100;
-const SPACE: u64 = 2048;
+const SPACE: u64 = 3000;
 /// Bytes per value of a harmonic.
 const VALUE: u64 = 8;
 
-/// The approximate number of bytes needed to solve for `harmonics` of `vertices`, with `slices` at once.
-fn of_solve(vertices: usize, harmonics: usize, slices: usize) -> u64 {
-    let vectors = VALUE.saturating_mul(harmonics as u64);
+/// The approximate number of bytes of memory needed to solve for `harmonics` of `vertices` with `slices` at
+/// once; those on disk do not count.
+fn of_solve(vertices: usize, harmonics: usize, slices: usize, on_disk: bool) -> u64 {
+    let vectors = if on_disk { 0 } else { VALUE.saturating_mul(harmonics as u64) };
     let each = (SURFACE + slices as u64 * (FACTOR + SPACE)).saturating_add(vectors);
     each.saturating_mul(vertices as u64)
 }
 
-/// The approximate number of bytes needed here if other processes solve: the mesh, and the vectors.
-#[cfg(not(target_family = "wasm"))]
-fn of_ranks(vertices: usize, harmonics: usize) -> u64 {
-    VALUE.saturating_mul(harmonics as u64 + 64).saturating_add(SURFACE).saturating_mul(vertices as u64)
+/// The same when the first `slices` are solved and `kept` factors, theirs included, wait for their slices.
+fn of_plan(vertices: usize, slices: usize, kept: usize) -> u64 {
+    (SURFACE + kept as u64 * FACTOR + slices as u64 * SPACE).saturating_mul(vertices as u64)
 }
 
-/// Refuses a solve with `slices` at once if there is not enough memory.
-pub(crate) fn check_solve(vertices: usize, harmonics: usize, slices: usize) -> Result<(), HarmonicsError> {
-    check(vertices, harmonics, of_solve(vertices, harmonics, slices), available())
+/// The approximate number of bytes needed for harmonics that were solved elsewhere: the mesh, and the vectors.
+fn of_harmonics(vertices: usize, harmonics: usize, on_disk: bool) -> u64 {
+    let vectors = if on_disk { 64 * VALUE } else { VALUE.saturating_mul(harmonics as u64 + 64) };
+    vectors.saturating_add(SURFACE).saturating_mul(vertices as u64)
 }
 
-/// Refuses a solve by other processes if there is not enough memory here for its harmonics.
-#[cfg(not(target_family = "wasm"))]
-pub(crate) fn check_ranks(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
-    check(vertices, harmonics, of_ranks(vertices, harmonics), available())
-}
-
-fn check(
-    vertices: usize,
-    harmonics: usize,
-    needed: u64,
-    available: Option<u64>,
-) -> Result<(), HarmonicsError> {
-    let too_many = |reason: String| Err(HarmonicsError::TooMany { harmonics, vertices, reason });
-    if let Some(available) = available.filter(|available| needed > *available) {
-        let gigabytes = |bytes: u64| bytes as f64 / 1e9;
-        return too_many(format!(
-            "it takes about {:.1} GB of memory, and {:.1} GB are free: ask for fewer harmonics or threads",
-            gigabytes(needed),
-            gigabytes(available)
-        ));
+impl Keep<'_> {
+    /// What is different from a solve of `of_slices` at once in memory, if `slices` are solved at once.
+    pub(crate) fn short_of(
+        self,
+        slices: usize,
+        of_slices: usize,
+        vertices: usize,
+        harmonics: usize,
+    ) -> Option<ShortOfMemory> {
+        let scratch = match self {
+            Keep::Memory => None,
+            Keep::Folder(folder) => Some((folder.to_owned(), on_disk(vertices, harmonics))),
+        };
+        (slices < of_slices || scratch.is_some()).then_some(ShortOfMemory { slices, of_slices, scratch })
     }
-    // If the available memory is unknown, refuse only what the system would not even promise.
+}
+
+/// The bytes that the harmonics take on disk at most: those of all slices, and in the order of the mesh.
+fn on_disk(vertices: usize, harmonics: usize) -> u64 {
+    (2 * VALUE).saturating_mul(vertices as u64).saturating_mul(harmonics as u64)
+}
+
+/// How a solve fits in memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Room<'a> {
+    /// The number of slices that are solved at once.
+    pub slices: usize,
+    /// Where the harmonics are kept.
+    pub keep: Keep<'a>,
+    /// Whether there is no room for the factors of slices that wait.
+    pub frugal: bool,
+}
+
+/// The room for a solve of up to `slices` at once, with a plan that has `kept` factors at its end. The disk
+/// is used only where that allows more slices.
+pub(crate) fn room_for_solve<'a>(
+    vertices: usize,
+    slices: usize,
+    kept: usize,
+    settings: &'a BasisSettings,
+) -> Result<Room<'a>, HarmonicsError> {
+    let harmonics = settings.harmonics;
+    let needed = |slices, on_disk| of_solve(vertices, harmonics, slices, on_disk);
+    let Some(free) = settings.memory_bytes.or_else(available) else {
+        check_promise(vertices, harmonics)?;
+        return Ok(Room { slices, keep: Keep::Memory, frugal: false });
+    };
+    let most = |on_disk| (1..=slices.max(1)).rev().find(|slices| needed(*slices, on_disk) <= free);
+    let room = |slices, keep| Room { slices, keep, frugal: of_plan(vertices, slices, kept) > free };
+    match (&settings.scratch, most(false), most(true)) {
+        (Some(folder), in_memory, Some(slices)) if in_memory.is_none_or(|fewer| fewer < slices) => {
+            check_disk(folder, on_disk(vertices, harmonics))?;
+            Ok(room(slices, Keep::Folder(folder)))
+        }
+        (_, Some(slices), _) => {
+            check_promise(vertices, harmonics)?;
+            Ok(room(slices, Keep::Memory))
+        }
+        (scratch, None, _) => Err(too_large(vertices, harmonics, needed(1, scratch.is_some()), free)),
+    }
+}
+
+/// Where harmonics are kept that were solved elsewhere.
+pub(crate) fn room_for_harmonics(
+    vertices: usize,
+    settings: &BasisSettings,
+) -> Result<Keep<'_>, HarmonicsError> {
+    let harmonics = settings.harmonics;
+    let needed = |on_disk| of_harmonics(vertices, harmonics, on_disk);
+    match (settings.memory_bytes.or_else(available), &settings.scratch) {
+        (Some(free), Some(folder)) if needed(false) > free && needed(true) <= free => {
+            check_disk(folder, on_disk(vertices, harmonics) / 2)?;
+            Ok(Keep::Folder(folder))
+        }
+        (Some(free), scratch) if needed(false) > free => {
+            Err(too_large(vertices, harmonics, needed(scratch.is_some()), free))
+        }
+        _ => check_promise(vertices, harmonics).map(|()| Keep::Memory),
+    }
+}
+
+fn check_disk(folder: &Path, bytes: u64) -> Result<(), HarmonicsError> {
+    values::check_folder(folder, bytes).map_err(|e| {
+        let reason = format!("{:.1} GB: {e}", bytes as f64 / 1e9);
+        HarmonicsError::NoScratch { folder: folder.to_owned(), reason }
+    })
+}
+
+fn too_large(vertices: usize, harmonics: usize, needed: u64, free: u64) -> HarmonicsError {
+    let gigabytes = |bytes: u64| bytes as f64 / 1e9;
+    let reason = format!(
+        "it takes at least about {:.1} GB of memory, and {:.1} GB are free",
+        gigabytes(needed),
+        gigabytes(free)
+    );
+    HarmonicsError::TooMany { harmonics, vertices, reason }
+}
+
+/// Refuses what the system would not even promise.
+fn check_promise(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
     if Vec::<f64>::new().try_reserve_exact(vertices.saturating_mul(harmonics)).is_err() {
-        return too_many("they are more than this machine's memory".into());
+        let reason = "they are more than this machine's memory".into();
+        return Err(HarmonicsError::TooMany { harmonics, vertices, reason });
     }
     Ok(())
 }
@@ -85,16 +168,49 @@ fn in_meminfo(text: &str) -> Option<u64> {
 mod tests {
     use super::*;
 
+    fn settings(harmonics: usize, memory_bytes: u64, scratch: Option<&Path>) -> BasisSettings {
+        let (memory_bytes, scratch) = (Some(memory_bytes), scratch.map(Path::to_owned));
+        BasisSettings { memory_bytes, scratch, ..BasisSettings::new(harmonics) }
+    }
+
     #[test]
     fn what_does_not_fit_is_refused_with_both_numbers() {
-        let needed = of_solve(50_000_000, 256, 2);
-        let error = check(50_000_000, 256, needed, Some(22_000_000_000)).unwrap_err().to_string();
-        assert!(error.contains("457.2 GB") && error.contains("22.0 GB are free"), "{error}");
-        assert!(check(800_000, 256, of_solve(800_000, 256, 2), Some(22_000_000_000)).is_ok());
-        assert!(check(3, usize::MAX / 8, 1, None).unwrap_err().to_string().contains("this machine's memory"));
-        assert!(check_solve(usize::MAX, usize::MAX / 8, 1).is_err());
-        #[cfg(not(target_family = "wasm"))]
-        assert!(check_ranks(1 << 60, 1 << 10).is_err());
+        let free = 22_000_000_000;
+        let error = room_for_solve(50_000_000, 2, 4, &settings(256, free, None)).unwrap_err().to_string();
+        assert!(error.contains("347.4 GB") && error.contains("22.0 GB are free"), "{error}");
+        let whole = Room { slices: 2, keep: Keep::Memory, frugal: false };
+        assert_eq!(room_for_solve(800_000, 2, 4, &settings(256, free, None)).unwrap(), whole);
+        assert_eq!(Keep::Memory.short_of(2, 2, 800_000, 256), None);
+        let tight = settings(256, 8_850_000_000, None);
+        assert_eq!(room_for_solve(800_000, 2, 4, &tight).unwrap(), Room { frugal: true, ..whole });
+        let mut unlimited = settings(usize::MAX / 8, 0, None);
+        unlimited.memory_bytes = None;
+        assert!(room_for_solve(usize::MAX, 1, 1, &unlimited).is_err());
+        assert!(check_promise(3, usize::MAX / 8).unwrap_err().to_string().contains("this machine's memory"));
+        assert!(room_for_harmonics(1 << 60, &settings(1 << 10, free, None)).is_err());
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    #[test]
+    fn fewer_slices_come_before_a_refusal_and_the_disk_only_where_it_allows_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let (n, k) = (1000, 512);
+        let room = |tenths: u64, scratch| {
+            let settings = settings(k, 100_000 * tenths, scratch);
+            room_for_solve(n, 2, 8, &settings).map(|room| (room.slices, room.keep != Keep::Memory)).ok()
+        };
+        // In memory 9.0 MB for one slice, 13.1 for two; on disk 4.9 and 9.0.
+        assert_eq!(
+            [room(132, None), room(100, None), room(89, None)],
+            [Some((2, false)), Some((1, false)), None]
+        );
+        let scratch = Some(folder.path());
+        assert_eq!([room(132, scratch), room(100, scratch)], [Some((2, false)), Some((2, true))]);
+        assert_eq!([room(60, scratch), room(48, scratch)], [Some((1, true)), None]);
+        let nowhere = folder.path().join("none");
+        let settings = settings(k, 6_000_000, Some(&nowhere));
+        assert!(matches!(room_for_solve(n, 2, 8, &settings), Err(HarmonicsError::NoScratch { .. })));
+        assert!(matches!(room_for_harmonics(n, &settings), Ok(Keep::Memory)));
     }
 
     #[test]

@@ -96,21 +96,81 @@ pub fn write_npy<T: AutoSerialize>(path: &Path, values: &[T]) -> Result<()> {
     })
 }
 
+/// Where the arrays of a basis go.
+trait Arrays {
+    /// Adds an array whose `values` are given in `order`.
+    fn add<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        order: Order,
+        values: impl Iterator<Item = T>,
+    ) -> Result<()>;
+}
+
+impl Arrays for Npz<'_, '_> {
+    fn add<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        order: Order,
+        values: impl Iterator<Item = T>,
+    ) -> Result<()> {
+        Npz::add(self, name, T::default_dtype(), shape, order, values)
+    }
+}
+
+/// A folder with one `.npy` file for each array.
+struct Folder<'a>(&'a Path);
+
+impl Arrays for Folder<'_> {
+    fn add<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[u64],
+        order: Order,
+        values: impl Iterator<Item = T>,
+    ) -> Result<()> {
+        chladni_task::write_atomic_with(&self.0.join(format!("{name}.npy")), |file| {
+            let array = WriteOptions::new().default_dtype().shape(shape).order(order);
+            let mut array = array.writer(file).begin_nd()?;
+            array.extend(values)?;
+            array.finish()
+        })
+    }
+}
+
+/// Adds `eigenvalues`, `mass`, `operator_vertex` and `eigenvectors` in the units of the file.
+fn add_basis(arrays: &mut impl Arrays, body: &Body) -> Result<()> {
+    let basis = &body.basis;
+    let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
+    let eigenvalues = basis.eigenvalues.iter().map(|l| body.eigenvalue_in_file(*l));
+    arrays.add("eigenvalues", &[k], Order::C, eigenvalues)?;
+    arrays.add("mass", &[n], Order::C, basis.mass.iter().map(|a| body.area_in_file(*a)))?;
+    let rows = body.operator_vertex.iter().map(|v| v.map_or(-1, i64::from));
+    arrays.add("operator_vertex", &[body.operator_vertex.len() as u64], Order::C, rows)?;
+    let harmonics = basis.vectors.iter().map(|h| body.harmonic_in_file(*h));
+    arrays.add("eigenvectors", &[n, k], Order::Fortran, harmonics)
+}
+
 /// Writes `eigenvalues` (K), `mass` (N), `operator_vertex` (n: file vertex → row, −1 if no triangle uses
 /// the vertex) and `eigenvectors` (N×K), in the units of the file from which `body` was made.
 ///
 /// # Errors
 /// An error of the system; then no file is left behind.
 pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
-    let basis = &body.basis;
-    let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
-    write_npz(path, |npz| {
-        npz.array("eigenvalues", &[k], basis.eigenvalues.iter().map(|l| body.eigenvalue_in_file(*l)))?;
-        npz.array("mass", &[n], basis.mass.iter().map(|a| body.area_in_file(*a)))?;
-        let rows = body.operator_vertex.iter().map(|v| v.map_or(-1, i64::from));
-        npz.array("operator_vertex", &[body.operator_vertex.len() as u64], rows)?;
-        npz.columns("eigenvectors", [n, k], basis.vectors.iter().map(|h| body.harmonic_in_file(*h)))
-    })
+    write_npz(path, |npz| add_basis(npz, body))
+}
+
+/// Writes the arrays of [`write_basis`] as `.npy` files of their own into `folder`, which is created if it
+/// does not exist. `numpy.load(…, mmap_mode="r")` then reads only the harmonics that are used: each is
+/// stored in one piece.
+///
+/// # Errors
+/// An error of the system. Each file is written whole or not at all.
+pub fn write_basis_folder(folder: &Path, body: &Body) -> Result<()> {
+    std::fs::create_dir_all(folder)?;
+    add_basis(&mut Folder(folder), body)
 }
 
 /// Writes the stiffness matrix S (N×N), which has no unit, for `scipy.sparse.load_npz`.

@@ -1,5 +1,7 @@
 //! Reports on a basis besides its numbers.
 
+use std::path::PathBuf;
+
 use crate::Certificate;
 
 /// How a basis was computed.
@@ -18,6 +20,8 @@ pub struct BuildReport {
     pub cuts_cluster: bool,
     /// Whether slices could not be certified, and the operator was solved as a dense matrix instead.
     pub fell_back_to_dense: bool,
+    /// What was done differently because memory is short.
+    pub short_of_memory: Option<ShortOfMemory>,
     /// Where the time of a solve by slices went; all zero if the basis was cached or solved densely.
     pub profile: SolveProfile,
     /// Why the cache could not be used or written; the basis itself is not affected.
@@ -30,7 +34,9 @@ impl BuildReport {
         let Self { asked, vertices, .. } = *self;
         let fewer = (asked > vertices).then_some(BasisWarning::FewerHarmonics { asked, vertices });
         let cache = self.cache_warning.clone().map(BasisWarning::Cache);
-        fewer.into_iter().chain(cache).chain(certificate.warning().map(BasisWarning::Imprecise)).collect()
+        let short = self.short_of_memory.clone().map(BasisWarning::ShortOfMemory);
+        let imprecise = certificate.warning().map(BasisWarning::Imprecise);
+        fewer.into_iter().chain(cache).chain(short).chain(imprecise).collect()
     }
 }
 
@@ -48,9 +54,42 @@ pub enum BasisWarning {
     /// The cache could not be used or written.
     #[error("{0}")]
     Cache(String),
+    /// The solve did not fit in memory as a whole.
+    #[error("{0}")]
+    ShortOfMemory(ShortOfMemory),
     /// The certificate is worse than that of a sound mesh.
     #[error("{0}")]
     Imprecise(String),
+}
+
+/// How a solve differed from one with enough memory. Its result is the same.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ShortOfMemory {
+    /// The number of slices that were solved at once.
+    pub slices: usize,
+    /// The number with enough memory.
+    pub of_slices: usize,
+    /// The folder in which the harmonics were kept, and the bytes that they took there at most.
+    pub scratch: Option<(PathBuf, u64)>,
+}
+
+impl std::fmt::Display for ShortOfMemory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "memory is short: ")?;
+        if let Some((folder, bytes)) = &self.scratch {
+            write!(
+                f,
+                "the harmonics are kept in {} (up to {:.1} GB)",
+                folder.display(),
+                *bytes as f64 / 1e9
+            )?;
+        }
+        let between = if self.scratch.is_some() { ", and " } else { "" };
+        if self.slices < self.of_slices {
+            write!(f, "{between}{} of {} threads solve", self.slices, self.of_slices)?;
+        }
+        Ok(())
+    }
 }
 
 /// Wall-clock seconds of each part of a build.

@@ -1,5 +1,7 @@
 //! The settings of a basis.
 
+use std::path::{Path, PathBuf};
+
 use serde::{Deserialize, Serialize};
 
 use crate::HarmonicsError;
@@ -26,7 +28,7 @@ impl std::fmt::Display for Laplacian {
 }
 
 /// How a basis is solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BasisSettings {
     /// K ≥ 1. A shape with fewer operator vertices gets one harmonic per vertex.
     pub harmonics: usize,
@@ -37,6 +39,12 @@ pub struct BasisSettings {
     pub threads: Option<usize>,
     /// Whether to extend K to the end of a group of equal eigenvalues that it would cut.
     pub whole_clusters: bool,
+    /// The memory in bytes that a solve may take; `None` means what the system has free. A solve that does
+    /// not fit solves fewer slices at once, if need be with its harmonics in `scratch`, or is refused.
+    pub memory_bytes: Option<u64>,
+    /// The folder for harmonics that do not fit in memory; `None` keeps all of them in memory. The result
+    /// does not depend on it. See [`default_scratch`](Self::default_scratch).
+    pub scratch: Option<PathBuf>,
 }
 
 /// The default is 256 harmonics, enough to recognize a face.
@@ -49,7 +57,24 @@ impl Default for BasisSettings {
 impl BasisSettings {
     /// K harmonics on all threads; exactly K, even if that cuts a group of equal eigenvalues.
     pub fn new(harmonics: usize) -> Self {
-        Self { harmonics, laplacian: Laplacian::default(), threads: None, whole_clusters: false }
+        Self {
+            harmonics,
+            laplacian: Laplacian::default(),
+            threads: None,
+            whole_clusters: false,
+            memory_bytes: None,
+            scratch: None,
+        }
+    }
+
+    /// The folder that `TMPDIR` names; without it `/var/tmp` where there is one, because `/tmp` is often kept
+    /// in memory; else the system's folder for temporary files.
+    pub fn default_scratch() -> PathBuf {
+        let disk = Path::new("/var/tmp");
+        if std::env::var_os("TMPDIR").is_none() && cfg!(unix) && disk.is_dir() {
+            return disk.into();
+        }
+        std::env::temp_dir()
     }
 
     /// K, or N if that is less.

@@ -163,7 +163,7 @@ fn planted_faults_fail_the_certificate() {
     assert!(operator.certify(&good).unwrap().inertia_counts_match);
     let mut removed = good.clone();
     removed.eigenvalues.remove(40);
-    removed.vectors.drain(40 * n..41 * n);
+    removed.vectors = [&good.vectors[..40 * n], &good.vectors[41 * n..]].concat().into();
     assert!(!operator.certify(&removed).unwrap().inertia_counts_match);
     let mut doubled = good.clone();
     let copy = good.harmonic(40).to_vec();

@@ -181,6 +181,31 @@ fn harmonics_are_exported_for_numpy_and_cached() {
 }
 
 #[test]
+fn harmonics_that_do_not_fit_in_memory_are_kept_on_disk_and_written_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let [whole, parts] = [folder.path().join("whole"), folder.path().join("parts")];
+    let slash = |path: &Path| format!("{}/", text(path));
+    let solve = |out: &str, more: &[&str]| {
+        let usual = ["basis", "sample:octopus", "-k", "200", "--no-cache", "--threads", "2", "-o", out];
+        Run::of(&[&usual[..], more].concat())
+    };
+    solve(&slash(&whole), &[]).succeeded();
+    let short = ["--memory", "0.1", "--scratch", text(folder.path())];
+    let said = solve(&slash(&parts), &short).succeeded().stderr();
+    assert!(said.contains("memory is short") && said.contains(text(folder.path())), "{said}");
+    for name in ["eigenvalues", "eigenvectors", "mass", "operator_vertex"] {
+        let read = |folder: &Path| std::fs::read(folder.join(format!("{name}.npy"))).unwrap();
+        assert!(read(&whole) == read(&parts), "{name}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left in the scratch folder");
+    assert_eq!(solve(&slash(&parts), &["--memory", "0.01"]).code(), 2);
+    assert_eq!(solve(&slash(&parts), &["--memory", "-1"]).code(), 2);
+    let missing = folder.path().join("none");
+    assert_eq!(solve(&slash(&parts), &["--memory", "0.1", "--scratch", text(&missing)]).code(), 2);
+    assert_eq!(solve(&slash(&missing.join("deeper")), &[]).code(), 2);
+}
+
+#[test]
 fn a_shape_dances_into_frames_and_wav() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("frames");

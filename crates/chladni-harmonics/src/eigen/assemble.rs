@@ -3,13 +3,14 @@
 use chladni_task::Task;
 use rayon::prelude::*;
 
+use super::Wanted;
 use super::columns::write_columns;
 use super::found::{Entry, Found};
 use super::join::Known;
 use super::problem::Problem;
 use super::tall::{BLOCK, Small, overlaps, subtract_products, upper_overlaps};
 use crate::ldlt::Row;
-use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, pages};
+use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil};
 
 /// A larger residual is an error.
 const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
@@ -29,15 +30,16 @@ struct Measured {
     high: f64,
 }
 
-/// The first `keep` pairs as a certified basis.
+/// The first of the known pairs as a certified basis: as many as are wanted.
 pub(super) fn assemble(
     problem: &Problem,
     pencil: Pencil,
     mut slices: Vec<Found>,
     known: &Known,
-    keep: usize,
+    wanted: Wanted,
     task: &Task,
 ) -> Result<Basis, HarmonicsError> {
+    let keep = wanted.harmonics;
     let zeros = problem.zeros.min(keep);
     let entries = &known.entries[..keep - zeros];
     let ranges: Vec<&[Entry]> = {
@@ -69,7 +71,7 @@ pub(super) fn assemble(
     }
     task.check()?;
     let n = pencil.mass.len();
-    let mut vectors: Vec<f64> = pages::zeroed(n * keep);
+    let mut vectors = wanted.vectors(n, keep)?;
     let (constant, mut rest) = vectors.split_at_mut(n * zeros);
     constant.fill(problem.area.sqrt().recip());
     // The row of each vertex, and 1/√a.

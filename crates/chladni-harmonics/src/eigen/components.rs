@@ -7,9 +7,9 @@ use chladni_task::Task;
 
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
-use super::{Solved, cluster_end, or_dense, solve_connected};
+use super::{Solved, Wanted, cluster_end, or_dense, solve_connected};
 use crate::platform::Instant;
-use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, SymmetricSparse, pages};
+use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, SymmetricSparse};
 
 /// Relative width of the gap below the common shift in which no component has an eigenvalue.
 const GAP: f64 = 1e-6;
@@ -48,14 +48,13 @@ struct Shift {
     counts: Vec<usize>,
 }
 
-/// Solves for the first `harmonics` pairs of a pencil with several components; `component` holds that of
+/// Solves for the first pairs of a pencil with several components; `component` holds that of
 /// each vertex. Each component is solved for the pairs below a common shift, and the results are merged.
 pub(super) fn solve(
     pencil: Pencil,
     component: &[u32],
     kind: Kind,
-    harmonics: usize,
-    whole_clusters: bool,
+    wanted: Wanted,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     task.stage("harmonics", 0);
@@ -64,7 +63,7 @@ pub(super) fn solve(
     let components = Components::of(pencil, component, kind)?;
     profile.analyze = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let shift = components.common_shift(harmonics, &mut profile, task)?;
+    let shift = components.common_shift(wanted.harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
     let stage = task.stage("harmonics", shift.counts.iter().sum::<usize>() as u64);
     // The largest component is solved first: the last to finish is then a small one.
@@ -78,8 +77,9 @@ pub(super) fn solve(
             let Component { vertices, stiffness, mass, consistent, problem } = component;
             let pencil = Pencil { stiffness: &stiffness, mass: &mass, consistent: consistent.as_ref() };
             let (count, zeros) = (shift.counts[c], problem.zeros);
-            let solved = solve_connected(pencil, zeros, Some(problem), count, false, &stage, task);
-            let solved = or_dense(solved, pencil, zeros, count, false)?;
+            let wanted = Wanted { harmonics: count, whole_clusters: false, ..wanted };
+            let solved = solve_connected(pencil, zeros, Some(problem), wanted, &stage, task);
+            let solved = or_dense(solved, pencil, zeros, wanted)?;
             if solved.basis.eigenvalues.last().is_some_and(|last| *last > shift.sigma) {
                 return Err(HarmonicsError::not_certified(
                     "a component has fewer eigenvalues below a shift than were counted",
@@ -91,7 +91,7 @@ pub(super) fn solve(
     parts.sort_by_key(|(c, ..)| *c);
     let start = Instant::now();
     let parts = parts.into_iter().map(|(_, vertices, solved)| (vertices, solved)).collect();
-    let mut merged = merge(pencil, parts, harmonics, whole_clusters);
+    let mut merged = merge(pencil, parts, wanted)?;
     merged.profile.add(&profile);
     merged.profile.assemble += start.elapsed().as_secs_f64();
     Ok(merged)
@@ -263,7 +263,8 @@ impl Component {
 }
 
 /// Merges the lowest pairs of all components to pairs of the whole, which are zero outside their component.
-fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, harmonics: usize, whole_clusters: bool) -> Solved {
+fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, wanted: Wanted) -> Result<Solved, HarmonicsError> {
+    let harmonics = wanted.harmonics;
     let n = pencil.mass.len();
     // (λ, component, index in it); the sort is stable: equal values keep their order.
     let mut entries: Vec<(f64, usize, usize)> = Vec::new();
@@ -273,9 +274,9 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, harmonics: usize, whole
     entries.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut eigenvalues: Vec<f64> = entries.iter().map(|e| e.0).collect();
     let cluster_end = cluster_end(&eigenvalues, harmonics);
-    let keep = if whole_clusters { cluster_end } else { harmonics };
+    let keep = if wanted.whole_clusters { cluster_end } else { harmonics };
     eigenvalues.truncate(keep);
-    let mut vectors: Vec<f64> = pages::zeroed(n * keep);
+    let mut vectors = wanted.vectors(n, keep)?;
     let mut columns: Vec<Vec<&mut [f64]>> = parts.iter().map(|_| Vec::new()).collect();
     // Within a component the pairs are ascending, and its columns keep that order.
     for (column, &(_, c, _)) in vectors.chunks_exact_mut(n).zip(&entries) {
@@ -301,5 +302,6 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, harmonics: usize, whole
         }
     });
     let basis = Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate };
-    Solved { basis, cuts_cluster: keep < cluster_end, fell_back_to_dense, profile }
+    let cuts_cluster = keep < cluster_end;
+    Ok(Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory: None, profile })
 }

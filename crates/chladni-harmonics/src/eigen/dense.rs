@@ -34,11 +34,12 @@ pub(super) fn solve(
         }
     }
     let certificate = certify(pencil, zeros, &eigenvalues, &vectors, true);
-    let basis = Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate };
+    let basis = Basis { eigenvalues, vectors: vectors.into(), mass: pencil.mass.to_vec(), certificate };
     Ok(Solved {
         basis,
         cuts_cluster: keep < cluster_end,
         fell_back_to_dense: false,
+        short_of_memory: None,
         profile: SolveProfile::default(),
     })
 }

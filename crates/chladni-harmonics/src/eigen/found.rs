@@ -2,15 +2,15 @@
 
 use chladni_task::Task;
 
-use super::CLUSTER;
 use super::lanczos::{self, factor_near};
 use super::plan::{Slice, inertia};
 use super::polish::polish;
 use super::problem::{Problem, Profile};
 use super::tall::BLOCK;
 use super::window::{Pairs, Reach, Stopped, Window};
-use crate::Certificate;
+use super::{CLUSTER, Wanted};
 use crate::ldlt::{Factor, Workspace};
+use crate::{Certificate, HarmonicsError};
 
 /// The largest number of shifts that are tried for one slice.
 const ATTEMPTS: u32 = 4;
@@ -76,6 +76,14 @@ impl Found {
         }
         if let Some(gap) = self.gap_above(harmonics) {
             self.top_count = Some(inertia(problem, gap, profile)?);
+        }
+        Ok(self)
+    }
+
+    /// The slice with its vectors where they are `wanted`.
+    pub fn kept(mut self, wanted: Wanted) -> Result<Self, HarmonicsError> {
+        for pairs in &mut self.runs {
+            pairs.blocks.move_to(wanted.keep).map_err(|e| wanted.unkept(&e))?;
         }
         Ok(self)
     }

@@ -5,8 +5,8 @@ use chladni_task::Task;
 use super::components::{self, Kind};
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
-use super::{Solved, or_dense, plan, solve_connected};
-use crate::{HarmonicsError, Pencil, canonical};
+use super::{Solved, Wanted, or_dense, plan, solve_connected, where_it_fits};
+use crate::{BasisSettings, HarmonicsError, Pencil, canonical};
 
 /// Shares of a bound on the largest eigenvalue: below the first, an eigenvalue counts as zero, and the
 /// search for others begins there; the second is how far rounding may push one below zero; the third is the
@@ -18,19 +18,23 @@ const LEAST_LIFT: f64 = 1e-10;
 const ROUNDS: usize = 60;
 const PROPORTIONAL: usize = 5;
 
-/// Solves for the first `harmonics` pairs of `pencil`.
+/// Solves for the first pairs of `pencil`.
 ///
 /// The relative error of an eigenvalue 0 is undefined, and its vectors are unknown. Instead of S, S + tM is
 /// solved. Its eigenvalues are those of S plus t, where t is about the distance between the first ones;
 /// none of them is small compared with the distance to the next.
-pub(crate) fn solve(
-    pencil: Pencil,
-    harmonics: usize,
-    whole_clusters: bool,
-    task: &Task,
-) -> Result<Solved, HarmonicsError> {
-    let slices = rayon::current_num_threads().min(plan::slices(harmonics));
-    crate::memory::check_solve(pencil.mass.len(), harmonics, slices)?;
+pub(crate) fn solve(pencil: Pencil, settings: &BasisSettings, task: &Task) -> Result<Solved, HarmonicsError> {
+    let (vertices, planned) = (pencil.mass.len(), plan::slices(settings.harmonics));
+    let mut solved = where_it_fits(vertices, planned, settings, |wanted| solve_wanted(pencil, wanted, task))?;
+    if !settings.whole_clusters && solved.basis.harmonics() > settings.harmonics {
+        solved.basis.truncate(settings.harmonics);
+        solved.cuts_cluster = true;
+    }
+    Ok(solved)
+}
+
+fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, HarmonicsError> {
+    let harmonics = wanted.harmonics;
     let mut profile = Profile::default();
     let mut problem = Problem::given(pencil)?;
     let bound = pencil.bound() * problem.stretch();
@@ -53,21 +57,17 @@ pub(crate) fn solve(
     let solved = if component.iter().any(|c| *c > 0) {
         // Components are solved separately: a single Krylov space would need a direction for each copy of
         // an eigenvalue that equal components share.
-        components::solve(lifted, &component, Kind::Given { spacing: lift }, harmonics, true, task)
+        components::solve(lifted, &component, Kind::Given { spacing: lift }, wanted, task)
     } else {
         let stage = task.stage("harmonics", harmonics as u64);
-        solve_connected(lifted, 0, Some(problem), harmonics, true, &stage, task)
+        solve_connected(lifted, 0, Some(problem), wanted, &stage, task)
     };
-    let mut solved = or_dense(solved, lifted, 0, harmonics, true)?;
+    let mut solved = or_dense(solved, lifted, 0, wanted)?;
     solved.profile.add(&profile);
     for (k, value) in solved.basis.eigenvalues.iter_mut().enumerate() {
         *value = if k < zeros { 0.0 } else { (*value - lift).max(0.0) };
     }
     canonical::orient(&mut solved.basis);
-    if !whole_clusters && solved.basis.harmonics() > harmonics {
-        solved.basis.truncate(harmonics);
-        solved.cuts_cluster = true;
-    }
     Ok(solved)
 }
 
@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn a_surface_that_was_given_has_the_eigenvalues_of_its_own_solver() {
         let operator = Operator::of(&samples::torus(0.4, 60, 30)).unwrap();
-        let own = super::super::solve(&operator, 150, false, &Task::new()).unwrap().basis;
+        let own = super::super::solve(&operator, &BasisSettings::new(150), &Task::new()).unwrap().basis;
         let given = solved(&operator.pencil(), 150);
         assert_eq!(given.eigenvalues[0], 0.0);
         for (a, b) in given.eigenvalues.iter().zip(&own.eigenvalues).skip(1) {

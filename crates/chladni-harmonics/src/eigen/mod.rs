@@ -19,14 +19,22 @@ mod slicing;
 mod tall;
 mod window;
 
+use std::path::PathBuf;
+
 use chladni_task::{Stage, Task};
 
 use components::Kind;
 pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};
 
+use crate::build::on_threads;
+use crate::memory::Room;
 use crate::platform::Instant;
-use crate::{Basis, Certificate, HarmonicsError, Laplacian, Operator, Pencil, SolveProfile, canonical};
+use crate::values::{Keep, Values};
+use crate::{
+    Basis, BasisSettings, Certificate, HarmonicsError, Laplacian, Operator, Pencil, ShortOfMemory,
+    SolveProfile, canonical, memory,
+};
 
 /// Up to this many vertices a dense solve is faster than slices.
 const DENSE: usize = 300;
@@ -45,34 +53,77 @@ pub(crate) struct Solved {
     pub cuts_cluster: bool,
     /// Whether the slices could not be certified, and everything was solved as a dense matrix instead.
     pub fell_back_to_dense: bool,
+    pub short_of_memory: Option<ShortOfMemory>,
     pub profile: SolveProfile,
 }
 
-/// Solves for the first `harmonics` pairs of `operator`. [`canonical`] chooses among equally good ones; for
+/// What a part of a solve must return.
+#[derive(Clone, Copy)]
+struct Wanted<'a> {
+    harmonics: usize,
+    /// Whether to extend K to the end of a group of equal eigenvalues that it would cut.
+    whole_clusters: bool,
+    /// Where the vectors are kept.
+    keep: Keep<'a>,
+    /// Whether to compute factors again rather than keep them.
+    frugal: bool,
+}
+
+impl Wanted<'_> {
+    /// An array of zeros for vectors of `n` values.
+    fn vectors(self, n: usize, count: usize) -> Result<Values, HarmonicsError> {
+        Values::zeroed(n * count, self.keep).map_err(|e| self.unkept(&e))
+    }
+
+    fn unkept(self, error: &std::io::Error) -> HarmonicsError {
+        let folder = if let Keep::Folder(folder) = self.keep { folder.to_owned() } else { PathBuf::new() };
+        HarmonicsError::NoScratch { folder, reason: error.to_string() }
+    }
+}
+
+/// Runs `solve` where and with as many slices at once as memory allows for `vertices`. It is asked for whole
+/// groups of equal eigenvalues.
+fn where_it_fits(
+    vertices: usize,
+    planned: usize,
+    settings: &BasisSettings,
+    solve: impl FnOnce(Wanted) -> Result<Solved, HarmonicsError> + Send,
+) -> Result<Solved, HarmonicsError> {
+    let slices = rayon::current_num_threads().min(planned);
+    let kept = if planned <= plan::KEPT { planned } else { 0 };
+    let Room { slices: fitting, keep, frugal } = memory::room_for_solve(vertices, slices, kept, settings)?;
+    let wanted = Wanted { harmonics: settings.harmonics, whole_clusters: true, keep, frugal };
+    // Each thread solves a slice.
+    let solved = if fitting < slices { on_threads(Some(fitting), || solve(wanted))? } else { solve(wanted) };
+    let short_of_memory = keep.short_of(fitting, slices, vertices, settings.harmonics);
+    Ok(Solved { short_of_memory, ..solved? })
+}
+
+/// Solves for the first pairs of `operator`. [`canonical`] chooses among equally good ones; for
 /// that, a group of equal eigenvalues that K cuts is solved as a whole.
 pub(crate) fn solve(
     operator: &Operator,
-    harmonics: usize,
-    whole_clusters: bool,
+    settings: &BasisSettings,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
-    let n = operator.vertices();
+    let (n, harmonics) = (operator.vertices(), settings.harmonics);
     if harmonics == 0 || harmonics > n {
         return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices: n });
     }
     task.check()?;
-    let threads = rayon::current_num_threads();
-    crate::memory::check_solve(n, harmonics, threads.min(plan::slices(harmonics.saturating_sub(ZEROS))))?;
     let pencil = operator.pencil();
-    let solved = if operator.components() > 1 {
-        components::solve(pencil, &operator.component, Kind::Surface, harmonics, true, task)
-    } else {
-        let stage = task.stage("harmonics", harmonics as u64);
-        solve_connected(pencil, ZEROS, None, harmonics, true, &stage, task)
-    };
-    let mut solved = or_dense(solved, pencil, operator.components(), harmonics, true)?;
+    let planned = plan::slices(harmonics.saturating_sub(ZEROS));
+    let mut solved = where_it_fits(n, planned, settings, |wanted| {
+        let solved = if operator.components() > 1 {
+            components::solve(pencil, &operator.component, Kind::Surface, wanted, task)
+        } else {
+            let stage = task.stage("harmonics", harmonics as u64);
+            solve_connected(pencil, ZEROS, None, wanted, &stage, task)
+        };
+        or_dense(solved, pencil, operator.components(), wanted)
+    })?;
     canonical::choose(&mut solved.basis, &operator.positions, &operator.stiffness);
-    if !whole_clusters && solved.basis.harmonics() > harmonics {
+    if !settings.whole_clusters && solved.basis.harmonics() > harmonics {
         solved.basis.truncate(harmonics);
         solved.cuts_cluster = true;
     }
@@ -85,30 +136,28 @@ fn or_dense(
     solved: Result<Solved, HarmonicsError>,
     pencil: Pencil,
     zeros: usize,
-    harmonics: usize,
-    whole_clusters: bool,
+    wanted: Wanted,
 ) -> Result<Solved, HarmonicsError> {
     match solved {
         Err(HarmonicsError::NotCertified { .. }) if pencil.mass.len() <= DENSE_SHARE => {
-            let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
+            let solved = dense::solve(pencil, zeros, wanted.harmonics, wanted.whole_clusters)?;
             Ok(Solved { fell_back_to_dense: true, ..solved })
         }
         solved => solved,
     }
 }
 
-/// Solves for the first `harmonics` pairs of a connected surface, or of a given pencil without `zeros`.
+/// Solves for the first pairs of a connected surface, or of a given pencil without `zeros`.
 /// `problem` is built if it is not given. The stage counts pairs.
 fn solve_connected(
     pencil: Pencil,
     zeros: usize,
     problem: Option<Problem>,
-    harmonics: usize,
-    whole_clusters: bool,
+    wanted: Wanted,
     stage: &Stage,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
-    let n = pencil.mass.len();
+    let (n, harmonics) = (pencil.mass.len(), wanted.harmonics);
     task.check()?;
     if harmonics == 1 && zeros == ZEROS {
         stage.advance(1);
@@ -119,7 +168,7 @@ fn solve_connected(
             let reason = "half of all and more take a dense solver, which is for at most 20000 vertices";
             return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason: reason.into() });
         }
-        let solved = dense::solve(pencil, zeros, harmonics, whole_clusters)?;
+        let solved = dense::solve(pencil, zeros, harmonics, wanted.whole_clusters)?;
         // If slivers make the largest eigenvalues huge, slices are more accurate for the lowest ones.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
             stage.advance(harmonics as u64);
@@ -129,7 +178,7 @@ fn solve_connected(
     let start = Instant::now();
     let problem = problem.unwrap_or_else(|| Problem::of(pencil));
     let analyze = start.elapsed().as_secs_f64();
-    let mut solved = slicing::solve(&problem, pencil, harmonics, whole_clusters, stage, task)?;
+    let mut solved = slicing::solve(&problem, pencil, wanted, stage, task)?;
     solved.profile.analyze = analyze;
     Ok(solved)
 }
@@ -138,8 +187,15 @@ fn solve_connected(
 fn constant(pencil: Pencil) -> Solved {
     let vectors = vec![pencil.mass.iter().sum::<f64>().sqrt().recip(); pencil.mass.len()];
     let certificate = certify(pencil, ZEROS, &[0.0], &vectors, true);
-    let basis = Basis { eigenvalues: vec![0.0], vectors, mass: pencil.mass.to_vec(), certificate };
-    Solved { basis, cuts_cluster: false, fell_back_to_dense: false, profile: SolveProfile::default() }
+    let basis =
+        Basis { eigenvalues: vec![0.0], vectors: vectors.into(), mass: pencil.mass.to_vec(), certificate };
+    Solved {
+        basis,
+        cuts_cluster: false,
+        fell_back_to_dense: false,
+        short_of_memory: None,
+        profile: SolveProfile::default(),
+    }
 }
 
 /// The first position at or after K where neighboring `values` differ, or the end of `values`.

@@ -10,7 +10,7 @@ use crate::ldlt::{Factor, Workspace};
 /// The number of eigenpairs per slice that is aimed at.
 const PER_SLICE: usize = 84;
 /// Up to this many slices, the factors of the first counts are kept for them.
-const KEPT: usize = 8;
+pub(crate) const KEPT: usize = 8;
 /// How far counts may differ from equal shares if slices are to start where the counts were taken.
 const UNEVEN: f64 = 0.12;
 /// How far a count may be from the line between its neighbors, in slices, before the eigenvalues are
@@ -36,10 +36,11 @@ pub(super) struct Slice {
 }
 
 /// Slices that cover the `harmonics` smallest eigenvalues, with the factors at their shifts if planning
-/// computed them.
+/// computed them and memory is not short (`frugal`).
 pub(super) fn plan(
     problem: &Problem,
     harmonics: usize,
+    frugal: bool,
     profile: &mut Profile,
     task: &Task,
 ) -> Result<Vec<(Slice, Option<Factor>)>, Stopped> {
@@ -52,9 +53,9 @@ pub(super) fn plan(
     if slices <= KEPT {
         // Weyl's law is often so accurate that slices can start where it says.
         let shifts: Vec<f64> = (0..slices).map(|i| weyl(problem, step * (i as f64 + 0.5))).collect();
-        let factors = sample(problem, &shifts, &mut counting, profile)?;
+        let factors = sample(problem, &shifts, !frugal, &mut counting, profile)?;
         if let Some(slices) = counting.slices_between(wanted, step) {
-            return Ok(slices.into_iter().zip(factors.into_iter().map(Some)).collect());
+            return Ok(slices.into_iter().zip(factors).collect());
         }
     }
     count(problem, &mut counting, wanted, profile, task)?;
@@ -66,7 +67,7 @@ pub(super) fn plan(
         // To find a pair beyond each end, a run would have to resolve whole clumps there, at twice the
         // cost. It gets the counts instead.
         let mut counted = Counting(vec![(0.0, zeros as f64)]);
-        sample(problem, &bounds[1..slices], &mut counted, profile)?;
+        sample(problem, &bounds[1..slices], false, &mut counted, profile)?;
         counted.0.push((bounds[slices], wanted));
         below = counted.0.iter().map(|&(_, count)| Some(count as usize)).collect();
     }
@@ -167,7 +168,7 @@ fn count(
         let from = counting.0.last().map_or(0.0, |s| s.0);
         let probes: Vec<f64> =
             (1..=PROBES).map(|i| from + (top - from) * (i as f64 / PROBES as f64).powf(0.8)).collect();
-        sample(problem, &probes, counting, profile)?;
+        sample(problem, &probes, false, counting, profile)?;
         let (last, reached) = counting.0.last().copied().unwrap_or((top, n));
         // In proportion to what is missing, within bounds.
         let grow = ((wanted + 2.0) / reached.max(1.0)).clamp(1.02, 4.0);
@@ -189,34 +190,36 @@ fn count(
         }
         gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
         let probes: Vec<f64> = gaps.iter().take(PROBES).map(|g| g.1).collect();
-        sample(problem, &probes, counting, profile)?;
+        sample(problem, &probes, false, counting, profile)?;
     }
     Ok(())
 }
 
-/// The counts at each of `probes`, or just beside it, and the factors there, ascending in λ.
+/// The counts at each of `probes`, or just beside it, and the factors there if they are to be kept,
+/// ascending in λ.
 fn sample(
     problem: &Problem,
     probes: &[f64],
+    keep: bool,
     counting: &mut Counting,
     profile: &mut Profile,
-) -> Result<Vec<Factor>, Stopped> {
-    type Sample = (f64, Factor, Profile);
+) -> Result<Vec<Option<Factor>>, Stopped> {
+    type Sample = (f64, usize, Option<Factor>, Profile);
     let found: Vec<Result<Sample, Stopped>> = probes
         .par_iter()
         .with_max_len(1)
         .map(|&probe| {
             let mut profile = Profile::default();
             let (lambda, factor) = factor_beside(problem, probe, &mut profile)?;
-            Ok((lambda, factor, profile))
+            Ok((lambda, factor.below_shift, keep.then_some(factor), profile))
         })
         .collect();
     let mut found = found.into_iter().collect::<Result<Vec<Sample>, Stopped>>()?;
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut factors = Vec::with_capacity(found.len());
-    for (lambda, factor, part) in found {
+    for (lambda, below, factor, part) in found {
         profile.add(&part);
-        counting.0.push((lambda, factor.below_shift as f64));
+        counting.0.push((lambda, below as f64));
         factors.push(factor);
     }
     counting.0.sort_by(|a, b| a.0.total_cmp(&b.0));

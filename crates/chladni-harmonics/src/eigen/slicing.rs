@@ -9,33 +9,32 @@ use super::found::Found;
 use super::join::{Join, Known};
 use super::plan::{inertia, plan};
 use super::problem::{Problem, Profile};
-use super::window::Stopped;
-use super::{Solved, assemble};
+use super::{Solved, Wanted, assemble};
 use crate::platform::Instant;
 use crate::{HarmonicsError, Pencil};
 
 /// The largest number of extra runs before the solve is given up.
 const REPAIRS: usize = 100;
 
-/// Solves for the first `harmonics` pairs of `problem`, which belongs to `pencil`.
+/// Solves for the first pairs of `problem`, which belongs to `pencil`.
 pub(super) fn solve(
     problem: &Problem,
     pencil: Pencil,
-    harmonics: usize,
-    whole_clusters: bool,
+    wanted: Wanted,
     stage: &Stage,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
+    let harmonics = wanted.harmonics;
     let mut profile = Profile::default();
     let start = Instant::now();
-    let slices = plan(problem, harmonics, &mut profile, task)?;
+    let slices = plan(problem, harmonics, wanted.frugal, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();
     // Progress: an equal share for each slice, and the rest for assembling.
     let (share, count) = (harmonics / (slices.len() + 1), slices.len());
     // The lowest slice usually takes longest, and the top one comes next.
     let mut queue: Vec<_> = slices.into_iter().enumerate().collect();
     queue[1..].reverse();
-    type Finished = Result<(Found, Profile), Stopped>;
+    type Finished = Result<(Found, Profile), HarmonicsError>;
     let found: Mutex<Vec<(usize, Finished)>> = Mutex::default();
     let store = |place: usize, finished: Finished| {
         stage.advance(share as u64);
@@ -47,12 +46,17 @@ pub(super) fn solve(
             let mut profile = Profile::default();
             let begun = Found::begin(problem, slice, factor, harmonics, &mut profile, task);
             let finish = move || {
+                if wanted.frugal {
+                    problem.free_spare_blocks();
+                }
                 let found = begun
                     .and_then(|(found, tried)| found.finish(problem, tried, harmonics, &mut profile, task));
-                store(place, found.map(|found| (found, profile)));
+                let kept = found.map_err(HarmonicsError::from).and_then(|found| found.kept(wanted));
+                store(place, kept.map(|found| (found, profile)));
             };
-            // Polishing is left to the first thread that finds no slice left to begin.
-            if place == 0 { scope.spawn(move |_| finish()) } else { finish() }
+            // Polishing is left to the first thread that finds no slice left to begin, if there is memory
+            // for what waits.
+            if place == 0 && !wanted.frugal { scope.spawn(move |_| finish()) } else { finish() }
         });
     });
     let mut found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -65,13 +69,14 @@ pub(super) fn solve(
     }
     let known = mend(problem, &mut slices, harmonics, &mut profile, task)?;
     problem.free_spare_blocks();
-    let keep = if whole_clusters { known.cluster_end } else { harmonics };
+    let keep = if wanted.whole_clusters { known.cluster_end } else { harmonics };
     let cuts_cluster = keep < known.cluster_end;
     let start = Instant::now();
-    let basis = assemble::assemble(problem, pencil, slices, &known, keep, task)?;
+    let basis =
+        assemble::assemble(problem, pencil, slices, &known, Wanted { harmonics: keep, ..wanted }, task)?;
     profile.assemble = start.elapsed().as_secs_f64();
     stage.advance((harmonics - share * count) as u64);
-    Ok(Solved { basis, cuts_cluster, fell_back_to_dense: false, profile })
+    Ok(Solved { basis, cuts_cluster, fell_back_to_dense: false, short_of_memory: None, profile })
 }
 
 /// Joins the slices, and searches again wherever a count shows that a pair is missing.

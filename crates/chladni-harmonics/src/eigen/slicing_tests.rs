@@ -37,7 +37,7 @@ fn torus(around: u32, across: u32) -> TriMesh {
 fn solved(operator: &Operator, harmonics: usize) -> (Problem, Vec<Found>) {
     let (task, mut profile) = (Task::new(), Profile::default());
     let problem = Problem::of(operator.pencil());
-    let slices = plan(&problem, harmonics, &mut profile, &task).unwrap();
+    let slices = plan(&problem, harmonics, false, &mut profile, &task).unwrap();
     let found = slices
         .into_iter()
         .map(|(s, factor)| {
@@ -133,7 +133,7 @@ fn where_eigenvalues_come_in_clumps_slices_know_how_many_are_theirs() {
         let operator = Operator::of(mesh).unwrap();
         let problem = Problem::of(operator.pencil());
         let exact = operator.dense_eigenvalues().unwrap();
-        let slices = plan(&problem, 200, &mut Profile::default(), &Task::new()).unwrap();
+        let slices = plan(&problem, 200, false, &mut Profile::default(), &Task::new()).unwrap();
         for (slice, _) in &slices {
             let below = |lambda: f64| exact[1..].partition_point(|l| *l < lambda) + 1;
             if let Some((low, high)) = slice.ends {

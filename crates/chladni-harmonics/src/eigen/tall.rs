@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::ldlt::Row;
 use crate::simd::{Kernel, Lanes, dispatch};
+use crate::values::{Keep, Values};
 use crate::{SymmetricSparse, pages};
 
 /// The number of columns of a block.
@@ -14,7 +15,7 @@ pub(super) const BLOCK: usize = 8;
 /// Tall blocks of eight columns, stored one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blocks {
-    rows: Vec<Row>,
+    rows: Values<Row>,
     /// The number of rows of a block.
     n: usize,
 }
@@ -22,7 +23,7 @@ pub(super) struct Blocks {
 impl Blocks {
     /// `count` blocks of `n` rows, which must be written before they are read.
     pub(super) fn untouched(n: usize, count: usize) -> Self {
-        Self { rows: pages::zeroed(n * count), n }
+        Self { rows: pages::zeroed(n * count).into(), n }
     }
 
     /// `count` blocks of `n` rows of zeros, for adding to.
@@ -31,6 +32,12 @@ impl Blocks {
         // Written now: a fresh page that is read before it is written costs two page faults instead of one.
         blocks.rows.fill([0.0; 8]);
         blocks
+    }
+
+    /// Moves the blocks to where `keep` says.
+    pub(super) fn move_to(&mut self, keep: Keep) -> std::io::Result<()> {
+        self.rows = std::mem::take(&mut self.rows).moved(keep)?;
+        Ok(())
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = &[Row]> {

@@ -2,7 +2,7 @@
 
 use super::cover::Cover;
 use super::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_cover, delaunay_laplacian, intrinsic};
-use crate::Laplacian;
+use crate::{BasisSettings, Laplacian};
 
 fn promises(positions: &[[f64; 3]], triangles: &[[u32; 3]], area: f64) {
     let (s, mass) = delaunay_laplacian(positions, triangles, MOLLIFY).unwrap();
@@ -114,7 +114,7 @@ fn first_eigenvalues(file: &str, laplacian: Laplacian, barycentric: bool) -> Opt
         };
         operator.mass = intrinsic::barycentric_areas(&cover, operator.vertices(), 1.0 / cover.sheets as f64);
     }
-    let solved = crate::eigen::solve(&operator, 11, false, &chladni_task::Task::new()).unwrap();
+    let solved = crate::eigen::solve(&operator, &BasisSettings::new(11), &chladni_task::Task::new()).unwrap();
     Some(solved.basis.eigenvalues.iter().map(|l| l * operator.frame.scale.powi(2)).collect())
 }
 

@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use crate::build::file_triangles;
 use crate::eigen::{CLUSTER, certify, cluster_end};
 use crate::operator::Domain;
+use crate::values::Keep;
 use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, canonical, pages};
 use launch::Launcher;
 use pairs::Pairs;
@@ -150,14 +151,15 @@ impl Body {
         let start = Instant::now();
         ranks.check()?;
         let vertices = operator.vertices();
-        let harmonics = settings.clamped(vertices)?;
+        let (asked, harmonics) = (settings.harmonics, settings.clamped(vertices)?);
         if harmonics * 2 > vertices || ranks.count > vertices {
             let reason = "ranks are for large meshes: ask for at most half of all harmonics, and no more ranks than vertices";
             return Err(HarmonicsError::TooMany { harmonics, vertices, reason: reason.into() });
         }
-        crate::memory::check_ranks(vertices, harmonics)?;
-        let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
-        let (mut basis, of_ranks) = solve(operator, harmonics, ranks, task)?;
+        let settings = BasisSettings { harmonics, ..settings.clone() };
+        let keep = crate::memory::room_for_harmonics(vertices, &settings)?;
+        let mut report = BuildReport { asked, vertices, ..BuildReport::default() };
+        let (mut basis, of_ranks) = solve(operator, harmonics, ranks, keep, task)?;
         canonical::choose(&mut basis, &operator.positions, &operator.stiffness);
         let whole = basis.harmonics();
         if !settings.whole_clusters && whole > harmonics {
@@ -179,6 +181,7 @@ fn solve(
     operator: &Operator,
     harmonics: usize,
     ranks: &Ranks,
+    keep: Keep,
     task: &Task,
 ) -> Result<(Basis, RanksReport), HarmonicsError> {
     let folder = private_folder(ranks).map_err(|error| unwritten(&error))?;
@@ -197,9 +200,9 @@ fn solve(
         write_problem(folder.path(), operator, &settings)?;
         launcher.run(ranks, &worker, folder.path(), task)?;
         task.stage("reading the harmonics", 0);
-        Pairs::read(folder.path(), ranks.count, operator.vertices(), zeros)?
+        Pairs::read(folder.path(), ranks.count, operator.vertices(), zeros, keep)?
     } else {
-        Pairs { vectors: pages::zeroed(operator.vertices() * zeros), ..Pairs::default() }
+        Pairs { vectors: pages::zeroed(operator.vertices() * zeros).into(), ..Pairs::default() }
     };
     drop(folder);
     task.stage("certificate", 0);

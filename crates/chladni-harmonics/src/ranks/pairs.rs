@@ -7,7 +7,8 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::RanksSeconds;
-use crate::{HarmonicsError, pages};
+use crate::HarmonicsError;
+use crate::values::{Keep, Values};
 
 /// The result of one rank.
 #[derive(Deserialize)]
@@ -27,7 +28,7 @@ struct Part {
 pub(super) struct Pairs {
     pub(super) eigenvalues: Vec<f64>,
     /// Columns of zeros for the constants, followed by the N values of each pair.
-    pub(super) vectors: Vec<f64>,
+    pub(super) vectors: Values,
     pub(super) counts: Vec<(f64, usize)>,
     pub(super) peak_bytes: Vec<u64>,
     pub(super) factor: [f64; 2],
@@ -35,7 +36,13 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    pub(super) fn read(folder: &Path, ranks: usize, n: usize, zeros: usize) -> Result<Self, HarmonicsError> {
+    pub(super) fn read(
+        folder: &Path,
+        ranks: usize,
+        n: usize,
+        zeros: usize,
+        keep: Keep,
+    ) -> Result<Self, HarmonicsError> {
         let mut pairs = Self::default();
         let mut next_row = 0;
         for rank in 0..ranks {
@@ -44,7 +51,8 @@ impl Pairs {
             let part: Part =
                 serde_json::from_slice(&json).map_err(|_| bad("a result that cannot be read"))?;
             if rank == 0 {
-                pairs.vectors = pages::zeroed(n * (zeros + part.eigenvalues.len()));
+                let count = n * (zeros + part.eigenvalues.len());
+                pairs.vectors = Values::zeroed(count, keep).map_err(|e| bad(&format!("too much: {e}")))?;
                 (pairs.eigenvalues, pairs.counts, pairs.seconds) =
                     (part.eigenvalues.clone(), part.counts, part.seconds);
                 pairs.counts.push(part.below);
@@ -104,7 +112,7 @@ mod tests {
         let read = |json: &str, vectors: &[u8]| {
             fs::write(folder.path().join("rank-0.json"), json).unwrap();
             fs::write(folder.path().join("rank-0.f64"), vectors).unwrap();
-            Pairs::read(folder.path(), 1, 2, 0).map(|pairs| pairs.vectors)
+            Pairs::read(folder.path(), 1, 2, 0, Keep::Memory).map(|pairs| pairs.vectors)
         };
         let json = |rows: &str| {
             format!(
@@ -114,7 +122,7 @@ mod tests {
             )
         };
         let two: Vec<u8> = [1.5f64, -2.5].iter().flat_map(|x| x.to_le_bytes()).collect();
-        assert_eq!(read(&json("[0, 2]"), &two).unwrap(), [1.5, -2.5]);
+        assert_eq!(read(&json("[0, 2]"), &two).unwrap()[..], [1.5, -2.5]);
         for (rows, bytes) in [
             ("[0, 2]", &two[..15]),
             ("[1, 0]", &two),

@@ -1,8 +1,8 @@
 //! `chladni basis`: the harmonics of a mesh as numbers.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use chladni_harmonics::npz::{write_basis, write_operator};
+use chladni_harmonics::npz::{write_basis, write_basis_folder, write_operator};
 use chladni_harmonics::{
     BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator, Ranks, RanksReport,
 };
@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::Terminal;
 use crate::work::body::{basis_cache, laplacian};
-use crate::work::outputs::check_file;
+use crate::work::outputs::{check_file, check_folder};
 use crate::work::{Error, Warning, Watcher};
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
@@ -24,7 +24,9 @@ pub struct Args {
     harmonics: usize,
     /// Write `eigenvalues` (K), `eigenvectors` (N×K), `mass` (N) and `operator_vertex` (n:
     /// file vertex → row, −1 where no triangle uses it), in the file's own units.
-    #[arg(short, long, value_name = "B.npz")]
+    /// A name that ends in / is a folder: then each is a .npy file of its own, which NumPy can read in parts
+    /// (`mmap_mode="r"`).
+    #[arg(short, long, value_name = "B.npz|DIR/")]
     output: Option<PathBuf>,
     /// Write the stiffness matrix as solved here (N×N, for scipy.sparse.load_npz).
     #[arg(long, value_name = "S.npz")]
@@ -35,6 +37,13 @@ pub struct Args {
     /// Worker threads (all of the machine's by default). The result does not depend on it.
     #[arg(long)]
     threads: Option<usize>,
+    /// Memory in GB that the solve may take [default: what is free]. What does not fit is kept in --scratch.
+    #[arg(long, value_name = "GB", value_parser = gigabytes)]
+    memory: Option<f64>,
+    /// The folder for harmonics that do not fit in memory, and for what passes between the ranks of --engine slepc,
+    /// which all hosts must share [default: the folder that TMPDIR names, else /var/tmp].
+    #[arg(long, value_name = "DIR")]
+    scratch: Option<PathBuf>,
     /// Neither read nor write the cache of solved bases.
     #[arg(long)]
     no_cache: bool,
@@ -72,19 +81,15 @@ struct RankOptions {
     /// A host file of MPI, to solve on more than this machine.
     #[arg(long, value_name = "FILE")]
     hosts: Option<PathBuf>,
-    /// The folder through which operator and harmonics pass, which all hosts must share [default: the system's for
-    /// temporary files].
-    #[arg(long, value_name = "DIR")]
-    scratch: Option<PathBuf>,
 }
 
 impl RankOptions {
     /// The ranks that `engine` needs.
-    fn of(&self, engine: Engine) -> Result<Option<Ranks>, Error> {
-        let Self { ranks, groups, hosts, scratch } = self;
+    fn of(&self, engine: Engine, scratch: &Path) -> Result<Option<Ranks>, Error> {
+        let Self { ranks, groups, hosts } = self;
         if engine == Engine::Chladni {
-            let given = ranks.is_some() || groups.is_some() || hosts.is_some() || scratch.is_some();
-            let refused = "--ranks, --groups, --hosts and --scratch belong to --engine slepc";
+            let given = ranks.is_some() || groups.is_some() || hosts.is_some();
+            let refused = "--ranks, --groups and --hosts belong to --engine slepc";
             return if given { Err(Error::input(refused)) } else { Ok(None) };
         }
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
@@ -92,7 +97,7 @@ impl RankOptions {
             count: ranks.unwrap_or_else(cores),
             groups: groups.unwrap_or(1),
             hosts: hosts.clone(),
-            scratch: scratch.clone(),
+            scratch: Some(scratch.to_owned()),
         };
         ranks.check()?;
         Ok(Some(ranks))
@@ -116,11 +121,25 @@ struct Summary {
     ranks: Option<RanksReport>,
 }
 
+/// Whether `path` is the name of a folder, which ends with a separator.
+fn is_folder(path: &Path) -> bool {
+    path.as_os_str().as_encoded_bytes().last().is_some_and(|end| std::path::is_separator(char::from(*end)))
+}
+
+fn gigabytes(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if value > 0.0 && value < 1e9 { Ok(value) } else { Err("a size in GB, above 0".into()) }
+}
+
 impl Args {
     /// Solves, writes what was asked for, and reports.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| check_file(path))?;
-        let ranks = self.on.of(self.engine)?;
+        let folder = self.output.as_deref().filter(|path| is_folder(path));
+        let files = [self.output.as_ref().filter(|_| folder.is_none()), self.operator.as_ref()];
+        files.into_iter().flatten().try_for_each(|path| check_file(path))?;
+        folder.map_or(Ok(()), check_folder)?;
+        let scratch = self.scratch.clone().unwrap_or_else(BasisSettings::default_scratch);
+        let ranks = self.on.of(self.engine, &scratch)?;
         if ranks.is_some() && self.threads.is_some() {
             return Err(Error::input("--threads is for Chladni's own solver; SLEPc has --ranks"));
         }
@@ -130,6 +149,8 @@ impl Args {
             laplacian: laplacian(self.paper),
             threads: self.threads,
             whole_clusters: self.whole_clusters,
+            memory_bytes: self.memory.map(|gigabytes| (1e9 * gigabytes) as u64),
+            scratch: Some(scratch),
             ..BasisSettings::new(self.harmonics)
         };
         let cache = if self.no_cache { None } else { basis_cache() };
@@ -172,7 +193,8 @@ impl Args {
             write_operator(path, operator).map_err(|e| Error::unwritten(path, e))?;
         }
         if let Some(path) = &self.output {
-            write_basis(path, &body).map_err(|e| Error::unwritten(path, e))?;
+            let write = if folder.is_some() { write_basis_folder } else { write_basis };
+            write(path, &body).map_err(|e| Error::unwritten(path, e))?;
         }
         self.report(terminal, &body, &report, of_ranks)
     }

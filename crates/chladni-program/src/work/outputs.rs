@@ -27,6 +27,14 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
     tempfile::tempfile_in(folder).map(drop).map_err(|error| Error::unwritten(path, error.kind().to_string()))
 }
 
+/// Checks that files can be written into the folder `path`, which is created if it does not exist.
+///
+/// # Errors
+/// As [`check_file`] does.
+pub fn check_folder(path: &Path) -> Result<(), Error> {
+    if path.is_dir() { check_file(&path.join("new")) } else { check_file(path) }
+}
+
 /// Checks that a picture can be written at `path`, whose name must end in `.png`.
 ///
 /// # Errors

@@ -367,7 +367,7 @@ fn exports_are_exact() {
         operator_vertex: (0..n as u32).map(Some).collect(),
         basis: std::sync::Arc::new(Basis {
             eigenvalues: vec![0.0; 40],
-            vectors: shape.basis.clone(),
+            vectors: shape.basis.clone().into(),
             mass: vec![1.0; n],
             certificate,
         }),

@@ -1,0 +1,67 @@
+//! Solves that do not fit in memory: fewer slices at once, and harmonics in a scratch folder.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use chladni_harmonics::{BasisSettings, Body, HarmonicsError, Operator};
+use chladni_mesh::TriMesh;
+use chladni_mesh::samples::icosphere;
+use chladni_task::Task;
+
+/// One solved as usual, and one with `bytes` of memory per vertex and a scratch folder.
+fn both(mesh: &TriMesh, harmonics: usize, bytes: u64) {
+    let task = Task::new();
+    let folder = tempfile::tempdir().unwrap();
+    let usual = BasisSettings { threads: Some(2), ..BasisSettings::new(harmonics) };
+    let (body, report) = Body::load_or_build(mesh, &usual, None, &task).unwrap();
+    assert!(body.basis.vectors.is_in_memory() && report.short_of_memory.is_none());
+    let vertices = body.basis.vertices() as u64;
+    let short = BasisSettings {
+        memory_bytes: Some(bytes * vertices),
+        scratch: Some(folder.path().to_owned()),
+        ..usual.clone()
+    };
+    let (spilled, report) = Body::load_or_build(mesh, &short, None, &task).unwrap();
+    assert!(!spilled.basis.vectors.is_in_memory());
+    let warning = report.warnings(&spilled.basis.certificate)[0].to_string();
+    assert!(warning.contains("are kept in") && warning.contains("1 of 2 threads solve"), "{warning}");
+    let bits = |body: &Body| body.basis.vectors.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    assert!(bits(&body) == bits(&spilled), "the same to the last bit");
+    assert_eq!(body.basis.certificate, spilled.basis.certificate);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    let refused = BasisSettings { scratch: None, ..short };
+    let refused = Body::load_or_build(mesh, &refused, None, &task).unwrap_err();
+    assert!(matches!(refused, HarmonicsError::TooMany { .. }), "{refused}");
+}
+
+#[test]
+fn harmonics_on_disk_are_those_in_memory() {
+    both(&icosphere(5), 300, 5000);
+}
+
+#[test]
+fn harmonics_of_two_components_on_disk_are_those_in_memory() {
+    let mut mesh = icosphere(4);
+    let n = mesh.positions.len() as u32;
+    let beside: Vec<_> = mesh.positions.iter().map(|[x, y, z]| [x + 3.0, 1.1 * y, 0.9 * z]).collect();
+    mesh.positions.extend(beside);
+    mesh.triangles.extend(mesh.triangles.clone().iter().map(|t| t.map(|v| v + n)));
+    both(&mesh, 400, 5000);
+}
+
+#[test]
+fn a_pencil_uses_the_same_room() {
+    let operator = Operator::of(&icosphere(5)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let usual = BasisSettings { threads: Some(2), ..BasisSettings::new(200) };
+    let short = BasisSettings {
+        memory_bytes: Some(5000 * operator.vertices() as u64),
+        scratch: Some(folder.path().to_owned()),
+        ..usual.clone()
+    };
+    let pencil = operator.pencil();
+    let (basis, report) = pencil.solve(&usual, &Task::new()).unwrap();
+    let (spilled, of_short) = pencil.solve(&short, &Task::new()).unwrap();
+    assert!(report.short_of_memory.is_none() && of_short.short_of_memory.is_some());
+    assert!(!spilled.vectors.is_in_memory());
+    assert!(basis == spilled);
+}
