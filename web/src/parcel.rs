@@ -99,7 +99,12 @@ impl Parcel {
             positions: positions.as_chunks().0.to_vec(),
             triangles: corners.as_chunks().0.to_vec(),
             operator_vertex: (0..n as u32).map(Some).collect(),
-            basis: Arc::new(Basis { eigenvalues: head.eigenvalues, vectors: vectors.into(), mass, certificate }),
+            basis: Arc::new(Basis {
+                eigenvalues: head.eigenvalues,
+                vectors: vectors.into(),
+                mass,
+                certificate,
+            }),
         };
         Ok(Self { name: head.name, body, classes: head.classes, stands: head.stands })
     }
