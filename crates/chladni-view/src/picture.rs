@@ -66,6 +66,23 @@ impl Picture {
         Self { width, height, rgba }
     }
 
+    /// The whole picture, made smaller where it is wider or higher than `side` pixels.
+    pub fn thumbnail(self, side: u32) -> Self {
+        let (width, height) = (self.width, self.height);
+        let largest = width.max(height);
+        if largest <= side {
+            return self;
+        }
+        let shrunk = |length: u32| {
+            u32::try_from(u64::from(length) * u64::from(side) / u64::from(largest)).unwrap_or(side).max(1)
+        };
+        let Some(image) = image::RgbaImage::from_raw(width, height, self.rgba) else {
+            return Self::default();
+        };
+        let image = image::imageops::thumbnail(&image, shrunk(width), shrunk(height));
+        Self { width: image.width(), height: image.height(), rgba: image.into_raw() }
+    }
+
     /// Encodes as PNG; without an alpha channel where all is opaque.
     ///
     /// # Errors

@@ -99,7 +99,8 @@ impl Pictures {
     }
 }
 
-fn upload(ctx: &egui::Context, name: &str, picture: &Picture) -> egui::TextureHandle {
+/// A picture as a texture.
+pub fn upload(ctx: &egui::Context, name: &str, picture: &Picture) -> egui::TextureHandle {
     let size = [picture.width as usize, picture.height as usize];
     let image = egui::ColorImage::from_rgba_unmultiplied(size, &picture.rgba);
     ctx.load_texture(name, image, egui::TextureOptions::LINEAR)

@@ -7,6 +7,8 @@ mod bars;
 pub mod body;
 mod cast;
 mod clock;
+#[cfg(feature = "desktop")]
+mod cover;
 pub mod dancer;
 pub mod drawn_curve;
 mod ear;
@@ -53,6 +55,8 @@ pub use back_film::FILMS;
 pub use bars::{bar_lines, read_beats};
 pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
+#[cfg(feature = "desktop")]
+pub use cover::cover_of;
 pub use ear::{Ear, LIVE_SEED};
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};
@@ -83,7 +87,7 @@ pub use theatre::{
     look_named, look_on_stage, reaction,
 };
 #[cfg(feature = "desktop")]
-pub use titles::{TITLE, title_opacity};
+pub use titles::{COVER, GAP, TITLE, title_opacity};
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

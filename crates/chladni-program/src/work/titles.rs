@@ -5,6 +5,11 @@ use chladni_music::smooth;
 /// The size of its letters, and how far it is from the left and from the bottom, where 720 is the picture's height.
 pub const TITLE: [f32; 3] = [26.0, 32.0, 48.0];
 
+/// The longer side of the cover before it, in sizes of its letters.
+pub const COVER: f32 = 2.5;
+/// The gap between the two, in sizes of its letters.
+pub const GAP: f32 = 0.6;
+
 /// How opaque it is: in within a second, there for four, out within two.
 pub fn title_opacity(age_secs: f64) -> f32 {
     smooth(age_secs.min(0.5 * (7.0 - age_secs)).clamp(0.0, 1.0) as f32)

@@ -9,7 +9,7 @@ use symphonia::core::errors::Error as CodecError;
 use symphonia::core::formats::probe::Hint;
 use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo};
 use symphonia::core::io::{MediaSource, MediaSourceStream};
-use symphonia::core::meta::{MetadataOptions, StandardTag};
+use symphonia::core::meta::{MetadataOptions, StandardTag, StandardVisualKey};
 use symphonia::core::units::{TimeBase, Timestamp};
 
 use super::downmix::Downmix;
@@ -160,6 +160,15 @@ impl SongReader {
             _ => None,
         });
         Some(artist.map_or_else(|| title.clone(), |artist| format!("{artist} – {title}")))
+    }
+
+    /// The file of the picture in the tags, usually a JPEG or PNG: the front cover, or else the first one.
+    /// Its bytes are those of the song's file and have not been checked.
+    pub fn cover(&mut self) -> Option<Vec<u8>> {
+        let mut metadata = self.format.metadata();
+        let pictures = &metadata.skip_to_latest()?.media.visuals;
+        let front = pictures.iter().find(|picture| picture.usage == Some(StandardVisualKey::FrontCover));
+        front.or(pictures.first()).map(|picture| picture.data.to_vec())
     }
 
     /// Length in frames as stated in the header, which may be wrong.

@@ -4,7 +4,6 @@ use egui::{Align2, Color32, FontId, Ui, ViewportCommand};
 
 use super::concert::Concert;
 use super::preferences::Screen;
-use crate::work::{TITLE, title_opacity};
 
 /// How long pointer and hint stay after the pointer has moved.
 const LINGER_SECS: f64 = 2.0;
@@ -17,8 +16,6 @@ pub struct Curtain {
     filled: bool,
     /// When the pointer last moved, by the window's clock.
     moved_secs: Option<f64>,
-    /// The song that is heard, and since when.
-    title: (String, f64),
 }
 
 impl Curtain {
@@ -45,12 +42,9 @@ impl Curtain {
     }
 
     /// Hides the pointer; where it moves, shows it for a moment with the keys that help.
-    pub fn show(&mut self, ui: &mut Ui, concert: &Concert, title: &str) {
+    pub fn show(&mut self, ui: &mut Ui, concert: &Concert) {
         let now_secs = ui.input(|input| input.time);
-        if self.title.0 != title {
-            self.title = (title.to_owned(), now_secs);
-        }
-        self.show_title(ui, now_secs);
+        concert.song_title.show(ui, ui.max_rect(), now_secs);
         if ui.input(|input| input.pointer.is_moving()) {
             self.moved_secs = Some(now_secs);
         }
@@ -71,17 +65,5 @@ impl Curtain {
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
         let color = Color32::from_white_alpha(150);
         ui.painter().text(at, Align2::CENTER_BOTTOM, hint, FontId::proportional(14.0), color);
-    }
-
-    /// The name of the song, for a while after it has begun.
-    fn show_title(&self, ui: &Ui, now_secs: f64) {
-        let age_secs = now_secs - self.title.1;
-        let opacity = title_opacity(age_secs);
-        if opacity > 0.0 {
-            let [size, left, bottom] = TITLE;
-            let at = ui.max_rect().left_bottom() + egui::vec2(left, -bottom);
-            let color = Color32::from_white_alpha((220.0 * opacity) as u8);
-            ui.painter().text(at, Align2::LEFT_BOTTOM, &self.title.0, FontId::proportional(size), color);
-        }
     }
 }

@@ -32,6 +32,7 @@ mod remote;
 mod shelf;
 mod show_bar;
 mod shows;
+mod song_title;
 mod songs;
 mod stillness;
 mod study;
@@ -177,7 +178,7 @@ impl Room for MusicRoom {
                 shared.notices.failed(why);
             }
             if on_stage {
-                self.curtain.show(ui, concert, &listening.source_name());
+                self.curtain.show(ui, concert);
                 if self.drawers.adjusts {
                     let screen = ui.max_rect();
                     shared.settings.music.projection.adjust(ui, screen);
@@ -335,7 +336,7 @@ impl MusicRoom {
     fn listening(&mut self, shared: &mut Shared<'_>) -> Option<&mut Listening> {
         if self.listening.is_none() && !self.refused {
             let music = &shared.settings.music;
-            match Listening::start(music.volume, music.output_device.clone()) {
+            match Listening::start(&shared.ctx, music.volume, music.output_device.clone()) {
                 Ok(mut listening) => {
                     if let Some(input) = self.input.take() {
                         listening.listen_on(input, "Live input".into());

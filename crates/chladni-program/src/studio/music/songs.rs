@@ -17,6 +17,8 @@ use crate::studio::theme;
 
 /// Width of the word before the volume.
 const VOLUME: f32 = 64.0;
+/// The side of a cover before a song.
+const COVER: f32 = 26.0;
 
 /// Input and output devices, as last listed by the system.
 type Found = (Vec<CaptureSource>, Vec<OutputDevice>);
@@ -115,6 +117,9 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
                 (false, _) => Icon::Music,
             };
             let name = icon::label(mark, &listening.name_of(song));
+            if let Some(cover) = listening.cover_of(song) {
+                ui.add(egui::Image::new(cover).fit_to_exact_size(vec2(COVER, COVER)));
+            }
             if row(ui, ui.available_width() - 38.0, heard, name).clicked() {
                 play = Some(song);
             }

@@ -7,12 +7,17 @@ use std::sync::mpsc::{Receiver, channel};
 use chladni_sound::{Beats, Song, SongOptions, SongReader, SoundError, track_beats};
 use chladni_task::Task;
 
-use crate::work::KnownSong;
+use egui::{Context, TextureHandle};
+
+use crate::studio::pictures::upload;
+use crate::work::{KnownSong, cover_of};
 
 /// What was learned of a song.
 pub enum Learned {
     /// What its tags say.
     Title(String),
+    /// The picture in its tags or beside it.
+    Cover(TextureHandle),
     /// Its samples.
     Song(KnownSong),
     /// Its beats.
@@ -31,15 +36,19 @@ pub struct Study {
 
 impl Study {
     /// Begins to read `path`; its beats are tracked where they are not `known` already.
-    pub fn begin(number: usize, path: &Path, known: bool) -> Self {
+    pub fn begin(number: usize, path: &Path, known: bool, ctx: &Context) -> Self {
         let (task, (teller, findings)) = (Task::new(), channel());
         let (path, worker) = (path.to_owned(), task.clone());
+        let ctx = ctx.clone();
         std::thread::spawn(move || {
             // Nobody listens any more where another song is studied.
             let tell = |learned| drop(teller.send(learned));
             let options = SongOptions::default();
             let song = SongReader::open(&path).and_then(|mut reader| {
                 reader.title().into_iter().for_each(|title| tell(Learned::Title(title)));
+                if let Some(cover) = cover_of(&path, &mut reader) {
+                    tell(Learned::Cover(upload(&ctx, "cover", &cover)));
+                }
                 Song::read(&mut reader, &options, &worker)
             });
             let song = match song {

@@ -105,6 +105,7 @@ impl Concert {
             let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
             let (cells, _) = Staging::cells(area, apart.count);
             self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;
+            self.song_title.show(ui, rect, ui.input(|input| input.time));
             if self.adjusts {
                 shared.settings.music.projection.adjust(ui, rect);
             }

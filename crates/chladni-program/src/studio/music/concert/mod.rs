@@ -37,6 +37,7 @@ use super::listening::Listening;
 use super::loading::Ready;
 use super::outgoing::Outgoing;
 use super::pace::Pace;
+use super::song_title::SongTitle;
 use super::stillness;
 use super::view::View;
 use super::wish::Wish;
@@ -69,6 +70,8 @@ pub struct Concert {
     /// Vertices that were drawn of a shape, in the mean.
     drawn_vertices: usize,
     staging: Staging,
+    /// The name and the cover of the song that is heard.
+    pub song_title: SongTitle,
     sand: SandTable,
     lag: Lag,
     backcloth: Backcloth,
@@ -132,6 +135,7 @@ impl Concert {
             staging,
             pane,
             apart: None,
+            song_title: SongTitle::default(),
             sand: SandTable::new(body.clone(), 0.0),
             lag: Lag::default(),
             backcloth: Backcloth::default(),
@@ -340,6 +344,7 @@ impl Concert {
         let began = (shared.now)();
         let whole = ui.available_rect_before_wrap();
         self.seconds = ui.input(|input| input.time);
+        self.song_title.follow(listening, self.seconds);
         self.backcloth.follow(shared);
         self.moving = self.backcloth.moves();
         if listening.beats_changed() {

@@ -3,6 +3,7 @@
 
 mod beats;
 mod ear;
+mod learning;
 mod live;
 mod outer;
 mod playlist;
@@ -14,16 +15,17 @@ use std::path::{Path, PathBuf};
 
 use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Parameters, Stretch};
 use chladni_sound::{
-    Beats, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, Spectrum, WavSample,
-    sample_tune, write_wav,
+    Beats, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Spectrum, WavSample, sample_tune,
+    write_wav,
 };
 
+use egui::{Context, TextureHandle};
 use live::Live;
 use outer::Outer;
 
-use super::study::{Learned, Study};
+use super::study::Study;
 use crate::work::source::TUNE;
-use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock, read_beats};
+use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
 /// song until it is read, through an ear that knows only what was heard so far.
@@ -35,6 +37,8 @@ pub struct Listening {
     /// The songs of the show, by number.
     repertoire: Vec<ShowSong>,
     study: Option<Study>,
+    /// Where covers become textures.
+    ctx: Context,
     /// Beats have become known that were unknown when some action was logged.
     beats_changed: bool,
     /// What is heard comes from the ear below.
@@ -70,7 +74,7 @@ pub struct Listening {
 }
 
 /// A song that was heard in this show.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct ShowSong {
     /// Its file, or `sample:tune`.
     pub path: PathBuf,
@@ -82,12 +86,14 @@ pub struct ShowSong {
     given_up: bool,
     /// Of its tags.
     title: Option<String>,
+    /// Of its tags, or beside it.
+    cover: Option<TextureHandle>,
 }
 
 impl ShowSong {
     /// A song of which nothing is known yet.
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
-        Self { path, reading, beats: None, given_up: false, title: None }
+        Self { path, reading, beats: None, given_up: false, title: None, cover: None }
     }
 }
 
@@ -103,7 +109,7 @@ pub struct HeardSound {
 
 impl Listening {
     /// Starts the player on the sample tune, at a volume in [0, 1], on a device or the system's own.
-    pub fn start(volume: f32, device: Option<String>) -> Result<Self, Error> {
+    pub fn start(ctx: &Context, volume: f32, device: Option<String>) -> Result<Self, Error> {
         let folder = tempfile::tempdir()
             .map_err(|error| Error::other(format!("no room for the sample tune: {error}")))?;
         let tune = folder.path().join("sample tune.wav");
@@ -116,6 +122,7 @@ impl Listening {
             hearing: Hearing::default(),
             repertoire: Vec::new(),
             study: None,
+            ctx: ctx.clone(),
             beats_changed: false,
             by_ear: true,
             last_beat: Beat::default(),
@@ -358,60 +365,5 @@ impl Listening {
     /// Calls a shot, which stays; or lets the camera choose again.
     pub fn call_shot(&mut self, shot: Option<usize>) {
         self.called = shot.map(|shot| (shot, self.last_secs));
-    }
-
-    /// The show's number of a song of the list.
-    fn number_of(&mut self, song: usize) -> Option<usize> {
-        let path = self.songs.get(song)?;
-        let path = if *path == self.tune { Path::new(TUNE) } else { path };
-        if let Some(number) = self.repertoire.iter().position(|known| known.path == path) {
-            return Some(number);
-        }
-        let path = path.to_owned();
-        self.repertoire.push(ShowSong::new(path, BeatReading::default()));
-        Some(self.repertoire.len() - 1)
-    }
-
-    /// Reads the song that is heard, and takes in what was read of it.
-    fn learn(&mut self, status: &PlayerStatus) {
-        while let Some((number, learned)) =
-            self.study.as_ref().and_then(|study| Some((study.number, study.learned()?)))
-        {
-            let Some(song) = self.repertoire.get_mut(number) else { break };
-            match learned {
-                Learned::Song(mut known) => {
-                    known.beats = song.beats.as_ref().map(|beats| read_beats(beats, song.reading));
-                    self.hearing.know(number, known);
-                    self.hearing.forget_samples_but(number);
-                }
-                Learned::Beats(beats) => {
-                    self.hearing.know_beats(number, read_beats(&beats, song.reading));
-                    let (ringing, harmony) = (self.hearing.ringing().clone(), self.hearing.harmony());
-                    let heard = (self.spectrum().0.clone(), ringing, harmony);
-                    self.hearing.fade_from(self.clock.at_secs(), heard, self.last_beat);
-                    if let Some(song) = self.repertoire.get_mut(number) {
-                        song.beats = Some(beats);
-                    }
-                    self.beats_changed = true;
-                }
-                Learned::Title(title) => song.title = Some(title),
-                Learned::Nothing(why) => {
-                    song.given_up = true;
-                    let message = "Until another song plays it is heard as live input is";
-                    self.warnings.extend(why.map(|why| format!("{why}. {message}.")));
-                }
-            }
-        }
-        if self.live.is_some() {
-            return;
-        }
-        let Some(number) = self.number_of(status.song) else { return };
-        let has_samples = self.hearing.song(number).is_some_and(|known| known.song.frames() > 0);
-        let studied = self.study.as_ref().is_some_and(|study| study.number == number);
-        let Some(song) = self.repertoire.get(number).filter(|song| !song.given_up) else { return };
-        if !has_samples && !studied {
-            let path = if song.path == Path::new(TUNE) { &self.tune } else { &song.path };
-            self.study = Some(Study::begin(number, path, song.beats.is_some()));
-        }
     }
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use chladni_sound::{PlayerState, Repeat};
+use egui::TextureHandle;
 
 use super::Listening;
 
@@ -76,6 +77,17 @@ impl Listening {
         }
         let stem = path.and_then(|path| path.file_stem());
         stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// The cover of a song of the list, once it has been heard and if it has one.
+    pub fn cover_of(&self, song: usize) -> Option<&TextureHandle> {
+        let path = self.songs.get(song)?;
+        self.repertoire.iter().find(|known| known.path == *path)?.cover.as_ref()
+    }
+
+    /// The cover of the song that is heard.
+    pub fn source_cover(&self) -> Option<&TextureHandle> {
+        if self.live.is_some() { None } else { self.cover_of(self.player.status().song) }
     }
 
     /// Loudness in [0, 1].
