@@ -138,9 +138,10 @@ impl Concert {
         height: u32,
     ) -> Result<bool, JsError> {
         let playing = match usize::try_from(song).ok().filter(|_| self.live.is_none()) {
-            None => Playing { song: None, position_secs: 0.0, duration_secs: None },
+            None => Playing { song: None, position_secs: 0.0, duration_secs: None, crossfade_secs: 0.0 },
             song => {
-                Playing { song, position_secs, duration_secs: Some(duration_secs).filter(|secs| *secs > 0.0) }
+                let duration_secs = Some(duration_secs).filter(|secs| *secs > 0.0);
+                Playing { song, position_secs, duration_secs, crossfade_secs: 0.0 }
             }
         };
         if let Some(stretch) = self.clock.follow(now_secs, playing) {

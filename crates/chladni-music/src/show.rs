@@ -93,6 +93,14 @@ pub struct Stretch {
     pub song_secs: f64,
     /// False: it is paused.
     pub playing: bool,
+    /// How long what was heard before fades into this, from half of it before `at_secs` to half after it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub crossfade_secs: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_zero(secs: &f64) -> bool {
+    *secs == 0.0
 }
 
 impl Stretch {
@@ -209,6 +217,8 @@ struct Session {
     actions: Vec<LoggedAction>,
 }
 
+/// One song fades into the next in at most this time.
+const LONGEST_CROSSFADE_SECS: f64 = 60.0;
 /// The longest show: 24 hours.
 const LONGEST_SECS: f64 = 86_400.0;
 
@@ -339,6 +349,9 @@ impl Show {
             || !self.duration_secs.is_none_or(is_time)
         {
             return bad(format!("times must lie from 0 to {LONGEST_SECS} seconds"));
+        }
+        if !self.heard.iter().all(|s| (0.0..=LONGEST_CROSSFADE_SECS).contains(&s.crossfade_secs)) {
+            return bad(format!("crossfades take 0 to {LONGEST_CROSSFADE_SECS} seconds"));
         }
         let wrong = |r: &BeatReading| {
             r.octave.abs() > MOST_OCTAVES || r.shift_secs.abs().partial_cmp(&60.0).is_none_or(|o| o.is_gt())

@@ -55,6 +55,7 @@ pub enum Target {
     PreviousSong,
     Crossfade,
     Volume,
+    SongFade,
 }
 
 /// How a target is controlled.
@@ -76,10 +77,11 @@ pub enum Kind {
 type Row = (Target, Kind, &'static str, &'static str);
 
 /// All targets except the knobs and switches, which have tables of their own.
-const TABLE: [Row; 41] = [
+const TABLE: [Row; 42] = [
     (Target::Harmonics, Kind::Level, "harmonics", "Harmonics in use"),
     (Target::Crossfade, Kind::Level, "crossfade", "From the dance on stage to the one that is next"),
     (Target::Volume, Kind::Level, "volume", "Loudness of the songs"),
+    (Target::SongFade, Kind::Level, "song-fade", "Crossfade between songs, up to 12 s"),
     (Target::Form, Kind::Choice, "form", "Form"),
     (Target::Choir, Kind::Choice, "choir", "Which harmonics sound"),
     (Target::Look, Kind::Choice, "look", "Look"),

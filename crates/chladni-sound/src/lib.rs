@@ -28,6 +28,7 @@ mod beat;
 mod capture;
 #[cfg(feature = "devices")]
 mod converters;
+mod crossfade;
 mod decode;
 mod error;
 #[cfg(feature = "devices")]
@@ -44,6 +45,7 @@ pub use beat::{
 };
 #[cfg(feature = "devices")]
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
+pub use crossfade::{LONGEST_CROSSFADE_SECS, crossfade_gain};
 pub use decode::{
     SONG_EXTENSIONS, Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav,
 };

@@ -117,6 +117,62 @@ fn a_playlist_goes_on_over_a_broken_song_and_ends() {
     wait(3.0, "playing again", || player.status().state == PlayerState::Playing);
 }
 
+/// Writes a level on one side only, which says at every sample how loud its song is.
+fn write_level(folder: &Path, name: &str, is_left: bool, secs: f64) -> PathBuf {
+    let path = folder.join(name);
+    let (level, silence) = (vec![0.5; (48_000.0 * secs) as usize], vec![0.0; (48_000.0 * secs) as usize]);
+    let (left, right) = if is_left { (level, silence) } else { (silence, level) };
+    write_wav(&path, &Song { rate_hz: 48_000, left, right }, WavSample::Float32).unwrap();
+    path
+}
+
+#[test]
+fn one_song_fades_into_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let songs = [("a.wav", true, 2.0), ("b.wav", false, 2.5), ("c.wav", true, 0.6), ("d.wav", false, 1.0)];
+    let songs = songs.map(|(name, is_left, secs)| write_level(folder.path(), name, is_left, secs));
+    let player = silent();
+    player.set_crossfade_secs(1.0);
+    player.pause();
+    player.play_list(songs[..2].to_vec());
+    let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
+    player.take_heard(&mut from, &mut left, &mut right);
+    let mut fades = Vec::new();
+    wait(20.0, "the end", || {
+        player.take_heard(&mut from, &mut left, &mut right);
+        let status = player.status();
+        fades.push((status.song, status.crossfade_secs));
+        player.events().any(|event| event == PlayerEvent::Finished)
+    });
+    player.take_heard(&mut from, &mut left, &mut right);
+    fades.dedup();
+    assert!(fades.ends_with(&[(0, 0.0), (1, 1.0)]), "{fades:?}");
+    // What was heard before the first look is missing.
+    assert!((3.0..=3.5).contains(&(left.len() as f64 / 48_000.0)), "{}", left.len());
+    let power = left.iter().zip(&right).map(|(l, r)| l * l + r * r);
+    let worst = power.map(|power| (power - 0.25).abs()).fold(0.0, f32::max);
+    assert!(worst < 1e-5, "{worst}");
+    let middle = left.len() - 2 * 48_000;
+    assert!(
+        (left[middle] - right[middle]).abs() < 1e-3,
+        "they are equally loud where the second one is heard"
+    );
+    assert!(left[middle - 24_000..middle + 24_000].is_sorted_by(|one, next| one >= next));
+
+    // Songs that are shorter than two crossfades, and one that cannot be played, at the end, too.
+    let broken = folder.path().join("broken.mp3");
+    std::fs::write(&broken, b"no music").unwrap();
+    let [a, _, c, d] = songs;
+    player.play_list(vec![a, c, broken.clone(), d, broken]);
+    let mut events = Vec::new();
+    wait(20.0, "the end", || {
+        events.extend(player.events());
+        events.contains(&PlayerEvent::Finished)
+    });
+    let started = |song| events.contains(&PlayerEvent::SongStarted(song));
+    assert!([0, 1, 3].into_iter().all(started), "{events:?}");
+}
+
 /// The example that cargo has built beside this test.
 fn example(name: &str) -> PathBuf {
     let folder = std::env::current_exe().unwrap().parent().unwrap().parent().unwrap().to_owned();

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use chladni_sound::LONGEST_CROSSFADE_SECS;
 use chladni_task::read_text_file;
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +78,9 @@ impl Settings {
         self.music.projection = self.music.projection.sane();
         let volume = self.music.volume;
         self.music.volume = if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 1.0 };
+        let fade_secs = self.music.song_fade_secs;
+        self.music.song_fade_secs =
+            if fade_secs.is_finite() { fade_secs.clamp(0.0, LONGEST_CROSSFADE_SECS) } else { 0.0 };
         self
     }
 }

@@ -143,6 +143,13 @@ pub fn slider<N: egui::emath::Numeric>(
     egui::Slider::new(value, range).clamping(egui::SliderClamping::Edits)
 }
 
+/// A slider whose value has a unit. With a suffix of egui's own the value's name would be "%", not that of its row.
+pub fn with_unit<'a>(slider: egui::Slider<'a>, decimals: usize, unit: &'static str) -> egui::Slider<'a> {
+    slider
+        .custom_formatter(move |value, _| format!("{value:.decimals$} {unit}"))
+        .custom_parser(move |typed| typed.trim().trim_end_matches(unit).trim().parse().ok())
+}
+
 /// A checkbox whose empty box is seen, too.
 pub fn checkbox(ui: &mut egui::Ui, on: &mut bool, label: &str) -> egui::Response {
     ui.scope(|ui| {

@@ -18,6 +18,8 @@ pub struct Playing {
     pub position_secs: f64,
     /// How long it is, where that is known.
     pub duration_secs: Option<f64>,
+    /// The length of the crossfade with which it began, in the middle of which it became what plays.
+    pub crossfade_secs: f64,
 }
 
 /// Seconds since the show began. While a song plays it keeps the song's time, to the last bit.
@@ -53,14 +55,16 @@ impl ShowClock {
         let longest_step_secs = dt_secs + self.still_secs.min(SEEK_SECS) + SEEK_SECS;
         self.still_secs = if moved { 0.0 } else { self.still_secs + dt_secs };
         let position = playing.position_secs;
-        let begin = |clock: &mut Self, song_secs, playing_on| {
+        let begin = |clock: &mut Self, song_secs, playing_on, crossfade_secs| {
             let (at_secs, song) = (clock.at_secs, playing.song);
-            clock.stretch = Some(Stretch { at_secs, song, song_secs, playing: playing_on });
+            clock.stretch = Some(Stretch { at_secs, song, song_secs, playing: playing_on, crossfade_secs });
             clock.stretch
         };
+        // Of a song that was there before, as behind live input, the crossfade is over.
+        let crossfade_secs = if position <= playing.crossfade_secs { playing.crossfade_secs } else { 0.0 };
         let Some(stretch) = self.stretch.filter(|stretch| stretch.song == playing.song) else {
             self.at_secs += dt_secs;
-            return begin(self, position, true);
+            return begin(self, position, true, crossfade_secs);
         };
         if playing.song.is_none() {
             self.at_secs += dt_secs;
@@ -68,10 +72,10 @@ impl ShowClock {
         }
         if moved && !(0.0..=longest_step_secs).contains(&step_secs) {
             self.at_secs += dt_secs;
-            return begin(self, position, true);
+            return begin(self, position, true, crossfade_secs);
         }
         if moved {
-            let began = if stretch.playing { None } else { begin(self, stretch.song_secs, true) };
+            let began = if stretch.playing { None } else { begin(self, stretch.song_secs, true, 0.0) };
             if let Some(stretch) = self.stretch {
                 self.at_secs = self.at_secs.max(stretch.at_secs + (position - stretch.song_secs));
             }
@@ -82,7 +86,7 @@ impl ShowClock {
         }
         self.at_secs += dt_secs;
         let ended = playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
-        (stretch.playing && !ended).then(|| begin(self, position, false)).flatten()
+        (stretch.playing && !ended).then(|| begin(self, position, false, 0.0)).flatten()
     }
 }
 
@@ -91,7 +95,7 @@ mod tests {
     use super::*;
 
     fn song(song: usize, position_secs: f64) -> Playing {
-        Playing { song: Some(song), position_secs, duration_secs: Some(100.0) }
+        Playing { song: Some(song), position_secs, duration_secs: Some(100.0), crossfade_secs: 0.0 }
     }
 
     #[test]
@@ -130,9 +134,22 @@ mod tests {
     }
 
     #[test]
+    fn a_crossfade_belongs_to_the_song_that_begins_with_it() {
+        let fading = |number, position_secs| Playing { crossfade_secs: 4.0, ..song(number, position_secs) };
+        let mut clock = ShowClock::default();
+        let begun =
+            [(0, 30.0), (0, 30.1), (1, 2.1), (1, 2.2), (1, 2.2), (1, 2.2), (1, 2.2), (1, 2.3), (1, 0.5)];
+        let begun = begun.into_iter().enumerate();
+        let begun = begun.filter_map(|(i, (number, at))| clock.follow(i as f64 / 10.0, fading(number, at)));
+        let fades: Vec<_> = begun.map(|stretch| (stretch.song_secs, stretch.crossfade_secs)).collect();
+        assert_eq!(fades, [(30.0, 0.0), (2.1, 4.0), (2.2, 0.0), (2.2, 0.0), (0.5, 4.0)]);
+    }
+
+    #[test]
     fn the_silence_behind_a_song_goes_on() {
         let mut clock = ShowClock::default();
-        let end = Playing { song: Some(0), position_secs: 3.0, duration_secs: Some(3.0) };
+        let end =
+            Playing { song: Some(0), position_secs: 3.0, duration_secs: Some(3.0), crossfade_secs: 0.0 };
         let begun = (0..40).filter_map(|i| clock.follow(f64::from(i) / 20.0, end)).count();
         assert_eq!(begun, 1);
         assert!(clock.at_secs() > 1.5, "{}", clock.at_secs());

@@ -369,7 +369,7 @@ mod tests {
     }
 
     pub(super) fn stretch(at_secs: f64, song_secs: f64, playing: bool) -> Stretch {
-        Stretch { at_secs, song: Some(0), song_secs, playing }
+        Stretch { at_secs, song: Some(0), song_secs, playing, crossfade_secs: 0.0 }
     }
 
     pub(super) fn hearing() -> Hearing {

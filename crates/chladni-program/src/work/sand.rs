@@ -149,7 +149,15 @@ mod tests {
         let mut hearing = Hearing::default();
         hearing.know(0, KnownSong::new(Arc::new(sample_tune())).unwrap());
         hearing.tune(0.0, instrument.parameters());
-        hearing.begin(Stretch { at_secs: 0.0, song: Some(0), song_secs: 2.0, playing: true }).unwrap();
+        hearing
+            .begin(Stretch {
+                at_secs: 0.0,
+                song: Some(0),
+                song_secs: 2.0,
+                playing: true,
+                crossfade_secs: 0.0,
+            })
+            .unwrap();
         hearing
     }
 

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use egui::accessibility::is_input;
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{AccessKitNode, NodeT};
 
@@ -18,6 +19,9 @@ pub fn check<State>(window: &Harness<'_, State>, view: &str) {
         let control = format!("{:?} “{}” in “{}”", node.role(), name(&node), group(&node));
         if control.contains(|c: char| ('\u{e000}'..='\u{f8ff}').contains(&c)) {
             wrong.push(format!("an icon is said: {control}"));
+        }
+        if node.role() == Role::SpinButton && !name(&node).contains(char::is_alphabetic) {
+            wrong.push(format!("no word is said: {control}"));
         }
         if !known.insert(control.clone()) {
             wrong.push(format!("said of two: {control}"));

@@ -154,16 +154,18 @@ fn every_format_that_is_decoded_is_offered_and_volume_and_device_are_chosen_and_
         assert!(offered.iter().any(|known| known == format), "{format} is not offered");
     }
     click(&mut window, "drawer/songs");
-    window.get_by_role_and_label(Role::SpinButton, "Volume").focus();
-    window.run_steps(2);
-    window.get_by_role_and_label(Role::SpinButton, "Volume").type_text("0.25");
-    window.key_press(Key::Enter);
-    window.run_steps(3);
+    for (slider, typed) in [("Volume", "0.25"), ("Crossfade", "3")] {
+        window.get_by_role_and_label(Role::SpinButton, slider).focus();
+        window.run_steps(2);
+        window.get_by_role_and_label(Role::SpinButton, slider).type_text(typed);
+        window.key_press(Key::Enter);
+        window.run_steps(3);
+    }
     assert!(shows(&window, "The system's own"));
     screenshot(&mut window, "window-music-sound.png");
     drop(window);
     let kept = std::fs::read_to_string(settings).unwrap();
-    assert!(kept.contains("volume = 0.25"), "{kept}");
+    assert!(kept.contains("volume = 0.25") && kept.contains("song_fade_secs = 3.0"), "{kept}");
 }
 
 #[test]

@@ -1,15 +1,22 @@
 //! The song that is being decoded.
 
+use std::collections::VecDeque;
+
+use super::tail::Tail;
+use crate::history::Frame;
 use crate::{SongReader, SoundError, StereoResampler};
 
 /// A song being written into the ring.
 pub(super) struct Decoding {
     pub(super) reader: SongReader,
     resampler: StereoResampler,
-    /// Interleaved samples at the device's rate, and how many of them are in the ring.
-    pub(super) ready: Vec<f32>,
-    pub(super) used: usize,
-    ended: bool,
+    /// At the device's rate, and not yet in the ring.
+    ready: VecDeque<Frame>,
+    /// The number of frames that were taken.
+    taken: usize,
+    block: Vec<f32>,
+    /// Nothing more can be decoded, because of the error if there is one.
+    ended: Option<Result<(), SoundError>>,
 }
 
 impl Decoding {
@@ -19,25 +26,38 @@ impl Decoding {
         if secs > 0.0 {
             reader.seek((secs * f64::from(reader.rate_hz())).round() as u64)?;
         }
-        Ok(Self { reader, resampler, ready: Vec::new(), used: 0, ended: false })
+        let (ready, block) = (VecDeque::new(), Vec::new());
+        Ok(Self { reader, resampler, ready, taken: 0, block, ended: None })
     }
 
-    /// Makes sure that some frames are ready; false at the end of the song.
-    pub(super) fn refill(&mut self) -> Result<bool, SoundError> {
-        while self.used >= self.ready.len() {
-            self.ready.clear();
-            self.used = 0;
-            if self.ended {
-                return Ok(false);
-            }
-            match self.reader.next_block()? {
-                Some(block) => self.resampler.process(block, &mut self.ready)?,
-                None => {
-                    self.ended = true;
-                    self.resampler.finish(&mut self.ready)?;
-                }
+    /// The next frame, as long as `kept` frames lie ready behind it: those may be the last ones, under which
+    /// another song is to begin. Less is kept of the beginning, so that it does not wait for them, and no song
+    /// is more than half crossfade.
+    pub(super) fn next(&mut self, kept: usize) -> Option<Frame> {
+        let kept = kept.min(self.taken);
+        while self.ready.len() <= kept && self.ended.is_none() {
+            self.block.clear();
+            let decoded = match self.reader.next_block() {
+                Ok(Some(block)) => self.resampler.process(block, &mut self.block).map(|()| false),
+                Ok(None) => self.resampler.finish(&mut self.block).map(|()| true),
+                Err(error) => Err(error),
+            };
+            self.ready.extend(self.block.as_chunks().0);
+            match decoded {
+                Ok(false) => {}
+                Ok(true) => self.ended = Some(Ok(())),
+                Err(error) => self.ended = Some(Err(error)),
             }
         }
-        Ok(true)
+        if self.ready.len() <= kept {
+            return None;
+        }
+        self.taken += 1;
+        self.ready.pop_front()
+    }
+
+    /// What is left of it once [`next`](Self::next) has none, and why it could not be decoded to its end, if so.
+    pub(super) fn rest(self) -> (Tail, Result<(), SoundError>) {
+        (Tail::of(self.ready.into_iter()), self.ended.unwrap_or(Ok(())))
     }
 }

@@ -9,6 +9,7 @@ use super::decoding::Decoding;
 use super::handle::{PlayerSettings, Repeat, Shared};
 use super::output::Output;
 use super::queue::{Playlist, Stretch};
+use super::tail::Tail;
 use crate::history::{Frame, History};
 
 /// How far ahead of the device the ring is filled.
@@ -18,6 +19,8 @@ const STEP: Duration = Duration::from_millis(5);
 /// The largest number of songs that begin before the engine checks its commands again: repeating a song of
 /// a few samples would otherwise take all its time.
 const MOST_STARTS: usize = 8;
+/// Frames that are decoded before the next ones are: others wait meanwhile for the timeline.
+const BATCH_FRAMES: usize = 1024;
 /// Pauses between attempts to find a device again; they double up to the longest one.
 const FIRST_RETRY: Duration = Duration::from_secs(1);
 const LONGEST_RETRY: Duration = Duration::from_secs(16);
@@ -59,6 +62,7 @@ pub(super) enum Command {
     Previous,
     Select(usize),
     Repeat(Repeat),
+    Crossfade(f64),
     Device(Option<String>),
     Quit,
 }
@@ -72,6 +76,11 @@ pub(super) struct Engine {
     output: Output,
     list: Playlist,
     song: Option<Decoding>,
+    /// Of the song before it.
+    tail: Tail,
+    crossfade_secs: f64,
+    /// Frames on their way to the ring.
+    batch: Vec<Frame>,
     /// The number of frames written to the current ring.
     written: u64,
     playing: bool,
@@ -95,6 +104,9 @@ impl Engine {
             output: Output::silence(),
             list: Playlist::default(),
             song: None,
+            tail: Tail::default(),
+            crossfade_secs: 0.0,
+            batch: Vec::with_capacity(BATCH_FRAMES),
             written: 0,
             playing: false,
             retry_at: None,
@@ -142,6 +154,7 @@ impl Engine {
             }
             Command::Select(song) => self.start(Some(song), 0.0, true),
             Command::Repeat(repeat) => self.list.repeat = repeat,
+            Command::Crossfade(secs) => self.crossfade_secs = secs,
             Command::Device(device) => {
                 self.device = device;
                 self.reopen();
@@ -176,7 +189,12 @@ impl Engine {
     /// The stretch that is heard now, if part of the songs is still to be heard.
     fn place(&self) -> Option<Stretch> {
         let taken = self.shared.clock.consumed().max(self.shared.clock.flushed_before());
-        if self.song.is_some() || taken < self.written { self.heard() } else { None }
+        if self.is_ending() && taken >= self.written { None } else { self.heard() }
+    }
+
+    /// Whether all that was to be played is in the ring.
+    fn is_ending(&self) -> bool {
+        self.song.is_none() && self.tail.is_over()
     }
 
     /// Goes back to the song that is heard, to which "next" and "previous" refer: the ring may already hold
@@ -198,7 +216,7 @@ impl Engine {
     /// Starts a song at a time, at once: the ring is flushed.
     fn start(&mut self, song: Option<usize>, secs: f64, playing: bool) {
         self.shared.clock.flush_before(self.written);
-        self.song = None;
+        (self.song, self.tail) = (None, Tail::default());
         self.shared.clock.set_drained(true);
         if let Some(song) = song {
             self.open_song(song, secs);
@@ -216,11 +234,15 @@ impl Engine {
             match Decoding::open(path, secs, self.output.rate_hz) {
                 Ok(decoding) => {
                     let rate_hz = f64::from(decoding.reader.rate_hz());
+                    // From the middle of a crossfade on, this song is the louder one.
+                    let middle = self.tail.len() / 2;
+                    let secs_of = |frames: usize| frames as f64 / f64::from(self.output.rate_hz);
                     self.shared.timeline().stretches.begin(Stretch {
-                        ring_frame: self.written,
+                        ring_frame: self.written + middle as u64,
                         song,
-                        song_secs: secs,
+                        song_secs: secs + secs_of(middle),
                         duration_secs: decoding.reader.total_frames().map(|frames| frames as f64 / rate_hz),
+                        crossfade_secs: secs_of(self.tail.len()),
                     });
                     self.song = Some(decoding);
                     self.tell(PlayerEvent::SongStarted(song));
@@ -244,59 +266,63 @@ impl Engine {
         let taken = || clock.consumed().max(clock.flushed_before());
         let mut starts = 0;
         while self.written < taken() + target && starts < MOST_STARTS {
-            let Some(decoding) = &mut self.song else { break };
-            let song = self.list.current;
-            let ended = match decoding.refill() {
-                Ok(true) => None,
-                Ok(false) => {
-                    let what = decoding.reader.damage();
-                    let name = decoding.reader.name();
-                    Some(what.map(|what| PlayerEvent::SongDamaged { song, what: format!("{name}: {what}") }))
-                }
-                Err(error) => Some(Some(PlayerEvent::SongFailed { song, reason: error.to_string() })),
-            };
-            let Some(ended) = ended else {
-                if self.write_ready() {
-                    continue;
-                }
+            let room = self.output.producer.slots().min(BATCH_FRAMES);
+            if room == 0 {
                 return;
-            };
-            ended.into_iter().for_each(|event| self.tell(event));
-            self.song = None;
-            self.song_ended();
+            }
+            if self.write(room) {
+                continue;
+            }
+            let Some(decoding) = self.song.take() else { break };
+            self.end_song(decoding);
             starts += 1;
         }
-        if self.song.is_some() {
-            // From here on, silence would be an underrun; before the ring is first filled it is not.
-            clock.set_drained(false);
-        }
-        if self.song.is_none() && self.playing && clock.consumed() >= self.written {
+        // Once the ring is first filled, silence is an underrun until all is played.
+        clock.set_drained(self.is_ending());
+        if self.is_ending() && self.playing && clock.consumed() >= self.written {
             self.set_playing(false);
             self.shared.timeline().stopped = true;
             self.tell(PlayerEvent::Finished);
         }
     }
 
-    /// Moves decoded frames to the ring and to the history. Returns false if the ring is full.
-    fn write_ready(&mut self) -> bool {
-        let Some(song) = &mut self.song else { return true };
-        let mut timeline = self.shared.timeline();
-        for pair in song.ready[song.used..].chunks_exact(2) {
-            let frame: Frame = [pair[0], pair[1]];
-            if self.output.producer.push(frame).is_err() {
-                return false;
-            }
-            timeline.history.push(frame);
-            song.used += 2;
-            self.written += 1;
+    /// Decodes a batch into the ring, which has `room` for it, and into the history. Returns false if there
+    /// is nothing more of this song.
+    fn write(&mut self, room: usize) -> bool {
+        let kept = self.list.after(false).map_or(0.0, |_| self.crossfade_secs);
+        let kept = (kept * f64::from(self.output.rate_hz)) as usize;
+        self.batch.clear();
+        while self.batch.len() < room {
+            let frame = match &mut self.song {
+                Some(song) => song.next(kept).map(|frame| self.tail.mix(frame)),
+                None => self.tail.next(),
+            };
+            let Some(frame) = frame else { break };
+            self.batch.push(frame);
         }
-        true
+        let mut timeline = self.shared.timeline();
+        for &frame in &self.batch {
+            if self.output.producer.push(frame).is_ok() {
+                timeline.history.push(frame);
+                self.written += 1;
+            }
+        }
+        !self.batch.is_empty()
     }
 
-    fn song_ended(&mut self) {
-        match self.list.after(false) {
-            Some(next) => self.open_song(next, 0.0),
-            None => self.shared.clock.set_drained(true),
+    /// Goes on with the next song; the rest of this one is heard beneath it.
+    fn end_song(&mut self, decoding: Decoding) {
+        let song = self.list.current;
+        let damage = decoding.reader.damage().map(|what| format!("{}: {what}", decoding.reader.name()));
+        let (rest, decoded) = decoding.rest();
+        match (decoded, damage) {
+            (Err(error), _) => self.tell(PlayerEvent::SongFailed { song, reason: error.to_string() }),
+            (Ok(()), Some(what)) => self.tell(PlayerEvent::SongDamaged { song, what }),
+            (Ok(()), None) => {}
+        }
+        self.tail = rest.over(std::mem::take(&mut self.tail));
+        if let Some(next) = self.list.after(false) {
+            self.open_song(next, 0.0);
         }
     }
 
@@ -363,7 +389,7 @@ impl Engine {
         self.output = output;
         let place = self.place().or(place);
         self.written = 0;
-        self.song = None;
+        (self.song, self.tail) = (None, Tail::default());
         let mut timeline = self.shared.timeline();
         self.shared.clock.restart();
         timeline.rate_hz = self.output.rate_hz;

@@ -9,8 +9,8 @@ use std::time::Instant;
 use super::clock::Clock;
 use super::engine::{Command, Engine, PlayerEvent};
 use super::queue::Stretches;
-use crate::SoundError;
 use crate::history::History;
+use crate::{LONGEST_CROSSFADE_SECS, SoundError};
 
 /// What happens after the last sample of a song.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -65,6 +65,9 @@ pub struct PlayerStatus {
     pub position_secs: f64,
     /// The length of that song, if its header states it.
     pub duration_secs: Option<f64>,
+    /// The length of the crossfade with which that song began, half of it before it became the song that is
+    /// heard; 0 where it began at once.
+    pub crossfade_secs: f64,
     /// The device; `None` if there is none and time passes in silence.
     pub device: Option<String>,
     /// Rate of the samples of [`Player::heard_window`], in Hz.
@@ -188,6 +191,14 @@ impl Player {
         self.send(Command::Repeat(repeat));
     }
 
+    /// Sets how long the end of a song is heard under the beginning of the next, in seconds up to
+    /// [`LONGEST_CROSSFADE_SECS`]. With 0, the start, one follows the other without a gap. At most half of what
+    /// was heard of a song fades out; what is started by hand begins at once.
+    pub fn set_crossfade_secs(&self, secs: f64) {
+        let secs = if secs.is_finite() { secs.clamp(0.0, LONGEST_CROSSFADE_SECS) } else { 0.0 };
+        self.send(Command::Crossfade(secs));
+    }
+
     /// Sets the amplitude, in [0, 1].
     pub fn set_volume(&self, volume: f32) {
         self.shared.clock.set_volume(if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 0.0 });
@@ -220,6 +231,7 @@ impl Player {
                 stretch.duration_secs.map_or(secs, |duration| secs.min(duration))
             }),
             duration_secs: place.and_then(|(stretch, _)| stretch.duration_secs),
+            crossfade_secs: place.map_or(0.0, |(stretch, _)| stretch.crossfade_secs),
             device: timeline.device.clone(),
             rate_hz: timeline.rate_hz,
             underruns: self.shared.clock.underruns(),

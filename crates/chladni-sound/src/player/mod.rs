@@ -6,6 +6,7 @@ mod engine;
 mod handle;
 mod output;
 mod queue;
+mod tail;
 
 pub use engine::PlayerEvent;
 pub use handle::{Player, PlayerSettings, PlayerState, PlayerStatus, Repeat};

@@ -54,6 +54,8 @@ pub(super) struct Stretch {
     pub song: usize,
     pub song_secs: f64,
     pub duration_secs: Option<f64>,
+    /// How long the song before it fades into this one; from half of it before `ring_frame` to half after it.
+    pub crossfade_secs: f64,
 }
 
 /// The stretches that are heard now or later, in order.
@@ -115,7 +117,13 @@ mod tests {
         let places = list.places_in(&["a", "c", "a"].map(PathBuf::from));
         assert_eq!(places, [Some(0), None, Some(2), Some(1)]);
         let mut stretches = Stretches::default();
-        stretches.begin(Stretch { ring_frame: 0, song: 3, song_secs: 0.0, duration_secs: None });
+        stretches.begin(Stretch {
+            ring_frame: 0,
+            song: 3,
+            song_secs: 0.0,
+            duration_secs: None,
+            crossfade_secs: 0.0,
+        });
         stretches.renumber(&places);
         assert_eq!(stretches.at(0.0, 48_000).map(|(s, _)| s.song), Some(1));
     }
@@ -123,7 +131,13 @@ mod tests {
     #[test]
     fn positions_follow_seeks_and_songs() {
         let mut stretches = Stretches::default();
-        let at = |ring_frame, song, song_secs| Stretch { ring_frame, song, song_secs, duration_secs: None };
+        let at = |ring_frame, song, song_secs| Stretch {
+            ring_frame,
+            song,
+            song_secs,
+            duration_secs: None,
+            crossfade_secs: 0.0,
+        };
         stretches.begin(at(0, 0, 0.0));
         stretches.begin(at(48_000, 0, 30.0));
         stretches.begin(at(96_000, 1, 0.0));

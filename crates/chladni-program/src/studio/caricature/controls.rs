@@ -197,13 +197,8 @@ fn amount(
     let tip =
         "How many triangles may fold where μ goes as far as it goes: of a scan one sliver should not end it";
     theme::row(ui, "May fold", tip, |ui| {
-        ui.add(
-            theme::slider(may_fold_percent, 0.0..=2.0)
-                .logarithmic(true)
-                .smallest_positive(0.01)
-                .fixed_decimals(2)
-                .suffix(" %"),
-        );
+        let slider = theme::slider(may_fold_percent, 0.0..=2.0).logarithmic(true).smallest_positive(0.01);
+        ui.add(theme::with_unit(slider, 2, "%"));
     });
     let mut keep = measured.kept.is_some();
     let tip = "Holds all layers back where they would fold the surface or pass it through itself, and lets detail turn \
@@ -318,7 +313,7 @@ fn region(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits) {
     theme::row(ui, "Softness", tip, |ui| {
         let mut percent = 100.0 * smoothing.wavelength;
         let slider = theme::slider(&mut percent, 4.0..=320.0).logarithmic(true);
-        let slider = ui.add(slider.fixed_decimals(0).suffix(" %"));
+        let slider = ui.add(theme::with_unit(slider, 0, "%"));
         let wavelength = percent / 100.0;
         edits.drag(id, &slider, || Property::Smoothing(Smoothing { wavelength, ..smoothing }));
     });

@@ -1,7 +1,7 @@
 //! What controllers ask of the room, and where things stand for them.
 
 use chladni_music::{Action, Looks, SHOTS, Target, Which};
-use chladni_sound::PlayerState;
+use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState};
 use chladni_view::{Background, Lights, Look, Material, Palette};
 
 use super::MusicRoom;
@@ -47,6 +47,7 @@ impl Stand<'_> {
             }
             Target::Crossfade => Some(instrument.fader()),
             Target::Volume => Some(self.listening.volume()),
+            Target::SongFade => Some((self.listening.song_fade_secs() / LONGEST_CROSSFADE_SECS) as f32),
             Target::Blackout => share(self.concert.house.is_black()),
             Target::Freeze => share(self.concert.house.frozen),
             Target::Autopilot => share(self.concert.is_piloted()),
@@ -145,6 +146,11 @@ impl MusicRoom {
             (Target::Volume, Which::Level(share)) => {
                 listening.set_volume(*share);
                 shared.settings.music.volume = *share;
+                true
+            }
+            (Target::SongFade, Which::Level(share)) => {
+                shared.settings.music.song_fade_secs = f64::from(*share) * LONGEST_CROSSFADE_SECS;
+                listening.set_song_fade_secs(shared.settings.music.song_fade_secs);
                 true
             }
             (

@@ -338,6 +338,7 @@ impl MusicRoom {
             let music = &shared.settings.music;
             match Listening::start(&shared.ctx, music.volume, music.output_device.clone()) {
                 Ok(mut listening) => {
+                    listening.set_song_fade_secs(music.song_fade_secs);
                     if let Some(input) = self.input.take() {
                         listening.listen_on(input, "Live input".into());
                     }

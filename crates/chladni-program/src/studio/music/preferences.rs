@@ -54,6 +54,8 @@ pub struct Preferences {
     pub projection: Projection,
     /// Loudness of the songs, in [0, 1].
     pub volume: f32,
+    /// How long one song fades into the next.
+    pub song_fade_secs: f64,
     /// The device that plays them; `None` is the system's own.
     pub output_device: Option<String>,
     /// The autopilot begins where a song is opened and nothing is touched.
@@ -123,6 +125,7 @@ impl Default for Preferences {
             clock_out: None,
             projection: Projection::default(),
             volume: 1.0,
+            song_fade_secs: 0.0,
             output_device: None,
             leans_back: true,
             bindings: Vec::new(),

@@ -1,7 +1,8 @@
 //! The playlist, and what is listened to instead of it.
 
 use chladni_sound::{
-    CaptureKind, CaptureSource, OutputDevice, PlayerState, Repeat, capture_sources, output_devices,
+    CaptureKind, CaptureSource, LONGEST_CROSSFADE_SECS, OutputDevice, PlayerState, Repeat, capture_sources,
+    output_devices,
 };
 use egui::{RichText, Ui, vec2};
 
@@ -81,6 +82,14 @@ fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences:
     if theme::wide_row(ui, VOLUME, "Volume", tip, |ui| ui.add(slider)).on_hover_text(tip).changed() {
         listening.set_volume(volume);
         preferences.volume = volume;
+    }
+    let mut fade_secs = listening.song_fade_secs();
+    let tip =
+        "How long the end of a song is heard under the beginning of the next; without one there is no gap";
+    let slider = theme::with_unit(theme::slider(&mut fade_secs, 0.0..=LONGEST_CROSSFADE_SECS), 1, "s");
+    if theme::wide_row(ui, VOLUME, "Crossfade", tip, |ui| ui.add(slider)).on_hover_text(tip).changed() {
+        listening.set_song_fade_secs(fade_secs);
+        preferences.song_fade_secs = fade_secs;
     }
     let chosen = listening.device().map(str::to_owned);
     let system = (None, "The system's own".to_owned());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni_music::{BeatReading, Stretch};
-use chladni_sound::{Beats, Song, StereoResampler, track_beats};
+use chladni_sound::{Beats, Song, StereoResampler, crossfade_gain, track_beats};
 
 use crate::work::{Error, Hearing, KnownSong, Watcher, read_beats, source};
 
@@ -30,16 +30,22 @@ impl Songs {
         watcher: &impl Watcher,
     ) -> Result<Self, Error> {
         if heard.is_empty() {
-            heard.push(Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true });
+            heard.push(Stretch {
+                at_secs: 0.0,
+                song: Some(0),
+                song_secs: 0.0,
+                playing: true,
+                crossfade_secs: 0.0,
+            });
         }
         let (start_secs, wanted_secs) = range;
         let end_secs = wanted_secs.map_or(f64::INFINITY, |secs| start_secs + secs);
-        let ends = heard.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
         // A jump fades from what was heard before it.
-        let reached = heard
-            .iter()
-            .zip(ends)
-            .filter(|(stretch, end)| stretch.at_secs < end_secs && *end + 1.0 > start_secs);
+        let over = |next: &Stretch| next.at_secs + (0.5 * next.crossfade_secs).max(1.0);
+        let overs = heard.iter().skip(1).map(over).chain([f64::INFINITY]);
+        let reached = heard.iter().zip(overs).filter(|(stretch, over_secs)| {
+            stretch.at_secs - 0.5 * stretch.crossfade_secs < end_secs && *over_secs > start_secs
+        });
         let numbers: Vec<usize> = reached.filter_map(|(stretch, _)| stretch.song).collect();
         let mut songs = Vec::new();
         for (number, (name, _)) in names.iter().enumerate() {
@@ -111,20 +117,35 @@ impl Songs {
         for known in &self.songs {
             resampled.push(known.as_ref().map(|known| at_rate(&known.song, rate_hz)).transpose()?);
         }
-        let ends = self.heard.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
-        for (stretch, end_secs) in self.heard.iter().zip(ends) {
+        let ends = self.heard.iter().skip(1).map(|next| (next.at_secs, next.crossfade_secs));
+        for (stretch, (end_secs, fade_out_secs)) in self.heard.iter().zip(ends.chain([(f64::INFINITY, 0.0)]))
+        {
             let song = stretch.song.and_then(|song| resampled.get(song)?.as_ref());
             let Some(song) = song.filter(|_| stretch.playing) else { continue };
-            let from_secs = stretch.at_secs.max(self.start_secs);
-            let to_secs = end_secs.min(self.start_secs + self.film_secs);
+            let begin_secs = stretch.at_secs - 0.5 * stretch.crossfade_secs;
+            let over_secs = end_secs + 0.5 * fade_out_secs;
+            let from_secs = begin_secs.max(self.start_secs);
+            let to_secs = over_secs.min(self.start_secs + self.film_secs);
             if to_secs <= from_secs {
                 continue;
             }
             let from = frames(from_secs - self.start_secs).min(sound.left.len());
             let to = frames(to_secs - self.start_secs).min(sound.left.len());
-            let end = frames(stretch.song_secs_at(from_secs)) as i64 + (to - from) as i64;
-            let Song { left, right, .. } = &mut sound;
-            song.window_ending_at(end, &mut left[from..to], &mut right[from..to]);
+            let begin = (stretch.song_secs_at(from_secs) * f64::from(rate_hz)).round() as i64;
+            let end = begin + (to - from) as i64;
+            let [mut left, mut right] = [vec![0.0; to - from], vec![0.0; to - from]];
+            song.window_ending_at(end, &mut left, &mut right);
+            let gain = |frame: usize| {
+                let at_secs = from_secs + frame as f64 / f64::from(rate_hz);
+                let part =
+                    |gone_secs: f64, of_secs: f64| if of_secs > 0.0 { gone_secs / of_secs } else { 1.0 };
+                crossfade_gain(part(at_secs - begin_secs, stretch.crossfade_secs))
+                    * crossfade_gain(part(over_secs - at_secs, fade_out_secs))
+            };
+            for (all, heard) in [(&mut sound.left, left), (&mut sound.right, right)] {
+                let all = all[from..to].iter_mut().zip(heard).enumerate();
+                all.for_each(|(frame, (all, heard))| *all += gain(frame) * heard);
+            }
         }
         Ok(sound)
     }
@@ -141,4 +162,47 @@ fn at_rate(song: &Arc<Song>, rate_hz: u32) -> Result<Arc<Song>, Error> {
     resampler.finish(&mut stereo)?;
     let (left, right) = stereo.as_chunks().0.iter().map(|[l, r]: &[f32; 2]| (*l, *r)).unzip();
     Ok(Arc::new(Song { rate_hz, left, right }))
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_task::Task;
+
+    use super::*;
+    use crate::work::Aside;
+
+    /// Two songs, the one on the left and the other on the right, the latter faded into at 3 s of the show.
+    fn songs(range: (f64, Option<f64>)) -> Song {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["left.wav", "right.wav"].map(|name| {
+            let (level, silence) = (vec![0.5; 4_000], vec![0.0; 4_000]);
+            let (left, right) = if name == "left.wav" { (level, silence) } else { (silence, level) };
+            let path = folder.path().join(name);
+            let song = Song { rate_hz: 1_000, left, right };
+            chladni_sound::write_wav(&path, &song, chladni_sound::WavSample::Float32).unwrap();
+            (path.to_str().unwrap().to_owned(), BeatReading::default())
+        });
+        let first =
+            Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
+        let second = Stretch { at_secs: 3.0, song: Some(1), song_secs: 1.0, crossfade_secs: 2.0, ..first };
+        Songs::open(&names, vec![first, second], None, range, &Aside::new(&Task::new()))
+            .unwrap()
+            .sound()
+            .unwrap()
+    }
+
+    #[test]
+    fn a_film_fades_from_song_to_song_as_the_stage_did() {
+        let sound = songs((0.0, None));
+        assert_eq!(sound.left.len(), 6_000);
+        let power = sound.left.iter().zip(&sound.right).map(|(l, r)| l * l + r * r);
+        assert!(power.map(|power| (power - 0.25).abs()).fold(0.0, f32::max) < 1e-5);
+        assert!((sound.left[3_000] - sound.right[3_000]).abs() < 1e-3);
+        assert!(sound.left[2_000] == 0.5 && sound.left[1_999] == 0.5 && sound.left[4_000].abs() < 1e-6);
+        // A film that begins or ends within the crossfade has both, too.
+        let part = songs((3.5, Some(1.0)));
+        assert!(part.left == sound.left[3_500..4_500] && part.right == sound.right[3_500..4_500]);
+        let part = songs((1.0, Some(1.5)));
+        assert!(part.right == sound.right[1_000..2_500] && part.right[1_400] > 0.1);
+    }
 }

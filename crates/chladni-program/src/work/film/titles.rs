@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     fn stretch(at_secs: f64, song: Option<usize>) -> Stretch {
-        Stretch { at_secs, song, song_secs: 0.0, playing: true }
+        Stretch { at_secs, song, song_secs: 0.0, playing: true, crossfade_secs: 0.0 }
     }
 
     #[test]

@@ -66,6 +66,7 @@ pub struct Listening {
     songs: Vec<PathBuf>,
     repeat: Repeat,
     volume: f32,
+    song_fade_secs: f64,
     device: Option<String>,
     warnings: Vec<String>,
     /// The sample tune lives in a file while the room is open.
@@ -143,6 +144,7 @@ impl Listening {
             songs: vec![tune.clone()],
             repeat: Repeat::Off,
             volume,
+            song_fade_secs: 0.0,
             device,
             warnings: Vec::new(),
             tune,
@@ -263,8 +265,12 @@ impl Listening {
         self.learn(&status);
         self.hearing.tune(self.clock.at_secs(), parameters);
         let song = if self.live.is_some() { None } else { self.number_of(status.song) };
-        let playing =
-            Playing { song, position_secs: status.position_secs, duration_secs: status.duration_secs };
+        let playing = Playing {
+            song,
+            position_secs: status.position_secs,
+            duration_secs: status.duration_secs,
+            crossfade_secs: status.crossfade_secs,
+        };
         let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
         if let Some(stretch) = self.clock.follow(now_secs, playing) {
             before(&mut self.hearing, stretch.at_secs)?;

@@ -101,6 +101,17 @@ impl Listening {
         self.player.set_volume(volume);
     }
 
+    /// How long one song fades into the next.
+    pub fn song_fade_secs(&self) -> f64 {
+        self.song_fade_secs
+    }
+
+    /// Changes that.
+    pub fn set_song_fade_secs(&mut self, secs: f64) {
+        self.song_fade_secs = secs;
+        self.player.set_crossfade_secs(secs);
+    }
+
     /// The device that was chosen; `None` is the system's own.
     pub fn device(&self) -> Option<&str> {
         self.device.as_deref()
