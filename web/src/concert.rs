@@ -186,9 +186,8 @@ impl Concert {
     /// Looks at the picture that a graphics card drew last, made small: RGBA, rows from the top. How opaque the veil is
     /// under which it may be shown, of 255: above 0 of white, below of black.
     pub fn judge(&mut self, rgba: &[u8], width: u32, height: u32) -> i32 {
-        if !self.instrument.parameters().is_on(Switch::FlashLimit) {
-            return 0;
-        }
+        let Some(area) = self.instrument.parameters().flash_area() else { return 0 };
+        self.stage.guard.set_area(area);
         match self.stage.guard.judge(self.clock.at_secs(), rgba.as_chunks().0, [width, height]) {
             Veil::Clear => 0,
             Veil::Black(opacity) => -i32::from(opacity),
@@ -244,8 +243,8 @@ impl Concert {
         let figures: Vec<Figure<'_>> = (0..count).map(figure).collect();
         let cells = staged.cells(&figures);
         renderer.draw_finished(screen.canvas(), &cells, &staged.look.finish, at_secs)?;
-        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        if let Some(picture) = screen.show()?.filter(|_| limited) {
+        if let Some((picture, area)) = screen.show()?.zip(self.instrument.parameters().flash_area()) {
+            stage.guard.set_area(area);
             stage.guard.pass(at_secs, picture);
         }
         let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::flash::{GUARDED, GUARDED_DARK, Swings};
+use crate::flash_field::{FlashArea, are_too_many};
 use crate::histogram::CELLS;
 use crate::{FLASH_DARK, FLASH_STEP, Histogram, MAX_FLASHES, Veil};
 
@@ -10,8 +11,6 @@ use crate::{FLASH_DARK, FLASH_STEP, Histogram, MAX_FLASHES, Veil};
 const RED_SHARE: f32 = 0.8;
 /// The change of (R − G − B) · 320 that counts; negatives count as 0.
 const RED_STEP: f32 = 20.0;
-/// Cells that flash together may be one in this many; ITU-R BT.1702 and WCAG say a quarter.
-const PART: usize = 4;
 
 /// What flashes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,9 +94,9 @@ impl Places {
         }
     }
 
-    /// Whether more than a quarter of the cells would have risen more than three times within a second if `picture`
-    /// were shown now behind `veil`.
-    pub(crate) fn would_flash(&self, picture: &Histogram, veil: Veil) -> bool {
+    /// Whether more than a quarter of the cells of `area` would have risen more than three times within a
+    /// second if `picture` were shown now behind `veil`.
+    pub(crate) fn would_flash(&self, picture: &Histogram, veil: Veil, area: FlashArea) -> bool {
         let rises_too_often = |cell: usize| {
             let rises = usize::from(self.counts[cell]);
             rises > MAX_FLASHES
@@ -107,13 +106,13 @@ impl Places {
                         self.change(cell, value, is_red) > 0
                     })
         };
-        PART * (0..CELLS).filter(|&cell| rises_too_often(cell)).count() > picture.cells()
+        are_too_many(picture, area, rises_too_often)
     }
 
-    /// Flashes that more than a quarter of `cells` cells had within the last second, each.
-    pub(crate) fn flashes(&self, cells: usize) -> usize {
+    /// Flashes that more than a quarter of the cells of `area` had within the last second, each.
+    pub(crate) fn flashes(&self, picture: &Histogram, area: FlashArea) -> usize {
         let have = |flashes: usize| {
-            PART * self.counts.iter().filter(|&&changes| usize::from(changes) >= 2 * flashes).count() > cells
+            are_too_many(picture, area, |cell| usize::from(self.counts[cell]) >= 2 * flashes)
         };
         (1..).take_while(|&flashes| have(flashes)).last().unwrap_or(0)
     }

@@ -5,8 +5,8 @@ use chladni_mesh::{linear_from_srgb, srgb_from_linear};
 use crate::Veil;
 
 /// Cells of a picture, across and down; at a distance at which it fills 40° a cell is a degree wide.
-const COLUMNS: usize = 48;
-const ROWS: usize = 32;
+pub(crate) const COLUMNS: usize = 48;
+pub(crate) const ROWS: usize = 32;
 /// All cells.
 pub(crate) const CELLS: usize = COLUMNS * ROWS;
 
@@ -71,9 +71,9 @@ impl Histogram {
         (sum / pixels.max(1) as f64) as f32
     }
 
-    /// How many cells have pixels.
-    pub(crate) fn cells(&self) -> usize {
-        self.cells.iter().filter(|cell| cell.pixels > 0.0).count()
+    /// Whether a cell has pixels.
+    pub(crate) fn has(&self, cell: usize) -> bool {
+        self.cells.get(cell).is_some_and(|cell| cell.pixels > 0.0)
     }
 
     /// Mean linear color of a cell that has pixels, behind `veil`: exact where the veil is clear or the cell of one color.

@@ -173,6 +173,8 @@ pub enum Switch {
     FlipSides,
     /// At most three flashes a second (on unless switched off).
     FlashLimit,
+    /// They are counted in any field of view of 10°, too.
+    FlashFields,
     /// Sound bands have equal steps of pitch instead of frequency.
     LogBands,
     /// Each dance has its own μ; otherwise all have [`Parameter::StereoMu`].
@@ -190,12 +192,13 @@ pub enum Switch {
 
 impl Switch {
     /// All switches.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::BeatTurns,
         Self::BeatLights,
         Self::BeatSteps,
         Self::FlipSides,
         Self::FlashLimit,
+        Self::FlashFields,
         Self::LogBands,
         Self::OwnMu,
         Self::Resonate,
@@ -215,6 +218,7 @@ impl Switch {
             Self::BeatSteps => "beat-steps",
             Self::FlipSides => "flip-sides",
             Self::FlashLimit => "flash-limit",
+            Self::FlashFields => "flash-fields",
             Self::LogBands => "log-bands",
             Self::OwnMu => "own-mu",
             Self::Resonate => "resonate",
@@ -279,6 +283,12 @@ impl Parameters {
     /// Whether a switch is on.
     pub fn is_on(&self, switch: Switch) -> bool {
         self.on[switch as usize]
+    }
+
+    /// Where no more than a quarter may flash more than three times a second; `None` where nothing is limited.
+    pub fn flash_area(&self) -> Option<FlashArea> {
+        let area = if self.is_on(Switch::FlashFields) { FlashArea::Field } else { FlashArea::Screen };
+        self.is_on(Switch::FlashLimit).then_some(area)
     }
 
     /// Turns a switch on or off.

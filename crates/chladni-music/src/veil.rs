@@ -1,6 +1,7 @@
 //! The last look at a picture: a veil toward black or white where it would flash.
 
 use crate::flash_area::{Places, Signal};
+use crate::flash_field::FlashArea;
 use crate::histogram::Histogram;
 use crate::{FlashLimiter, most_flashes_per_second};
 
@@ -37,7 +38,7 @@ impl Veil {
 }
 
 /// Keeps the pictures of a film or a window from flashing more than three times a second: in their mean luminance and, in
-/// luminance or saturated red, in more than a quarter of their area.
+/// luminance or saturated red, in more than a quarter of an area.
 ///
 /// ```
 /// use chladni_music::{FlashGuard, Histogram, Veil};
@@ -54,6 +55,7 @@ impl Veil {
 pub struct FlashGuard {
     limiter: FlashLimiter,
     places: [Places; 4],
+    area: FlashArea,
     /// How black places made it, and when.
     held: Option<(f64, u8)>,
 }
@@ -63,7 +65,7 @@ impl Default for FlashGuard {
         let [luminance, red] = [Signal::Luminance, Signal::Red].map(Places::guarding);
         let [exact_luminance, exact_red] = [Signal::Luminance, Signal::Red].map(Places::rising);
         let places = [luminance, red, exact_luminance, exact_red];
-        Self { limiter: FlashLimiter::default(), places, held: None }
+        Self { limiter: FlashLimiter::default(), places, area: FlashArea::default(), held: None }
     }
 }
 
@@ -71,6 +73,11 @@ impl Default for FlashGuard {
 const LIFT_SECS: f64 = 1.0;
 
 impl FlashGuard {
+    /// Where no more than a quarter may flash from now on.
+    pub fn set_area(&mut self, area: FlashArea) {
+        self.area = area;
+    }
+
     /// The veil with which the picture may be shown at `time_secs`, which must not fall from call to call. It is no
     /// denser than flashes need, but black that parts of the picture needed goes only within a second. Allocates
     /// nothing, except where more changes fall into a second than ever before.
@@ -110,7 +117,7 @@ impl FlashGuard {
     }
 
     fn would_flash(&self, picture: &Histogram, veil: Veil) -> bool {
-        self.places.iter().any(|places| places.would_flash(picture, veil))
+        self.places.iter().any(|places| places.would_flash(picture, veil, self.area))
     }
 
     /// Whether a change that no veil can soften, such as panels of the window appearing, may happen now. If
@@ -134,9 +141,10 @@ fn thinnest(least: u8, enough: impl Fn(u8) -> bool) -> u8 {
 }
 
 /// Counts flashes of what was shown: of the mean luminance, and of luminance and saturated red in more than a quarter of
-/// the area.
+/// an area.
 #[derive(Clone, Debug)]
 pub struct FlashCount {
+    area: FlashArea,
     times_secs: Vec<f64>,
     luminances: Vec<f32>,
     places: [Places; 2],
@@ -146,18 +154,24 @@ pub struct FlashCount {
 impl Default for FlashCount {
     fn default() -> Self {
         let places = [Signal::Luminance, Signal::Red].map(Places::counting);
-        Self { times_secs: Vec::new(), luminances: Vec::new(), places, most_in_places: 0 }
+        let area = FlashArea::default();
+        Self { area, times_secs: Vec::new(), luminances: Vec::new(), places, most_in_places: 0 }
     }
 }
 
 impl FlashCount {
+    /// Where more than a quarter must flash to be counted.
+    pub fn of(area: FlashArea) -> Self {
+        Self { area, ..Self::default() }
+    }
+
     /// Notes what was shown at `time_secs`: `picture` behind `veil`.
     pub fn note(&mut self, time_secs: f64, picture: &Histogram, veil: Veil) {
         self.times_secs.push(time_secs);
         self.luminances.push(picture.luminance(veil));
         for places in &mut self.places {
             places.show(time_secs, picture, veil);
-            self.most_in_places = self.most_in_places.max(places.flashes(picture.cells()));
+            self.most_in_places = self.most_in_places.max(places.flashes(picture, self.area));
         }
     }
 

@@ -36,7 +36,7 @@ impl Stage {
             figures: Figures::new(device(), &model, &triangles, staging)?,
             synthesizer: CpuSynthesizer::new(model),
             triangles,
-            guard: FrameGuard::new(true),
+            guard: FrameGuard::new(Some(chladni_music::FlashArea::Screen)),
             cells: Vec::new(),
         })
     }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::{FlashCount, FlashGuard, Histogram, MAX_FLASHES, Veil};
+use crate::{FlashArea, FlashCount, FlashGuard, Histogram, MAX_FLASHES, Veil};
 
 const SIZE: [u32; 2] = [96, 64];
 const RATE: u32 = 30;
@@ -16,8 +16,9 @@ struct Seen {
 }
 
 /// Shows `frames` pictures of `color` at column, row and time, guarded or not.
-fn show(frames: u32, guarded: bool, color: impl Fn([u32; 2], f64) -> [u8; 3]) -> Seen {
-    let (mut guard, mut count) = (FlashGuard::default(), FlashCount::default());
+fn show(frames: u32, guarded: bool, area: FlashArea, color: impl Fn([u32; 2], f64) -> [u8; 3]) -> Seen {
+    let (mut guard, mut count) = (FlashGuard::default(), FlashCount::of(area));
+    guard.set_area(area);
     let (mut picture, mut shown) = (Histogram::default(), Histogram::default());
     let mut seen = Seen { flashes: 0, veiled: 0, last: Veil::Clear };
     for frame in 0..frames {
@@ -42,13 +43,21 @@ fn is_on(time_secs: f64, hz: f64) -> bool {
 
 /// It flashes unless it is guarded, and then no more than it may.
 fn is_tamed(frames: u32, color: impl Fn([u32; 2], f64) -> [u8; 3]) {
-    let [free, guarded] = [false, true].map(|guarded| show(frames, guarded, &color));
+    [FlashArea::Screen, FlashArea::Field].into_iter().for_each(|area| is_tamed_in(area, frames, &color));
+}
+
+fn is_tamed_in(area: FlashArea, frames: u32, color: impl Fn([u32; 2], f64) -> [u8; 3]) {
+    let [free, guarded] = [false, true].map(|guarded| show(frames, guarded, area, &color));
     assert!(free.flashes > MAX_FLASHES, "nothing flashes: {free:?}");
     assert!(guarded.flashes <= MAX_FLASHES && guarded.veiled > 0, "{guarded:?}");
 }
 
 fn is_untouched(frames: u32, color: impl Fn([u32; 2], f64) -> [u8; 3]) {
-    let seen = show(frames, true, color);
+    is_untouched_in(FlashArea::Screen, frames, color);
+}
+
+fn is_untouched_in(area: FlashArea, frames: u32, color: impl Fn([u32; 2], f64) -> [u8; 3]) {
+    let seen = show(frames, true, area, color);
     assert_eq!((seen.veiled, seen.last), (0, Veil::Clear), "{seen:?}");
 }
 
@@ -98,6 +107,20 @@ fn a_small_part_may_strobe() {
         let inside = x < SIZE[0] / 4 && y < SIZE[1] / 4;
         [if inside && is_on(t, 6.0) { 255 } else { 40 }; 3]
     });
+}
+
+#[test]
+fn a_small_part_may_not_strobe_where_it_fills_a_quarter_of_a_field() {
+    let strobe = |columns: u32, rows: u32| {
+        move |[x, y]: [u32; 2], t: f64| {
+            let inside = (30..30 + columns).contains(&x) && (20..20 + rows).contains(&y);
+            [if inside && is_on(t, 6.0) { 255 } else { 40 }; 3]
+        }
+    };
+    is_tamed_in(FlashArea::Field, 120, strobe(24, 16));
+    is_tamed_in(FlashArea::Field, 120, strobe(16, 14));
+    is_untouched_in(FlashArea::Field, 120, strobe(12, 10));
+    is_untouched(120, strobe(24, 16));
 }
 
 #[test]

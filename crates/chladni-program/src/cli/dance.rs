@@ -166,6 +166,9 @@ pub struct Dance {
     /// Do not limit flashes to three a second.
     #[arg(long)]
     allow_flashes: bool,
+    /// Limit them in any field of view of 10°, a third of the picture across and down, too: for who sits close.
+    #[arg(long, conflicts_with = "allow_flashes")]
+    flash_fields: bool,
     /// Print a report as JSON: what was made, and where the time went.
     #[arg(long)]
     json: bool,
@@ -232,6 +235,7 @@ impl Dance {
             samples: self.samples,
             synthesis: self.synthesis,
             allow_flashes: self.allow_flashes,
+            flash_fields: self.flash_fields,
             titles: self.titles,
         };
         let mut film = match &self.show {

@@ -1,6 +1,6 @@
 //! The last look at a frame before it is encoded: no more than three flashes a second.
 
-use chladni_music::{FlashCount, FlashGuard, Histogram, Veil};
+use chladni_music::{FlashArea, FlashCount, FlashGuard, Histogram, Veil};
 use chladni_view::Picture;
 
 /// The approximate number of pixels of a frame that are examined.
@@ -15,14 +15,21 @@ pub struct FrameGuard {
 }
 
 impl FrameGuard {
-    /// A guard; one that is not `active` only watches.
-    pub fn new(active: bool) -> Self {
-        Self {
-            guard: active.then(FlashGuard::default),
+    /// A guard of an area; without one it only watches.
+    pub fn new(area: Option<FlashArea>) -> Self {
+        let mut guard = Self {
+            guard: area.map(|_| FlashGuard::default()),
             histogram: Histogram::default(),
-            shown: FlashCount::default(),
+            shown: FlashCount::of(area.unwrap_or_default()),
             damped: 0,
-        }
+        };
+        guard.set_area(area.unwrap_or_default());
+        guard
+    }
+
+    /// Guards another area from now on.
+    pub fn set_area(&mut self, area: FlashArea) {
+        self.guard.iter_mut().for_each(|guard| guard.set_area(area));
     }
 
     /// Looks at the frame of `time_secs` and veils it where it would flash.
@@ -97,9 +104,9 @@ mod tests {
     #[test]
     fn a_strobe_of_pictures_is_tamed_down_to_black() {
         for dark in [10, 0] {
-            let mut watched = FrameGuard::new(false);
-            let mut guarded = FrameGuard::new(true);
-            let mut seen = FrameGuard::new(false);
+            let mut watched = FrameGuard::new(None);
+            let mut guarded = FrameGuard::new(Some(FlashArea::Screen));
+            let mut seen = FrameGuard::new(None);
             for frame in 0..180 {
                 let level = if frame / 3 % 2 == 0 { 255 } else { dark };
                 let strobe = || Picture::filled(16, 16, [level, level, level, 255]);

@@ -221,11 +221,19 @@ const SWITCHES: &[(&str, &[Choice])] = &[
     ),
     (
         "Safety",
-        &[(
-            Switch::FlashLimit,
-            "Limit flashes",
-            "At most three flashes a second, for people with photosensitive epilepsy",
-        )],
+        &[
+            (
+                Switch::FlashLimit,
+                "Limit flashes",
+                "At most three flashes a second, for people with photosensitive epilepsy",
+            ),
+            (
+                Switch::FlashFields,
+                "In any field of view",
+                "Where they are limited: in a quarter of any third of the picture, too, for who sits close. Bodies that swing \
+                 fast over a dark ground are darkened by it",
+            ),
+        ],
     ),
 ];
 

@@ -169,6 +169,9 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     if output.allow_flashes {
         performance.allow_flashes();
     }
+    if output.flash_fields {
+        performance.judge_fields();
+    }
     if wanted.autopilot {
         performance.pilot()?;
     }

@@ -52,6 +52,8 @@ pub struct Output {
     pub synthesis: Backend,
     /// More than three a second.
     pub allow_flashes: bool,
+    /// They are counted in any field of view of 10°, too.
+    pub flash_fields: bool,
     /// Songs are named as they begin, as on stage.
     pub titles: bool,
 }
@@ -88,6 +90,7 @@ impl Output {
             samples: None,
             synthesis: Backend::Auto,
             allow_flashes: false,
+            flash_fields: false,
             titles: false,
         }
     }

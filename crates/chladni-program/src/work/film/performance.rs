@@ -6,7 +6,8 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch, Viewpoint,
+    Ensemble, FlashArea, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch,
+    Viewpoint,
 };
 use chladni_synth::{Backend, Item, SynthModel};
 use chladni_task::Task;
@@ -106,6 +107,7 @@ pub struct Performance {
     start_secs: f64,
     rate: FrameRate,
     flashes_allowed: bool,
+    fields_judged: bool,
     shows_rest: bool,
     titles: Titles,
     programme: Option<Programme>,
@@ -144,6 +146,7 @@ impl Performance {
             start_secs,
             rate,
             flashes_allowed: false,
+            fields_judged: false,
             shows_rest: false,
             titles: Titles::default(),
             programme: None,
@@ -181,6 +184,10 @@ impl Performance {
 
     pub fn allow_flashes(&mut self) {
         self.flashes_allowed = true;
+    }
+
+    pub fn judge_fields(&mut self) {
+        self.fields_judged = true;
     }
 
     /// Replays actions and sound in order, up to a time of the show.
@@ -292,8 +299,10 @@ impl Performance {
         let mut deformed = Deformed::new(&device, &self.model, &self.triangles, means.synthesis)?;
         let rest = self.staging.rest_on(&device)?;
         let (rate, mut done) = (self.rate, Done::default());
-        let is_guarded = !self.flashes_allowed && self.instrument.parameters().is_on(Switch::FlashLimit);
-        let mut guard = FrameGuard::new(is_guarded);
+        let area = self.instrument.parameters().flash_area().filter(|_| !self.flashes_allowed);
+        let is_guarded = area.is_some();
+        let mut guard =
+            FrameGuard::new(area.map(|area| if self.fields_judged { FlashArea::Field } else { area }));
         let first = film.settings().first;
         let lead = if is_guarded { rate.frames_in(LEAD_SECS).min(first) } else { 0 };
         let begin = first - lead;

@@ -25,7 +25,7 @@ impl Concert {
         look: Look,
         pose: u64,
     ) -> Result<(), Error> {
-        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        let flash_area = self.instrument.parameters().flash_area();
         let from = (&self.viewpoint, framing.as_ref());
         let staged = self.staging.set(area, cells.len(), from, &look, reaction, &self.instrument);
         self.pane.viewport.finish(staged.look.finish, at_secs);
@@ -58,7 +58,7 @@ impl Concert {
         self.drawn_vertices = drawn_vertices / cells.len().max(1);
         let behind = theme::palette(ui).stage;
         ui.painter().rect_filled(rect, 0.0, behind);
-        if !limited {
+        if flash_area.is_none() {
             if self.pane.glimpse.is_coming() {
                 (self.pane.glimpse, self.pane.judged) = (Glimpse::default(), false);
             }
@@ -82,6 +82,7 @@ impl Concert {
             self.pane.shown = Some(shown);
         }
         let veil = if self.pane.judged {
+            self.pane.guard.set_area(flash_area.unwrap_or_default());
             self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram())
         } else {
             Veil::Clear
