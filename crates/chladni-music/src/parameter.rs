@@ -4,7 +4,7 @@
 use chladni_synth::FrameSettings;
 use serde::{Deserialize, Serialize};
 
-use crate::{Choir, Form, MusicError, Playing, Settings, Timbre};
+use crate::{Choir, FlashArea, Form, MusicError, Playing, Settings, Timbre};
 
 /// A number that a knob sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -246,7 +246,7 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, true, true, true, false, false, true],
+            on: [true, true, false, false, true, false, true, true, true, false, false, true],
             form: Form::default(),
             choir: Choir::default(),
             harmonics: None,
