@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use egui::viewport::ImmediateViewport;
-use egui::{FullOutput, RawInput, ViewportBuilder, ViewportCommand, ViewportEvent, ViewportId};
+use egui::{FullOutput, RawInput, ViewportBuilder, ViewportCommand, ViewportEvent, ViewportId, ViewportInfo};
 use egui_winit::accesskit_winit;
 use winit::application::ApplicationHandler;
 use winit::event::WindowEvent;
@@ -280,6 +280,19 @@ impl Windows {
         Some(input)
     }
 
+    /// What egui is told of a window that is not open yet: it must run all the same.
+    fn input_before(&self, id: ViewportId, builder: &ViewportBuilder) -> RawInput {
+        let size = builder.inner_size.unwrap_or(egui::vec2(640.0, 480.0));
+        let known = self.open.iter().map(|(id, surface)| (*id, surface.info.clone()));
+        RawInput {
+            viewport_id: id,
+            viewports: known.chain([(id, ViewportInfo::default())]).collect(),
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
+            time: Some(self.began.elapsed().as_secs_f64()),
+            ..RawInput::default()
+        }
+    }
+
     fn show(
         &mut self,
         ctx: &egui::Context,
@@ -326,16 +339,49 @@ fn show_within(ctx: &egui::Context, windows: &RefCell<Windows>, mut viewport: Im
     let input = {
         let mut windows = windows.borrow_mut();
         windows.patch(id, viewport.builder.clone(), ctx);
-        windows.input(ctx, id)
+        windows.input(ctx, id).unwrap_or_else(|| windows.input_before(id, &viewport.builder))
     };
-    let Some(input) = input else { return };
-    let output = ctx.run_ui(input, |ui| (viewport.viewport_ui_cb)(ui));
+    let mut output = ctx.run_ui(input, |ui| (viewport.viewport_ui_cb)(ui));
     let mut windows = windows.borrow_mut();
+    if !windows.open.contains_key(&id) {
+        windows.painter.update(&mut output.textures_delta);
+        windows.painter.forget(&mut output.textures_delta);
+        return;
+    }
     let commands = output.viewport_output.get(&id).map(|output| output.commands.clone()).unwrap_or_default();
     if let Err(why) = windows.show(ctx, id, output, None) {
         windows.trouble.get_or_insert(why);
     }
     if let Some(surface) = windows.open.get_mut(&id) {
         surface.obey(ctx, commands);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_window_shows_runs_before_the_window_is_open() {
+        let windows = Rc::new(RefCell::new(Windows {
+            began: Instant::now(),
+            painter: Painter::default(),
+            open: HashMap::new(),
+            wanted: HashMap::new(),
+            trouble: None,
+        }));
+        let (own, id) = (Rc::clone(&windows), ViewportId::from_hash_of("second"));
+        egui::Context::set_immediate_viewport_renderer(move |ctx, viewport| show_within(ctx, &own, viewport));
+        let ctx = egui::Context::default();
+        ctx.set_embed_viewports(false);
+        let mut size = None;
+        let mut output = ctx.run_ui(RawInput::default(), |ui| {
+            let builder = ViewportBuilder::default().with_inner_size([300.0, 200.0]);
+            size =
+                Some(ui.ctx().show_viewport_immediate(id, builder, |ui, _| ui.ctx().content_rect().size()));
+        });
+        output.textures_delta.clear();
+        assert_eq!(size, Some(egui::vec2(300.0, 200.0)));
+        assert!(windows.borrow().wanted.contains_key(&id), "it opens after the frame");
     }
 }
