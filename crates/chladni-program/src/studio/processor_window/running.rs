@@ -249,11 +249,12 @@ impl ApplicationHandler<Wake> for Running<'_> {
         // Painted no faster than the screen shows it.
         let earliest = self.last.map_or(now, |last| last + self.pace());
         let due = self.due.map(|due| due.max(earliest));
-        if due.is_some_and(|due| due <= now) && self.asked.is_none() {
-            if let Some(root) = self.windows.borrow().open.get(&ViewportId::ROOT) {
-                root.window.request_redraw();
-                self.asked = Some(now);
-            }
+        if due.is_some_and(|due| due <= now)
+            && self.asked.is_none()
+            && let Some(root) = self.windows.borrow().open.get(&ViewportId::ROOT)
+        {
+            root.window.request_redraw();
+            self.asked = Some(now);
         }
         let hidden = self.asked.map(|since| since + HIDDEN);
         let next = if self.asked.is_some() { hidden } else { due };
