@@ -1,5 +1,8 @@
 //! What is drawn on, and how its pixels come back.
 
+use std::ops::Deref;
+use std::sync::MutexGuard;
+
 use crate::buffers::Held;
 use crate::{Device, Picture, Samples, ViewError, cpu, gpu};
 
@@ -77,6 +80,12 @@ impl Canvas {
         }
     }
 
+    /// The pixels as they lie in memory, where the processor draws: RGBA, rows from the top, premultiplied
+    /// alpha. Nothing is drawn on the canvas while they are held. `None` where a graphics device draws.
+    pub fn pixels(&self) -> Option<impl Deref<Target = [u8]>> {
+        self.held.cpu().ok().map(|canvas| PixelsHeld(canvas.pixels()))
+    }
+
     /// The finished picture. Alpha is straight, as PNG wants it.
     ///
     /// # Errors
@@ -88,6 +97,16 @@ impl Canvas {
         let mut rgba = Vec::new();
         readback.finish_into(&device, &mut rgba)?;
         Ok(Picture { width: self.width(), height: self.height(), rgba })
+    }
+}
+
+struct PixelsHeld<'a>(MutexGuard<'a, Vec<u8>>);
+
+impl Deref for PixelsHeld<'_> {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.0
     }
 }
 

@@ -16,6 +16,17 @@ pub enum Draw {
     Gpu,
 }
 
+impl Draw {
+    /// Whether a graphics device would draw. None is opened.
+    pub fn means_graphics(self) -> bool {
+        match self {
+            Self::Auto => Gpu::has_card(),
+            Self::Cpu => false,
+            Self::Gpu => true,
+        }
+    }
+}
+
 impl FromStr for Draw {
     type Err = String;
 
@@ -83,7 +94,7 @@ impl Device {
     }
 
     /// Longest side of a picture, pixels.
-    pub(crate) fn longest_side(&self) -> u32 {
+    pub fn longest_side(&self) -> u32 {
         self.gpu().map_or(Self::LONGEST_SIDE, Gpu::longest_side)
     }
 }

@@ -15,6 +15,10 @@ impl Gpu {
         Err(ViewError::NoAdapter("this program was built without graphics devices".into()))
     }
 
+    pub(crate) fn has_card() -> bool {
+        false
+    }
+
     pub(crate) fn card() -> Result<Option<Self>, ViewError> {
         Ok(None)
     }

@@ -6,7 +6,7 @@ use chladni_caricature::{
     Template,
 };
 use chladni_task::Task;
-use chladni_view::Gpu;
+use chladni_view::{Device, Draw};
 
 use super::{Error, Timer, press};
 use chladni_program::studio::Rehearsal;
@@ -23,8 +23,8 @@ fn project(shape: &str, harmonics: usize) -> Result<(Project, [LayerId; 2]), Err
 /// Times all actions that a user repeats often.
 pub fn rehearse(shape: &str, harmonics: usize, time: &mut Timer<'_>) -> Result<(), Error> {
     let (project, [lower, upper]) = project(shape, harmonics)?;
-    let gpu = Gpu::headless()?;
-    let mut room = Rehearsal::of(project, &gpu, &Task::new())?;
+    let device = Device::open(Draw::Auto)?;
+    let mut room = Rehearsal::of(project, &device, &Task::new())?;
     strokes(&mut room, upper, time)?;
     top_layer(&mut room, upper, time)?;
     new_shape(&mut room, lower, upper, time)

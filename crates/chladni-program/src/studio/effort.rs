@@ -1,15 +1,11 @@
 //! Smooth movement before fine pictures: drawing quality is reduced while frames are late.
 
-use chladni_view::Samples;
+use chladni_view::{Device, Samples};
 
 /// A frame that takes longer than this is late.
 const LATE_SECS: f64 = 0.050;
 /// Frames that come faster than this leave room: a screen of 30 Hz shows none sooner.
 const EARLY_SECS: f64 = 0.036;
-/// The same where the processor draws, for which pixels are only part of the work: a smaller picture loses
-/// its smooth outlines and saves only a quarter of the time.
-const SOFTWARE_LATE_SECS: f64 = 0.075;
-const SOFTWARE_EARLY_SECS: f64 = 0.054;
 /// Frames that are judged together, fewer if they are very late.
 const FRAMES: usize = 12;
 /// The fewest frames that are judged after [`LONG_SECS`].
@@ -27,14 +23,9 @@ const CARD: [Quality; 5] = [
     Quality { samples: Samples::One, percent: 75, glow: false },
     Quality { samples: Samples::One, percent: 50, glow: false },
 ];
-/// What is drawn where the processor draws; the first is for what rests.
-const SOFTWARE: [Quality; 5] = [
-    Quality { samples: Samples::Four, percent: 100, glow: true },
-    Quality { samples: Samples::One, percent: 100, glow: true },
-    Quality { samples: Samples::One, percent: 100, glow: false },
-    Quality { samples: Samples::One, percent: 75, glow: false },
-    Quality { samples: Samples::One, percent: 50, glow: false },
-];
+/// The same where the processor draws, which always takes four samples.
+const PROCESSOR: [Quality; 4] =
+    [CARD[0], CARD[1], Quality { percent: 75, ..CARD[1] }, Quality { percent: 50, ..CARD[1] }];
 
 /// How finely a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,9 +57,6 @@ impl std::fmt::Display for Quality {
 #[derive(Clone, Debug)]
 pub struct Effort {
     steps: &'static [Quality],
-    first: usize,
-    late_secs: f64,
-    early_secs: f64,
     step: usize,
     last_secs: Option<f64>,
     frames_secs: Vec<f64>,
@@ -79,16 +67,11 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Begins with the quality that suits a device with this sample count.
-    pub fn new(samples: Samples) -> Self {
-        let software = samples == Samples::One;
-        let first = usize::from(software);
+    /// Begins with the best quality of the device.
+    pub fn new(device: &Device) -> Self {
         Self {
-            steps: if software { &SOFTWARE } else { &CARD },
-            first,
-            late_secs: if software { SOFTWARE_LATE_SECS } else { LATE_SECS },
-            early_secs: if software { SOFTWARE_EARLY_SECS } else { EARLY_SECS },
-            step: first,
+            steps: if device.gpu().is_some() { &CARD } else { &PROCESSOR },
+            step: 0,
             last_secs: None,
             frames_secs: Vec::with_capacity(FRAMES),
             changed_secs: 0.0,
@@ -104,7 +87,7 @@ impl Effort {
 
     /// Whether this is less than the device began with.
     pub fn is_reduced(&self) -> bool {
-        self.step > self.first
+        self.step > 0
     }
 
     /// Nothing moves: the time until the next moving picture is not counted.
@@ -127,13 +110,13 @@ impl Effort {
         let usual_secs = self.frames_secs[count / 2];
         self.frames_secs.clear();
         let calm_secs = now_secs - self.changed_secs;
-        if usual_secs > self.late_secs && self.step + 1 < self.steps.len() {
+        if usual_secs > LATE_SECS && self.step + 1 < self.steps.len() {
             // The quality that was just tried was too high.
             if self.tried && calm_secs < PATIENCE_SECS {
                 self.patience_secs *= 2.0;
             }
             (self.step, self.changed_secs, self.tried) = (self.step + 1, now_secs, false);
-        } else if usual_secs < self.early_secs && self.is_reduced() && calm_secs > self.patience_secs {
+        } else if usual_secs < EARLY_SECS && self.is_reduced() && calm_secs > self.patience_secs {
             (self.step, self.changed_secs, self.tried) = (self.step - 1, now_secs, true);
         }
     }
@@ -142,6 +125,11 @@ impl Effort {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A card's steps, without a card.
+    fn card() -> Effort {
+        Effort { steps: &CARD, ..Effort::new(&Device::Processor) }
+    }
 
     /// Frames of `frame_secs` for `secs` seconds.
     fn play(effort: &mut Effort, now_secs: &mut f64, secs: f64, frame_secs: f64) {
@@ -154,7 +142,7 @@ mod tests {
 
     #[test]
     fn effort_falls_while_frames_are_late_and_comes_back() {
-        let (mut effort, mut now_secs) = (Effort::new(Samples::Four), 0.0);
+        let (mut effort, mut now_secs) = (card(), 0.0);
         play(&mut effort, &mut now_secs, 3.0, 0.016);
         assert_eq!((effort.quality(), effort.is_reduced()), (Quality::STILL, false));
         play(&mut effort, &mut now_secs, 1.5, 0.08);
@@ -174,7 +162,7 @@ mod tests {
 
     #[test]
     fn attempts_that_fail_become_rare() {
-        let (mut effort, mut now_secs, mut attempts) = (Effort::new(Samples::Four), 0.0, 0);
+        let (mut effort, mut now_secs, mut attempts) = (card(), 0.0, 0);
         let end_secs = 120.0;
         let mut before = effort.quality();
         while now_secs < end_secs {
@@ -189,12 +177,12 @@ mod tests {
     #[test]
     fn the_slowest_machine_draws_less_and_a_slow_screen_recovers() {
         for frame_secs in [0.25, 0.5, 1.5] {
-            let (mut effort, mut now_secs) = (Effort::new(Samples::One), 0.0);
+            let (mut effort, mut now_secs) = (Effort::new(&Device::Processor), 0.0);
             play(&mut effort, &mut now_secs, 12.0 * frame_secs + 5.0, frame_secs);
             assert_eq!(effort.quality().percent, 50, "{frame_secs}");
         }
         for screen_hz in [30.0, 50.0] {
-            let (mut effort, mut now_secs) = (Effort::new(Samples::Four), 0.0);
+            let (mut effort, mut now_secs) = (card(), 0.0);
             play(&mut effort, &mut now_secs, 1.2, 0.08);
             assert!(effort.is_reduced());
             play(&mut effort, &mut now_secs, 10.0, 1.0 / screen_hz);
@@ -203,21 +191,19 @@ mod tests {
     }
 
     #[test]
-    fn outlines_are_kept_longer_where_the_processor_draws() {
-        for (samples, percent, drawn_again) in [(Samples::One, 100, 100), (Samples::Four, 50, 50)] {
-            let (mut effort, mut now_secs) = (Effort::new(samples), 0.0);
-            play(&mut effort, &mut now_secs, 20.0, 0.066);
-            assert_eq!(effort.quality().percent, percent);
-            play(&mut effort, &mut now_secs, 20.0, 0.1);
-            assert_eq!(effort.quality().percent, 50);
-            play(&mut effort, &mut now_secs, 30.0, 0.05);
-            assert_eq!(effort.quality().percent, drawn_again);
+    fn the_processor_keeps_its_four_samples() {
+        let (mut effort, mut now_secs, mut seen) = (Effort::new(&Device::Processor), 0.0, Vec::new());
+        for _ in 0..40 {
+            play(&mut effort, &mut now_secs, 0.5, 0.1);
+            seen.push(effort.quality());
         }
+        assert!(seen.iter().all(|quality| quality.samples == Samples::Four));
+        assert_eq!(seen.last().map(|quality| quality.percent), Some(50));
     }
 
     #[test]
     fn pauses_are_not_late_frames() {
-        let (mut effort, mut now_secs) = (Effort::new(Samples::One), 0.0);
+        let (mut effort, mut now_secs) = (Effort::new(&Device::Processor), 0.0);
         for _ in 0..40 {
             play(&mut effort, &mut now_secs, 0.03, 0.016);
             effort.rest();
@@ -226,7 +212,7 @@ mod tests {
         // Hidden once: the window did not say that it rests.
         now_secs += 100.0;
         play(&mut effort, &mut now_secs, 5.0, 0.016);
-        assert_eq!(effort.quality(), Quality { samples: Samples::One, ..Quality::STILL });
+        assert_eq!(effort.quality(), Quality::STILL);
         assert!(!effort.is_reduced());
     }
 }

@@ -24,13 +24,14 @@ mod music;
 mod notices;
 mod opening;
 mod pictures;
+mod processor_window;
 mod room;
+mod screen;
 mod settings;
 mod shortcut;
 mod start;
 mod theme;
 mod viewport;
-mod window_painter;
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -38,7 +39,6 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use chladni_synth::DeviceLoss;
-use eframe::egui_wgpu::RenderState;
 use egui::Key;
 
 pub use caricature::Rehearsal;
@@ -49,16 +49,17 @@ pub use folders::Folders;
 pub use handover::Handover;
 pub use measure::{FirstPicture, FrameReport, Measure};
 pub use opening::{Opening, PlayedFrame, Trace, open};
+pub use processor_window::Painter;
 pub use settings::Settings;
 
 use closing::Closing;
-use error::NoDevice;
 use icon::Icon;
 use keys::window::{FULL_SCREEN, HELP, SWITCH_ROOM, ZOOM_IN, ZOOM_OUT};
 use notices::Notices;
 use pictures::Pictures;
+use processor_window::Program;
 use room::{Room, Shared};
-use window_painter::WindowPainter;
+use screen::Screen;
 
 use crate::work::source::from_anywhere;
 
@@ -67,7 +68,7 @@ const MANY_POINTS: f32 = 3000.0;
 
 /// The whole window.
 pub struct Studio {
-    gpu: RenderState,
+    screen: Screen,
     loss: DeviceLoss,
     handover: Handover,
     /// Seconds on the clock when the window opened, if it continues another window.
@@ -91,17 +92,23 @@ pub struct Studio {
 }
 
 impl Studio {
-    /// Builds the window's state.
+    /// The state of a window that eframe opens.
     ///
-    /// Fails where eframe offers no wgpu device.
+    /// Fails where a graphics device is asked for and eframe offers none.
     pub fn new(
         creation: &eframe::CreationContext<'_>,
         opening: Opening,
     ) -> Result<Self, Box<dyn std::error::Error + Send + Sync>> {
-        let gpu = creation.wgpu_render_state.clone().ok_or(NoDevice)?;
+        let screen = Screen::of(creation, opening.draw)?;
+        Ok(Self::on(&creation.egui_ctx, screen, opening))
+    }
+
+    /// The state of a window whose pictures come to `screen`.
+    fn on(ctx: &egui::Context, screen: Screen, opening: Opening) -> Self {
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files, measure, first_picture, input, trace, handover, now } =
+        let Opening { folders, chooser, files, measure, first_picture, input, trace, handover, now, .. } =
             opening;
+
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
@@ -111,10 +118,8 @@ impl Studio {
             }
             None => Settings::default(),
         };
-        focus::install(&creation.egui_ctx);
-        WindowPainter::install(&creation.egui_ctx, &gpu);
-        creation.egui_ctx.set_zoom_factor(settings.zoom);
-        let device = chladni_view::Gpu::shared(gpu.device.clone(), gpu.queue.clone());
+        focus::install(ctx);
+        ctx.set_zoom_factor(settings.zoom);
         let left = handover.take();
         let inherited_secs = left.as_ref().map(|left| left.at_secs);
         let (rooms, current): (Vec<Box<dyn Room>>, _) = match left {
@@ -131,9 +136,9 @@ impl Studio {
             }
         };
         let mut studio = Self {
-            pictures: Pictures::new(device, folders.pictures.clone()),
-            loss: DeviceLoss::watch(&gpu.device),
-            gpu,
+            pictures: Pictures::new(screen.device().clone(), folders.pictures.clone()),
+            loss: screen.loss(),
+            screen,
             handover,
             inherited_secs,
             saved_settings: settings.clone(),
@@ -152,13 +157,13 @@ impl Studio {
         };
         if inherited_secs.is_some() {
             for index in 0..studio.rooms.len() {
-                studio.with_room(&creation.egui_ctx, index, |room, shared| room.change_device(shared));
+                studio.with_room(ctx, index, |room, shared| room.change_device(shared));
             }
         }
         if !files.is_empty() {
-            studio.open_files(&creation.egui_ctx, &files);
+            studio.open_files(ctx, &files);
         }
-        Ok(studio)
+        studio
     }
 
     /// Opens files in the room that they are meant for, else in the one on screen.
@@ -179,7 +184,7 @@ impl Studio {
         let room = self.rooms.get_mut(index)?;
         let mut shared = Shared {
             ctx: ctx.clone(),
-            gpu: &self.gpu,
+            screen: &self.screen,
             notices: &mut self.notices,
             pictures: &mut self.pictures,
             settings: &mut self.settings,
@@ -306,8 +311,8 @@ impl Studio {
     }
 }
 
-impl eframe::App for Studio {
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+impl Program for Studio {
+    fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         if self.hand_over(&ctx) {
             return;
@@ -361,6 +366,16 @@ impl eframe::App for Studio {
         }
     }
 
+    fn leave(&mut self) {
+        self.rooms.iter_mut().for_each(|room| room.leave());
+    }
+}
+
+impl eframe::App for Studio {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
     fn raw_input_hook(&mut self, _ctx: &egui::Context, raw_input: &mut egui::RawInput) {
         if let (Some(inherited_secs), Some(time)) = (self.inherited_secs, &mut raw_input.time) {
             *time += inherited_secs;
@@ -368,6 +383,6 @@ impl eframe::App for Studio {
     }
 
     fn on_exit(&mut self) {
-        self.rooms.iter_mut().for_each(|room| room.leave());
+        self.leave();
     }
 }

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+use chladni_view::Draw;
+
 use super::Studio;
 use super::choose::{Chooser, SystemDialogs};
 use super::device::wgpu_options;
@@ -12,6 +14,8 @@ use super::error::StudioError;
 use super::folders::Folders;
 use super::handover::Handover;
 use super::measure::{FirstPicture, Measure};
+use super::processor_window::{self, Program};
+use super::screen::Screen;
 
 /// Points of the window when it opens.
 pub(super) const WINDOW: [f32; 2] = [1320.0, 820.0];
@@ -21,12 +25,13 @@ const SHORTEST: Duration = Duration::from_secs(10);
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
 /// it is closed. With a measure it closes by itself when all is counted.
-/// With a first picture it closes as soon as that is shown. Where the graphics device is lost,
+/// With a first picture it closes as soon as that is shown. Where the processor draws it paints the window, too; where the graphics device is lost,
 /// another window goes on with what was open.
 pub fn open(
     mut files: Vec<PathBuf>,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
+    draw: Draw,
 ) -> Result<(), StudioError> {
     let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(target_os = "linux") && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
@@ -41,6 +46,7 @@ pub fn open(
             measure: measure.clone(),
             first_picture: first_picture.clone(),
             handover: handover.clone(),
+            draw,
             ..Opening::default()
         })?;
         match handover.reason() {
@@ -57,6 +63,12 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
         .with_app_id("chladni")
         .with_inner_size(WINDOW)
         .with_min_inner_size([900.0, 600.0]);
+    if !opening.draw.means_graphics() {
+        let create = |ctx: &egui::Context| -> Box<dyn Program> {
+            Box::new(Studio::on(ctx, Screen::processor(ctx), opening))
+        };
+        return Ok(processor_window::open(viewport, create)?);
+    }
     let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
     let create = |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         Ok(Box::new(Studio::new(creation, opening)?))
@@ -99,6 +111,8 @@ pub struct Opening {
     pub trace: Option<Trace>,
     /// What a window before it has left, and where it leaves what is open should its device be lost.
     pub handover: Handover,
+    /// Who draws the 3D views.
+    pub draw: Draw,
     /// The clock that measures how long work takes, to reduce quality on a slow machine. Tests pass their own
     /// clock, so that they behave the same on every machine.
     pub now: fn() -> Instant,
@@ -115,6 +129,7 @@ impl Default for Opening {
             input: None,
             trace: None,
             handover: Handover::default(),
+            draw: Draw::Auto,
             now: Instant::now,
         }
     }

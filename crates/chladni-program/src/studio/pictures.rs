@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_mesh::{Frame, samples};
 use chladni_view::{
-    Background, Camera, Gpu, Picture, PictureRequest, PictureShape, Style, View, render_picture,
+    Background, Camera, Device, Picture, PictureRequest, PictureShape, Style, View, render_picture,
 };
 
 use super::job::Job;
@@ -18,7 +18,7 @@ pub const SIZE: [u32; 2] = [328, 216];
 
 /// Pictures that are shown, and those being loaded.
 pub struct Pictures {
-    gpu: Gpu,
+    device: Device,
     folder: Option<PathBuf>,
     /// `None` where there is no picture.
     held: HashMap<String, Option<egui::TextureHandle>>,
@@ -29,14 +29,14 @@ pub struct Pictures {
 
 impl Pictures {
     /// Pictures of files are kept in `folder`.
-    pub fn new(gpu: Gpu, folder: Option<PathBuf>) -> Self {
-        Self { gpu, folder, held: HashMap::new(), coming: None, keeping: Vec::new() }
+    pub fn new(device: Device, folder: Option<PathBuf>) -> Self {
+        Self { device, folder, held: HashMap::new(), coming: None, keeping: Vec::new() }
     }
 
     /// The picture of a sample shape; drawn beside the window the first time.
     pub fn of_sample(&mut self, ctx: &egui::Context, name: &'static str) -> Option<egui::TextureHandle> {
-        let gpu = self.gpu.clone();
-        self.of(ctx, sample_path(name).to_string_lossy().into_owned(), move || portrait(&gpu, name))
+        let device = self.device.clone();
+        self.of(ctx, sample_path(name).to_string_lossy().into_owned(), move || portrait(&device, name))
     }
 
     /// The picture that was kept of the file at `path`.
@@ -106,7 +106,7 @@ pub fn upload(ctx: &egui::Context, name: &str, picture: &Picture) -> egui::Textu
     ctx.load_texture(name, image, egui::TextureOptions::LINEAR)
 }
 
-fn portrait(gpu: &Gpu, name: &str) -> Option<Picture> {
+fn portrait(device: &Device, name: &str) -> Option<Picture> {
     let mesh = samples::sample(name)?;
     let frame = Frame::of(&mesh);
     let positions: Vec<[f32; 3]> =
@@ -118,5 +118,5 @@ fn portrait(gpu: &Gpu, name: &str) -> Option<Picture> {
     // Sheets lie: they are seen from above, at an angle.
     let from = if is_flat(&positions) { Camera { pitch_rad: 0.85, ..usual } } else { usual };
     let request = PictureRequest { shapes: &[shape], width, height, from, style };
-    render_picture(gpu, &request).ok()
+    render_picture(device, &request).ok()
 }

@@ -8,6 +8,7 @@ use super::icon::Icon;
 use super::measure::OnStage;
 use super::notices::Notices;
 use super::pictures::Pictures;
+use super::screen::Screen;
 use super::settings::Settings;
 use super::shortcut::Shortcut;
 
@@ -82,8 +83,8 @@ pub trait Room {
 pub struct Shared<'a> {
     /// The context, to start jobs and ask for repaints.
     pub ctx: egui::Context,
-    /// Device, queue and texture registry of the window.
-    pub gpu: &'a eframe::egui_wgpu::RenderState,
+    /// Who draws, and how pictures are shown.
+    pub screen: &'a Screen,
     /// Messages to the user.
     pub notices: &'a mut Notices,
     /// Small pictures of recent files.

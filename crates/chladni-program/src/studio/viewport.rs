@@ -1,14 +1,14 @@
 //! A 3D view inside the window: drawn by chladni-view, shown as a texture, steered as in Blender.
 
 use chladni_view::{
-    Camera, Canvas, Cell, Finish, Gpu, Picture, Rect, Renderer, Samples, Surroundings, View, ViewError,
+    Camera, Canvas, Cell, Device, Finish, Picture, Rect, Renderer, Samples, Surroundings, View, ViewError,
 };
-use eframe::egui_wgpu::RenderState;
-use eframe::wgpu;
+use egui::emath::GuiRounding;
 use egui::{EventFilter, Key, Modifiers, Role};
 
 use super::effort::{Effort, Quality};
 use super::keys::view as keys;
+use super::screen::{Screen, Shown};
 use crate::work::Scenery;
 
 /// The key under which egui remembers that a view was drawn.
@@ -19,11 +19,6 @@ pub fn has_drawn(ctx: &egui::Context) -> bool {
     ctx.data(|data| data.get_temp(egui::Id::unique(DRAWN)).unwrap_or(false))
 }
 
-/// The window's own device.
-pub fn gpu_of(state: &RenderState) -> Gpu {
-    Gpu::shared(state.device.clone(), state.queue.clone())
-}
-
 /// An arrow key turns as far as a drag of this many pixels.
 const KEY_DRAG: f32 = 25.0;
 
@@ -32,11 +27,11 @@ const REST_SECS: f64 = 0.3;
 
 /// One canvas of the window and the renderer that draws on it.
 pub struct Viewport {
-    gpu: Gpu,
+    screen: Screen,
     renderer: Renderer,
-    canvas: Option<(Canvas, egui::TextureId)>,
+    canvas: Option<(Canvas, Shown)>,
     /// The picture before, where that is shown until the one on the canvas may be.
-    kept: Option<(Canvas, egui::TextureId)>,
+    kept: Option<(Canvas, Shown)>,
     stale: bool,
     /// Pixels of the window that the picture fills.
     shown: Rect,
@@ -54,21 +49,15 @@ pub struct Viewport {
 
 impl Viewport {
     /// A view drawn on the window's own device; pipelines are compiled when a picture needs them first.
-    pub fn new(state: &RenderState) -> Self {
-        Self::on(gpu_of(state))
-    }
-
-    /// A view drawn on `gpu`.
-    pub fn on(gpu: Gpu) -> Self {
-        let effort = Effort::new(gpu.live_samples());
+    pub fn new(screen: &Screen) -> Self {
         Self {
-            renderer: Renderer::new(&gpu),
-            gpu,
+            renderer: Renderer::new(screen.device()),
             canvas: None,
             kept: None,
             stale: true,
             shown: Rect::default(),
-            effort,
+            effort: Effort::new(screen.device()),
+            screen: screen.clone(),
             finish: (Finish::NOTHING, 0.0),
             surrounded: 0,
             surroundings: Surroundings::default(),
@@ -78,8 +67,13 @@ impl Viewport {
     }
 
     /// The device that everything shown here must live on.
-    pub fn gpu(&self) -> &Gpu {
-        &self.gpu
+    pub fn device(&self) -> &Device {
+        self.screen.device()
+    }
+
+    /// Where its pictures are shown.
+    pub fn screen(&self) -> &Screen {
+        &self.screen
     }
 
     /// Asks for a new picture in the next frame; without it the last one is shown again.
@@ -94,7 +88,7 @@ impl Viewport {
 
     /// How finely moving pictures are drawn, and why, in words.
     pub fn drawn(&self) -> String {
-        let because = match (self.gpu.is_software(), self.effort.is_reduced()) {
+        let because = match (self.device().is_software(), self.effort.is_reduced()) {
             (true, false) => " (no graphics card)",
             (true, true) => " (no graphics card, and frames were late)",
             (false, true) => " (frames were late)",
@@ -106,7 +100,7 @@ impl Viewport {
     /// From the next picture on it is drawn in this scenery, whose number changes with it.
     pub fn surround(&mut self, number: u64, scenery: &Scenery) -> Result<(), ViewError> {
         if self.surrounded != number {
-            self.surroundings = scenery.on(&self.gpu)?;
+            self.surroundings = scenery.on(self.screen.device())?;
             self.renderer.surround(&self.surroundings)?;
             (self.surrounded, self.behind, self.stale) = (number, 0, true);
         }
@@ -116,7 +110,8 @@ impl Viewport {
     /// From the next picture on this one stands behind, whose number changes with it.
     pub fn put_behind(&mut self, number: u64, picture: &Picture) -> Result<(), ViewError> {
         if self.behind != number {
-            self.surroundings = std::mem::take(&mut self.surroundings).before(&self.gpu, picture)?;
+            self.surroundings =
+                std::mem::take(&mut self.surroundings).before(self.screen.device(), picture)?;
             self.renderer.surround(&self.surroundings)?;
             (self.behind, self.stale) = (number, true);
         }
@@ -130,11 +125,10 @@ impl Viewport {
     pub fn show<'a>(
         &mut self,
         ui: &mut egui::Ui,
-        state: &RenderState,
         rect: egui::Rect,
         scene: impl FnOnce(Rect) -> Vec<Cell<'a>>,
     ) -> Result<(), ViewError> {
-        self.draw(ui, state, rect, scene)?;
+        self.draw(ui, rect, scene)?;
         self.paint(ui, rect);
         if self.moved_secs.is_some() && self.effort.is_reduced() {
             let text = format!("Frames were late: {} while it moves", self.effort.quality());
@@ -151,11 +145,10 @@ impl Viewport {
     pub fn draw<'a>(
         &mut self,
         ui: &egui::Ui,
-        state: &RenderState,
         rect: egui::Rect,
         scene: impl FnOnce(Rect) -> Vec<Cell<'a>>,
     ) -> Result<bool, ViewError> {
-        let limit = self.gpu.device.limits().max_texture_dimension_2d;
+        let limit = self.device().longest_side();
         let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).clamp(1, limit);
         let shown = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
         let resized = self.shown != shown;
@@ -184,8 +177,8 @@ impl Viewport {
             self.moved_secs = None;
         }
         let scaled = |length: u32| (u64::from(length) * u64::from(quality.percent) / 100) as u32;
-        self.fit(state, scaled(shown.width).max(1), scaled(shown.height).max(1), quality.samples)?;
-        let Some((canvas, _)) = &self.canvas else { return Ok(false) };
+        self.fit(scaled(shown.width).max(1), scaled(shown.height).max(1), quality.samples)?;
+        let Some((canvas, shown_as)) = &mut self.canvas else { return Ok(false) };
         let mut cells = scene(shown);
         for cell in &mut cells {
             let r = cell.viewport;
@@ -198,6 +191,7 @@ impl Viewport {
         let (finish, at_secs) = self.finish;
         let finish = if quality.glow { finish } else { finish.without_glow() };
         self.renderer.draw_finished(canvas, &cells, &finish, at_secs)?;
+        shown_as.refresh(canvas);
         self.stale = false;
         ui.ctx().data_mut(|data| data.insert_temp(egui::Id::unique(DRAWN), true));
         Ok(true)
@@ -205,9 +199,9 @@ impl Viewport {
 
     /// Shows the picture that was drawn last.
     pub fn paint(&self, ui: &egui::Ui, rect: egui::Rect) {
-        if let Some((_, texture)) = &self.canvas {
+        if let Some(texture) = self.drawn_texture() {
             let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(*texture, rect, whole, egui::Color32::WHITE);
+            ui.painter().image(texture, rect, whole, egui::Color32::WHITE);
         }
     }
 
@@ -219,12 +213,12 @@ impl Viewport {
 
     /// The picture that was drawn last.
     pub fn drawn_texture(&self) -> Option<egui::TextureId> {
-        self.canvas.as_ref().map(|(_, texture)| *texture)
+        self.canvas.as_ref().map(|(_, shown)| shown.id())
     }
 
     /// The picture that was kept last.
     pub fn kept_texture(&self) -> Option<egui::TextureId> {
-        self.kept.as_ref().map(|(_, texture)| *texture)
+        self.kept.as_ref().map(|(_, shown)| shown.id())
     }
 
     /// What was kept last; `None` before the first picture that was kept.
@@ -238,36 +232,25 @@ impl Viewport {
     }
 
     /// Makes the canvas match the request.
-    fn fit(
-        &mut self,
-        state: &RenderState,
-        width: u32,
-        height: u32,
-        samples: Samples,
-    ) -> Result<(), ViewError> {
-        if self.canvas.as_ref().is_some_and(|(canvas, _)| {
-            (canvas.width(), canvas.height(), canvas.samples()) == (width, height, samples)
-        }) {
+    fn fit(&mut self, width: u32, height: u32, samples: Samples) -> Result<(), ViewError> {
+        let fits = |(canvas, _): &(Canvas, Shown)| {
+            let is_sampled = canvas.samples() == samples || matches!(self.device(), Device::Processor);
+            (canvas.width(), canvas.height()) == (width, height) && is_sampled
+        };
+        if self.canvas.as_ref().is_some_and(fits) {
             return Ok(());
         }
-        let canvas = Canvas::with_samples(&self.gpu, width, height, samples)?;
-        let mut textures = state.renderer.write();
-        let linear = wgpu::FilterMode::Linear;
-        let texture = match self.canvas.take() {
-            Some((_, texture)) => {
-                textures.update_egui_texture_from_wgpu_texture(
-                    &self.gpu.device,
-                    canvas.view()?,
-                    linear,
-                    texture,
-                );
-                texture
-            }
-            None => textures.register_native_texture(&self.gpu.device, canvas.view()?, linear),
-        };
-        self.canvas = Some((canvas, texture));
+        let canvas = Canvas::with_samples(self.device(), width, height, samples)?;
+        let before = self.canvas.take().map(|(_, shown)| shown);
+        let shown = self.screen.hang(&canvas, before)?;
+        self.canvas = Some((canvas, shown));
         Ok(())
     }
+}
+
+/// The space that is left, from pixel to pixel, so that the pixels of a view are those of the window.
+pub fn whole_pixels(ui: &egui::Ui) -> egui::Rect {
+    ui.available_rect_before_wrap().round_to_pixels(ui.pixels_per_point())
 }
 
 /// A rectangle of the canvas as points of the window.

@@ -10,6 +10,8 @@ mod clock;
 #[cfg(feature = "desktop")]
 mod cover;
 pub mod dancer;
+#[cfg(feature = "desktop")]
+mod deformed;
 pub mod drawn_curve;
 mod ear;
 mod error;
@@ -57,6 +59,8 @@ pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
 #[cfg(feature = "desktop")]
 pub use cover::cover_of;
+#[cfg(feature = "desktop")]
+pub use deformed::Deformed;
 pub use ear::{Ear, LIVE_SEED};
 pub use error::{Error, Warning};
 pub use files::{refer, resolve};

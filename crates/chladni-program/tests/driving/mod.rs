@@ -1,7 +1,9 @@
-//! The real window, driven as a person would, drawn without a display. Needs any Vulkan driver;
-//! lavapipe will do.
+//! The real window, driven as a person would, drawn and painted by the processor without a display. Only tests of lost
+//! devices, and those that compare both painters, need a Vulkan driver; lavapipe will do.
 
 mod names;
+#[allow(dead_code, reason = "each test program uses a part")]
+pub mod painted;
 #[allow(dead_code, reason = "each test program uses a part")]
 pub mod person;
 
@@ -12,9 +14,11 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use chladni_program::studio::{Chooser, FileKind, Opening, Studio};
+use chladni_view::{Draw, Gpu};
 use eframe::wgpu;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, HarnessBuilder, Node};
+use painted::Painted;
 
 /// The window and what is on it.
 pub type Window = Harness<'static, Studio>;
@@ -71,21 +75,27 @@ pub fn open(opening: Opening, size: [f32; 2]) -> Window {
 
 /// Opens the window on a screen of one's own, or with steps of another length.
 pub fn open_with(opening: Opening, builder: HarnessBuilder<Studio>) -> Window {
-    builder.wgpu().build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"))
+    builder
+        .renderer(Painted::default())
+        .build_eframe(|creation| Studio::new(creation, opening).expect("a graphics device"))
 }
 
-/// Opens the window, and tells which device it draws with.
+/// Opens the window on a graphics device, if only a software one, and tells which; `None` where there is none.
 #[allow(dead_code, reason = "each test program uses a part")]
-pub fn open_with_device(opening: Opening, size: [f32; 2]) -> (Window, wgpu::Device) {
+pub fn open_with_device(opening: Opening, size: [f32; 2]) -> Option<(Window, wgpu::Device)> {
+    if Gpu::headless().is_err() {
+        println!("no graphics device: nothing is tested");
+        return None;
+    }
     let device = Rc::new(RefCell::new(None));
     let seen = Rc::clone(&device);
     let builder = Harness::builder().with_size(size).wgpu();
     let window = builder.build_eframe(move |creation| {
         *seen.borrow_mut() = creation.wgpu_render_state.as_ref().map(|state| state.device.clone());
-        Studio::new(creation, opening).expect("a graphics device")
+        Studio::new(creation, Opening { draw: Draw::Gpu, ..opening }).expect("a graphics device")
     });
     let device = device.borrow_mut().take().expect("a graphics device");
-    (window, device)
+    Some((window, device))
 }
 
 /// Does to `device` what a driver does that restarts.

@@ -25,7 +25,7 @@ fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
     let handover = Handover::default();
     let opening = || Opening { folders: folders.clone(), handover: handover.clone(), ..Opening::default() };
     let size = [1000.0, 640.0];
-    let (mut window, device) = open_with_device(opening(), size);
+    let Some((mut window, device)) = open_with_device(opening(), size) else { return };
     window.run_steps(3);
     control(&window, "room/1").click();
     wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
@@ -40,7 +40,7 @@ fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
     window.run_steps(2);
     assert!(handover.reason().is_some());
     drop(window);
-    let (mut window, _) = open_with_device(opening(), size);
+    let (mut window, _) = open_with_device(opening(), size).expect("a device");
     wait(&mut window, "the gallery as it was", |w| {
         shows(w, "The graphics device was lost") && shows(w, "2 / 2")
     });

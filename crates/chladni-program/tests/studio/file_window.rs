@@ -10,6 +10,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
+use crate::driving::painted::Painted;
 use crate::driving::person::Desk;
 use crate::driving::{control, screenshot};
 
@@ -21,9 +22,9 @@ fn file_window(desk: &Desk, purpose: Purpose) -> (Harness<'static, FileWindow>, 
     let given = answer.clone();
     let kinds = vec![("Meshes".to_owned(), vec!["obj".to_owned()])];
     let request = Request { purpose, kinds, start: desk.folder.path().to_owned() };
-    let mut window = Harness::builder().with_size([640.0, 520.0]).wgpu().build_eframe(move |creation| {
-        FileWindow::new(&creation.egui_ctx, request, &Settings::default(), given)
-    });
+    let mut window = Harness::builder().with_size([640.0, 520.0]).renderer(Painted::default()).build_eframe(
+        move |creation| FileWindow::new(&creation.egui_ctx, request, &Settings::default(), given),
+    );
     window.run_steps(3);
     (window, answer)
 }

@@ -13,6 +13,7 @@ mod gallery;
 mod layers;
 mod lost_device;
 mod menus;
+mod painters;
 mod screens;
 mod templates;
 mod tour;

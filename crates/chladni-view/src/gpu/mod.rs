@@ -50,12 +50,16 @@ impl Gpu {
         Self::open(&adapter)
     }
 
+    /// Whether the fastest adapter is hardware.
+    pub(crate) fn has_card() -> bool {
+        pollster::block_on(Self::adapter(&Self::instance())).is_ok_and(|adapter| is_card(&adapter))
+    }
+
     /// As [`headless`](Self::headless), where the fastest adapter is hardware; `None` where it is software, or
     /// where there is none.
     pub(crate) fn card() -> Result<Option<Self>, ViewError> {
         let Ok(adapter) = pollster::block_on(Self::adapter(&Self::instance())) else { return Ok(None) };
-        let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        if software { Ok(None) } else { Self::open(&adapter).map(Some) }
+        if is_card(&adapter) { Self::open(&adapter).map(Some) } else { Ok(None) }
     }
 
     fn instance() -> wgpu::Instance {
@@ -168,4 +172,8 @@ impl Gpu {
             .map_err(|error| ViewError::Device(error.to_string()))?;
         self.check()
     }
+}
+
+fn is_card(adapter: &wgpu::Adapter) -> bool {
+    adapter.get_info().device_type != wgpu::DeviceType::Cpu
 }

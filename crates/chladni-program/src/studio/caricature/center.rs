@@ -1,7 +1,6 @@
 //! The middle of the room: the toolbar and the stage.
 
 use chladni_caricature::{Brush, Limbs, Model, Property};
-use eframe::egui_wgpu::RenderState;
 use egui::{RichText, Ui};
 
 use super::brush::BrushTool;
@@ -14,7 +13,7 @@ use super::stage::{self, BrushInHand, Stage, StageResponse};
 use super::{CaricatureRoom, single};
 use crate::studio::keys::caricature::COMPARE;
 use crate::studio::room::Shared;
-use crate::studio::{job, theme};
+use crate::studio::{job, theme, viewport};
 use crate::work::Error;
 
 impl CaricatureRoom {
@@ -43,7 +42,7 @@ impl CaricatureRoom {
             stage.stand(session.stands());
             // Thumbnails wait until no button is pressed.
             if !ui.input(|input| input.pointer.any_down()) {
-                match self.thumbnails.update(shared.gpu, stage, session) {
+                match self.thumbnails.update(shared.screen, stage, session) {
                     Ok(true) => shared.ctx.request_repaint(),
                     Ok(false) => {}
                     Err(error) => shared.notices.failed(error),
@@ -78,7 +77,7 @@ impl CaricatureRoom {
             let shown =
                 update_stage(session, stage, &mut self.heat, self.look, &mut self.stale).and_then(|()| {
                     let brush = (&mut self.brush, limbs.as_deref());
-                    show_stage(ui, shared, session, stage, brush, self.look, edits)
+                    show_stage(ui, session, stage, brush, self.look, edits)
                 });
             if let Err(why) = shown {
                 shared.notices.failed(why);
@@ -131,18 +130,16 @@ pub(super) fn update_stage(
 
 fn show_stage(
     ui: &mut Ui,
-    shared: &mut Shared<'_>,
     session: &mut Session,
     stage: &mut Stage,
     (brush, limbs): (&mut BrushTool, Option<&Limbs>),
     mut look: Portrayal,
     edits: &mut Edits,
 ) -> Result<(), Error> {
-    let rect = ui.available_rect_before_wrap();
+    let rect = viewport::whole_pixels(ui);
     if COMPARE.held(ui.ctx()) {
         look.show = Show::Original;
     }
-    let gpu: &RenderState = shared.gpu;
     if brush.active {
         session.prepare_brush(ui.ctx());
     }
@@ -153,7 +150,7 @@ fn show_stage(
     let in_hand = brush
         .active
         .then(|| BrushInHand { brush: Brush { radius, mirror }, surface: session.stack.surface() });
-    let StageResponse { response, presses, figure } = stage.show(ui, gpu, rect, look, in_hand)?;
+    let StageResponse { response, presses, figure } = stage.show(ui, rect, look, in_hand)?;
     if let Some((layer, hand)) = session.selected.zip(in_hand).filter(|_| brush.lasso.active) {
         if let Some(line) = brush.lasso.follow(ui, &response) {
             let erase = brush.erase ^ ui.input(|input| input.modifiers.ctrl);

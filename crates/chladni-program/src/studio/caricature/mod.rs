@@ -62,7 +62,7 @@ use super::icon::Icon;
 use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
-use super::{keys, theme, viewport};
+use super::{keys, theme};
 use crate::work::Error;
 use crate::work::formats::{MESHES, PROJECT, is_project};
 
@@ -175,7 +175,7 @@ impl Room for CaricatureRoom {
         if let Some(gallery) = &mut self.gallery {
             gallery.change_device();
         }
-        let stage = self.stage.take().map(|stage| stage.on(viewport::gpu_of(shared.gpu)));
+        let stage = self.stage.take().map(|stage| stage.on(shared.screen));
         match stage.transpose() {
             Ok(stage) => self.stage = stage,
             Err(error) => shared.notices.failed(error),
@@ -239,9 +239,9 @@ impl CaricatureRoom {
         let session = Session::new(loaded);
         let body = session.stack.body();
         let positions = single(&body.positions);
-        let stage = Stage::new(viewport::gpu_of(shared.gpu), &positions, &body.triangles, look)?;
+        let stage = Stage::new(shared.screen, &positions, &body.triangles, look)?;
         self.heat.start(stage.has_own_look());
-        self.thumbnails.clear(shared.gpu);
+        self.thumbnails.clear();
         // Layers of another project, or of this one on another shape, may have the same names.
         (self.picking, self.layers, self.limbs) = (None, LayerList::default(), KnownLimbs::default());
         self.stage = Some(stage);

@@ -29,11 +29,11 @@ impl Preview {
     /// Draws it into all of `ui`; says what is being loaded while there is nothing yet.
     pub fn show(&mut self, ui: &mut Ui, look: Portrayal, shared: &Shared<'_>) -> Result<(), Error> {
         if let Ok((mesh, stands)) = self.meshes.try_recv() {
-            let viewport = Viewport::new(shared.gpu);
-            let side = Side::new(viewport.gpu(), &mesh, stands)?;
+            let viewport = Viewport::new(shared.screen);
+            let side = Side::new(viewport.device(), &mesh, stands)?;
             self.shown = Some((viewport, side));
         }
-        let rect = ui.available_rect_before_wrap();
+        let rect = viewport::whole_pixels(ui);
         let Some((viewport, side)) = &mut self.shown else {
             ui.centered_and_justified(|ui| ui.label("The shape appears here as soon as it is read."));
             return Ok(());
@@ -49,6 +49,6 @@ impl Preview {
         let cell = |viewport: Rect| {
             vec![Cell { viewport, camera, lights, background, figures: &figures, markers: &[] }]
         };
-        viewport.show(ui, shared.gpu, rect, cell).map_err(Error::from)
+        viewport.show(ui, rect, cell).map_err(Error::from)
     }
 }

@@ -6,7 +6,7 @@ use std::sync::mpsc::channel;
 use chladni_caricature::{Action, Project, Surface};
 use chladni_mesh::MirrorPlane;
 use chladni_task::Task;
-use chladni_view::Gpu;
+use chladni_view::Device;
 
 use super::center::update_stage;
 use super::edits::Edit;
@@ -16,6 +16,7 @@ use super::look::{Portrayal, Show};
 use super::session::Session;
 use super::single;
 use super::stage::Stage;
+use crate::studio::screen::Screen;
 use crate::work::Error;
 
 /// An open project whose pictures nobody draws.
@@ -24,12 +25,12 @@ pub struct Rehearsal {
     stage: Stage,
     heat: Heat,
     look: Portrayal,
-    gpu: Gpu,
+    screen: Screen,
 }
 
 impl Rehearsal {
     /// Opens the shape of `project` and matches what its layers wait for.
-    pub fn of(project: Project, gpu: &Gpu, task: &Task) -> Result<Self, Error> {
+    pub fn of(project: Project, device: &Device, task: &Task) -> Result<Self, Error> {
         let candidate = Candidate::new(project);
         let loaded = loading::load(candidate, &channel().0, task)?;
         let mut session = Session::new(loaded);
@@ -41,10 +42,11 @@ impl Rehearsal {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
         session.refresh();
+        let screen = Screen::unseen(device);
         let body = session.stack.body();
-        let stage = Stage::new(gpu.clone(), &single(&body.positions), &body.triangles, None);
+        let stage = Stage::new(&screen, &single(&body.positions), &body.triangles, None);
         let stage = stage?;
-        Ok(Self { session, stage, heat: Heat::default(), look: Portrayal::default(), gpu: gpu.clone() })
+        Ok(Self { session, stage, heat: Heat::default(), look: Portrayal::default(), screen })
     }
 
     /// Applies the user's actions of one frame and updates the figures of the next one.
@@ -56,7 +58,9 @@ impl Rehearsal {
         heat::spectrum(&self.session);
         update_stage(&mut self.session, &mut self.stage, &mut self.heat, self.look, &mut true)?;
         // Drawing would send off what is queued for the device.
-        self.gpu.queue.submit([]);
+        if let Some(gpu) = self.screen.device().gpu() {
+            gpu.queue.submit([]);
+        }
         Ok(())
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use chladni_task::Task;
 use chladni_view::ink::{self, Drawing};
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Figure, Film, FilmSettings, Gpu, ItemBuffers, Paint, Picture, Rect,
+    Background, Camera, Canvas, Cell, Device, Figure, Film, FilmSettings, ItemBuffers, Paint, Picture, Rect,
     Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
 };
 
@@ -45,7 +45,7 @@ pub type Pose = (Vec<[f32; 3]>, Vec<[f32; 3]>);
 /// Everything that a picture needs, on its own.
 pub struct Shot {
     /// The device; may be used on any thread.
-    pub gpu: Gpu,
+    pub device: Device,
     /// What all figures share.
     pub topology: Topology,
     /// The triangles of all figures.
@@ -68,9 +68,9 @@ impl Shot {
         if self.look.ink {
             return Ok(self.drawing(width, height)?.to_picture());
         }
-        let canvas = Canvas::new(&self.gpu, width, height)?;
-        self.draw(&mut Renderer::new(&self.gpu), &canvas, &self.upload()?, self.camera)?;
-        Ok(canvas.read(&self.gpu)?)
+        let canvas = Canvas::new(&self.device, width, height)?;
+        self.draw(&mut Renderer::new(&self.device), &canvas, &self.upload()?, self.camera)?;
+        Ok(canvas.read(&self.device)?)
     }
 
     /// Draws it in ink, whatever its look.
@@ -102,14 +102,14 @@ impl Shot {
             return ink::film_turntable(&plates, &self.look.pen(), self.camera, film, task);
         }
         let (width, height, frames) = (settings.width, settings.height, settings.frames);
-        let canvas = Canvas::new(&self.gpu, width, height)?;
+        let canvas = Canvas::new(&self.device, width, height)?;
         let buffers = self.upload()?;
         let mut start = self.camera;
         let points: Vec<[f32; 3]> = self.poses.iter().flat_map(|(positions, _)| positions).copied().collect();
         let aspect = self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
         start.fit_turntable(&points, aspect, 0.92);
         let film = Film::create(path, settings)?;
-        film::shoot(&mut Renderer::new(&self.gpu), &canvas, film, task, |renderer, canvas, frame| {
+        film::shoot(&mut Renderer::new(&self.device), &canvas, film, task, |renderer, canvas, frame| {
             let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
             self.draw(renderer, canvas, &buffers, Camera { yaw_rad: start.yaw_rad - turn, ..start })
         })
@@ -117,9 +117,9 @@ impl Shot {
 
     fn upload(&self) -> Result<ItemBuffers, ViewError> {
         let vertices = self.poses.first().map_or(0, |(positions, _)| positions.len());
-        let buffers = ItemBuffers::new(&self.gpu, vertices, self.poses.len());
+        let buffers = ItemBuffers::new(&self.device, vertices, self.poses.len());
         for (item, (positions, normals)) in self.poses.iter().enumerate() {
-            buffers.write(&self.gpu, item, positions, normals)?;
+            buffers.write(&self.device, item, positions, normals)?;
         }
         Ok(buffers)
     }
@@ -154,19 +154,16 @@ mod tests {
     use chladni_view::{FrameRate, View};
 
     fn shot() -> Option<Shot> {
-        let gpu = match Gpu::headless() {
-            Err(ViewError::NoAdapter(_)) => return None,
-            gpu => gpu.unwrap(),
-        };
+        let device = Device::Processor;
         let mesh = chladni_mesh::samples::icosphere(2);
         let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect();
-        let topology = Topology::new(&gpu, positions.len(), &mesh.triangles).unwrap();
+        let topology = Topology::new(&device, positions.len(), &mesh.triangles).unwrap();
         let mut camera = Camera::looking(View::Front);
         camera.fit(positions.iter().copied(), 4.0 / 3.0, 0.8);
         let poses = vec![(positions.clone(), positions)];
         let triangles = mesh.triangles.into();
         let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
-        Some(Shot { gpu, topology, triangles, poses, coat, camera, look, background })
+        Some(Shot { device, topology, triangles, poses, coat, camera, look, background })
     }
 
     #[test]

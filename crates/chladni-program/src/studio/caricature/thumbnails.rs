@@ -5,13 +5,12 @@ use std::sync::Arc;
 
 use chladni_caricature::{EvaluatedLayer, LayerId};
 use chladni_view::{Background, Camera, Canvas, ColorMap, Renderer, Scale, VertexPaint, View, ViewError};
-use eframe::egui_wgpu::RenderState;
-use eframe::wgpu;
 
 use super::session::Session;
 use super::shot::{Coat, Shot};
 use super::single;
 use super::stage::Stage;
+use crate::studio::screen::{Screen, Shown};
 
 /// Pixels of a side.
 const SIZE: u32 = 88;
@@ -26,39 +25,27 @@ pub struct Thumbnails {
 
 struct Thumbnail {
     canvas: Canvas,
-    texture: egui::TextureId,
+    shown: Shown,
     /// The displacement that it shows.
     of: Arc<Vec<[f64; 3]>>,
 }
 
 impl Thumbnails {
     /// Another shape was opened.
-    pub fn clear(&mut self, state: &RenderState) {
-        let mut textures = state.renderer.write();
-        self.pictures.drain().for_each(|(_, picture)| textures.free_texture(&picture.texture));
+    pub fn clear(&mut self) {
+        self.pictures.clear();
         self.camera = None;
     }
 
     /// The picture of `layer`, where there is one yet.
     pub fn of(&self, layer: LayerId) -> Option<egui::TextureId> {
-        self.pictures.get(&layer).map(|picture| picture.texture)
+        self.pictures.get(&layer).map(|picture| picture.shown.id())
     }
 
     /// Draws one picture that is missing or out of date; true where more are.
-    pub fn update(
-        &mut self,
-        state: &RenderState,
-        stage: &Stage,
-        session: &Session,
-    ) -> Result<bool, ViewError> {
+    pub fn update(&mut self, screen: &Screen, stage: &Stage, session: &Session) -> Result<bool, ViewError> {
         let layers = &session.evaluation.layers;
-        let gone: Vec<LayerId> =
-            self.pictures.keys().filter(|id| !layers.iter().any(|l| l.id == **id)).copied().collect();
-        for id in gone {
-            if let Some(picture) = self.pictures.remove(&id) {
-                state.renderer.write().free_texture(&picture.texture);
-            }
-        }
+        self.pictures.retain(|id, _| layers.iter().any(|layer| layer.id == *id));
         let current = |layer: &EvaluatedLayer| match (&layer.displacement, self.pictures.get(&layer.id)) {
             (Some(displacement), Some(picture)) => Arc::ptr_eq(displacement, &picture.of),
             (displacement, _) => displacement.is_none(),
@@ -66,13 +53,13 @@ impl Thumbnails {
         let mut stale = (0..layers.len()).filter(|index| !current(&layers[*index]));
         let (Some(index), more) = (stale.next(), stale.next().is_some()) else { return Ok(false) };
         drop(stale);
-        self.draw(state, stage, session, index)?;
+        self.draw(screen, stage, session, index)?;
         Ok(more)
     }
 
     fn draw(
         &mut self,
-        state: &RenderState,
+        screen: &Screen,
         stage: &Stage,
         session: &Session,
         index: usize,
@@ -92,21 +79,22 @@ impl Thumbnails {
             camera
         });
         let still = stage.shot_of(pose, Coat::Material, Background::TRANSPARENT);
-        let values = VertexPaint::new(&still.gpu, length.len());
-        values.write_values(&still.gpu, &length)?;
+        let values = VertexPaint::new(&still.device, length.len());
+        values.write_values(&still.device, &length)?;
         let scale = Scale { low: 0.0, ..Scale::of(ColorMap::Viridis, &length) };
         let shot = Shot { coat: Coat::Values(values, scale), camera, ..still };
-        let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&shot.gpu));
+        let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&shot.device));
         let picture = match self.pictures.entry(layer.id) {
             std::collections::hash_map::Entry::Occupied(held) => held.into_mut(),
             std::collections::hash_map::Entry::Vacant(place) => {
-                let canvas = Canvas::new(&shot.gpu, SIZE, SIZE)?;
-                let (device, linear) = (&shot.gpu.device, wgpu::FilterMode::Linear);
-                let texture = state.renderer.write().register_native_texture(device, canvas.view()?, linear);
-                place.insert(Thumbnail { canvas, texture, of: Arc::clone(displacement) })
+                let canvas = Canvas::new(&shot.device, SIZE, SIZE)?;
+                let shown = screen.hang(&canvas, None)?;
+                place.insert(Thumbnail { canvas, shown, of: Arc::clone(displacement) })
             }
         };
         picture.of = Arc::clone(displacement);
-        shot.draw_on(renderer, &picture.canvas)
+        shot.draw_on(renderer, &picture.canvas)?;
+        picture.shown.refresh(&picture.canvas);
+        Ok(())
     }
 }

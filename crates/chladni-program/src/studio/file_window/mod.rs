@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::rc::Rc;
 
+use chladni_view::Draw;
 use egui::{Key, RichText, Ui};
 
 pub use browser::{Purpose, Request};
@@ -19,6 +20,7 @@ use super::error::StudioError;
 use super::focus;
 use super::folders::Folders;
 use super::icon::{self, Icon};
+use super::processor_window::{self, Program};
 use super::settings::Settings;
 use super::theme;
 use crate::studio::author_id::AuthorId;
@@ -47,14 +49,22 @@ pub fn open(request: Request) -> Result<Vec<PathBuf>, StudioError> {
         .with_app_id("chladni")
         .with_inner_size([640.0, 520.0])
         .with_min_inner_size([460.0, 360.0]);
+    // Unreadable preferences are reported in the main window.
+    let settings =
+        Folders::of_user().settings.and_then(|path| Settings::load(&path).ok()).unwrap_or_default();
+    if !Draw::Auto.means_graphics() {
+        let create = |ctx: &egui::Context| -> Box<dyn Program> {
+            Box::new(FileWindow::new(ctx, request, &settings, given))
+        };
+        processor_window::open(viewport, create)?;
+        return Ok(answer.take());
+    }
     let options = eframe::NativeOptions { viewport, wgpu_options: wgpu_options(), ..Default::default() };
     eframe::run_native(
         "chladni-files",
         options,
         Box::new(move |creation| {
-            // Unreadable preferences are reported in the main window.
-            let settings = Folders::of_user().settings.and_then(|path| Settings::load(&path).ok());
-            Ok(Box::new(FileWindow::new(&creation.egui_ctx, request, &settings.unwrap_or_default(), given)))
+            Ok(Box::new(FileWindow::new(&creation.egui_ctx, request, &settings, given)))
         }),
     )?;
     Ok(answer.take())
@@ -272,6 +282,12 @@ impl FileWindow {
 
 impl eframe::App for FileWindow {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+}
+
+impl Program for FileWindow {
+    fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(if self.light { egui::Theme::Light } else { egui::Theme::Dark });
         if ctx.input(|input| input.key_pressed(Key::Escape)) {

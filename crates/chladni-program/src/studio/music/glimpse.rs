@@ -1,10 +1,10 @@
-//! Measures the brightness of the picture about to be shown, without blocking: until it is known, the
-//! previous picture stays.
+//! Measures the brightness of the picture about to be shown, without blocking: until a graphics device has told it,
+//! the previous picture stays. What the processor has drawn is looked at as it lies in memory.
 
 use std::sync::{Arc, OnceLock};
 
 use chladni_music::Histogram;
-use chladni_view::{Canvas, Gpu};
+use chladni_view::{Canvas, Device, Gpu};
 use eframe::wgpu;
 use egui::Color32;
 
@@ -23,20 +23,39 @@ pub struct Glimpse {
     histogram: Histogram,
 }
 
-/// Rows on their way.
-struct Coming {
-    width: u32,
-    rows: u32,
-    stride: u32,
-    behind: Color32,
-    /// Whether they are there, once that is known.
-    arrived: Arc<OnceLock<bool>>,
+/// Rows that were asked for.
+enum Coming {
+    /// On their way from a graphics device.
+    Rows {
+        width: u32,
+        rows: u32,
+        stride: u32,
+        behind: Color32,
+        /// Whether they are there, once that is known.
+        arrived: Arc<OnceLock<bool>>,
+    },
+    /// Counted already.
+    Counted,
 }
 
 impl Glimpse {
     /// Asks for some rows of what was drawn on `canvas` last. Translucent pixels will let `behind` through.
-    pub fn begin(&mut self, gpu: &Gpu, canvas: &Canvas, behind: Color32) {
-        // The window's canvases are textures.
+    pub fn begin(&mut self, device: &Device, canvas: &Canvas, behind: Color32) {
+        match device {
+            Device::Graphics(gpu) => self.ask(gpu, canvas, behind),
+            Device::Processor => {
+                let Some(pixels) = canvas.pixels() else { return };
+                let (height, stride) = (canvas.height(), 4 * canvas.width() as usize);
+                let rows = height.min(ROWS);
+                let row = |row| pixels.get(stride * middle(row, rows, height) as usize..).unwrap_or_default();
+                self.count([canvas.width(), rows], (0..rows).map(row), behind);
+                self.coming = Some(Coming::Counted);
+            }
+        }
+    }
+
+    fn ask(&mut self, gpu: &Gpu, canvas: &Canvas, behind: Color32) {
+        // The canvases of a graphics device are textures.
         let Ok(view) = canvas.view() else { return };
         let (width, height) = (canvas.width(), canvas.height());
         let rows = height.min(ROWS);
@@ -54,7 +73,7 @@ impl Glimpse {
         });
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for row in 0..rows {
-            let y = ((2 * u64::from(row) + 1) * u64::from(height) / (2 * u64::from(rows))) as u32;
+            let y = middle(row, rows, height);
             let source = wgpu::TexelCopyTextureInfo {
                 origin: wgpu::Origin3d { x: 0, y, z: 0 },
                 ..view.texture().as_image_copy()
@@ -72,7 +91,7 @@ impl Glimpse {
         buffer.map_async(wgpu::MapMode::Read, .., move |mapped| {
             let _ = answer.set(mapped.is_ok());
         });
-        self.coming = Some(Coming { width, rows, stride, behind, arrived });
+        self.coming = Some(Coming::Rows { width, rows, stride, behind, arrived });
         self.buffer = Some(buffer);
     }
 
@@ -82,38 +101,60 @@ impl Glimpse {
     }
 
     /// Checks, without waiting, whether the rows have arrived; true once they were counted.
-    pub fn look(&mut self, gpu: &Gpu) -> Result<bool, Error> {
-        let Some(coming) = &self.coming else { return Ok(false) };
-        gpu.device.poll(wgpu::PollType::Poll).map_err(Error::other)?;
-        let Some(&arrived) = coming.arrived.get() else { return Ok(false) };
-        let Some((coming, buffer)) = self.coming.take().zip(self.buffer.as_ref()) else { return Ok(false) };
-        if !arrived {
-            self.buffer = None;
-            return Err(Error::other("the picture could not be looked at, and is not shown"));
-        }
-        self.histogram.clear();
-        {
-            let bytes = buffer.get_mapped_range(..).map_err(Error::other)?;
-            let size = [coming.width, coming.rows];
-            for (row, y) in bytes.chunks_exact(coming.stride as usize).zip(0..) {
-                let pixels = row[..4 * coming.width as usize].as_chunks().0;
-                for (&[r, g, b, a], x) in pixels.iter().zip(0..).step_by(STEP) {
-                    // The canvas holds colors times their opacity.
-                    let over = |own: u8, behind: u8| {
-                        own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)
-                    };
-                    let behind = coming.behind;
-                    let rgb = [over(r, behind.r()), over(g, behind.g()), over(b, behind.b())];
-                    self.histogram.add([x, y], size, rgb);
+    pub fn look(&mut self, device: &Device) -> Result<bool, Error> {
+        let (width, rows, stride, behind) = match &self.coming {
+            None => return Ok(false),
+            Some(Coming::Counted) => {
+                self.coming = None;
+                return Ok(true);
+            }
+            Some(Coming::Rows { width, rows, stride, behind, arrived }) => {
+                if let Some(gpu) = device.gpu() {
+                    gpu.device.poll(wgpu::PollType::Poll).map_err(Error::other)?;
+                }
+                match arrived.get() {
+                    None => return Ok(false),
+                    Some(true) => (*width, *rows, *stride as usize, *behind),
+                    Some(false) => {
+                        (self.coming, self.buffer) = (None, None);
+                        return Err(Error::other("the picture could not be looked at, and is not shown"));
+                    }
                 }
             }
+        };
+        self.coming = None;
+        let Some(buffer) = self.buffer.clone() else { return Ok(false) };
+        {
+            let bytes = buffer.get_mapped_range(..).map_err(Error::other)?;
+            self.count([width, rows], bytes.chunks_exact(stride), behind);
         }
         buffer.unmap();
         Ok(true)
+    }
+
+    /// Counts rows of pixels, each as long as the picture is wide or longer, over what is behind them.
+    fn count<'a>(&mut self, size: [u32; 2], rows: impl Iterator<Item = &'a [u8]>, behind: Color32) {
+        self.histogram.clear();
+        for (row, y) in rows.zip(0..) {
+            let pixels = row.as_chunks().0.iter().take(size[0] as usize);
+            for (&[r, g, b, a], x) in pixels.zip(0..).step_by(STEP) {
+                // The canvas holds colors times their opacity.
+                let over = |own: u8, behind: u8| {
+                    own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)
+                };
+                let rgb = [over(r, behind.r()), over(g, behind.g()), over(b, behind.b())];
+                self.histogram.add([x, y], size, rgb);
+            }
+        }
     }
 
     /// What was counted last.
     pub fn histogram(&self) -> &Histogram {
         &self.histogram
     }
+}
+
+/// The row of a picture of `height` rows that stands for the part with this index, of `rows`.
+fn middle(row: u32, rows: u32, height: u32) -> u32 {
+    ((2 * u64::from(row) + 1) * u64::from(height) / (2 * u64::from(rows))) as u32
 }

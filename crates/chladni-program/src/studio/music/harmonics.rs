@@ -8,7 +8,6 @@ use chladni_view::{
 };
 use egui::{Color32, RichText, Ui};
 
-use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::{Error, figure_markers};
 
@@ -90,7 +89,6 @@ impl Harmonics {
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        shared: &Shared<'_>,
         viewport: &mut Viewport,
         topology: &Topology,
         camera: Camera,
@@ -127,7 +125,7 @@ impl Harmonics {
             viewport.invalidate();
         }
         let places: Vec<egui::Rect> = cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
-        viewport.show(ui, shared.gpu, rect, |_| {
+        viewport.show(ui, rect, |_| {
             let cell = |(i, (cell, figure)): (usize, (&Rect, _))| Cell {
                 viewport: *cell,
                 camera: fitted,
@@ -149,14 +147,14 @@ impl Harmonics {
         first: usize,
         shown: usize,
     ) -> Result<Drawn, chladni_view::ViewError> {
-        let gpu = viewport.gpu();
+        let device = viewport.device();
         let count = self.body.positions.len();
         let positions: Vec<[f32; 3]> = self.body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
-        let rest = ItemBuffers::new(gpu, count, 1);
-        rest.write(gpu, 0, &positions, &smooth_normals(&positions, &self.body.triangles))?;
+        let rest = ItemBuffers::new(device, count, 1);
+        rest.write(device, 0, &positions, &smooth_normals(&positions, &self.body.triangles))?;
         let paint = |values: &[f32], scale: Scale| {
-            let paint = VertexPaint::new(gpu, count);
-            paint.write_values(gpu, values).map(|()| (paint, scale))
+            let paint = VertexPaint::new(device, count);
+            paint.write_values(device, values).map(|()| (paint, scale))
         };
         let extrema: Vec<f32> = self.symmetry.extrema_counts.iter().map(|&c| f32::from(c)).collect();
         let mut paints = vec![paint(&extrema, Scale::of(ColorMap::Viridis, &extrema))?];

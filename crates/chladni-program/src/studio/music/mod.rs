@@ -272,7 +272,7 @@ impl Room for MusicRoom {
         // The new window has to fill the screen again.
         self.curtain = Curtain::default();
         if let Some(concert) = &mut self.concert
-            && let Err(why) = concert.change_device(shared.gpu)
+            && let Err(why) = concert.change_device(shared.screen)
         {
             self.concert = None;
             self.refuse(why, shared);
@@ -358,7 +358,7 @@ impl MusicRoom {
         let of_show = self.coming.as_ref().and_then(|(_, show)| show.harmonics);
         loading::Means {
             harmonics: of_show.unwrap_or(shared.settings.harmonics).min(MOST_HARMONICS),
-            coarsely: super::viewport::gpu_of(shared.gpu).is_software(),
+            coarsely: shared.screen.device().is_software(),
         }
     }
 
@@ -369,7 +369,7 @@ impl MusicRoom {
                 for warning in &ready.warnings {
                     shared.notices.warn(warning.clone());
                 }
-                let concert = Concert::new(shared.gpu, ready).and_then(|mut concert| {
+                let concert = Concert::new(shared.screen, ready).and_then(|mut concert| {
                     // Another shape dances what was bred on the one before.
                     self.concert.as_ref().map_or(Ok(()), |before| concert.go_on_from(before))?;
                     Ok(concert)

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use chladni_music::Veil;
 use chladni_view::film::{CameraTarget, LiveCamera};
-use chladni_view::{Canvas, Device, FrameRate, Gpu, Picture, Readback};
+use chladni_view::{Canvas, Device, FrameRate, Picture, Readback};
 
 use super::recorder::Recorder;
 use crate::work::Error;
@@ -44,9 +44,9 @@ impl Outgoing {
     }
 
     /// The film ends now; its last pictures are fetched.
-    pub fn end_recording(&mut self, gpu: &Gpu, now_secs: f64) -> Result<(), Error> {
+    pub fn end_recording(&mut self, device: &Device, now_secs: f64) -> Result<(), Error> {
         while !self.flying.is_empty() {
-            self.land(&Device::from(gpu))?;
+            self.land(device)?;
         }
         if let Some(recorder) = &mut self.recorder {
             recorder.finish(now_secs);
@@ -85,7 +85,7 @@ impl Outgoing {
     /// while later ones are drawn.
     pub fn take(
         &mut self,
-        gpu: &Gpu,
+        device: &Device,
         canvas: &Canvas,
         now_secs: f64,
         (veil, dark): (Veil, f32),
@@ -100,17 +100,16 @@ impl Outgoing {
             return Ok(());
         }
         self.last = Some(slot);
-        let device = Device::from(gpu);
         let size = (canvas.width(), canvas.height());
         self.resting.retain(|rests| rests.size == size);
         let mut readback = match self.resting.pop() {
             Some(rests) => rests.readback,
-            None => Readback::new(&device, canvas)?,
+            None => Readback::new(device, canvas)?,
         };
-        readback.start(&device, canvas)?;
+        readback.start(device, canvas)?;
         self.flying.push_back(Flying { now_secs, readback, size, veil, dark });
         if self.flying.len() > FLYING {
-            self.land(&device)?;
+            self.land(device)?;
         }
         Ok(())
     }

@@ -17,8 +17,8 @@ impl MusicRoom {
         };
         if concert.outgoing.recorder.is_some() {
             listening.keep_sound(false);
-            let gpu = concert.gpu().clone();
-            return concert.outgoing.end_recording(&gpu, now_secs);
+            let device = concert.device().clone();
+            return concert.outgoing.end_recording(&device, now_secs);
         }
         let Some(path) = shared.chooser.save(&[("Films", &["mp4"])], Path::new("set.mp4")) else {
             return Ok(());

@@ -2,7 +2,6 @@
 
 mod animation;
 mod beginning;
-mod deformed;
 mod output;
 mod performance;
 mod record;
@@ -26,7 +25,6 @@ use super::{
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
-pub use deformed::Deformed;
 pub use output::{Output, TARGETS};
 use performance::{Done, Means, Performance};
 pub use report::{Report, Seconds};

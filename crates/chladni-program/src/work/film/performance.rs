@@ -6,8 +6,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, FlashArea, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch,
-    Viewpoint,
+    Ensemble, FlashArea, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Viewpoint,
 };
 use chladni_synth::{Backend, Item, SynthModel};
 use chladni_task::Task;
@@ -18,12 +17,11 @@ use chladni_view::{
 };
 
 use super::Seconds;
-use super::deformed::Deformed;
 use super::record::Recording;
 use super::titles::Titles;
 use crate::work::{
-    Error, FrameGuard, Hearing, Lag, Programme, SandTable, Scenery, Staging, along, chooses_shots, dots,
-    look_on_stage,
+    Deformed, Error, FrameGuard, Hearing, Lag, Programme, SandTable, Scenery, Staging, along, chooses_shots,
+    dots, look_on_stage,
 };
 
 /// Where a film begins in the midst of another, so much before it is drawn for the flash guard, which has to know what was
@@ -320,7 +318,10 @@ impl Performance {
             if let Some(item) = items.first().filter(|_| recording && frame >= lead) {
                 done.recording.push(shot.time_secs, self.instrument.parameters().form, item);
             }
-            deformed.synthesize(&items, &self.instrument.parameters().frame_settings(), seconds)?;
+            let [synthesis_secs, normals_secs] =
+                deformed.synthesize(&items, &self.instrument.parameters().frame_settings())?;
+            seconds.synthesis += synthesis_secs;
+            seconds.normals += normals_secs;
             if let Some(fallback) = deformed.take_fallback() {
                 done.warnings.push(fallback.to_string());
             }

@@ -22,8 +22,7 @@ use crate::studio::keys::breeding::{
     SURPRISE, TAKE,
 };
 use crate::studio::room::Shared;
-use crate::studio::theme;
-use crate::studio::viewport;
+use crate::studio::{theme, viewport};
 use crate::work::{Aside, Error, sitter};
 
 mod wall;
@@ -249,7 +248,7 @@ impl GalleryView {
         shared: &mut Shared<'_>,
         edits: &mut Edits,
     ) -> Result<bool, Error> {
-        let rect = ui.available_rect_before_wrap();
+        let rect = viewport::whole_pixels(ui);
         let Some(shown) = &mut self.shown else { return Ok(true) };
         let count = shown.portraits.len();
         let scale = ui.pixels_per_point();
@@ -258,11 +257,11 @@ impl GalleryView {
         let cells = layout::grid(canvas, rows, columns, 2, count);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         if self.wall.is_none() {
-            self.wall = Some(Wall::new(viewport::gpu_of(shared.gpu), shown, session)?);
+            self.wall = Some(Wall::new(shared.screen, shown, session)?);
         }
         let Some(wall) = &mut self.wall else { return Ok(true) };
         wall.hang(shown);
-        wall.show(ui, shared, rect, &cells, &response, look)?;
+        wall.show(ui, rect, &cells, &response, look)?;
         let step = |right: isize, down: isize| right + down * columns as isize;
         for (key, by) in [
             (MARK_LEFT, step(-1, 0)),

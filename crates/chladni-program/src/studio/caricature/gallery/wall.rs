@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use chladni_caricature::Portrait;
 use chladni_synth::{Coefficients, CpuSynthesizer, FrameSettings, Item, Residual, Synthesizer, Term};
-use chladni_view::{Camera, Cell, Gpu, ItemBuffers, Paint, Rect, Topology, View};
+use chladni_view::{Camera, Cell, ItemBuffers, Paint, Rect, Topology, View};
 use egui::Ui;
 
 use super::super::look::Portrayal;
 use super::super::overlay::backdrop;
 use super::super::session::Session;
 use super::Shown;
-use crate::studio::room::Shared;
+use crate::studio::screen::Screen;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::Error;
 
@@ -32,13 +32,14 @@ pub struct Wall {
 }
 
 impl Wall {
-    pub fn new(gpu: Gpu, shown: &Shown, session: &Session) -> Result<Self, Error> {
+    pub fn new(screen: &Screen, shown: &Shown, session: &Session) -> Result<Self, Error> {
         let (body, model) = (shown.sitter.body(), shown.sitter.model().clone());
         let vertices = body.positions.len();
+        let device = screen.device();
         Ok(Self {
-            topology: Topology::new(&gpu, vertices, &body.triangles)?,
-            buffers: ItemBuffers::new(&gpu, vertices, shown.portraits.len()),
-            viewport: Viewport::on(gpu),
+            topology: Topology::new(device, vertices, &body.triangles)?,
+            buffers: ItemBuffers::new(device, vertices, shown.portraits.len()),
+            viewport: Viewport::new(screen),
             camera: Camera::on(session.stands(), View::ThreeQuarter),
             synthesizer: CpuSynthesizer::new(model),
             items: Vec::new(),
@@ -76,7 +77,7 @@ impl Wall {
         }
         self.items.iter_mut().flat_map(|item| &mut item.terms).for_each(|term| term.residual_gain = share);
         self.synthesizer.synthesize(&self.items, &FrameSettings::default())?;
-        self.buffers.take_frame(self.viewport.gpu(), &self.synthesizer)?;
+        self.buffers.take_frame(self.viewport.device(), &self.synthesizer)?;
         self.swollen = Some(share);
         self.viewport.invalidate();
         Ok(())
@@ -85,14 +86,11 @@ impl Wall {
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        shared: &Shared<'_>,
         rect: egui::Rect,
         cells: &[Rect],
         response: &egui::Response,
         look: Portrayal,
     ) -> Result<(), Error> {
-        // Where the processor draws, twelve figures would move in jerks.
-        let living = !self.viewport.gpu().is_software();
         let time_secs = ui.input(|input| input.time);
         if !self.fitted {
             self.swell(1.0)?;
@@ -100,13 +98,9 @@ impl Wall {
             self.camera.fit(self.synthesizer.all_positions().iter().copied(), aspect, 0.84);
             self.fitted = true;
         }
-        if living {
-            let turn = std::f64::consts::TAU * time_secs / BREATH_SECS;
-            self.swell((0.5 - 0.5 * turn.cos()) as f32)?;
-            ui.ctx().request_repaint();
-        } else {
-            self.swell(1.0)?;
-        }
+        let turn = std::f64::consts::TAU * time_secs / BREATH_SECS;
+        self.swell((0.5 - 0.5 * turn.cos()) as f32)?;
+        ui.ctx().request_repaint();
         if viewport::navigate_by(ui, response, &mut self.camera, true) {
             self.viewport.invalidate();
         }
@@ -114,7 +108,7 @@ impl Wall {
             .map(|item| [look.figure(&self.topology, &self.buffers, item, Paint::Material)])
             .collect();
         let (camera, lights, background) = (self.camera, look.lights(), backdrop(ui));
-        self.viewport.show(ui, shared.gpu, rect, |_| {
+        self.viewport.show(ui, rect, |_| {
             let all = cells.iter().zip(&figures);
             all.map(|(viewport, figures)| Cell {
                 viewport: *viewport,

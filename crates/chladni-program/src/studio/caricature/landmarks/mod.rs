@@ -87,8 +87,8 @@ impl Picking {
         if !template.is_mesh() {
             return None;
         }
-        let viewport = Viewport::new(shared.gpu);
-        let shape = match Side::new(viewport.gpu(), &session.subject.mesh, session.stands()) {
+        let viewport = Viewport::new(shared.screen);
+        let shape = match Side::new(viewport.device(), &session.subject.mesh, session.stands()) {
             Ok(shape) => shape,
             Err(error) => return Some(Err(error.into())),
         };
@@ -141,13 +141,13 @@ impl Picking {
         let Some(settings) = session.project().layer(self.layer).map(|layer| layer.matching.clone()) else {
             return Ok(());
         };
-        let rect = ui.available_rect_before_wrap();
+        let rect = viewport::whole_pixels(ui);
         let half = egui::vec2(rect.width() / 2.0, rect.height());
         let left = egui::Rect::from_min_size(rect.min, half);
         let right = left.translate(egui::vec2(half.x, 0.0));
         let gestures = [(Which::Shape, left), (Which::Template, right)]
             .map(|(which, area)| (which, self.interact(ui, which, area, rect, &settings)));
-        self.draw(ui, shared, rect, [left, right], &settings, look)?;
+        self.draw(ui, rect, [left, right], &settings, look)?;
         for (which, gesture) in gestures {
             if let Some(gesture) = gesture {
                 self.act(which, gesture, settings.clone(), edits, shared);
@@ -165,7 +165,7 @@ impl Picking {
         if let Some(read) = self.reading.as_ref().and_then(Job::ended) {
             self.reading = None;
             let (mesh, stands) = read?;
-            self.other = Some(Side::new(self.viewport.gpu(), &mesh, stands)?);
+            self.other = Some(Side::new(self.viewport.device(), &mesh, stands)?);
             self.viewport.invalidate();
         }
         Ok(())
@@ -175,8 +175,8 @@ impl Picking {
         if matched.map(Arc::as_ptr) != self.shown_match.as_ref().map(Arc::as_ptr) {
             self.shown_match = matched.cloned();
             let confidence = matched.map(|matched| matched.confidence.as_slice());
-            let gpu = self.viewport.gpu();
-            self.shape.set_confidence(gpu, confidence)?;
+            let device = self.viewport.device();
+            self.shape.set_confidence(device, confidence)?;
             self.viewport.invalidate();
         }
         Ok(())
@@ -317,7 +317,6 @@ impl Picking {
     fn draw(
         &mut self,
         ui: &mut Ui,
-        shared: &mut Shared<'_>,
         rect: egui::Rect,
         areas: [egui::Rect; 2],
         settings: &MatchSettings,
@@ -336,7 +335,7 @@ impl Picking {
             .collect();
         let figures: Vec<Vec<chladni_view::Figure<'_>>> =
             sides.iter().map(|(_, side)| side.iter().map(|side| side.figure(material)).collect()).collect();
-        let drawn = self.viewport.show(ui, shared.gpu, rect, |_| {
+        let drawn = self.viewport.show(ui, rect, |_| {
             let each = sides.iter().zip(cells).zip(figures.iter().zip(&markers));
             each.map(|(((_, side), viewport), (figures, markers))| Cell {
                 viewport,

@@ -2,7 +2,7 @@
 
 use chladni_mesh::{Frame, Orientation, TriMesh};
 use chladni_view::{
-    Camera, ColorMap, Figure, Gpu, ItemBuffers, Material, Paint, PickTree, Rect, Scale, Topology,
+    Camera, ColorMap, Device, Figure, ItemBuffers, Material, Paint, PickTree, Rect, Scale, Topology,
     VertexPaint, View, ViewError,
 };
 
@@ -22,18 +22,18 @@ pub struct Side {
 
 impl Side {
     /// Puts `mesh`, with its orientation, on the device.
-    pub fn new(gpu: &Gpu, mesh: &TriMesh, stands: Orientation) -> Result<Self, ViewError> {
+    pub fn new(device: &Device, mesh: &TriMesh, stands: Orientation) -> Result<Self, ViewError> {
         let frame = Frame::of(mesh);
         let positions: Vec<[f32; 3]> =
             mesh.positions.iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
-        let topology = Topology::new(gpu, positions.len(), &mesh.triangles)?;
-        let buffers = ItemBuffers::new(gpu, positions.len(), 1);
+        let topology = Topology::new(device, positions.len(), &mesh.triangles)?;
+        let buffers = ItemBuffers::new(device, positions.len(), 1);
         let normals = chladni_view::smooth_normals(&positions, &mesh.triangles);
-        buffers.write(gpu, 0, &positions, &normals)?;
+        buffers.write(device, 0, &positions, &normals)?;
         Ok(Self {
             camera: Camera::on(stands, View::Front),
             tree: PickTree::new(&positions, &mesh.triangles),
-            confidence: VertexPaint::new(gpu, positions.len()),
+            confidence: VertexPaint::new(device, positions.len()),
             shows_confidence: false,
             triangles: mesh.triangles.clone(),
             positions,
@@ -44,11 +44,11 @@ impl Side {
     }
 
     /// Shows how far each vertex's match is to be trusted; nothing where there is none.
-    pub fn set_confidence(&mut self, gpu: &Gpu, confidence: Option<&[f64]>) -> Result<(), ViewError> {
+    pub fn set_confidence(&mut self, device: &Device, confidence: Option<&[f64]>) -> Result<(), ViewError> {
         self.shows_confidence = false;
         if let Some(confidence) = confidence {
             let values: Vec<f32> = confidence.iter().map(|c| *c as f32).collect();
-            self.confidence.write_values(gpu, &values)?;
+            self.confidence.write_values(device, &values)?;
             self.shows_confidence = true;
         }
         Ok(())
@@ -106,12 +106,8 @@ mod tests {
 
     #[test]
     fn a_vertex_is_found_where_it_is_drawn_and_known_to_be_hidden_behind() {
-        let gpu = match Gpu::headless() {
-            Err(ViewError::NoAdapter(_)) => return,
-            gpu => gpu.unwrap(),
-        };
         let mesh = chladni_mesh::samples::icosphere(3);
-        let mut side = Side::new(&gpu, &mesh, Orientation::Y_UP).unwrap();
+        let mut side = Side::new(&Device::Processor, &mesh, Orientation::Y_UP).unwrap();
         let cell = Rect { x: 40, y: 10, width: 300, height: 400 };
         side.fit(cell.aspect());
         let mut seen = 0;

@@ -18,16 +18,16 @@ use std::sync::Arc;
 
 use chladni_mesh::Orientation;
 use chladni_view::{
-    Background, BrushRing, Camera, Cell, Figure, Gpu, ItemBuffers, PickTree, Rect, Scale, Skin, Topology,
+    Background, BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Scale, Skin, Topology,
     VertexPaint, View, ViewError,
 };
-use eframe::egui_wgpu::RenderState;
 use egui::Ui;
 
 use super::look::Portrayal;
 use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose, Shot};
 use crate::studio::keys;
+use crate::studio::screen::Screen;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::{Error, MARKED, OwnLook, PAINTED, RING, tints};
 
@@ -97,32 +97,32 @@ impl Stage {
     /// A stage for a body of `positions` (working frame) and `triangles`, all figures at rest, in
     /// its own look where it has one.
     pub fn new(
-        gpu: Gpu,
+        screen: &Screen,
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
         own_look: Option<OwnLook>,
     ) -> Result<Self, ViewError> {
-        let viewport = Viewport::on(gpu);
-        let gpu = viewport.gpu();
+        let viewport = Viewport::new(screen);
+        let device = viewport.device();
         let n = positions.len();
         let topology = match &own_look {
-            Some(OwnLook::Image { corner_uvs, .. }) => Topology::with_uvs(gpu, n, triangles, corner_uvs)?,
-            _ => Topology::new(gpu, n, triangles)?,
+            Some(OwnLook::Image { corner_uvs, .. }) => Topology::with_uvs(device, n, triangles, corner_uvs)?,
+            _ => Topology::new(device, n, triangles)?,
         };
         let own = match &own_look {
             Some(OwnLook::Image { picture, .. }) => {
-                Some(Coat::Skin(Skin::new(gpu, picture.width, picture.height, &picture.rgba)?))
+                Some(Coat::Skin(Skin::new(device, picture.width, picture.height, &picture.rgba)?))
             }
             Some(OwnLook::Colors(colors)) => {
-                let paint = VertexPaint::new(gpu, n);
-                paint.write_colors(gpu, colors)?;
+                let paint = VertexPaint::new(device, n);
+                paint.write_colors(device, colors)?;
                 Some(Coat::Colors(paint))
             }
             None => None,
         };
-        let buffers = ItemBuffers::new(gpu, n, FIGURES);
-        let (values, tints) = (VertexPaint::new(gpu, n), VertexPaint::new(gpu, n));
-        let ring = BrushRing::new(gpu, n, RING);
+        let buffers = ItemBuffers::new(device, n, FIGURES);
+        let (values, tints) = (VertexPaint::new(device, n), VertexPaint::new(device, n));
+        let ring = BrushRing::new(device, n, RING);
         let normals = chladni_view::smooth_normals(positions, triangles);
         let mut stage = Self {
             viewport,
@@ -155,9 +155,9 @@ impl Stage {
     }
 
     /// The same shape on another device, seen from the same place; all figures are at rest.
-    pub fn on(self, gpu: Gpu) -> Result<Self, ViewError> {
+    pub fn on(self, screen: &Screen) -> Result<Self, ViewError> {
         let (original, _) = &self.poses[ORIGINAL];
-        let stage = Self::new(gpu, original, &self.triangles, self.own_look)?;
+        let stage = Self::new(screen, original, &self.triangles, self.own_look)?;
         Ok(Self { camera: self.camera, fitted: self.fitted, ..stage })
     }
 
@@ -168,7 +168,7 @@ impl Stage {
         positions: &[[f32; 3]],
         normals: &[[f32; 3]],
     ) -> Result<(), ViewError> {
-        self.buffers.write(self.viewport.gpu(), figure, positions, normals)?;
+        self.buffers.write(self.viewport.device(), figure, positions, normals)?;
         let (held_positions, held_normals) = &mut self.poses[figure];
         self.changes[figure] += 1;
         held_positions.clear();
@@ -211,16 +211,16 @@ impl Stage {
             Coating::Material => Coat::Material,
             Coating::Region(values) | Coating::Marks(values) => {
                 let tints = tints(&values, tint, look.material());
-                self.tints.write_colors(self.viewport.gpu(), &tints)?;
+                self.tints.write_colors(self.viewport.device(), &tints)?;
                 Coat::Colors(self.tints.clone())
             }
             Coating::Colors(colors) => {
-                self.tints.write_colors(self.viewport.gpu(), &colors)?;
+                self.tints.write_colors(self.viewport.device(), &colors)?;
                 Coat::Colors(self.tints.clone())
             }
             Coating::Own => self.own_coat(),
             Coating::Values(values, scale) => {
-                self.values.write_values(self.viewport.gpu(), &values)?;
+                self.values.write_values(self.viewport.device(), &values)?;
                 self.heat = values;
                 Coat::Values(self.values.clone(), scale)
             }
@@ -231,11 +231,11 @@ impl Stage {
 
     /// What is shown now, on its own, before a `background`.
     pub fn shot(&self, look: Portrayal, background: Background) -> Result<Shot, ViewError> {
-        let gpu = self.viewport.gpu().clone();
+        let device = self.viewport.device().clone();
         let coat = match &self.coat {
             Coat::Values(_, scale) => {
-                let own = VertexPaint::new(&gpu, self.heat.len());
-                own.write_values(&gpu, &self.heat)?;
+                let own = VertexPaint::new(&device, self.heat.len());
+                own.write_values(&device, &self.heat)?;
                 Coat::Values(own, *scale)
             }
             constant => constant.clone(),
@@ -243,7 +243,7 @@ impl Stage {
         let poses = self.figures(look.show).iter().map(|figure| self.poses[*figure].clone()).collect();
         let triangles = Arc::clone(&self.triangles);
         Ok(Shot {
-            gpu,
+            device,
             topology: self.topology.clone(),
             triangles,
             poses,
@@ -256,9 +256,9 @@ impl Stage {
 
     /// Another pose of this shape, on its own.
     pub fn shot_of(&self, pose: Pose, coat: Coat, background: Background) -> Shot {
-        let (gpu, topology) = (self.viewport.gpu().clone(), self.topology.clone());
+        let (device, topology) = (self.viewport.device().clone(), self.topology.clone());
         Shot {
-            gpu,
+            device,
             topology,
             triangles: Arc::clone(&self.triangles),
             poses: vec![pose],
@@ -299,7 +299,6 @@ impl Stage {
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        state: &RenderState,
         rect: egui::Rect,
         look: Portrayal,
         brush: Option<BrushInHand<'_>>,
@@ -357,7 +356,7 @@ impl Stage {
             let scene = Scene { camera, ink: look.pen(), size, figures: figures.collect() };
             self.inked.show(ui, rect, scene, &self.poses, &self.triangles)?;
         } else {
-            self.draw(ui, state, rect, look, &shown)?;
+            self.draw(ui, rect, look, &shown)?;
             if let Coat::Values(_, scale) = &self.coat {
                 show_legend(ui, rect, *scale);
             }
@@ -372,7 +371,6 @@ impl Stage {
     fn draw(
         &mut self,
         ui: &mut Ui,
-        state: &RenderState,
         rect: egui::Rect,
         look: Portrayal,
         shown: &[(usize, Rect)],
@@ -389,7 +387,7 @@ impl Stage {
             .collect();
         let (background, lights) = (backdrop(ui), look.lights());
         let camera = self.camera;
-        self.viewport.show(ui, state, rect, |_| {
+        self.viewport.show(ui, rect, |_| {
             let cell = |((_, cell), figures): (&(usize, Rect), _)| Cell {
                 viewport: *cell,
                 camera,

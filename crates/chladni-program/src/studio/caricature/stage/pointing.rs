@@ -119,7 +119,7 @@ impl Stage {
         let triangles: Vec<[u32; 3]> =
             reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize)).copied().collect();
         let distances = reach.distances.iter().map(|(v, d)| (*v, *d as f32));
-        self.ring.lay(self.viewport.gpu(), reach.radius as f32, distances, &triangles)
+        self.ring.lay(self.viewport.device(), reach.radius as f32, distances, &triangles)
     }
 
     /// What lies under the way `from` a pixel to where `pointed` is, about `step` apart, without

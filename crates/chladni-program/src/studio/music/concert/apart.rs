@@ -1,7 +1,7 @@
 //! The stage in a window of its own, while the gallery goes on in the first.
 
 use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Reaction, Target};
-use chladni_synth::{Item, Synthesizer};
+use chladni_synth::Item;
 use chladni_view::{Look, Rect};
 use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
@@ -11,6 +11,7 @@ use super::pane::Pane;
 use super::{Concert, stillness};
 use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, MARK_LEFT, MARK_RIGHT};
 use crate::studio::room::Shared;
+use crate::studio::viewport;
 use crate::work::{Error, Lag, Staging};
 
 /// What the second window needs beside the first.
@@ -33,7 +34,7 @@ fn window() -> ViewportId {
 
 impl Apart {
     pub fn new(pane: &Pane, ensemble: &Ensemble) -> Self {
-        let pane = Pane::on(pane.viewport.gpu().clone());
+        let pane = Pane::new(pane.viewport.screen());
         Self {
             pane,
             ensemble: ensemble.clone(),
@@ -91,7 +92,7 @@ impl Concert {
         let pose = stillness::pose(&apart.items, settings.normal_blending) ^ self.sand.version();
         std::mem::swap(&mut self.pane, &mut apart.pane);
         let shown = ctx.show_viewport_immediate(window(), builder, |ui, _| -> Result<(), Error> {
-            let rect = ui.available_rect_before_wrap();
+            let rect = viewport::whole_pixels(ui);
             ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
             keys(ui.ctx(), wishes);
             let projection = shared.settings.music.projection;
@@ -99,7 +100,7 @@ impl Concert {
                 self.repaint(ui, projection, rect);
                 return Ok(());
             }
-            self.synthesizer.synthesize(&apart.items, &settings)?;
+            self.deformed.synthesize(&apart.items, &settings)?;
             self.seen.clear();
             let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
             let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));

@@ -2,7 +2,7 @@
 
 use chladni_mesh::surface::Detail;
 use chladni_music::{Framing, Reaction, Switch, Veil};
-use chladni_view::{Figure, Gpu, ItemBuffers, Look, Rect, Topology};
+use chladni_view::{Device, Figure, Look, Rect, Topology};
 use egui::{Color32, Ui};
 
 use super::super::coarse;
@@ -36,7 +36,7 @@ impl Concert {
         if is_new {
             self.pane.viewport.invalidate();
         }
-        let buffers = ItemBuffers::of_frame(&self.synthesizer.frame())?;
+        let buffers = self.deformed.buffers()?;
         // Beside a stage in a window of its own the gallery has no sand: that lies on the stage.
         let grains = Some(self.sand.drawn()).filter(|all| all.len() == cells.len()).unwrap_or_default();
         let mut drawn_vertices = 0;
@@ -48,7 +48,7 @@ impl Concert {
                 let needed = coarse::vertices_needed(seen, pixels);
                 let detail = self.details.iter().rev().find(|(detail, _)| detail.vertices >= needed);
                 drawn_vertices += detail.map_or(self.staging.rest().len(), |(detail, _)| detail.vertices);
-                let topology = detail.map_or(&self.topology, |(_, topology)| topology);
+                let topology = detail.map_or(&self.deformed.topology, |(_, topology)| topology);
                 Figure {
                     grains: grains.get(item).copied(),
                     ..staged.figure(topology, &buffers, item, &self.rest)
@@ -62,7 +62,7 @@ impl Concert {
             if self.pane.glimpse.is_coming() {
                 (self.pane.glimpse, self.pane.judged) = (Glimpse::default(), false);
             }
-            self.pane.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures))?;
+            self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures))?;
             self.pane.shown = Some(shown);
             self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.drawn_texture());
             self.darken(ui, rect);
@@ -70,14 +70,13 @@ impl Concert {
         }
         // The picture is shown once its brightness is known; until then the previous one is shown, and no new
         // one is started.
-        if self.pane.glimpse.look(self.pane.viewport.gpu())? {
-            self.pane.viewport.keep();
-            self.pane.judged = true;
-        }
+        self.pane.judge()?;
         if !self.pane.glimpse.is_coming() {
-            let drawn = self.pane.viewport.draw(ui, shared.gpu, rect, |_| staged.cells(&figures));
+            let drawn = self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures));
             if drawn? && let Some(canvas) = self.pane.viewport.canvas() {
-                self.pane.glimpse.begin(self.pane.viewport.gpu(), canvas, behind);
+                self.pane.glimpse.begin(self.pane.viewport.device(), canvas, behind);
+                // What the processor has drawn is known at once.
+                self.pane.judge()?;
             }
             self.pane.shown = Some(shown);
         }
@@ -108,7 +107,7 @@ impl Concert {
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };
         let Some(canvas) = canvas.filter(|_| seen) else { return Ok(()) };
         let dark = if self.draws_stage { self.house.level(self.seconds).0 } else { 0.0 };
-        self.outgoing.take(self.pane.viewport.gpu(), canvas, self.seconds, (veil, dark))
+        self.outgoing.take(self.pane.viewport.device(), canvas, self.seconds, (veil, dark))
     }
 
     fn darken(&mut self, ui: &Ui, rect: egui::Rect) {
@@ -138,11 +137,12 @@ impl Concert {
 
 /// Levels of a shape of `vertices` vertices, with their triangles on the device.
 pub fn on_device(
-    gpu: &Gpu,
+    device: &Device,
     vertices: usize,
     details: impl IntoIterator<Item = Detail>,
 ) -> Result<Vec<(Detail, Topology)>, Error> {
-    let upload =
-        |detail: Detail| Topology::new(gpu, vertices, &detail.triangles).map(|topology| (detail, topology));
+    let upload = |detail: Detail| {
+        Topology::new(device, vertices, &detail.triangles).map(|topology| (detail, topology))
+    };
     Ok(details.into_iter().map(upload).collect::<Result<_, _>>()?)
 }

@@ -15,9 +15,8 @@ use chladni_music::{
     Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Parameters, Preset,
     SAND_MODE, Settings, Show, Switch, Viewpoint, without_sand,
 };
-use chladni_synth::{AutoSynthesizer, Backend, Coefficients, GpuContext, SynthModel, Synthesizer};
-use chladni_view::{Gpu, Rect, RestShape, Topology};
-use eframe::egui_wgpu::RenderState;
+use chladni_synth::{Backend, Coefficients, SynthModel};
+use chladni_view::{Device, Rect, RestShape, Topology};
 use egui::Ui;
 
 use apart::Apart;
@@ -42,11 +41,12 @@ use super::stillness;
 use super::view::View;
 use super::wish::Wish;
 use crate::studio::room::Shared;
+use crate::studio::screen::Screen;
 use crate::studio::theme;
 use crate::studio::viewport;
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Error, Lag, SandTable, Staging, along, chooses_shots, look_on_stage, reaction};
+use crate::work::{Deformed, Error, Lag, SandTable, Staging, along, chooses_shots, look_on_stage, reaction};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -57,11 +57,10 @@ pub struct Concert {
     /// The number of log lines that are saved.
     saved: usize,
     ensemble: Ensemble,
-    synthesizer: AutoSynthesizer,
+    deformed: Deformed,
     pane: Pane,
     /// The stage in a window of its own.
     apart: Option<Apart>,
-    topology: Topology,
     rest: RestShape,
     /// For small cells where the processor draws, from fine to coarse.
     details: Vec<(Detail, Topology)>,
@@ -104,30 +103,28 @@ pub struct Concert {
 
 impl Concert {
     /// A gallery of twelve on what was loaded.
-    pub fn new(state: &RenderState, ready: Ready) -> Result<Self, Error> {
+    pub fn new(screen: &Screen, ready: Ready) -> Result<Self, Error> {
         let bands = Parameter::Bands.initial() as usize;
         let Dancing { body, symmetry, dancer } = ready.dancing;
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
         let instrument = Instrument::new(FIRST_SEED, 12, shape)?;
         let model = SynthModel::new(&body)?;
-        let pane = Pane::new(state);
-        let gpu = pane.viewport.gpu();
-        let topology = Topology::new(gpu, model.vertices(), &body.triangles)?;
-        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
+        let pane = Pane::new(screen);
+        let device = pane.viewport.device();
+        let deformed = Deformed::new(device, &model, &body.triangles, Backend::Auto)?;
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
         let along = along(&body, &dancer);
         let staging = Staging::new(dancer.clone(), rest, &body.triangles, along, ready.stands);
-        let rest = staging.rest_on(gpu)?;
-        let details = on_device(gpu, vertices, ready.details)?;
+        let rest = staging.rest_on(device)?;
+        let details = on_device(device, vertices, ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
         let mut concert = Self {
             instrument,
             saved: 0,
             ensemble,
-            synthesizer: AutoSynthesizer::new(&context, model, Backend::Auto),
-            topology,
+            deformed,
             rest,
             details,
             seen: Vec::new(),
@@ -165,15 +162,13 @@ impl Concert {
     }
 
     /// Continues on another device, with the same dances.
-    pub fn change_device(&mut self, state: &RenderState) -> Result<(), Error> {
-        let pane = Pane::new(state);
-        let (gpu, vertices) = (pane.viewport.gpu(), self.staging.rest().len());
-        self.topology = Topology::new(gpu, vertices, self.harmonics.triangles())?;
-        self.rest = self.staging.rest_on(gpu)?;
+    pub fn change_device(&mut self, screen: &Screen) -> Result<(), Error> {
+        let pane = Pane::new(screen);
+        let (device, vertices) = (pane.viewport.device(), self.staging.rest().len());
+        self.deformed = self.deformed.on(device, self.harmonics.triangles(), Backend::Auto)?;
+        self.rest = self.staging.rest_on(device)?;
         let details = std::mem::take(&mut self.details).into_iter().map(|(detail, _)| detail);
-        self.details = on_device(gpu, vertices, details)?;
-        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
-        self.synthesizer = AutoSynthesizer::new(&context, self.synthesizer.model().clone(), Backend::Auto);
+        self.details = on_device(device, vertices, details)?;
         self.harmonics.forget_device();
         (self.pane, self.apart) = (pane, None);
         self.outgoing.change_device();
@@ -197,7 +192,7 @@ impl Concert {
 
     /// What deforms the shapes, and how they are drawn, in words.
     pub fn means(&self) -> String {
-        format!("Deformed by {}. Drawn with {}.", self.synthesizer.device_name(), self.pane.viewport.drawn())
+        format!("Deformed by {}. Drawn with {}.", self.deformed.device_name(), self.pane.viewport.drawn())
     }
 
     /// Whether the last frame showed something new.
@@ -206,8 +201,8 @@ impl Concert {
     }
 
     /// The window's device.
-    pub fn gpu(&self) -> &Gpu {
-        self.pane.viewport.gpu()
+    pub fn device(&self) -> &Device {
+        self.pane.viewport.device()
     }
 
     /// What keeps the frames coming.
@@ -342,7 +337,7 @@ impl Concert {
         wishes: &mut Vec<Wish>,
     ) -> Result<(), Error> {
         let began = (shared.now)();
-        let whole = ui.available_rect_before_wrap();
+        let whole = viewport::whole_pixels(ui);
         self.seconds = ui.input(|input| input.time);
         self.song_title.follow(listening, self.seconds);
         self.backcloth.follow(shared);
@@ -406,8 +401,8 @@ impl Concert {
             }
             self.pane.forget();
             ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
-            let (viewport, topology) = (&mut self.pane.viewport, &self.topology);
-            self.moving |= self.harmonics.show(ui, shared, viewport, topology, camera, whole, first)?;
+            let (viewport, topology) = (&mut self.pane.viewport, &self.deformed.topology);
+            self.moving |= self.harmonics.show(ui, viewport, topology, camera, whole, first)?;
             return Ok(());
         }
         if on_stage && self.house.frozen && self.pane.shown.is_some() {
@@ -433,7 +428,7 @@ impl Concert {
         let pose = stillness::pose(&items, settings.normal_blending) ^ self.sand.version();
         // Where another window is drawn, too, its shapes have taken the place of these.
         if is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
-            self.synthesizer.synthesize(&items, &settings)?;
+            self.deformed.synthesize(&items, &settings)?;
             self.seen.clear();
             if !self.details.is_empty() {
                 self.seen.extend(items.iter().map(coarse::harmonics_seen));
@@ -445,7 +440,7 @@ impl Concert {
             }
         }
         // Reported once; then the processor continues.
-        if let Some(fallback) = self.synthesizer.take_fallback() {
+        if let Some(fallback) = self.deformed.take_fallback() {
             shared.notices.warn(fallback.to_string());
         }
         let close_up = matches!(self.view, View::CloseUp(_)) && !on_stage;

@@ -1,12 +1,12 @@
 //! Where the dance is shown: a picture, judged before it is seen. The window has one, the stage may have another.
 
 use chladni_music::FlashGuard;
-use chladni_view::Gpu;
 
 use super::super::glimpse::Glimpse;
 use super::super::stillness::StillPicture;
+use crate::studio::screen::Screen;
 use crate::studio::viewport::Viewport;
-use eframe::egui_wgpu::RenderState;
+use crate::work::Error;
 
 /// One picture, and what is known of it.
 pub struct Pane {
@@ -21,23 +21,23 @@ pub struct Pane {
 
 impl Pane {
     /// A picture on the window's own device.
-    pub fn new(state: &RenderState) -> Self {
-        Self::with(Viewport::new(state))
-    }
-
-    /// A second picture, on the device of the first.
-    pub fn on(gpu: Gpu) -> Self {
-        Self::with(Viewport::on(gpu))
-    }
-
-    fn with(viewport: Viewport) -> Self {
+    pub fn new(screen: &Screen) -> Self {
         Self {
-            viewport,
+            viewport: Viewport::new(screen),
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
             shown: None,
             judged: false,
         }
+    }
+
+    /// Keeps the picture that was drawn last once its brightness is known.
+    pub fn judge(&mut self) -> Result<(), Error> {
+        if self.glimpse.look(self.viewport.device())? {
+            self.viewport.keep();
+            self.judged = true;
+        }
+        Ok(())
     }
 
     /// What was being judged no longer matters.

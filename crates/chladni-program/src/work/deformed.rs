@@ -1,4 +1,4 @@
-//! What deforms the shapes of a film, on the CPU or on the drawing device.
+//! What deforms the shapes of a window or a film, on the processor or on the drawing device.
 
 use std::time::Instant;
 
@@ -8,8 +8,7 @@ use chladni_synth::{
 };
 use chladni_view::{Device, ItemBuffers, Topology, ViewError};
 
-use super::Seconds;
-use crate::work::Error;
+use super::Error;
 
 /// The shapes of a frame, and who deforms them.
 pub struct Deformed {
@@ -51,30 +50,36 @@ impl Deformed {
         Ok(Self { by, topology })
     }
 
-    /// Makes the frame of `items` and adds to `seconds` what that took.
+    /// The same shapes on another device, not deformed yet.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn on(&self, device: &Device, triangles: &[[u32; 3]], synthesis: Backend) -> Result<Self, Error> {
+        let model = match &self.by {
+            Deformer::Beside(synthesizer) => synthesizer.model(),
+            Deformer::Processor { synthesizer, .. } => synthesizer.model(),
+        };
+        Self::new(device, model, triangles, synthesis)
+    }
+
+    /// Makes the frame of `items` and says how long positions and normals took, in seconds.
     ///
     /// # Errors
     /// Items that do not fit the model, and a device that fails while no processor can take over.
-    pub fn synthesize(
-        &mut self,
-        items: &[Item],
-        settings: &FrameSettings,
-        seconds: &mut Seconds,
-    ) -> Result<(), Error> {
+    pub fn synthesize(&mut self, items: &[Item], settings: &FrameSettings) -> Result<[f64; 2], Error> {
         let synthesizer: &mut dyn Synthesizer = match &mut self.by {
             Deformer::Beside(synthesizer) => &mut **synthesizer,
             Deformer::Processor { synthesizer, .. } => &mut **synthesizer,
         };
-        let synthesis = Instant::now();
+        let began = Instant::now();
         synthesizer.synthesize_positions(items)?;
-        seconds.synthesis += synthesis.elapsed().as_secs_f64();
-        let normals = Instant::now();
+        let positioned = Instant::now();
         synthesizer.synthesize_normals(settings)?;
-        seconds.normals += normals.elapsed().as_secs_f64();
+        let took_secs = [positioned - began, positioned.elapsed()].map(|time| time.as_secs_f64());
         if let Deformer::Processor { synthesizer, buffers } = &mut self.by {
             buffers.take_frame(Device::Processor, synthesizer)?;
         }
-        Ok(())
+        Ok(took_secs)
     }
 
     /// The last frame, where it is drawn.
