@@ -1,6 +1,7 @@
 //! What can go wrong, where and why.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// An error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -60,13 +61,18 @@ pub enum CaricatureError {
         /// What went wrong.
         why: String,
     },
-    /// The match that a layer needs failed before, or its template cannot be read; the text is that of the
-    /// failure and names the file.
-    #[error("{0}")]
-    Unmatched(String),
-    /// A layer's displacement could not be limited; the text says why.
+    /// The match that a layer needs failed before.
+    #[error(transparent)]
+    Unmatched(Arc<Self>),
+    /// A layer's displacement could not be limited.
     #[error("its triangles cannot be kept: {0}")]
-    Unkept(String),
+    Unkept(Arc<Self>),
+    /// Work for a layer failed outside this crate; the text is that of the failure and names the file.
+    #[error("{0}")]
+    Elsewhere(String),
+    /// A file of a project whose name is not Unicode, which a project file has to be.
+    #[error("{}: its name is not valid Unicode", .0.display())]
+    NotUnicode(PathBuf),
     /// What was painted or picked on one shape has no place on another.
     #[error("the layers cannot be carried to this shape: {0}")]
     Carry(String),
@@ -78,6 +84,9 @@ pub enum CaricatureError {
         /// What is wrong with it, with line and column where known.
         why: String,
     },
+    /// A project cannot be put into a file.
+    #[error(transparent)]
+    Unwritable(#[from] toml::ser::Error),
     /// A project file was written by a newer program.
     #[error("{}: has format version {found}, this program reads up to {supported}; a newer Chladni wrote it", path.display())]
     NewerFormat {

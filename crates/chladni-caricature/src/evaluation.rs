@@ -50,7 +50,7 @@ pub struct EvaluatedLayer {
 pub enum LayerState {
     /// It does.
     Acts,
-    /// It does, with the previous match of its template: the match that it asks for now is
+    /// It acts with the previous match of its template: the match that it asks for now is still
     /// [`missing`](crate::Stack::missing), as while landmarks are moved.
     Outdated,
     /// It is switched off, or others are soloed.

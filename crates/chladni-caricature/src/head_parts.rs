@@ -19,8 +19,9 @@ pub struct HeadParts {
 }
 
 impl HeadParts {
-    /// Matches `shape` with the sample template, whose parts are known, and carries them over: each vertex takes the part
-    /// that most of its point's triangle has. Of a shape that is not a head the report has warnings or a large distance.
+    /// Matches `shape` with the sample template, whose parts are known, and carries them over: each vertex
+    /// takes the part of most corners of the triangle that it is matched with. If the shape is not a head,
+    /// the report has warnings or a large distance.
     ///
     /// # Errors
     /// A shape that cannot be matched; [`CaricatureError::Cancelled`].

@@ -14,6 +14,8 @@ use crate::{
 use chladni_mesh::surface::vec3::Vec3;
 
 pub(crate) type Mask = Option<Arc<[f32]>>;
+/// What was found on another thread, or why it was not; kept for whoever asks again.
+pub(crate) type Answer<T> = Result<Arc<T>, Arc<CaricatureError>>;
 type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
 /// The field, μ and χ it came from.
 type DisplacementMemo = Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>;
@@ -38,7 +40,7 @@ pub(crate) struct LayerMemo {
     /// The fields of all three, where they are shown side by side.
     all_fields: Memo<(Same<Difference>, ScaleCurve), [Arc<Field>; 3]>,
     displacement: DisplacementMemo,
-    pub kept: Option<(KeepRequest, Result<Arc<Kept>, String>)>,
+    pub kept: Option<(KeepRequest, Answer<Kept>)>,
     capped: CapMemo,
     result: ResultMemo,
     pub signals: Memo<Same<Difference>, Signals>,
@@ -46,7 +48,7 @@ pub(crate) struct LayerMemo {
 
 /// What a layer sees of its stack.
 pub(crate) struct Scene<'a> {
-    pub matches: &'a [(MatchRequest, Result<Arc<Matched>, String>)],
+    pub matches: &'a [(MatchRequest, Answer<Matched>)],
     /// The shape of the stack that its template is made from, where it is not a matched one.
     pub template: Option<&'a Arc<Base>>,
     pub places: &'a [Vec3],
@@ -109,7 +111,7 @@ impl LayerMemo {
         Ok(Some(Acting { outdated, mask, difference, unlimited, displacement, kept, result }))
     }
 
-    /// The displacement as it was limited, or, while it is not, capped by what was found last.
+    /// The limited displacement, or, until there is one, the displacement capped by what was found last.
     fn limited(
         &mut self,
         scene: &Scene<'_>,

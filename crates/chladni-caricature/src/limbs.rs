@@ -1,9 +1,9 @@
 //! The parts of any shape, from whole limbs to small features, by how heat stays in them.
 //!
-//! After a time t, of the heat that starts at a point k_t(v, v) is still there: much at the tip of whatever stands out
-//! farther than √t, little on a trunk. Limbs are the hills of its logarithm that rise higher than a threshold above
-//! the pass to the next hill (persistence: Skraba, Ovsjanikov, Chazal & Guibas, "Persistence-based segmentation of
-//! deformable shapes", 2010), cut where that is shortest near the pass; trunks are what is left.
+//! Of the heat that starts at a point v, k_t(v, v) is still there after a time t: much at the tip of whatever stands
+//! out farther than √t, little on a trunk. Limbs are the hills of its logarithm that rise higher than a threshold
+//! above the pass to the next hill (persistence: Skraba, Ovsjanikov, Chazal & Guibas, "Persistence-based segmentation
+//! of deformable shapes", 2010), cut where that is shortest near the pass; trunks are what is left.
 
 use std::sync::Arc;
 
@@ -41,10 +41,11 @@ const TIME: [f64; 2] = [0.25, 0.04];
 const PERSISTENCE: [f64; 2] = [0.5, 0.2];
 /// Where a limb may end, in shares of its height above its pass.
 const ABOUT: [f64; 2] = [-0.15, 0.15];
-/// Where a limb's cut does not become longer by this factor on the way down to where it may end, no trunk is there: it
-/// meets other limbs, and goes down.
+/// If a limb's cut does not become longer by this factor on the way down to where it may end, there is no trunk: the
+/// limb meets other limbs and ends there.
 const MEETS: f64 = 2.2;
-/// A flat hill that is larger than this, beside a limb, in shares of the limb's area, is trunk and none of the limb.
+/// A flat hill beside a limb that is larger than this, as a share of the limb's area, belongs to the trunk, not to
+/// the limb.
 const TRUNK: f64 = 0.5;
 /// The smallest trunk, as a share of the whole area; less belongs to a limb.
 const SCRAP: f64 = 0.01;
@@ -249,7 +250,7 @@ fn root(parent: &mut [u32], mut v: u32) -> u32 {
     v
 }
 
-/// What is connected and of one label, numbered in order of appearance; how many there are.
+/// Connected pieces of one label, numbered in order of appearance, and how many there are.
 fn pieces(label: &[u32], neighbors: &Rows) -> (Vec<u32>, usize) {
     let mut piece = vec![u32::MAX; label.len()];
     let mut count = 0;

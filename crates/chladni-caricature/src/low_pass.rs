@@ -5,9 +5,9 @@ use chladni_match::Correspondence;
 
 use crate::CaricatureError;
 
-/// Each vertex ↔ itself with only the harmonics k < `k0` kept, where the constants of all pieces
-/// count as one: exaggerating against one's own smooth self brings out one's detail. `file_positions` are the n positions of the file that
-/// `body` was made from.
+/// Each vertex ↔ itself with only the harmonics k < `k0` kept, where the constants of all pieces count as
+/// one: exaggerating a shape against its own smooth version brings out its detail. `file_positions` are the n
+/// positions of the file that `body` was made from.
 ///
 /// # Errors
 /// `k0` outside 1..=K, or positions that are not those of the body.

@@ -8,7 +8,7 @@ use crate::project::DEFAULT_HARMONICS;
 use crate::scale_curve::monotone;
 use crate::{CaricatureError, ScaleCurve, usual_wavelength};
 
-/// The newest format, which only projects are written in whose resolution is not the usual one.
+/// The newest format; only projects with an unusual resolution are written in it.
 pub const FORMAT_VERSION: i64 = 5;
 /// The format of all others, so that older programs read them.
 pub(crate) const USUAL_VERSION: i64 = 4;
@@ -21,7 +21,7 @@ pub(crate) fn migrate(mut table: Table, path: &Path) -> Result<Option<(Table, i6
         return Err(invalid("names no format_version; it is not a Chladni project"));
     };
     match version {
-        // Format 3 could not keep triangles, 4 had no proxies; the keys are off where they lack.
+        // Format 3 could not keep triangles, and 4 had no proxies; missing keys mean that these are off.
         3 | USUAL_VERSION | FORMAT_VERSION => return Ok(None),
         1 => {
             from_1_to_2(&mut table);
@@ -156,8 +156,8 @@ mod tests {
                 }
             }
         }
-        // Weyl's law is an estimate: on a coarse ball, whose equal eigenvalues come in long steps, the curve
-        // lies an eighth of a frequency beside the old one at most.
+        // Weyl's law is an estimate: on a coarse ball, whose equal eigenvalues come in long steps, the new
+        // curve is at most an eighth of a frequency away from the old one.
         let body = chladni_harmonics::Body::build(
             &chladni_mesh::samples::icosphere(3),
             &chladni_harmonics::BasisSettings::new(100),

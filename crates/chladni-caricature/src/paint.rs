@@ -144,8 +144,8 @@ fn ring(surface: &Surface, values: &[f32], fold: fn(f32, f32) -> f32) -> Vec<f32
         .into_par_iter()
         .map(|v| {
             let around = surface.triangles_around(v as u32).iter();
-            let neighbours = around.flat_map(|t| surface.triangles[*t as usize]).map(|w| values[w as usize]);
-            neighbours.fold(values[v], fold)
+            let neighbors = around.flat_map(|t| surface.triangles[*t as usize]).map(|w| values[w as usize]);
+            neighbors.fold(values[v], fold)
         })
         .collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! docs/caricature.md describes the format.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use chladni_harmonics::Laplacian;
 use chladni_match::MatchSettings;
@@ -10,12 +10,15 @@ use chladni_mesh::{MeshError, Orientation};
 use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
+use self::paths::{folder_of, relative_text, resolved};
 use crate::migration::{FORMAT_VERSION, USUAL_VERSION, migrate};
 use crate::project::DEFAULT_HARMONICS;
 use crate::{
     CaricatureError, Layer, LayerId, Model, Painted, Project, ProxyKey, Region, Resolution, ScaleCurve,
     ShapeSource, Smoothing, Sphere, Template, runs,
 };
+
+mod paths;
 
 /// What is read of one file at most.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
@@ -156,7 +159,8 @@ impl Project {
     /// # Errors
     /// Names that are not Unicode.
     pub fn to_text(&self, path: &Path, recovered_from: Option<PathBuf>) -> Result<String, CaricatureError> {
-        let invalid = |why: String| CaricatureError::ProjectFile { path: path.into(), why };
+        let invalid =
+            |why: CaricatureError| CaricatureError::ProjectFile { path: path.into(), why: why.to_string() };
         let folder = folder_of(path);
         let source = match &self.shape {
             ShapeSource::File(file) => relative_text(file, &folder).map_err(invalid)?,
@@ -181,7 +185,7 @@ impl Project {
             },
             layers: layers.collect::<Result<_, _>>().map_err(invalid)?,
         };
-        toml::to_string(&document).map_err(|e| invalid(e.to_string()))
+        toml::to_string(&document).map_err(|e| invalid(e.into()))
     }
 
     /// The project in the `text` of a file at `path` and, from a recovery file, where it was saved before.
@@ -240,12 +244,12 @@ impl Project {
 }
 
 impl LayerTable {
-    fn of(layer: &Layer, project: &Project, folder: &Path) -> Result<Self, String> {
+    fn of(layer: &Layer, project: &Project, folder: &Path) -> Result<Self, CaricatureError> {
         let template = match &layer.template {
             Template::File(file) => relative_text(file, folder)?,
             // Ids are not written: layers get them anew, in order, when the file is read.
             Template::Layer(id) => {
-                let number = project.number(*id).ok_or_else(|| format!("there is no layer {}", id.0))?;
+                let number = project.number(*id).ok_or(CaricatureError::NoLayer(id.0))?;
                 Template::Layer(LayerId(number as u64)).to_string()
             }
             other => other.to_string(),
@@ -256,8 +260,8 @@ impl LayerTable {
             Painted::Spheres(spheres) => (spheres.iter().map(Sphere::to_string).collect(), None),
             Painted::Vertices(values) => (Vec::new(), Some(runs::to_text(values))),
         };
-        let mut matching = table_of(&layer.matching)?;
-        let default = table_of(&MatchSettings::default())?;
+        let mut matching = toml::Table::try_from(&layer.matching)?;
+        let default = toml::Table::try_from(MatchSettings::default())?;
         matching.retain(|key, value| default.get(key) != Some(value));
         Ok(Self {
             name: layer.name.clone(),
@@ -280,7 +284,7 @@ impl LayerTable {
             other => other,
         };
         let bad_match = |why: String| CaricatureError::Syntax { what: "match", text: String::new(), why };
-        let mut matching = table_of(&MatchSettings::default()).map_err(bad_match)?;
+        let mut matching = toml::Table::try_from(MatchSettings::default())?;
         if let Some(unknown) = self.matching.keys().find(|k| !matching.contains_key(*k)) {
             return Err(bad_match(format!("there is no setting `{unknown}`")));
         }
@@ -315,10 +319,6 @@ impl LayerTable {
     }
 }
 
-fn table_of(settings: &MatchSettings) -> Result<toml::Table, String> {
-    toml::Table::try_from(settings).map_err(|e| e.to_string())
-}
-
 /// "line 3, column 7: what is wrong", without the quoted source.
 fn one_line(error: &toml::de::Error, text: &str) -> String {
     let what = error.message().lines().next().unwrap_or("not valid TOML");
@@ -329,91 +329,5 @@ fn one_line(error: &toml::de::Error, text: &str) -> String {
             format!("line {line}, column {column}: {what}")
         }
         None => what.to_owned(),
-    }
-}
-
-fn folder_of(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder.into(),
-        _ => PathBuf::from("."),
-    }
-}
-
-/// `file` as it is written into a project in `folder`: relative, with forward slashes.
-fn relative_text(file: &Path, folder: &Path) -> Result<String, String> {
-    let relative = relative(file, folder).unwrap_or_else(|| tidy(file));
-    let parts = relative.iter().map(|part| part.to_str());
-    let parts: Option<Vec<&str>> = parts.collect();
-    let parts = parts.ok_or_else(|| format!("{}: its name is not valid Unicode", file.display()))?;
-    let text = if relative.has_root() { relative.display().to_string() } else { parts.join("/") };
-    // A file may be called like a template.
-    let is_file = matches!(text.parse(), Ok(Template::File(_)));
-    Ok(if is_file { text } else { format!("./{text}") })
-}
-
-/// `file` of a project in `folder` as an absolute path, without asking the file system.
-fn resolved(file: &Path, folder: &Path) -> PathBuf {
-    tidy(&whole(&folder.join(file)))
-}
-
-/// `path` from the root on. In a page there are no folders, so that it stays as it was written.
-fn whole(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
-}
-
-/// The way from `folder` to `file`; `None` where there is none, as between two drives.
-fn relative(file: &Path, folder: &Path) -> Option<PathBuf> {
-    let (file, folder) = (tidy(&whole(file)), tidy(&whole(folder)));
-    let (file, folder): (Vec<_>, Vec<_>) = (file.components().collect(), folder.components().collect());
-    let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
-    if shared == 0 {
-        return None;
-    }
-    let up = folder[shared..].iter().map(|_| Component::ParentDir);
-    Some(up.chain(file[shared..].iter().copied()).collect())
-}
-
-/// Removes `.` and `..` from a path without asking the file system; what leads out of a relative one stays.
-fn tidy(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::ParentDir
-                if out.has_root() || matches!(out.components().next_back(), Some(Component::Normal(_))) =>
-            {
-                out.pop();
-            }
-            Component::CurDir => {}
-            other => out.push(other),
-        }
-    }
-    out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_relative_to_the_project() {
-        let text = |file: &str, folder: &str| relative_text(Path::new(file), Path::new(folder)).unwrap();
-        assert_eq!(text("/a/b/head.obj", "/a/b"), "head.obj");
-        assert_eq!(text("/a/c/./x/../head.obj", "/a/b/d"), "../../c/head.obj");
-        assert_eq!(text("head.obj", "."), "head.obj");
-        assert_eq!(text("/a/ellipsoid", "/a"), "./ellipsoid");
-        assert_eq!(text("/a/self:scale=2", "/a"), "./self:scale=2");
-    }
-
-    /// What stays of a path where nothing says in which folder the program runs, as in a page.
-    #[test]
-    fn a_path_that_cannot_be_made_whole_is_only_tidied() {
-        for (written, tidied) in [
-            ("./head.obj", "head.obj"),
-            ("./../a/head.obj", "../a/head.obj"),
-            ("a/../../b", "../b"),
-            ("/..", "/"),
-        ] {
-            assert_eq!(tidy(Path::new(written)), Path::new(tidied));
-        }
     }
 }

@@ -20,8 +20,8 @@ pub enum Resolution {
 pub struct ProxyKey {
     /// About how many vertices it has.
     pub vertices: usize,
-    /// What tells it from other proxies of as many vertices, as regions and landmarks name vertices by number; `None`
-    /// until it was made.
+    /// Distinguishes it from other proxies with as many vertices, since regions and landmarks name vertices by
+    /// number; `None` until it was made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<String>,
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::difference::check_count;
 use crate::keeping::{KeepRequest, Kept, SharedKeeper};
-use crate::layer_memo::{LayerMemo, Scene};
+use crate::layer_memo::{Answer, LayerMemo, Scene};
 use crate::matching::own_target;
 use crate::memo::Same;
 use crate::softening::Softening;
@@ -30,7 +30,7 @@ pub struct Stack {
     surface: Arc<Surface>,
     file_positions: Vec<Vec3>,
     original: Arc<Base>,
-    matches: Vec<(MatchRequest, Result<Arc<Matched>, String>)>,
+    matches: Vec<(MatchRequest, Answer<Matched>)>,
     layers: HashMap<LayerId, LayerMemo>,
     softening: Softening,
     keeper: Arc<SharedKeeper>,
@@ -118,7 +118,7 @@ impl Stack {
     /// template does not match again. A failed one puts its layers in [`LayerState::Failed`].
     pub fn install(&mut self, request: MatchRequest, matched: Result<Matched, CaricatureError>) {
         self.forget(&request);
-        self.matches.push((request, matched.map(Arc::new).map_err(|why| why.to_string())));
+        self.matches.push((request, matched.map(Arc::new).map_err(Arc::new)));
     }
 
     /// Takes over what another stack of the same shape has matched.
@@ -186,7 +186,7 @@ impl Stack {
     /// Keeps the answer to a request; a failed one puts its layer in [`LayerState::Failed`].
     pub fn settle(&mut self, request: KeepRequest, kept: Result<Kept, CaricatureError>) {
         if let Some(memo) = self.layers.get_mut(&request.layer) {
-            memo.kept = Some((request, kept.map(Arc::new).map_err(|why| why.to_string())));
+            memo.kept = Some((request, kept.map(Arc::new).map_err(Arc::new)));
         }
     }
 

@@ -168,7 +168,7 @@ fn built(
     let entry = cache.map(|c| c.entry(&domain, settings));
     let found =
         entry.as_ref().map_or(Ok(None), |entry| entry.read(vertices, settings)).unwrap_or_else(|warning| {
-            report.cache_warning = Some(warning);
+            report.cache_warning = Some(warning.to_string());
             None
         });
     let basis = match found {
@@ -179,7 +179,7 @@ fn built(
         None => {
             let basis = solved(&domain, operator, settings, &mut report, task)?;
             if let Some(Err(warning)) = entry.map(|entry| entry.write(&basis, report.cuts_cluster)) {
-                report.cache_warning = Some(warning);
+                report.cache_warning = Some(warning.to_string());
             }
             basis
         }

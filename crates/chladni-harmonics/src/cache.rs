@@ -8,7 +8,7 @@ use chladni_task::write_atomic_with;
 
 use crate::operator::Domain;
 use crate::values::{Keep, Values};
-use crate::{Basis, BasisSettings, Certificate, Laplacian, memory};
+use crate::{Basis, BasisSettings, Certificate, HarmonicsError, Laplacian, memory};
 
 /// Increased whenever the same mesh and settings would give a different basis.
 const VERSION: u32 = 3;
@@ -62,6 +62,30 @@ pub(crate) struct CacheEntry {
     path: PathBuf,
 }
 
+/// Why an entry was not used or not written. The work goes on without it, and this is its warning.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CacheError {
+    #[error("{}: {source}", path.display())]
+    Unreadable { path: PathBuf, source: io::Error },
+    #[error("damaged cache entry {} was solved again: {damage}", path.display())]
+    Damaged { path: PathBuf, damage: Damage },
+    #[error("the basis was not cached: {}: {source}", path.display())]
+    Unwritten { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    NoRoom(#[from] HarmonicsError),
+}
+
+/// What is wrong with an entry.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Damage {
+    #[error("its head does not fit")]
+    Head,
+    #[error("its checksum does not match")]
+    Checksum,
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
 /// The header of an entry, of fixed size. It is followed by eigenvalues, mass and vectors (f64, native byte
 /// order) and the BLAKE3 hash of everything before it.
 #[repr(C)]
@@ -77,28 +101,27 @@ struct Header {
 }
 
 impl CacheEntry {
-    /// The basis and whether it cuts a cluster; `None` if there is no entry; a warning if there is one that
-    /// cannot be used.
+    /// The basis and whether it cuts a cluster; `None` if there is no entry.
     pub(crate) fn read(
         &self,
         vertices: usize,
         settings: &BasisSettings,
-    ) -> Result<Option<(Basis, bool)>, String> {
+    ) -> Result<Option<(Basis, bool)>, CacheError> {
         let mut file = match chladni_task::open_file(&self.path) {
             Ok(file) => file,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(e) => return Err(format!("{}: {e}", self.path.display())),
+            Err(source) => return Err(CacheError::Unreadable { path: self.path.clone(), source }),
         };
         let length = file.metadata().map(|m| m.len()).unwrap_or(0);
-        let keep = memory::room_for_harmonics(vertices, settings).map_err(|e| e.to_string())?;
-        read_entry(&mut file, length, vertices, self.laplacian, keep).map(Some).map_err(|reason| {
-            format!("damaged cache entry {} was solved again: {reason}", self.path.display())
-        })
+        let keep = memory::room_for_harmonics(vertices, settings)?;
+        read_entry(&mut file, length, vertices, self.laplacian, keep)
+            .map(Some)
+            .map_err(|damage| CacheError::Damaged { path: self.path.clone(), damage })
     }
 
-    /// Writes the entry, whole or not at all. A failure is returned as a warning.
-    pub(crate) fn write(&self, basis: &Basis, cuts_cluster: bool) -> Result<(), String> {
-        let unwritten = |e: io::Error| format!("the basis was not cached: {}: {e}", self.path.display());
+    /// Writes the entry, whole or not at all.
+    pub(crate) fn write(&self, basis: &Basis, cuts_cluster: bool) -> Result<(), CacheError> {
+        let unwritten = |source| CacheError::Unwritten { path: self.path.clone(), source };
         if let Some(folder) = self.path.parent() {
             fs::create_dir_all(folder).map_err(unwritten)?;
         }
@@ -134,7 +157,7 @@ fn read_entry(
     vertices: usize,
     laplacian: Laplacian,
     keep: Keep,
-) -> Result<(Basis, bool), String> {
+) -> Result<(Basis, bool), Damage> {
     let mut hash = blake3::Hasher::new();
     let mut header: Header = bytemuck::Zeroable::zeroed();
     read_part(file, bytemuck::bytes_of_mut(&mut header), &mut hash)?;
@@ -143,19 +166,19 @@ fn read_entry(
     let expected =
         values.and_then(|v| v.checked_mul(8)).and_then(|b| b.checked_add(size_of::<Header>() as u64 + 32));
     if header.magic != *MAGIC || n != vertices as u64 || expected != Some(length) {
-        return Err("its head does not fit".into());
+        return Err(Damage::Head);
     }
     let (n, k) = (n as usize, k as usize);
     // The length of the file has been checked: the buffers are not larger than the file.
     let (mut eigenvalues, mut mass) = (vec![0.0; k], vec![0.0; n]);
-    let mut vectors = Values::zeroed(n * k, keep).map_err(|e| e.to_string())?;
+    let mut vectors = Values::zeroed(n * k, keep)?;
     for part in [&mut eigenvalues[..], &mut mass, &mut vectors] {
         read_part(file, bytemuck::cast_slice_mut(part), &mut hash)?;
     }
     let mut stored = [0; 32];
-    file.read_exact(&mut stored).map_err(|e| e.to_string())?;
+    file.read_exact(&mut stored)?;
     if hash.finalize() != blake3::Hash::from_bytes(stored) {
-        return Err("its checksum does not match".into());
+        return Err(Damage::Checksum);
     }
     let certificate = Certificate {
         laplacian,
@@ -166,8 +189,8 @@ fn read_entry(
     Ok((Basis { eigenvalues, vectors, mass, certificate }, header.cuts_cluster == 1))
 }
 
-fn read_part(file: &mut fs::File, bytes: &mut [u8], hash: &mut blake3::Hasher) -> Result<(), String> {
-    file.read_exact(bytes).map_err(|e| e.to_string())?;
+fn read_part(file: &mut fs::File, bytes: &mut [u8], hash: &mut blake3::Hasher) -> io::Result<()> {
+    file.read_exact(bytes)?;
     hash.update(bytes);
     Ok(())
 }

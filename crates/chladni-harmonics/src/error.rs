@@ -154,6 +154,10 @@ pub enum HarmonicsError {
 }
 
 impl HarmonicsError {
+    pub(crate) fn bad_pencil(reason: impl Into<String>) -> Self {
+        Self::BadPencil { reason: reason.into() }
+    }
+
     pub(crate) fn not_certified(reason: impl Into<String>) -> Self {
         Self::NotCertified { reason: reason.into() }
     }

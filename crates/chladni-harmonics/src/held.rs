@@ -32,7 +32,7 @@ impl Body {
         let free: Vec<usize> = (0..n).filter(|v| !held[*v]).collect();
         if free.is_empty() {
             let reason = format!("all {n} vertices of the surface lie on its border, which is held");
-            return Err(HarmonicsError::BadPencil { reason });
+            return Err(HarmonicsError::bad_pencil(reason));
         }
         let mut place = vec![None; n];
         free.iter().enumerate().for_each(|(i, v)| place[*v] = Some(i));

@@ -67,7 +67,7 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
     check_mesh(mesh)?;
     if !(0.0..=1.0).contains(&mollify) {
         let reason = format!("lengths cannot be mollified by {mollify} of the mean");
-        return Err(HarmonicsError::BadPencil { reason });
+        return Err(HarmonicsError::bad_pencil(reason));
     }
     let whole = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter(whole).copied().collect();
@@ -106,15 +106,19 @@ pub fn point_cloud_laplacian(
     neighbors: usize,
     mollify: f64,
 ) -> Result<(SymmetricSparse, Vec<f64>), HarmonicsError> {
-    let refused = |reason: String| HarmonicsError::BadPencil { reason };
     let mut cloud = TriMesh { positions: points.to_vec(), ..TriMesh::default() };
     check_mesh(&cloud)?;
     let Some(neighbors) = NonZeroUsize::new(neighbors).filter(|count| count.get() >= 2) else {
-        return Err(refused(format!("{neighbors} neighbors of a point have no triangles: two or more do")));
+        return Err(HarmonicsError::bad_pencil(format!(
+            "{neighbors} neighbors of a point have no triangles: two or more do"
+        )));
     };
     cloud.triangles = delaunay_stars(points, neighbors);
     if cloud.triangles.is_empty() {
-        return Err(refused(format!("{} points that lie in one line have no surface", points.len())));
+        return Err(HarmonicsError::bad_pencil(format!(
+            "{} points that lie in one line have no surface",
+            points.len()
+        )));
     }
     let (mut stiffness, mut mass) = mesh_laplacian(&cloud, mollify)?;
     // Each triangle comes from all three of its corners.

@@ -37,8 +37,8 @@ impl<'a> Pencil<'a> {
     /// ([`SymmetricSparse::from_entries`] makes one), if M has another size or a value that is not
     /// positive, or if a value is not finite.
     pub fn new(stiffness: &'a SymmetricSparse, mass: &'a [f64]) -> Result<Self, HarmonicsError> {
-        let bad = |reason: String| Err(HarmonicsError::BadPencil { reason });
-        stiffness.check("S").map_err(|reason| HarmonicsError::BadPencil { reason })?;
+        let bad = |reason: String| Err(HarmonicsError::bad_pencil(reason));
+        stiffness.check("S")?;
         if mass.len() != stiffness.size() {
             return bad(format!("S has {} rows and M has {} values", stiffness.size(), mass.len()));
         }
@@ -111,7 +111,7 @@ impl ConsistentPencil {
     /// if the two differ in size, or if the diagonal of M is not positive. Whether M is positive definite
     /// is checked by [`solve`](Self::solve).
     pub fn new(stiffness: &SymmetricSparse, mass: &SymmetricSparse) -> Result<Self, HarmonicsError> {
-        mass.check("M").map_err(|reason| HarmonicsError::BadPencil { reason })?;
+        mass.check("M")?;
         let diagonal = mass.diagonal();
         Pencil::new(stiffness, &diagonal)?;
         let (stiffness, mass) = (stiffness.at_places_of(mass), mass.at_places_of(stiffness));

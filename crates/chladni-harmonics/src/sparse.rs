@@ -25,7 +25,7 @@ impl SymmetricSparse {
         n: usize,
         entries: impl IntoIterator<Item = (usize, usize, f64)>,
     ) -> Result<Self, HarmonicsError> {
-        let bad = |reason: String| HarmonicsError::BadPencil { reason };
+        let bad = HarmonicsError::bad_pencil;
         if u32::try_from(n).is_err() {
             return Err(bad(format!("{n} rows are more than 32 bits can number")));
         }
@@ -66,7 +66,7 @@ impl SymmetricSparse {
         rows: &[usize],
         values: &[f64],
     ) -> Result<Self, HarmonicsError> {
-        let bad = |reason: String| HarmonicsError::BadPencil { reason };
+        let bad = HarmonicsError::bad_pencil;
         let n = starts.len().saturating_sub(1);
         let ascend = starts.first() == Some(&0) && starts.is_sorted() && starts.last() == Some(&rows.len());
         if !ascend || values.len() != rows.len() || u32::try_from(n).is_err() {
@@ -90,11 +90,11 @@ impl SymmetricSparse {
             }
             matrix.column_starts.push(matrix.rows.len());
         }
-        matrix.mirrored(name).map_err(bad)
+        matrix.mirrored(name)
     }
 
     /// The mean of the matrix and its transpose, which must agree up to rounding.
-    fn mirrored(&self, name: &str) -> Result<Self, String> {
+    fn mirrored(&self, name: &str) -> Result<Self, HarmonicsError> {
         let diagonal = self.diagonal();
         // Summing an entry of a positive semidefinite matrix loses a share of its diagonal values.
         let size = |i: usize, j: usize| (diagonal[i].abs() * diagonal[j].abs()).sqrt();
@@ -106,7 +106,8 @@ impl SymmetricSparse {
             for at in matrix.column_starts[j]..matrix.column_starts[j + 1] {
                 let (i, a, b) = (matrix.rows[at] as usize, matrix.values[at], transposed.values[at]);
                 if (a - b).abs() > 1e-10 * a.abs().max(b.abs()) + 1e-12 * size(i, j) {
-                    return Err(format!("{name} is not symmetric: {a} at ({i}, {j}), {b} at ({j}, {i})"));
+                    let reason = format!("{name} is not symmetric: {a} at ({i}, {j}), {b} at ({j}, {i})");
+                    return Err(HarmonicsError::bad_pencil(reason));
                 }
                 matrix.values[at] = 0.5 * (a + b);
             }
@@ -136,22 +137,23 @@ impl SymmetricSparse {
         out
     }
 
-    /// Checks that the matrix is symmetric and that all of its diagonal is stored. Otherwise returns what
-    /// is wrong; `name` is what the message calls the matrix.
-    pub(crate) fn check(&self, name: &str) -> Result<(), String> {
+    /// Checks that the matrix is symmetric and that all of its diagonal is stored; `name` is what an error
+    /// calls the matrix.
+    pub(crate) fn check(&self, name: &str) -> Result<(), HarmonicsError> {
+        let bad = |reason: String| Err(HarmonicsError::bad_pencil(reason));
         let (n, entries) = (self.size(), self.rows.len());
         let starts = &self.column_starts;
         let ascend = starts.first() == Some(&0) && starts.is_sorted() && starts.last() == Some(&entries);
         if !ascend || self.values.len() != entries {
-            return Err(format!("the starts of the columns of {name} do not fit its entries"));
+            return bad(format!("the starts of the columns of {name} do not fit its entries"));
         }
         for j in 0..n {
             let rows = &self.rows[starts[j]..starts[j + 1]];
             if !rows.is_sorted_by(|a, b| a < b) || rows.last().is_none_or(|last| *last as usize >= n) {
-                return Err(format!("the rows in column {j} of {name} do not ascend, or go beyond {n}"));
+                return bad(format!("the rows in column {j} of {name} do not ascend, or go beyond {n}"));
             }
             if rows.binary_search(&(j as u32)).is_err() {
-                return Err(format!("{name} stores no value at ({j}, {j})"));
+                return bad(format!("{name} stores no value at ({j}, {j})"));
             }
         }
         for j in 0..n {
@@ -159,7 +161,7 @@ impl SymmetricSparse {
                 let mirrored = self.at(j, i).unwrap_or(0.0);
                 let alike = (value - mirrored).abs() <= 1e-12 * value.abs().max(mirrored.abs());
                 if !alike || !value.is_finite() {
-                    return Err(format!(
+                    return bad(format!(
                         "{name} is not symmetric: {value} at ({i}, {j}), {mirrored} at ({j}, {i})"
                     ));
                 }

@@ -141,18 +141,17 @@ impl Basis {
 /// Σ_i h[i] f_c[i] for every channel, in four partial sums that the compiler can vectorize.
 fn dot<const C: usize>(h: &[f64], channels: &[[f64; BLOCK]; C]) -> [f64; C] {
     let mut lanes = [[0.0; 4]; C];
-    let quads = h.len() / 4;
-    for q in 0..quads {
-        let h4: &[f64; 4] = h[4 * q..4 * q + 4].try_into().expect("four values");
+    let (quads, _) = h.as_chunks::<4>();
+    for (q, h4) in quads.iter().enumerate() {
         for c in 0..C {
-            let f4: &[f64; 4] = channels[c][4 * q..4 * q + 4].try_into().expect("four values");
+            let f4 = &channels[c].as_chunks::<4>().0[q];
             for l in 0..4 {
                 lanes[c][l] += h4[l] * f4[l];
             }
         }
     }
     std::array::from_fn(|c| {
-        let tail: f64 = (4 * quads..h.len()).map(|i| h[i] * channels[c][i]).sum();
+        let tail: f64 = (4 * quads.len()..h.len()).map(|i| h[i] * channels[c][i]).sum();
         lanes[c].iter().sum::<f64>() + tail
     })
 }

@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scaled_self_keeps_its_centre() {
+    fn a_scaled_self_keeps_its_center() {
         let mesh = sphere(|p| p + DVec3::X * 7.0);
         let c = self_scaled(&mesh, 0.5).unwrap();
         let p = DVec3::from_array(c.target[45]);

@@ -61,7 +61,7 @@ impl Closed {
             }
         }
         let across =
-            neighbours(&triangles).ok_or_else(|| refuse("its orientation is not consistent".into()))?;
+            neighbors(&triangles).ok_or_else(|| refuse("its orientation is not consistent".into()))?;
         let euler = points.len() as i64 - triangles.len() as i64 / 2;
         if euler != 2 {
             return Err(refuse(format!(
@@ -117,7 +117,7 @@ fn holes(triangles: &[[u32; 3]]) -> Result<Vec<Vec<u32>>, String> {
     Ok(loops)
 }
 
-fn neighbours(triangles: &[[u32; 3]]) -> Option<Vec<[u32; 3]>> {
+fn neighbors(triangles: &[[u32; 3]]) -> Option<Vec<[u32; 3]>> {
     let mut owner: HashMap<(u32, u32), u32> = HashMap::with_capacity(3 * triangles.len());
     for (t, c) in triangles.iter().enumerate() {
         for i in 0..3 {

@@ -67,7 +67,7 @@ impl<'a> Walker<'a> {
             }
             visit(v, d);
             let p = self.surface.points[v as usize];
-            for &w in self.surface.neighbours(v as usize) {
+            for &w in self.surface.neighbors(v as usize) {
                 let next = d + p.distance(self.surface.points[w as usize]);
                 if next < radius && next < self.distance[w as usize] {
                     if self.distance[w as usize] == f64::INFINITY {

@@ -149,7 +149,7 @@ fn hypotheses(pair: &Pair) -> Vec<Similarity> {
         (sum / samples.len().max(1) as f64).sqrt()
     };
     let usual = || spread_of(&pair.shape.samples) / spread_of(&pair.template.samples).max(1e-9);
-    let (size, centred, placed): (_, &[f64], &[f64]) = match pair.scale {
+    let (size, centered, placed): (_, &[f64], &[f64]) = match pair.scale {
         Some(scale) => (scale, &[1.0], &[1.0]),
         None => (usual(), &[1.0, 0.8, 1.25], &[1.4, 2.0]),
     };
@@ -164,7 +164,7 @@ fn hypotheses(pair: &Pair) -> Vec<Similarity> {
     rotations.extend((0..ROTATIONS).map(|i| DMat3::from_quat(super_fibonacci(i, ROTATIONS))));
     let mut poses = Vec::new();
     // The centroids are the origins of both surfaces.
-    for factor in centred {
+    for factor in centered {
         poses.extend(rotations.iter().map(|r| Similarity::new(size * factor, *r, DVec3::ZERO)));
     }
     let on_template = places(&pair.template.samples);

@@ -39,7 +39,7 @@ pub(crate) struct UnitSurface {
     /// vertex.
     pub component: Vec<u32>,
     tree: TriangleTree,
-    neighbours: Rows,
+    neighbors: Rows,
 }
 
 impl UnitSurface {
@@ -77,7 +77,7 @@ impl UnitSurface {
             normals: normals(&points, &triangles),
             boundary: boundary_vertices(points.len(), &triangles),
             component: components(points.len(), &triangles),
-            neighbours: vertex_neighbors(points.len(), &triangles),
+            neighbors: vertex_neighbors(points.len(), &triangles),
             points,
             triangles,
             file_triangle,
@@ -119,8 +119,8 @@ impl UnitSurface {
     }
 
     /// The vertices that share an edge with `v`.
-    pub fn neighbours(&self, v: usize) -> &[u32] {
-        self.neighbours.row(v)
+    pub fn neighbors(&self, v: usize) -> &[u32] {
+        self.neighbors.row(v)
     }
 
     /// Converts a point of this surface to a point of the file's mesh.

@@ -47,7 +47,7 @@ pub(crate) fn unfold(
         for _ in 0..SWEEPS {
             let moved: Vec<(u32, Closest)> = active
                 .par_iter()
-                .filter_map(|&v| Some((v, between_neighbours(shape, partners, &trial, v)?)))
+                .filter_map(|&v| Some((v, between_neighbors(shape, partners, &trial, v)?)))
                 .collect();
             moved.into_iter().for_each(|(v, point)| trial[v as usize] = point);
         }
@@ -65,15 +65,15 @@ pub(crate) fn unfold(
 }
 
 /// The point of the template closest to the mean of the points of a vertex's neighbors.
-fn between_neighbours(shape: &UnitSurface, partners: &Partners, at: &[Closest], v: u32) -> Option<Closest> {
+fn between_neighbors(shape: &UnitSurface, partners: &Partners, at: &[Closest], v: u32) -> Option<Closest> {
     let (mut sum, mut looking) = (DVec3::ZERO, DVec3::ZERO);
-    let neighbours = shape.neighbours(v as usize);
-    for w in neighbours {
+    let neighbors = shape.neighbors(v as usize);
+    for w in neighbors {
         let point = &at[*w as usize];
         sum += DVec3::from_array(point.point);
         looking += partners.template.smooth_normal(&point.on);
     }
-    let mean = sum / neighbours.len() as f64;
+    let mean = sum / neighbors.len() as f64;
     let found = partners.nearest(shape.component[v as usize], mean, looking.normalize_or_zero())?;
     found.point.iter().all(|x| x.is_finite()).then_some(found)
 }
@@ -114,7 +114,7 @@ fn around(shape: &UnitSurface, triangles: &[u32], rings: usize) -> Vec<u32> {
         let end = reached.len();
         for i in begin..end {
             let v = reached[i];
-            shape.neighbours(v as usize).iter().for_each(|w| reach(*w, &mut reached));
+            shape.neighbors(v as usize).iter().for_each(|w| reach(*w, &mut reached));
         }
         begin = end;
     }

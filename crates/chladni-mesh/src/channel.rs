@@ -1,4 +1,4 @@
-//! One number of each vertex, by name: how masks come in and go out.
+//! One named number per vertex: how masks are read and written.
 
 use crate::appearance::{linear_from_srgb, srgb_from_linear};
 use crate::{Format, TriMesh};

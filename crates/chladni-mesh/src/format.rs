@@ -4,6 +4,8 @@ use std::ffi::OsStr;
 use std::fmt;
 use std::path::Path;
 
+use crate::MeshError;
+
 /// A mesh file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
@@ -77,18 +79,17 @@ impl Format {
         }
     }
 
-    /// The format of a file by its extension and content. If the two disagree, the content decides. The error
-    /// says why no format was found.
-    pub(crate) fn of(extension: Option<&str>, bytes: &[u8]) -> Result<Self, String> {
+    /// The format of a file by its extension and content. If the two disagree, the content decides.
+    pub(crate) fn of(extension: Option<&str>, bytes: &[u8]) -> Result<Self, MeshError> {
         if bytes.starts_with(b"# vtk DataFile") {
-            return Err("legacy VTK is not read; save it as PLY or OBJ".into());
+            return Err(MeshError::UnknownFormat("legacy VTK is not read; save it as PLY or OBJ".into()));
         }
         match (Self::from_content(bytes), extension.and_then(Self::from_extension)) {
             (Some(format), _) | (None, Some(format)) => Ok(format),
-            (None, None) => Err(match extension {
+            (None, None) => Err(MeshError::UnknownFormat(match extension {
                 Some(extension) => format!("no mesh format is called .{extension} ({KNOWN})"),
                 None => format!("neither name nor content tells the mesh format ({KNOWN})"),
-            }),
+            })),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What is sound and what is not about a mesh.
+//! The health report: which defects a mesh has.
 
 use serde::Serialize;
 

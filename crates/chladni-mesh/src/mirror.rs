@@ -251,7 +251,7 @@ mod tests {
     use super::*;
     use crate::samples::sample;
 
-    /// Turned by an angle that no axis of coordinates survives.
+    /// Turned so that no axis of coordinates stays an axis of the shape.
     fn turned(p: Vec3) -> Vec3 {
         let turn = |[x, y]: [f64; 2], angle: f64| {
             let (sin, cos) = angle.sin_cos();

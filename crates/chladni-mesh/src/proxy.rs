@@ -1,4 +1,4 @@
-//! A smaller mesh that is worked on in place of a large one.
+//! A smaller mesh that stands in for a very large one while we work on it.
 
 use std::sync::Arc;
 

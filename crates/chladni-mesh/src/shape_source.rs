@@ -53,9 +53,7 @@ impl ShapeSource {
                 None => load_mesh(path),
             },
             Self::Sample(name) => {
-                if let Some(Err(why)) = samples::portrait_sliders(name) {
-                    return Err(MeshError::Sliders { name: name.clone(), why });
-                }
+                samples::portrait_sliders(name).transpose()?;
                 let mesh = samples::sample(name).ok_or_else(|| MeshError::NoSample(name.clone()))?;
                 Ok(Loaded { mesh, mended: Vec::new(), stored_positions: None })
             }

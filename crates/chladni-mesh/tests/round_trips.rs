@@ -120,7 +120,7 @@ fn stl_keeps_the_triangles() {
     }
 }
 
-/// A tetrahedron with all that a mesh can have: a seam, two materials, colours, a texture.
+/// A tetrahedron with all that a mesh can have: a seam, two materials, colors, a texture.
 fn dressed() -> TriMesh {
     let texture = Texture { name: "wood grain.png".into(), bytes: b"\x89PNG\r\n\x1a\nnot really"[..].into() };
     let wood = Material {

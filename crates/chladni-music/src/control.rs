@@ -4,7 +4,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::target::{Cue, Kind, Target, Which};
+use crate::cue::{Cue, Which};
+use crate::target::{Kind, Target};
 use crate::text_file::{self, FORMAT_VERSION};
 use crate::{Control, MusicError, Parameters, Touch};
 

@@ -5,167 +5,21 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::appearance::{Looks, Viewpoint};
+use self::songs::MOST_OCTAVES;
+pub use self::songs::{BeatReading, FileRef, SongRef, Stretch};
 use crate::gallery::GalleryShape;
 use crate::text_file::{self, FORMAT_VERSION};
 use crate::{ClockTrack, Instrument, LoggedAction, MusicError, Parameters, Settings};
 
-/// An external file that a show needs.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FileRef {
-    /// A path, or `sample:NAME`. A relative one starts from the show's own folder.
-    pub path: String,
-    /// The file's BLAKE3 hash when the show was saved, in hexadecimal digits; `None` for a sample.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub blake3: Option<String>,
-}
-
-/// A song of a show: its file, and how its beats were corrected by hand.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SongRef {
-    /// As a [`FileRef`] has it.
-    pub path: String,
-    /// As a [`FileRef`] has it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub blake3: Option<String>,
-    /// How its beats are to be read.
-    #[serde(default)]
-    pub reading: BeatReading,
-}
-
-impl SongRef {
-    /// A song in a file, its beats as they are found.
-    pub fn of(FileRef { path, blake3 }: FileRef) -> Self {
-        Self { path, blake3, reading: BeatReading::default() }
-    }
-
-    /// Its file.
-    pub fn file(&self) -> FileRef {
-        FileRef { path: self.path.clone(), blake3: self.blake3.clone() }
-    }
-}
-
-/// Corrections of a song's detected beats by the user.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BeatReading {
-    /// How often their tempo is doubled; below 0 it is halved.
-    #[serde(default)]
-    pub octave: i32,
-    /// How much later they are.
-    #[serde(default)]
-    pub shift_secs: f64,
-}
-
-impl BeatReading {
-    /// The corrected beats (ascending).
-    pub fn of(self, beats_secs: &[f64]) -> Vec<f64> {
-        let mut read = beats_secs.to_vec();
-        for _ in 0..self.octave.clamp(0, MOST_OCTAVES) {
-            let between = read.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
-            let mut both: Vec<f64> = read.iter().copied().chain(between).collect();
-            both.sort_by(f64::total_cmp);
-            read = both;
-        }
-        for _ in 0..(-self.octave).clamp(0, MOST_OCTAVES) {
-            read = read.into_iter().step_by(2).collect();
-        }
-        read.iter_mut().for_each(|beat| *beat += self.shift_secs);
-        read
-    }
-}
-
-/// A tempo is doubled or halved at most this often.
-const MOST_OCTAVES: i32 = 3;
-
-/// From `at_secs` of the show on, a song plays from `song_secs`, or is paused there.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Stretch {
-    /// Since the show began.
-    pub at_secs: f64,
-    /// Which of the show's songs; `None` is live input, which is not recorded.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub song: Option<usize>,
-    /// Where in the song.
-    #[serde(default)]
-    pub song_secs: f64,
-    /// False: it is paused.
-    pub playing: bool,
-    /// How long what was heard before fades into this, from half of it before `at_secs` to half after it.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub crossfade_secs: f64,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
-fn is_zero(secs: &f64) -> bool {
-    *secs == 0.0
-}
-
-impl Stretch {
-    /// The song's time at `at_secs` of the show, within this stretch.
-    pub fn song_secs_at(&self, at_secs: f64) -> f64 {
-        if self.playing { self.song_secs + (at_secs - self.at_secs) } else { self.song_secs }
-    }
-}
-
-/// What a dance looks like, by names: a whole scene, and what takes the place of its parts. Empty names are the
-/// scene's own parts, and the plain scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Looks {
-    /// The whole scene.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub look: String,
-    /// What colors the movement.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub palette: String,
-    /// Of the shapes.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub material: String,
-    /// On them.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub lights: String,
-    /// Behind them.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub background: String,
-    /// The file of a picture that stands behind them.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub picture: String,
-    /// The file of a panorama that shines on them.
-    #[serde(skip_serializing_if = "String::is_empty")]
-    pub panorama: String,
-    /// How soft is what is not in focus, percent of the most; the scene's own where there is none.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub blur_percent: Option<u8>,
-}
-
-/// The viewpoint, before the beat turns the shape. The default shows the whole shape.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Viewpoint {
-    /// About the vertical; positive moves the viewer to the right.
-    pub yaw_rad: f32,
-    /// Above the horizon.
-    pub pitch_rad: f32,
-    /// The distance, in multiples of the smallest one that shows the whole shape.
-    pub distance: f32,
-    /// How far the picture is shifted to the right and downward, in heights of a cell.
-    pub shift: [f32; 2],
-}
-
-impl Default for Viewpoint {
-    fn default() -> Self {
-        Self { yaw_rad: 0.0, pitch_rad: 0.14, distance: 1.0, shift: [0.0; 2] }
-    }
-}
+mod appearance;
+mod songs;
 
 /// What was played and all actions, so that the show can be continued or filmed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Show {
-    /// 2.
+    /// The format of the file: [`FORMAT_VERSION`], or an older one.
     pub format_version: u32,
     /// K of the body; `None` in older files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -377,19 +231,5 @@ impl Show {
             return bad("the viewpoint is out of all bounds".into());
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn beats_are_read_twice_and_half_as_fast_and_later() {
-        let read = |octave, shift_secs| BeatReading { octave, shift_secs }.of(&[1.0, 2.0, 3.0]);
-        assert_eq!(read(0, 0.0), [1.0, 2.0, 3.0]);
-        assert_eq!(read(1, 0.25), [1.25, 1.75, 2.25, 2.75, 3.25]);
-        assert_eq!(read(-1, 0.0), [1.0, 3.0]);
-        assert_eq!(BeatReading { octave: 3, shift_secs: 0.0 }.of(&[]), [0.0; 0]);
     }
 }

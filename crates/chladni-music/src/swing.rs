@@ -7,7 +7,7 @@ use crate::sides::Sides;
 use crate::{Class, symmetry};
 
 /// Partners are searched among this many neighbors in frequency on either side.
-const NEIGHBOURS: usize = 24;
+const NEIGHBORS: usize = 24;
 /// The least agreement of partners; 1 is perfect.
 const LEAST_AGREEMENT: f64 = 0.05;
 /// A lean below this share of the largest possible one is rounding.
@@ -46,12 +46,12 @@ impl Swing {
             })
             .collect();
         // ⟨H_k, (χ_L − χ_R) H_j⟩ ω_</ω_> with the neighbors of the other class.
-        let neighbours = |k: usize| k.saturating_sub(NEIGHBOURS).max(first)..(k + NEIGHBOURS + 1).min(count);
+        let neighbors = |k: usize| k.saturating_sub(NEIGHBORS).max(first)..(k + NEIGHBORS + 1).min(count);
         let agreements: Vec<Vec<(usize, f64)>> = (0..count)
             .into_par_iter()
             .map(|k| {
                 let others =
-                    neighbours(k).filter(|&j| k >= first && classes[j].sign() * classes[k].sign() < 0);
+                    neighbors(k).filter(|&j| k >= first && classes[j].sign() * classes[k].sign() < 0);
                 others.map(|j| (j, agreement(body, &weights, k, j))).collect()
             })
             .collect();

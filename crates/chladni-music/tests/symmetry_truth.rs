@@ -94,7 +94,7 @@ fn scorpion_spot_and_face() {
         let c =
             0.5 * (x.iter().copied().fold(f64::MAX, f64::min) + x.iter().copied().fold(f64::MIN, f64::max));
         let (share, count, _) = agreement(&mesh, c);
-        println!("{name}: {share:.3} of {count}, centre {c:.4}");
+        println!("{name}: {share:.3} of {count}, center {c:.4}");
         assert!(share >= 0.95, "{name}: {share} of {count}");
     }
 }

@@ -1,4 +1,4 @@
-//! What is kept where it is drawn: triangles, positions and normals, paint, images, brush rings.
+//! Buffers in the memory of whoever draws: triangles, positions and normals, paint, images, brush rings.
 
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
@@ -39,7 +39,7 @@ impl<C, G> Held<C, G> {
     }
 }
 
-/// Numbers in this machine's memory that clones of a buffer share. Nothing that panics holds the lock.
+/// Numbers in this machine's memory, shared by clones of a buffer. No code that can panic holds the lock.
 pub(crate) type Shared<T> = Arc<RwLock<T>>;
 
 pub(crate) fn read<T>(shared: &RwLock<T>) -> RwLockReadGuard<'_, T> {
@@ -152,7 +152,7 @@ pub(crate) struct DeviceItems {
 }
 
 impl ItemBuffers {
-    /// Room for `items` items of `vertices` vertices, to be filled with [`write`](Self::write).
+    /// Space for `items` items of `vertices` vertices, to be filled with [`write`](Self::write).
     pub fn new(on: impl Into<Device>, vertices: usize, items: usize) -> Self {
         let held = match on.into() {
             Device::Processor => {
@@ -226,7 +226,7 @@ impl ItemBuffers {
     }
 }
 
-/// N numbers or colours, one a vertex.
+/// N numbers or colors, one a vertex.
 #[derive(Clone, Debug)]
 pub struct VertexPaint {
     pub(crate) vertices: usize,
@@ -234,7 +234,7 @@ pub struct VertexPaint {
 }
 
 impl VertexPaint {
-    /// Room for `vertices` values or colours; zero until written.
+    /// Room for `vertices` values or colors; zero until written.
     pub fn new(on: impl Into<Device>, vertices: usize) -> Self {
         let held = match on.into() {
             Device::Processor => Held::Cpu(Arc::new(RwLock::new(vec![[0; 4]; vertices]))),
@@ -253,7 +253,7 @@ impl VertexPaint {
         self.write(&on.into(), bytemuck::cast_slice(values))
     }
 
-    /// Writes one linear-light RGBA colour a vertex, eight bits a channel, for
+    /// Writes one linear-light RGBA color a vertex, eight bits a channel, for
     /// [`Paint::Colors`](crate::Paint::Colors).
     ///
     /// # Errors
@@ -301,7 +301,8 @@ impl Skin {
             ViewError::Shape(format!("{} bytes for an image of {width}×{height}", rgba.len()))
         })?;
         let levels = u32::BITS - width.max(height).leading_zeros();
-        // Each of the one before: of the whole picture every level would cost as much as the first.
+        // Each is made from the one before; made from the whole picture, every level would cost as much as
+        // the first.
         let half = |level: &image::RgbaImage| {
             let [w, h] = [level.width(), level.height()].map(|side| (side / 2).max(1));
             Some(image::imageops::thumbnail(level, w, h))
@@ -327,10 +328,10 @@ impl Skin {
     }
 }
 
-/// Where a brush would paint: a ring on part of a surface, and a breath of its colour inside.
+/// Where a brush would paint: a ring on part of a surface, and a faint tint inside.
 #[derive(Clone, Debug)]
 pub struct BrushRing {
-    /// How far each vertex is from the brush's centre, as far as that matters.
+    /// The distance of each vertex from the brush's center, where it is near enough to matter.
     pub(crate) reach: VertexPaint,
     values: Vec<f32>,
     /// The triangles that it lies on.
@@ -341,7 +342,7 @@ pub struct BrushRing {
 }
 
 impl BrushRing {
-    /// A ring of colour `color` (sRGB) for shapes of `vertices` vertices, which lies nowhere yet.
+    /// A ring of color `color` (sRGB) for shapes of `vertices` vertices, not placed yet.
     pub fn new(on: impl Into<Device>, vertices: usize, color: [u8; 3]) -> Self {
         let device = on.into();
         let triangles = match &device {
@@ -353,7 +354,7 @@ impl BrushRing {
     }
 
     /// Lays the ring where the distance is `radius`, on `triangles` whose corners have a `reach`, their
-    /// distance from the brush's centre.
+    /// distance from the brush's center.
     ///
     /// # Errors
     /// [`ViewError::Shape`] for a vertex out of range, or where another device holds the ring.

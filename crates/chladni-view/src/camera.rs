@@ -134,9 +134,9 @@ impl Camera {
             (self.distance * 0.9_f32.powf(steps)).clamp(nearest.max(1e-6), self.reach.max(1e-6) * 100.0);
     }
 
-    /// Moves target and distance so that `points` fill a frame of `aspect` (width over height)
-    /// to `fill` of its sides (0.9 leaves a margin of 5 % on each). Direction stays. Without a
-    /// finite point nothing changes.
+    /// Moves target and distance so that `points` take up the share `fill` of a frame of `aspect` (width over
+    /// height): 0.9 leaves a margin of 5 % on each side. The direction stays. Without a finite point nothing
+    /// changes.
     pub fn fit(&mut self, points: impl IntoIterator<Item = [f32; 3]> + Clone, aspect: f32, fill: f32) {
         let [right, up, back] = self.axes();
         let fill = fill.clamp(0.05, 1.0);
@@ -208,7 +208,8 @@ impl Camera {
         leaves
     }
 
-    /// Goes back until none of `points` is beside or behind the eye, with some room between, and reaches all of them.
+    /// Goes back until all `points` are in front of the eye, with some distance, and sets the depth range to reach
+    /// all of them.
     pub fn keep_outside(&mut self, points: impl IntoIterator<Item = [f32; 3]>) {
         const CLEARANCE: f32 = 0.12;
         let [_, _, back] = self.axes();
@@ -235,7 +236,7 @@ impl Camera {
 
     /// As [`fit`](Self::fit), but so that `points` stay in the frame at every yaw: for turntables.
     pub fn fit_turntable(&mut self, points: &[[f32; 3]], aspect: f32, fill: f32) {
-        // Only the profile counts: the widest radius about the vertical through the centre at each height.
+        // Only the profile counts: the widest radius about the vertical through the center at each height.
         const HEIGHTS: usize = 128;
         const TURNS: usize = 32;
         let [x, up, y] = self.ground();
@@ -273,8 +274,8 @@ impl Camera {
         self.target = (center + up * (target - center).dot(up)).to_array();
     }
 
-    /// As [`fit_turntable`](Self::fit_turntable), but for turns of up to `swing_rad` to either side of where it
-    /// stands, so that what is long and narrow may be near where it shows its narrow side.
+    /// As [`fit_turntable`](Self::fit_turntable), but only for turns of up to `swing_rad` to either side: a
+    /// long shape that shows its narrow side may then be seen from nearer.
     pub fn fit_swing(&mut self, points: &[[f32; 3]], aspect: f32, fill: f32, swing_rad: f32) {
         // To either side, seen from the front and from behind: as wide to the left of the axis as to the right.
         const TURNS: [f32; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
@@ -389,7 +390,7 @@ impl Camera {
                 Ray { origin: eye.to_array(), direction: direction.to_array() }
             }
             Projection::Orthographic => {
-                // Start in front of all that is drawn, however near the eye is.
+                // Rays start in front of all that is drawn, even if the eye does not.
                 let origin = eye + (right * u + up * v) * self.distance + back * self.reach * 2.0;
                 Ray { origin: origin.to_array(), direction: (-back).to_array() }
             }

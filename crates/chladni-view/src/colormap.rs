@@ -1,12 +1,12 @@
-//! Colour maps for values on a surface: perceptually uniform and readable by colour-blind eyes.
+//! Color maps for values on a surface: perceptually uniform and readable by color-blind eyes.
 
-/// How a value in [0, 1] becomes a colour.
+/// How a value in [0, 1] becomes a color.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ColorMap {
     /// Violet over green to yellow; for magnitudes (van der Walt & Smith, matplotlib 2015).
     #[default]
     Viridis,
-    /// Blue over grey to yellow, the same to all eyes (Nuñez, Anderton & Renslow 2018).
+    /// Blue over gray to yellow, the same to all eyes (Nuñez, Anderton & Renslow 2018).
     Cividis,
     /// Black over magenta to cream; for magnitudes on a dark ground (matplotlib 2015).
     Magma,
@@ -38,7 +38,7 @@ impl ColorMap {
         }
     }
 
-    /// The sRGB colour of `t`; `t` outside [0, 1] is clamped, NaN gives grey.
+    /// The sRGB color of `t`; `t` outside [0, 1] is clamped, NaN gives gray.
     pub fn color(self, t: f32) -> [u8; 3] {
         if t.is_nan() {
             return [128; 3];
@@ -59,14 +59,14 @@ impl ColorMap {
     }
 }
 
-/// A colour map over a range of values: what a legend shows.
+/// A color map over a range of values: what a legend shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// Colours.
+    /// Colors.
     pub map: ColorMap,
-    /// Value of the map's first colour.
+    /// Value of the map's first color.
     pub low: f32,
-    /// Value of the map's last colour.
+    /// Value of the map's last color.
     pub high: f32,
 }
 
@@ -90,7 +90,7 @@ impl Scale {
         Self { map, low, high }
     }
 
-    /// sRGB colour of `value`.
+    /// sRGB color of `value`.
     pub fn color(&self, value: f32) -> [u8; 3] {
         self.map.color((value - self.low) / (self.high - self.low))
     }
@@ -164,7 +164,7 @@ const BLUE_RED: [[u8; 3]; 11] = [
 mod tests {
     use super::*;
 
-    /// CIE L* of an sRGB colour (IEC 61966-2-1, CIE 15).
+    /// CIE L* of an sRGB color (IEC 61966-2-1, CIE 15).
     fn lightness(color: [u8; 3]) -> f64 {
         let [r, g, b] = color.map(|c| {
             let c = f64::from(c) / 255.0;

@@ -51,6 +51,9 @@ pub enum ViewError {
     /// Pictures cannot be given to other programs as a camera.
     #[error("camera: {0}")]
     Camera(String),
+    /// A setting that does not exist.
+    #[error("expected {0}")]
+    Expected(&'static str),
     /// A file could not be written or read.
     #[error("{path}: {source}")]
     File {

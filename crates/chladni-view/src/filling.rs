@@ -1,11 +1,11 @@
-//! From how far a shape fills a picture: wanted from any side, at every frame.
+//! The distance from which a shape fills a picture, for every direction; cheap enough to ask in every frame.
 
 use chladni_mesh::Orientation;
 use glam::Vec3;
 
 use crate::Camera;
 
-/// Sides from which it is measured; in between it is interpolated.
+/// Directions for which it is measured; in between it is interpolated.
 const YAWS: usize = 16;
 const PITCHES: [f32; 6] = [-0.8, -0.4, 0.0, 0.4, 0.8, 1.2];
 /// Rows of the grid in which the covered share of a picture is counted.
@@ -14,15 +14,15 @@ const ROWS: usize = 24;
 const HALVINGS: usize = 9;
 /// The upper end of a figure is at most this share of half a picture above the middle.
 pub const TOP: f32 = 0.94;
-/// How many pictures high a figure may be that is seen as a whole, however slim.
+/// The greatest height of a figure seen as a whole, in heights of the picture, however slim it is.
 pub const WHOLE_HEIGHTS: f32 = 0.92;
-/// And one that is seen from near: the upper part of it fills the picture.
+/// The same of a figure seen from near, whose upper part fills the picture.
 pub const NEAR_HEIGHTS: f32 = 1.7;
 /// How far the lower end sinks, as a share of how far the upper one rises.
 const SINKS: f32 = 0.3;
 /// The point looked at is at most this many pictures below the upper end.
 const DEEPEST: f32 = 0.8;
-/// The nearest an eye comes to a shape, as a share of the shape's reach about the point looked at.
+/// The least distance of an eye from a shape, as a share of the shape's reach about the point looked at.
 const CLEARANCE: f32 = 0.15;
 
 /// Distances from the eye to the point looked at, all around a shape.
@@ -31,7 +31,7 @@ pub struct Filling {
     around: Vec<[f32; PITCHES.len()]>,
 }
 
-/// How far the upper end of a shape is from where it is at rest, and how many pictures high it may be with that.
+/// How far the upper end of a shape rises above its place at rest, and how high the shape may then be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headroom {
     /// In the shape's units.

@@ -5,15 +5,15 @@ use bytemuck::{Pod, Zeroable};
 /// Effects on the whole picture, in the order in which they are laid over it. All 0 is nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Finish {
-    /// How soft is what is not in focus, in [0, 1]: the opening of the lens, as a share of the camera's
-    /// [reach](crate::Camera::reach). 0 is a lens that sees everything sharp.
+    /// How soft everything out of focus is, in [0, 1]: the opening of the lens, as a share of the camera's
+    /// [reach](crate::Camera::reach). With 0 everything is sharp.
     pub blur: f32,
     /// Where the focus is: from the camera's target towards the viewer, as a share of its reach, in [−1, 1]. A fifth of
     /// the reach on either side is as sharp.
     pub focus: f32,
-    /// How long what was light shows on, seconds until a third is left; 0 is not at all.
+    /// Trails: how long light stays visible, in seconds until a third of it is left; 0 for no trails.
     pub trail_secs: f32,
-    /// How fast what shows on grows from the middle, its size per second; below 0 it shrinks.
+    /// How fast trails grow from the middle, in sizes per second; below 0 they shrink.
     pub trail_growth: f32,
     /// How much light spreads from what is bright, in [0, 2].
     pub bloom: f32,
@@ -26,7 +26,7 @@ pub struct Finish {
 }
 
 impl Finish {
-    /// Nothing is done. A blur that is asked for finds its focus on the front of the shape.
+    /// No effect; a blur that is added is focused on the front of the shape.
     pub const NOTHING: Self = Self {
         blur: 0.0,
         focus: 0.25,
@@ -38,7 +38,7 @@ impl Finish {
         grain: 0.0,
     };
 
-    /// Without what looks at other pixels than the one it changes, which costs most.
+    /// Without the effects that read other pixels than the one they change: these cost most.
     pub fn without_glow(self) -> Self {
         Self { blur: 0.0, trail_secs: 0.0, bloom: 0.0, ..self }
     }
@@ -57,7 +57,7 @@ impl Finish {
         before_secs: Option<f64>,
     ) -> FinishUniform {
         let since_secs = before_secs.map_or(0.0, |before| at_secs - before);
-        // After a pause, a jump or a picture of the same moment nothing shows on.
+        // There are no trails after a pause or a jump, or if no time has passed.
         let follows = since_secs > 0.0 && since_secs < LONGEST_SECS && self.trail_secs > 0.0;
         let since_secs = since_secs as f32;
         let left = if follows { (-since_secs / self.trail_secs).exp() } else { 0.0 };
@@ -78,7 +78,7 @@ impl Finish {
 /// Pictures farther apart than this leave no trails.
 const LONGEST_SECS: f64 = 0.5;
 
-/// Pixels of the picture's side in one of the picture that light spreads on: that has about 180 rows.
+/// How many pixels wide a pixel of the small picture is, on which light spreads and which has about 180 rows.
 pub(crate) fn step(height: u32) -> u32 {
     (height / 180).max(1)
 }
@@ -99,8 +99,7 @@ pub(crate) struct FinishUniform {
     pub(crate) padding: [u32; 2],
 }
 
-/// Weights of a row of pixels around the middle one, light's way on the small pictures: a Gaussian of two
-/// pixels' deviation.
+/// How light spreads along a row of the small picture: a Gaussian with a deviation of two pixels.
 pub(crate) const SPREAD: [f32; 5] = [0.2042, 0.1802, 0.1238, 0.0663, 0.0276];
 
 #[cfg(test)]

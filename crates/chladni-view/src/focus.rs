@@ -1,29 +1,29 @@
-//! What is in focus: how far the light of each depth spreads on the picture, as in a thin lens. Both twins take
-//! these numbers.
+//! What is in focus: how far the light of each depth spreads on the picture, as behind a thin lens. Both
+//! renderers use these numbers.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::{Cell, Finish, Projection};
 
-/// Light spreads on a small picture of about so many rows.
+/// Light spreads on a small picture of about this many rows.
 const ROWS: u32 = 360;
 
-/// Pixels of the picture's side in one of the small picture.
+/// How many pixels wide a pixel of the small picture is.
 pub(crate) fn step(height: u32) -> u32 {
     ((height + 2 * ROWS / 3) / ROWS).max(1)
 }
 
-/// The farthest that light spreads, as a share of the picture's height.
+/// How far light spreads at most, as a share of the picture's height.
 const MOST: f32 = 0.035;
 
-/// What lies no farther from the focus than this share of the camera's reach is as sharp as what lies in it: a shape
-/// that dances would leave the focus of a real lens all the time.
+/// Everything within this share of the camera's reach around the focus is sharp: a dancing shape would keep leaving
+/// the focus of a real lens.
 const SHARP: f32 = 0.2;
 
 /// Places that are looked at around each pixel.
 pub(crate) const TAPS: usize = 64;
 
-/// What is no softer than this, in pixels of the small picture, is drawn sharp.
+/// Circles up to this radius, in pixels of the small picture, are drawn sharp.
 pub(crate) const LEAST: f32 = 0.25;
 
 /// How far into what is sharp the colors beside it are continued, pixels of the small picture: pixels of the large one that
@@ -100,7 +100,7 @@ impl Circle {
     }
 }
 
-/// Pixels of the small picture that light spreads at most.
+/// How far light spreads at most, in pixels of the small picture.
 pub(crate) fn most(height: u32) -> f32 {
     (MOST * height as f32 / step(height) as f32).max(1.0)
 }

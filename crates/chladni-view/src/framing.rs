@@ -2,13 +2,13 @@
 
 use crate::{Camera, Rect, layout};
 
-/// How much of its cell the shape that needs most room fills in pictures.
+/// The share of its cell that the shape which needs most room fills in pictures.
 pub const FILL: f32 = 0.9;
 
-/// A cell for each of `shapes` within `area`, row by row with `gap` pixels between them, and who looks
-/// at it: from where `from` looks, each shape in the middle of its cell, all at one scale, so that the
-/// shape that needs most room fills its cell to `fill` of its sides. Rows and columns are those that
-/// show the shapes largest.
+/// A cell for each of `shapes` within `area`, row by row with `gap` pixels between them, and its camera,
+/// which looks in the direction of `from`. Each shape is in the middle of its cell, all have the same scale,
+/// and the one that needs most room takes up the share `fill` of its cell. The numbers of rows and columns
+/// are those that show the shapes largest.
 pub fn side_by_side(
     from: Camera,
     shapes: &[&[[f32; 3]]],
@@ -43,8 +43,8 @@ fn pixels_per_unit((cell, camera): &(Rect, Camera)) -> f32 {
     cell.height.max(1) as f32 / camera.distance.max(f32::MIN_POSITIVE)
 }
 
-/// Of `points` those that reach farthest in some of 400 directions spread evenly over the sphere: few points that
-/// need as much room as all of them, to within half a percent. Points that are not finite are left out.
+/// Those of `points` that are farthest in one of 400 directions, spread evenly over the sphere: few points that
+/// need as much room as all, to within half a percent. Points that are not finite are left out.
 pub fn extremes(points: &[[f32; 3]]) -> Vec<[f32; 3]> {
     const DIRECTIONS: usize = 400;
     let golden_angle = std::f32::consts::PI * (3.0 - 5.0_f32.sqrt());

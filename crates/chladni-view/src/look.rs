@@ -7,7 +7,7 @@ use crate::{Answer, Background, Finish, Lights, Material};
 pub struct Look {
     /// What shapes are made of.
     pub material: Material,
-    /// How movement colours them; none leaves the material's own colour. Its lengths are shares of the farthest
+    /// How movement colors them; none leaves the material's own color. Its lengths are shares of the farthest
     /// that a shape may go: see [`scaled`](Self::scaled).
     pub answer: Option<Answer>,
     /// What shines.
@@ -29,7 +29,7 @@ pub struct Response {
     pub timbre: f32,
     /// How much of the palette lies between what both channels share and what they do not.
     pub sides: f32,
-    /// How often the palette goes around on the way around the circle of fifths: a whole number, lest colours jump.
+    /// How often the palette goes around on the way around the circle of fifths: a whole number, lest colors jump.
     pub key: f32,
     /// What full level in both channels adds to the glow.
     pub glow: f32,
@@ -38,7 +38,7 @@ pub struct Response {
     pub light: f32,
     /// How much of the background's light comes with the level, in [0, 1], in the same way.
     pub halo: f32,
-    /// How much of the colours' strength comes with the level of both channels, in [0, 1].
+    /// How much of the colors' strength comes with the level of both channels, in [0, 1].
     pub saturation: f32,
     /// What a beat adds to the rim light, as a share of it.
     pub rim: f32,

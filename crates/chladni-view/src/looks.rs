@@ -55,7 +55,7 @@ const fn floor(color: [u8; 3], shadow: f32) -> Option<Floor> {
 }
 
 impl Look {
-    /// Mother-of-pearl in two colours of light on black: no palette, no finish.
+    /// Mother-of-pearl in two colors of light on black: no palette, no finish.
     pub const PLAIN: Self = Self {
         material: Material::PEARL,
         answer: None,
@@ -328,7 +328,7 @@ impl Look {
         response: Response { timbre: 0.0, light: 0.12, halo: 0.15, rim: 0.5, ..Self::PLAIN.response },
     };
 
-    /// Sugar in all pale colours, in daylight.
+    /// Sugar in all pale colors, in daylight.
     pub const CANDY: Self = Self {
         material: Material { roughness: 0.26, softness: 0.6, glow: 0.08, ..Material::BARE },
         answer: answer(Palette::Candy, 1.6, 0.0, 0.6, 0.1),

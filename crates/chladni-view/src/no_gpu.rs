@@ -1,5 +1,4 @@
-//! What stands in the place of graphics devices where they are left out of the build: one can be asked for,
-//! nobody can have one.
+//! Stands in for graphics devices in builds without them: a device can be requested, but there never is one.
 
 use crate::{Cell, Finish, Samples, Surroundings, ViewError};
 

@@ -1,6 +1,6 @@
-//! Palettes of our own, made in OKLab, and how a surface that moves is coloured by them.
+//! Our own palettes, made in OKLab, and how they color a moving surface.
 
-/// Colours in a row: lightness rises steadily, or the row closes into a circle.
+/// Colors in a row: lightness rises steadily, or the row closes into a circle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Palette {
     /// Night blue over green to pale yellow.
@@ -38,7 +38,7 @@ pub enum Palette {
 type Point = [f32; 3];
 
 impl Palette {
-    /// All of them, in the order of the rows of the renderer's lookup texture, after the colour maps.
+    /// All of them, in the order of the rows of the renderer's lookup texture, after the color maps.
     pub const ALL: [Self; 14] = [
         Self::Aurora,
         Self::Ember,
@@ -81,7 +81,7 @@ impl Palette {
         Self::ALL.into_iter().find(|palette| palette.name() == name)
     }
 
-    /// Whether the last colour is the first one, so that it can run around; others run there and back.
+    /// Whether the last color is the first one, so that it can run around; others run there and back.
     pub fn is_circle(self) -> bool {
         matches!(self, Self::Prism | Self::Neon | Self::Dusk | Self::Candy | Self::Contour)
     }
@@ -91,7 +91,7 @@ impl Palette {
         if self.is_circle() { 1.0 } else { 2.0 }
     }
 
-    /// Equidistant points; colours between two lie on a straight line in OKLab.
+    /// Equidistant points; colors between two lie on a straight line in OKLab.
     fn points(self) -> &'static [Point] {
         match self {
             Self::Aurora => &[
@@ -211,7 +211,7 @@ impl Palette {
         }
     }
 
-    /// The sRGB colour of `t`; `t` outside [0, 1] is clamped, NaN gives the first.
+    /// The sRGB color of `t`; `t` outside [0, 1] is clamped, NaN gives the first.
     pub fn color(self, t: f32) -> [u8; 3] {
         let points = self.points();
         let at = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) } * (points.len() - 1) as f32;
@@ -232,7 +232,7 @@ fn lab_of([lightness, chroma, hue]: Point) -> [f32; 3] {
     [lightness, chroma * cos, chroma * sin]
 }
 
-/// The sRGB colour of this lightness and hue in OKLab, with as much of its chroma as a screen can show.
+/// The sRGB color of this lightness and hue in OKLab, with as much of its chroma as a screen can show.
 fn in_gamut([lightness, a, b]: [f32; 3]) -> [u8; 3] {
     let inside = |rgb: &[f32; 3]| rgb.iter().all(|c| (-1e-4..=1.0001).contains(c));
     let at = |share: f32| linear_of([lightness, a * share, b * share]);
@@ -255,13 +255,13 @@ fn linear_of([lightness, a, b]: [f32; 3]) -> [f32; 3] {
     ]
 }
 
-/// How a surface is coloured by what it does. A place of the palette is the sum
+/// How a surface is colored by what it does. A place of the palette is the sum
 /// offset + span · along + crease · bend + swing · (d · n) + travel · |d| + haste · |v|, with d the way from the place's
 /// rest, n the normal there, v what it lags behind itself (its speed, where the figure knows it), and `along` and
 /// `bend` the numbers that its [`RestShape`](crate::RestShape) has for it. Palettes that are no circle run there and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// Which colours.
+    /// Which colors.
     pub palette: Palette,
     /// Where the palette begins.
     pub offset: f32,
@@ -275,13 +275,13 @@ pub struct Answer {
     pub travel: f32,
     /// How much of it a unit of [lag](crate::Figure::lag) is: speed.
     pub haste: f32,
-    /// How often the palette goes around in one vibration: the angle of (d · n, v · n). A whole number, lest colours jump.
+    /// How often the palette goes around in one vibration: the angle of (d · n, v · n). A whole number, lest colors jump.
     pub phase: f32,
     /// Glow that a unit of length adds to the material's own.
     pub glow: f32,
     /// Glow that a unit of lag adds.
     pub spark: f32,
-    /// How strong the colours are: 0 is grey, 1 the palette's own.
+    /// How strong the colors are: 0 is gray, 1 the palette's own.
     pub saturation: f32,
     /// Lines where the surface vibrates and does not move.
     pub lines: NodalLines,
@@ -338,7 +338,7 @@ impl Answer {
 mod tests {
     use super::*;
 
-    /// OKLab of an sRGB colour.
+    /// OKLab of an sRGB color.
     fn lab(color: [u8; 3]) -> [f32; 3] {
         let [r, g, b] = crate::style::linear(color);
         let [l, m, s] = [
@@ -385,7 +385,7 @@ mod tests {
     }
 
     #[test]
-    fn no_two_neighbours_are_far_apart() {
+    fn no_two_neighbors_are_far_apart() {
         for palette in Palette::ALL {
             let row = row(palette);
             let steps: Vec<f32> = row.windows(2).map(|pair| distance(&pair[0], &pair[1])).collect();

@@ -167,7 +167,7 @@ impl Shear {
             let [x, y, z] = self.axes.map(|i| v[i]);
             Vec3::new(x - self.shear.x * z, y - self.shear.y * z, self.shear.z * z)
         });
-        // Doubled areas in f64, which represents these products exactly: neighbours agree on
+        // Doubled areas in f64, which represents these products exactly: neighbors agree on
         // which side of their edge the ray passes.
         let edge = |a: Vec3, b: Vec3| f64::from(a.x) * f64::from(b.y) - f64::from(a.y) * f64::from(b.x);
         let weights = [edge(p[1], p[2]), edge(p[2], p[0]), edge(p[0], p[1])];

@@ -14,7 +14,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A picture of one colour.
+    /// A picture of one color.
     pub fn filled(width: u32, height: u32, color: [u8; 4]) -> Self {
         Self { width, height, rgba: color.repeat(width as usize * height as usize) }
     }

@@ -24,7 +24,7 @@ pub struct PictureShape<'a> {
     pub values: Option<(&'a [f32], Scale)>,
     /// Linear-light RGBA a vertex; a heat map goes before it.
     pub colors: Option<&'a [[f32; 4]]>,
-    /// An image, and where each triangle's corners lie on it, v upward; a heat map and colours go before it.
+    /// An image, and where each triangle's corners lie on it, v upward; a heat map and colors go before it.
     pub image: Option<(&'a Picture, &'a [[f32; 2]])>,
     /// Landmarks.
     pub markers: &'a [Marker],

@@ -1,4 +1,5 @@
-//! Where a shape's vertices rest, one number along it for each, and how it is bent there: what palettes start from.
+//! Where a shape's vertices rest, how far along the shape each lies, and how the surface bends there: what palettes
+//! start from.
 
 use std::sync::Arc;
 

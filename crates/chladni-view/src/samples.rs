@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use crate::ViewError;
+
 /// How often a pixel is sampled, and with it how edges become smooth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Samples {
@@ -24,13 +26,13 @@ impl Samples {
 }
 
 impl FromStr for Samples {
-    type Err = String;
+    type Err = ViewError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ViewError> {
         match text {
             "1" => Ok(Self::One),
             "4" => Ok(Self::Four),
-            _ => Err("expected 1 or 4 samples a pixel".into()),
+            _ => Err(ViewError::Expected("1 or 4 samples a pixel")),
         }
     }
 }

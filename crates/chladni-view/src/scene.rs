@@ -7,15 +7,15 @@ use crate::{
     Topology, VertexPaint,
 };
 
-/// What gives a surface its colour.
+/// What gives a surface its color.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Paint<'a> {
     /// The material's own.
     #[default]
     Material,
-    /// A heat map: one number a vertex through a colour map.
+    /// A heat map: one number a vertex through a color map.
     Values(&'a VertexPaint, Scale),
-    /// One colour a vertex.
+    /// One color a vertex.
     Colors(&'a VertexPaint),
     /// An image by the topology's corner UVs.
     Skin(&'a Skin),
@@ -79,7 +79,7 @@ pub struct Figure<'a> {
     pub model: [[f32; 4]; 4],
     /// How it answers to light.
     pub material: Material,
-    /// What gives it its colour.
+    /// What gives it its color.
     pub paint: Paint<'a>,
     /// 1 is opaque. Translucent figures are to be listed last.
     pub opacity: f32,

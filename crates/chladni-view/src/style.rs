@@ -10,7 +10,7 @@ pub(crate) fn encoded(c: f32) -> f32 {
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// A linear-light RGB colour of an sRGB one, each channel in [0, 1].
+/// A linear-light RGB color of an sRGB one, each channel in [0, 1].
 pub(crate) fn linear(color: [u8; 3]) -> [f32; 3] {
     color.map(|c| decoded(f32::from(c) / 255.0))
 }
@@ -18,17 +18,17 @@ pub(crate) fn linear(color: [u8; 3]) -> [f32; 3] {
 /// How a surface answers to light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Own colour, sRGB.
+    /// Own color, sRGB.
     pub color: [u8; 3],
     /// 0 is a mirror, 1 is chalk.
     pub roughness: f32,
-    /// Share of metal: coloured reflections and no diffuse light, in [0, 1].
+    /// Share of metal: colored reflections and no diffuse light, in [0, 1].
     pub metal: f32,
     /// How far light bleeds around the terminator (wax, skin, porcelain), in [0, 1].
     pub softness: f32,
-    /// Colours that turn with the angle of view (mother-of-pearl), in [0, 1].
+    /// Colors that turn with the angle of view (mother-of-pearl), in [0, 1].
     pub iridescence: f32,
-    /// Share of its own colour that shines without any light, at least 0.
+    /// Share of its own color that shines without any light, at least 0.
     pub glow: f32,
     /// What shines where the surface turns away from the viewer (velvet, deep-sea skin), sRGB; black is nothing.
     pub edge: [u8; 3],
@@ -41,7 +41,7 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Half-matte grey, to be changed.
+    /// Half-matte gray, to be changed.
     pub(crate) const BARE: Self = Self {
         color: [128; 3],
         roughness: 0.5,
@@ -118,10 +118,10 @@ pub struct Lights {
 /// From linear light to what a screen can show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curve {
-    /// Khronos PBR Neutral (2024): colours below the shoulder stay true.
+    /// Khronos PBR Neutral (2024): colors below the shoulder stay true.
     #[default]
     Neutral,
-    /// As film: more contrast, and bright colours turn to white (Narkowicz' fit of the ACES curve, 2015).
+    /// As film: more contrast, and bright colors turn to white (Narkowicz' fit of the ACES curve, 2015).
     Filmic,
 }
 
@@ -159,7 +159,7 @@ impl Lights {
         shadow: 0.8,
         ..Self::BARE
     };
-    /// An overcast day: little shadow, for reading colours and maps.
+    /// An overcast day: little shadow, for reading colors and maps.
     pub const SOFT: Self = Self {
         lights: [
             Light { direction: [-0.3, 0.7, 0.65], color: [0.5, 0.5, 0.5] },
@@ -182,7 +182,7 @@ impl Lights {
         shadow: 0.9,
         ..Self::BARE
     };
-    /// Two colours from either side, for the stage.
+    /// Two colors from either side, for the stage.
     pub const STAGE: Self = Self {
         lights: [
             Light { direction: [-0.8, 0.4, 0.42], color: [1.05, 0.62, 0.38] },
@@ -221,27 +221,27 @@ impl Lights {
 /// What is behind the shape, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Background {
-    /// Colour in the middle of the picture.
+    /// Color in the middle of the picture.
     pub center: [u8; 3],
-    /// Colour in the corners.
+    /// Color in the corners.
     pub corner: [u8; 3],
-    /// How much of the middle's colour there is, in [0, 1], in the picture's left and right.
+    /// How much of the middle's color there is, in [0, 1], in the picture's left and right.
     pub strength: [f32; 2],
     /// 1 is opaque; 0 leaves only the shape, for pictures with alpha.
     pub opacity: f32,
-    /// Which way the colours run.
+    /// Which way the colors run.
     pub gradient: Gradient,
     /// What the shape stands over, seen in perspective only.
     pub floor: Option<Floor>,
 }
 
-/// Which way a background's two colours run.
+/// Which way a background's two colors run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gradient {
     /// From the middle to the corners.
     #[default]
     Round,
-    /// From the bottom (the middle's colour) to the top (the corners').
+    /// From the bottom (the middle's color) to the top (the corners').
     Upright,
     /// A glow behind the shape, gone well before the edges.
     Halo,
@@ -250,7 +250,7 @@ pub enum Gradient {
 /// A floor that fades into the background, with a soft shadow under the shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Floor {
-    /// Its colour in the light, sRGB.
+    /// Its color in the light, sRGB.
     pub color: [u8; 3],
     /// How dark the shadow is, in [0, 1].
     pub shadow: f32,
@@ -267,9 +267,9 @@ impl Default for Background {
 }
 
 impl Background {
-    /// Warm light grey.
+    /// Warm light gray.
     pub const PAPER: Self = Self::between([238, 236, 232], [203, 200, 195]);
-    /// Dark blue-grey, as a modelling program's viewport.
+    /// Dark blue-gray, as a modelling program's viewport.
     pub const SLATE: Self = Self::between([64, 69, 78], [32, 35, 41]);
     /// Almost black, for the stage.
     pub const NIGHT: Self = Self::between([24, 23, 32], [6, 6, 10]);
@@ -291,12 +291,12 @@ impl Background {
         Self::PRESETS.iter().find(|(known, _)| *known == name).map(|(_, background)| *background)
     }
 
-    /// One colour.
+    /// One color.
     pub fn plain(color: [u8; 3]) -> Self {
         Self::between(color, color)
     }
 
-    /// Opaque, from the colour of the middle to that of the corners.
+    /// Opaque, from the color of the middle to that of the corners.
     pub const fn between(center: [u8; 3], corner: [u8; 3]) -> Self {
         Self { center, corner, strength: [1.0; 2], opacity: 1.0, gradient: Gradient::Round, floor: None }
     }

@@ -1,11 +1,11 @@
-//! Pictures of one's own around a scene: what stands behind it, and what shines on it from all sides.
+//! Users' own pictures around a scene: one behind it, and one that lights it from all sides.
 
 use image::RgbaImage;
 
 use crate::style::{decoded, encoded};
 use crate::{Device, Picture, Skin, ViewError};
 
-/// What stands behind all cells of a renderer in the place of their backgrounds' colours, and what shines on their
+/// What stands behind all cells of a renderer in the place of their backgrounds' colors, and what shines on their
 /// figures in the place of sky, ground and softboxes.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {

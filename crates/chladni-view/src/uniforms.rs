@@ -1,4 +1,4 @@
-//! Cells and figures as numbers for whoever draws them, and what must hold of them first.
+//! Cells and figures as numbers for both renderers, and the checks on them.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
@@ -15,7 +15,7 @@ pub(crate) fn arrangement(count: u32, samples: Samples, limit: u32) -> (u32, u32
     (size, columns, count.div_ceil(columns))
 }
 
-/// A cell, as `shader.wgsl` describes it.
+/// A cell, as `scene.wgsl` describes it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct CellUniform {
@@ -38,7 +38,7 @@ pub(crate) struct CellUniform {
     pub(crate) wings: [f32; 4],
 }
 
-/// A figure, as `shader.wgsl` describes it.
+/// A figure, as `scene.wgsl` describes it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub(crate) struct FigureUniform {

@@ -130,7 +130,7 @@ fn each_item_is_drawn_in_its_own_cell_from_one_set_of_buffers() {
 }
 
 #[test]
-fn a_heat_map_shows_the_colours_of_its_legend() {
+fn a_heat_map_shows_the_colors_of_its_legend() {
     let (positions, triangles) = sphere(24);
     let values: Vec<f32> = positions.iter().map(|p| if p[0] < 0.0 { 0.0 } else { 1.0 }).collect();
     let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
@@ -179,7 +179,7 @@ fn a_ghost_is_seen_through() {
 }
 
 #[test]
-fn wires_skins_colours_brushes_and_markers_leave_their_marks() {
+fn wires_skins_colors_brushes_and_markers_leave_their_marks() {
     let Some(gpu) = gpu() else { return };
     let (positions, triangles) = sphere(10);
     let n = positions.len();
@@ -278,7 +278,7 @@ fn wires_skins_colours_brushes_and_markers_leave_their_marks() {
 }
 
 #[test]
-fn every_target_format_shows_the_same_colours() {
+fn every_target_format_shows_the_same_colors() {
     let Some(gpu) = gpu() else { return };
     let (positions, triangles) = sphere(16);
     let topology = Topology::new(&gpu, positions.len(), &triangles).unwrap();
@@ -448,7 +448,7 @@ fn one_sample_shows_the_sides_that_four_show() {
         let topology = Topology::new(&gpu, positions.len(), triangles).unwrap();
         let buffers = ItemBuffers::new(&gpu, positions.len(), 1);
         buffers.write(&gpu, 0, positions, &smooth_normals(positions, triangles)).unwrap();
-        // Of bare colours: lights of one side only, and no shadows, whose edges differ.
+        // Of bare colors: lights of one side only, and no shadows, whose edges differ.
         let cell = Cell {
             viewport: Rect::of_size(100, 100),
             camera,

@@ -2,6 +2,7 @@
 
 mod sitter;
 mod variant;
+mod weights;
 
 use chladni_breeding::{
     ChaCha8Rng, Describe, Descriptor, Gallery, GalleryItem, ItemId, most_different, suggest,

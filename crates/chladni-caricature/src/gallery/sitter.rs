@@ -11,6 +11,7 @@ use chladni_synth::{Coefficients, CpuSynthesizer, Item, Residual, SynthModel, Sy
 use rayon::prelude::*;
 
 use super::variant::{Group, Variant};
+use super::weights::{STIR, Weights};
 use crate::exaggeration::single;
 use crate::{
     Base, CaricatureError, Difference, Layer, Painted, Region, RollOff, ScaleCurve, Signals, Smoothing,
@@ -38,10 +39,6 @@ const REACH: [f64; 2] = [0.05, 0.2];
 /// How much larger a part becomes at most, and how much smaller.
 const GROW: f64 = 0.55;
 const SHRINK: f64 = 0.45;
-/// Parts whose number is nearer to 0 neither grow nor shrink.
-const STIR: f32 = 0.35;
-/// χ01 of the main layer where a part's number is 0.
-const NEUTRAL: f32 = 0.4;
 /// The factor of the template that magnifies.
 const MAGNIFIED: f64 = 0.5;
 
@@ -184,8 +181,8 @@ impl Sitter {
         title
     }
 
-    /// All of `variants`, each with as much of its strength as folds hardly a triangle: evaluated by the synthesizer
-    /// together, a few times.
+    /// All of `variants`, each with as much of its strength as folds hardly any triangle. The synthesizer evaluates
+    /// them together, a few times.
     ///
     /// # Errors
     /// What the synthesizer refuses.
@@ -359,38 +356,6 @@ impl Describe<Variant> for Sitter {
     fn describe(&self, variant: &Variant) -> Result<Descriptor, CaricatureError> {
         let moved = self.at_probes(variant, &self.dose(variant));
         Ok(Descriptor::of(moved.as_flattened().iter().map(|x| *x as f32).collect()))
-    }
-}
-
-/// χ01 as a constant and a factor for each part.
-struct Weights {
-    main: (f32, Vec<f32>),
-    more: (f32, Vec<f32>),
-    less: (f32, Vec<f32>),
-}
-
-impl Weights {
-    fn of(variant: &Variant, parts: usize) -> Self {
-        let numbers = variant.genes(Group::Parts);
-        let of =
-            |f: fn(f32) -> f32| (0..parts).map(|part| f(numbers.get(part).copied().unwrap_or(0.0))).collect();
-        // A part at 1 is exaggerated wholly, one at −1 not at all.
-        let main = |x: f32| if x > 0.0 { x * (1.0 - NEUTRAL) } else { x * NEUTRAL };
-        let stirred = |x: f32| ((x - STIR) / (1.0 - STIR)).max(0.0);
-        let neutral = if parts == 0 { 1.0 } else { NEUTRAL };
-        Self {
-            main: (neutral, of(main)),
-            more: (0.0, of(stirred)),
-            less: (0.0, of(|x| ((-x - STIR) / (1.0 - STIR)).max(0.0))),
-        }
-    }
-
-    fn at((constant, factors): &(f32, Vec<f32>), parts: &[Arc<[f32]>], v: usize) -> f32 {
-        factors.iter().zip(parts).fold(*constant, |sum, (w, part)| sum + w * part[v])
-    }
-
-    fn sum(weights: &(f32, Vec<f32>), parts: &[Arc<[f32]>], n: usize) -> Vec<f32> {
-        (0..n).into_par_iter().map(|v| Self::at(weights, parts, v)).collect()
     }
 }
 

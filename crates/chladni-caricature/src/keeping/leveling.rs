@@ -1,4 +1,4 @@
-//! A displacement made even where it would fold the surface: the mean stays, what folds goes.
+//! Evens out a displacement where it would fold the surface: its mean stays, its folds go.
 
 use chladni_mesh::surface::Rows;
 use chladni_mesh::surface::vec3::{Vec3, add, scaled, sub};

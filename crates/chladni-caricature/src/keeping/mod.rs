@@ -50,7 +50,7 @@ const ATTEMPTS: [Attempt; 4] = [
     Attempt { smooth: 16, levelings: 6, enough: 0.0 },
 ];
 
-/// Rounds of holding back at most, by how much one does, and how far around the places that need it.
+/// How many rounds hold back at most, by how much each does, and how far around the places that need it.
 const ROUNDS: i32 = 24;
 const HOLD: f64 = 0.3;
 const REACH: f64 = 0.05;
@@ -134,8 +134,8 @@ pub struct Kept {
 }
 
 impl Kept {
-    /// `unlimited`, nowhere longer than this displacement is where it was held back: what is shown of another μ or
-    /// curve until that is limited itself.
+    /// `unlimited`, but where this displacement was held back, no longer than it is. This is shown for another μ
+    /// or curve until that is limited itself.
     pub(crate) fn cap(&self, before: &[Vec3], unlimited: &[Vec3]) -> Vec<Vec3> {
         let capped = |((kept, before), now): ((&Vec3, &Vec3), &Vec3)| {
             let [kept, before, length] = [kept, before, now].map(|d| length(*d));

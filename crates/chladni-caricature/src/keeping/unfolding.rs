@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::PIECE;
 use crate::Surface;
 
-/// A triangle is given room where the smaller stretch of its plane is below this (negative: folded) …
+/// A triangle gets room if the smaller stretch of its plane is below this (negative: folded) …
 const LEAST_STRETCH: f64 = 0.15;
 /// … and it is given this much.
 const AIM: f64 = 0.6;

@@ -50,6 +50,19 @@ fn a_project_that_keeps_triangles_neither_folds_nor_crosses_and_off_it_is_what_i
 }
 
 #[test]
+fn a_layer_that_could_not_be_limited_says_why_once() {
+    let (_, mut stack) = stack();
+    let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+    project.push(Layer { mu: -14.0, ..Layer::new("much", Template::LowPass(6)) }).unwrap();
+    project.apply(&Action::KeepTriangles(true), None).unwrap();
+    let request = stack.unsettled(&project).unwrap();
+    let broke_off = CaricatureError::Elsewhere("it broke off".into());
+    stack.settle(request, Err(broke_off));
+    let said = LayerState::Failed("its triangles cannot be kept: it broke off".into());
+    assert_eq!(stack.evaluate(&project).layers[0].state, said);
+}
+
+#[test]
 fn what_needs_no_limit_keeps_all_of_its_movement_and_layers_settle_upward() {
     let (mesh, mut stack) = stack();
     let mut project = project();

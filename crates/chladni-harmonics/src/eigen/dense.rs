@@ -59,7 +59,7 @@ impl Root {
         };
         match full(consistent).llt(Side::Lower) {
             Ok(factored) => Ok(Self::Cholesky(factored.L().to_owned())),
-            Err(_) => Err(HarmonicsError::BadPencil { reason: "M is not positive definite".into() }),
+            Err(_) => Err(HarmonicsError::bad_pencil("M is not positive definite")),
         }
     }
 

@@ -83,7 +83,7 @@ fn spacing(
     if negative > 0 {
         let reason =
             format!("S has {negative} negative eigenvalues, so that it is not positive semidefinite");
-        return Err(HarmonicsError::BadPencil { reason });
+        return Err(HarmonicsError::bad_pencil(reason));
     }
     let (mut low, mut high) = (FIRST * bound, 1.01 * bound);
     // Assumes evenly spread eigenvalues, as those of surfaces are; their mean is that of the diagonal.

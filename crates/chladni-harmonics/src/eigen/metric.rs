@@ -23,15 +23,16 @@ pub(super) struct Metric {
 
 impl Metric {
     pub fn of(matrix: SymmetricSparse, symbolic: &Symbolic) -> Result<Self, HarmonicsError> {
-        let bad = |reason: &str| HarmonicsError::BadPencil { reason: reason.into() };
         let mut factor = Factor::default();
         let factored = factor.compute(symbolic, &matrix, 0.0, &mut Workspace::default());
         if factored.is_err() || factor.below_shift > 0 {
-            return Err(bad("M is not positive definite"));
+            return Err(HarmonicsError::bad_pencil("M is not positive definite"));
         }
         let stretch = MARGIN * largest_inverse(&factor, symbolic);
         if stretch.is_nan() || stretch * FLATTEST > 1.0 {
-            return Err(bad("M is so nearly singular that nothing could be certified"));
+            return Err(HarmonicsError::bad_pencil(
+                "M is so nearly singular that nothing could be certified",
+            ));
         }
         Ok(Self { matrix, factor, stretch })
     }

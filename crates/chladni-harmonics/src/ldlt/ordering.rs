@@ -118,8 +118,8 @@ fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
         *slot = part[v];
         degree[v] = u32::MAX;
         pivot.copy_from_slice(&joined[v * words..(v + 1) * words]);
-        let neighbours = (0..part.len()).filter(|&u| pivot[u / 64] >> (u % 64) & 1 == 1);
-        for u in neighbours {
+        let neighbors = (0..part.len()).filter(|&u| pivot[u / 64] >> (u % 64) & 1 == 1);
+        for u in neighbors {
             // The neighbors of an eliminated vertex become a clique.
             let row = &mut joined[u * words..(u + 1) * words];
             row.iter_mut().zip(&pivot).for_each(|(word, new)| *word |= new);

@@ -1,17 +1,16 @@
 //! glTF 2.0: the triangles of a scene as one mesh.
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
 use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
-use super::gltf_buffers::{Buffers, percent_decoded};
-use super::gltf_json::{Material as JsonMaterial, Primitive, Root};
+use super::gltf_buffers::Buffers;
+use super::gltf_chunks::json_and_binary;
+use super::gltf_json::{Primitive, Root};
 use super::gltf_matrix::{IDENTITY, Matrix, local_matrix, mirrors, moved, product};
-use super::mtl::is_picture;
 use crate::error::Fault;
 use crate::read::{Loaded, Mended};
-use crate::{CornerUvs, Format, Material, MeshError, Texture};
+use crate::{CornerUvs, Format, MeshError};
+
+mod materials;
 
 /// Instances of a mesh cost nothing in the file; this limits the vertices they may add up to.
 const MOST_VERTICES: usize = 1 << 24;
@@ -46,8 +45,7 @@ pub(crate) fn read_placed(
     beside: &Beside<'_>,
 ) -> Result<(Loaded, Vec<Placed>), MeshError> {
     let read = || {
-        let (json, binary) = if format == Format::Glb { glb_chunks(bytes)? } else { (bytes, None) };
-        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let (json, binary) = json_and_binary(bytes, format)?;
         let root: Root =
             serde_json::from_slice(json).map_err(|error| Fault::part("JSON", error.to_string()))?;
         let squeezed = |name: &&String| name.contains("draco") || name.contains("meshopt");
@@ -81,34 +79,6 @@ pub(crate) fn read_placed(
     Ok((loaded, placed))
 }
 
-/// The JSON chunk and the binary chunk, if any.
-pub(crate) fn glb_chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
-    let word = |at: usize| {
-        let raw = bytes.get(at..).and_then(|rest| rest.first_chunk::<4>());
-        raw.map(|raw| u32::from_le_bytes(*raw))
-            .ok_or_else(|| Fault::byte(bytes.len(), "the file ends in a chunk's header"))
-    };
-    let version = word(4)?;
-    if !bytes.starts_with(b"glTF") || version != 2 {
-        return Err(Fault::byte(0, "not a binary glTF file of version 2"));
-    }
-    let chunk = |at: usize, kind: &[u8; 4]| {
-        let length = word(at)? as usize;
-        if bytes.get(at + 4..at + 8) != Some(kind) {
-            return Err(Fault::byte(at + 4, format!("no {} chunk", kind.escape_ascii())));
-        }
-        let start = at + 8;
-        match start.checked_add(length).and_then(|end| bytes.get(start..end)) {
-            Some(data) => Ok(data),
-            None => Err(Fault::byte(bytes.len(), format!("the file ends inside a chunk of {length} bytes"))),
-        }
-    };
-    let json = chunk(12, b"JSON")?;
-    let next = 20 + json.len().next_multiple_of(4);
-    let binary = if next + 8 <= bytes.len() { Some(chunk(next, b"BIN\0")?) } else { None };
-    Ok((json, binary))
-}
-
 struct Scene<'a> {
     root: &'a Root,
     buffers: Buffers<'a>,
@@ -122,63 +92,6 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    fn materials(&mut self, beside: &Beside<'_>) {
-        let mut pictures = HashMap::new();
-        for material in &self.root.materials {
-            let pbr = material.pbr_metallic_roughness.as_ref();
-            let factor = pbr.and_then(|pbr| pbr.base_color_factor).unwrap_or([1.0; 4]);
-            let base_color = factor.map(|c| if c.is_finite() { c.clamp(0.0, 1.0) as f32 } else { 1.0 });
-            let base_color_texture = self.texture(material, &mut pictures, beside);
-            let name = &material.name;
-            self.draft.materials.push(Material { base_color, base_color_texture, ..Material::named(name) });
-        }
-    }
-
-    fn texture(
-        &mut self,
-        material: &JsonMaterial,
-        pictures: &mut HashMap<usize, Texture>,
-        beside: &Beside<'_>,
-    ) -> Option<Texture> {
-        let index = material.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref()?.index;
-        let source = self.root.textures.get(index).and_then(|texture| texture.source);
-        let Some((source, image)) = source.and_then(|source| Some((source, self.root.images.get(source)?)))
-        else {
-            let reason = "there is no such image".to_owned();
-            self.draft.mended.push(Mended::MissingFile(format!("texture {index}"), reason));
-            return None;
-        };
-        // Many materials may share one picture.
-        if let Some(known) = pictures.get(&source) {
-            return Some(known.clone());
-        }
-        let name = match (&image.name, &image.uri) {
-            (_, Some(uri)) if !uri.starts_with("data:") => percent_decoded(uri),
-            (Some(name), _) => name.clone(),
-            _ => format!("image {source}"),
-        };
-        let bytes = match image.buffer_view {
-            Some(view) => {
-                self.buffers.view(view).map(|(data, _)| data.to_vec()).map_err(|fault| fault.reason)
-            }
-            None => Buffers::uri(image.uri.as_deref().unwrap_or_default(), beside),
-        };
-        let picture = bytes.and_then(|bytes| {
-            if is_picture(&bytes) {
-                Ok(Arc::from(bytes))
-            } else {
-                Err("it is neither PNG nor JPEG".to_owned())
-            }
-        });
-        let bytes = picture.unwrap_or_else(|reason| {
-            self.draft.mended.push(Mended::MissingFile(name.clone(), reason));
-            Arc::default()
-        });
-        let texture = Texture { name, bytes };
-        pictures.insert(source, texture.clone());
-        Some(texture)
-    }
-
     /// Visits the scene's nodes, parents first, with an explicit stack, because a file may nest them to any
     /// depth.
     fn walk(&mut self) -> Result<(), Fault> {

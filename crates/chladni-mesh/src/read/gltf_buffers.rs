@@ -137,7 +137,7 @@ impl<'a> Buffers<'a> {
         let color = |c: &[f64]| [c[0], c[1], c[2], c.get(3).copied().unwrap_or(1.0)];
         match components {
             3 | 4 => Ok(values.chunks_exact(components).map(color).collect()),
-            _ => Err(Fault::part(format!("{used_by}, accessors[{index}]"), "is no colour")),
+            _ => Err(Fault::part(format!("{used_by}, accessors[{index}]"), "is no color")),
         }
     }
 }

@@ -4,6 +4,7 @@ pub(crate) mod beside;
 mod draft;
 pub(crate) mod gltf;
 pub(crate) mod gltf_buffers;
+pub(crate) mod gltf_chunks;
 pub(crate) mod gltf_json;
 pub(crate) mod gltf_matrix;
 mod medit;
@@ -74,7 +75,7 @@ impl fmt::Display for Mended {
                 write!(f, "read as {format}, which its content is, not as its name says")
             }
             Self::Colors(count) => {
-                write!(f, "{count} vertex colours were missing or not numbers: set to white")
+                write!(f, "{count} vertex colors were missing or not numbers: set to white")
             }
             Self::ShortFaces(count) => write!(f, "{count} faces have fewer than three corners: left out"),
             Self::Uvs(count) => write!(f, "{count} texture coordinates were unusable: left out"),
@@ -87,8 +88,8 @@ impl fmt::Display for Mended {
 
 /// Reads a mesh from `bytes`.
 ///
-/// Files that it refers to are not opened: a glTF file with outside buffers is an error, an
-/// OBJ's materials have only their names. [`load_mesh`] finds them.
+/// Files that it refers to are not opened: a glTF file with external buffers is an error, and materials of an
+/// OBJ have only their names. [`load_mesh`] reads them.
 ///
 /// # Errors
 /// [`MeshError::Malformed`] with line, byte or part; [`MeshError::NoFace`] for a well-formed
@@ -97,7 +98,7 @@ pub fn read_mesh(bytes: &[u8], format: Format) -> Result<Loaded, MeshError> {
     read_mesh_beside(bytes, format, &nothing_beside)
 }
 
-/// For a mesh that comes without a folder: whatever it names is not there.
+/// For a mesh without a folder: none of the files that it names can be read.
 ///
 /// # Errors
 /// Always.
@@ -131,7 +132,7 @@ fn load(path: &Path) -> Result<Loaded, MeshError> {
 /// Those of [`read_mesh`], and [`MeshError::UnknownFormat`].
 pub fn read_named_mesh(name: &Path, bytes: &[u8], beside: &Beside<'_>) -> Result<Loaded, MeshError> {
     let extension = name.extension().and_then(|extension| extension.to_str());
-    let format = Format::of(extension, bytes).map_err(MeshError::UnknownFormat)?;
+    let format = Format::of(extension, bytes)?;
     let mut loaded = read_mesh_beside(bytes, format, beside)?;
     if Format::of_path(name).is_some_and(|promised| promised != format) {
         loaded.mended.insert(0, Mended::Misnamed(format));

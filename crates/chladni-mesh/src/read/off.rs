@@ -62,7 +62,7 @@ fn read_ascii(after: &[u8], mut lines: Lines<'_>, vertex: OffVertex) -> Result<D
         }
         let mut rest = Vec::new();
         for word in parts.take(6) {
-            rest.push(number::<f64>(word, line, "a colour or texture coordinate")?);
+            rest.push(number::<f64>(word, line, "a color or texture coordinate")?);
         }
         let uv = if vertex.texture { rest.split_off(rest.len().saturating_sub(2)) } else { Vec::new() };
         if let [u, v] = uv[..] {
@@ -112,7 +112,7 @@ fn read_binary(bytes: &[u8], body: usize, vertex: OffVertex) -> Result<Draft, Fa
     if vertex.texture || vertex.color || vertex.normal {
         return Err(Fault::byte(
             0,
-            "binary OFF is read without colours, normals and texture coordinates only",
+            "binary OFF is read without colors, normals and texture coordinates only",
         ));
     }
     // Byte order and whether faces have colors can only be found by trying which combination matches the
@@ -185,8 +185,8 @@ impl Binary<'_> {
             }
             draft.end_face();
             if colors {
-                for _ in 0..self.count("the number of colour channels")? {
-                    self.word("a colour")?;
+                for _ in 0..self.count("the number of color channels")? {
+                    self.word("a color")?;
                 }
             }
         }

@@ -274,7 +274,7 @@ impl Ply<'_> {
             self.end_row();
         }
         if face_colors {
-            self.draft.mended.push(Mended::LeftOut("face colours".into()));
+            self.draft.mended.push(Mended::LeftOut("face colors".into()));
         }
         Ok(())
     }

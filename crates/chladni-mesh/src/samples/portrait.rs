@@ -7,9 +7,9 @@ mod nose;
 
 use super::field::{carve, common, ellipsoid, join, rod, sphere};
 use super::surface_nets::{Grid, surface};
-use crate::TriMesh;
 use crate::surface::components;
 use crate::surface::vec3::Vec3;
+use crate::{MeshError, TriMesh};
 
 /// The sliders by name, and what they do; each goes from −1 to 1, and 0 is a plain head.
 pub const SLIDERS: [(&str, &str); 17] = [
@@ -35,33 +35,36 @@ pub const SLIDERS: [(&str, &str); 17] = [
 /// What the head is called among the samples; its sliders follow a question mark.
 const NAME: &str = "portrait";
 
-/// The values of the sliders that a sample's name gives, in the order of [`SLIDERS`]; `None` of other samples. An error
-/// says what is wrong with them.
-pub fn portrait_sliders(name: &str) -> Option<Result<[f64; SLIDERS.len()], String>> {
+/// The values of the sliders that a sample's name gives, in the order of [`SLIDERS`]; `None` of other samples. The error is
+/// [`MeshError::Sliders`].
+pub fn portrait_sliders(name: &str) -> Option<Result<[f64; SLIDERS.len()], MeshError>> {
     match name.split_once('?') {
         None if name == NAME => Some(Ok([0.0; SLIDERS.len()])),
-        Some((NAME, sliders)) => Some(parse(sliders)),
+        Some((NAME, sliders)) => Some(parse(name, sliders)),
         _ => None,
     }
 }
 
-/// The name of the head whose sliders stand so, to a hundredth.
+/// The name of the head with these sliders, to a hundredth.
 pub fn portrait_name(values: &[f64; SLIDERS.len()]) -> String {
     let moved = SLIDERS.iter().zip(values).filter(|(_, value)| value.abs() >= 0.005);
     let moved: Vec<String> = moved.map(|((name, _), value)| format!("{name}={:.2}", value)).collect();
     if moved.is_empty() { NAME.to_owned() } else { format!("{NAME}?{}", moved.join(",")) }
 }
 
-/// From `name=value,…`.
-fn parse(text: &str) -> Result<[f64; SLIDERS.len()], String> {
+/// From the `name=value,…` of a `sample`.
+fn parse(sample: &str, text: &str) -> Result<[f64; SLIDERS.len()], MeshError> {
+    let wrong = |why: String| MeshError::Sliders { name: sample.to_owned(), why };
     let mut values = [0.0; SLIDERS.len()];
     for pair in text.split(',').map(str::trim).filter(|pair| !pair.is_empty()) {
         let known = || SLIDERS.map(|(name, _)| name).join(", ");
-        let (name, value) = pair.split_once('=').ok_or_else(|| format!("write jaw=0.5, not {pair:.20}"))?;
+        let (name, value) =
+            pair.split_once('=').ok_or_else(|| wrong(format!("write jaw=0.5, not {pair:.20}")))?;
         let place = SLIDERS.iter().position(|(slider, _)| *slider == name.trim());
-        let place = place.ok_or_else(|| format!("there is no slider {name:.20}; there are {}", known()))?;
+        let place =
+            place.ok_or_else(|| wrong(format!("there is no slider {name:.20}; there are {}", known())))?;
         let value: Option<f64> = value.trim().parse().ok().filter(|x| (-1.0..=1.0).contains(x));
-        values[place] = value.ok_or_else(|| format!("{name} must be a number from -1 to 1"))?;
+        values[place] = value.ok_or_else(|| wrong(format!("{name} must be a number from -1 to 1")))?;
     }
     Ok(values)
 }
@@ -284,7 +287,7 @@ impl Face {
     }
 }
 
-/// The largest piece of `mesh`: what carving leaves inside the head is none of its surface.
+/// The largest piece of `mesh`: pieces that carving leaves inside the head are not part of its surface.
 fn outermost(mesh: TriMesh) -> TriMesh {
     let piece = components(mesh.positions.len(), &mesh.triangles);
     let mut sizes = vec![0_usize; mesh.positions.len()];
@@ -362,11 +365,12 @@ mod tests {
         (values[2], values[13]) = (-1.0, 0.25);
         let name = portrait_name(&values);
         assert_eq!(name, "portrait?age=-1.00,jaw=0.25");
-        assert_eq!(portrait_sliders(&name), Some(Ok(values)));
+        assert!(matches!(portrait_sliders(&name), Some(Ok(read)) if read == values));
         assert_eq!(portrait_name(&[0.0; SLIDERS.len()]), "portrait");
-        assert_eq!(portrait_sliders("head?jaw=1"), None);
+        assert!(portrait_sliders("head?jaw=1").is_none());
         for bad in ["portrait?jaw", "portrait?jaw=2", "portrait?jaw=x", "portrait?tail=1"] {
-            assert!(portrait_sliders(bad).unwrap().is_err(), "{bad}");
+            let why = portrait_sliders(bad).unwrap().unwrap_err().to_string();
+            assert!(why.starts_with(&format!("sample:{bad}: ")), "{why}");
         }
     }
 }

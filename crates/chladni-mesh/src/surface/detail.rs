@@ -1,4 +1,4 @@
-//! Fewer triangles over some of the same vertices.
+//! Coarser triangles over a subset of the vertices.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,4 @@
-//! Places that lie far from each other.
+//! Vertices that are far from each other.
 
 use super::vec3::{Vec3, dot, sub};
 

@@ -71,7 +71,7 @@ fn write(
     animation: Option<MorphAnimation<'_>>,
 ) -> Result<Vec<u8>, MeshError> {
     let unwritable = |reason: String| MeshError::Unwritable { format: FORMAT, reason };
-    check(mesh).map_err(unwritable)?;
+    check(mesh, FORMAT)?;
     for target in targets {
         let (there, n) = (target.displacements.len(), mesh.positions.len());
         if there != n {

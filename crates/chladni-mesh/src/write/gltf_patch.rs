@@ -6,16 +6,18 @@ use std::path::Path;
 use chladni_task::read_file;
 use serde_json::{Value, json};
 
-use super::glb::{Glb, container, smooth_normals};
+use self::turning::{Local, Shape, turned_along};
+use super::glb::{Glb, container};
 use super::{MorphTarget, narrowed};
-use crate::read::gltf::{Placed, glb_chunks, read_placed};
+use crate::read::gltf::{Placed, read_placed};
 use crate::read::gltf_buffers::Buffers;
+use crate::read::gltf_chunks::json_and_binary;
 use crate::read::gltf_json::Root;
-use crate::read::gltf_matrix::Matrix;
 use crate::read::{MOST_BYTES, beside};
-use crate::surface::places;
-use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};
+use crate::surface::vec3::{Vec3, sub};
 use crate::{Format, MeshError, TriMesh, nothing_beside};
+
+mod turning;
 
 const FORMAT: Format = Format::Glb;
 
@@ -69,9 +71,7 @@ fn patched(
     if let Some(target) = targets.iter().find(|target| target.displacements.len() != mesh.positions.len()) {
         return Err(unwritable(format!("target '{}' has not one displacement per vertex", target.name)));
     }
-    let (json, binary) =
-        if format == Format::Glb { glb_chunks(bytes).map_err(malformed)? } else { (bytes, None) };
-    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let (json, binary) = json_and_binary(bytes, format).map_err(malformed)?;
     let parse = |error: serde_json::Error| malformed(crate::error::Fault::part("JSON", error.to_string()));
     let root: Root = serde_json::from_slice(json).map_err(parse)?;
     let document: Value = serde_json::from_slice(json).map_err(parse)?;
@@ -338,68 +338,5 @@ impl Patch<'_> {
         }
         self.document["buffers"] = json!([buffer]);
         container(&self.document, self.file.data).ok_or_else(|| unwritable("the file would pass 4 GiB"))
-    }
-}
-
-/// Smooth normals of the whole shape: at rest and with each target at 1.
-struct Shape {
-    rest: Vec<Vec3>,
-    turned: Vec<Vec<Vec3>>,
-}
-
-impl Shape {
-    fn of(mesh: &TriMesh, targets: &[MorphTarget]) -> Self {
-        let place = places(&mesh.positions);
-        let normals = |positions: &[Vec3]| smooth_normals(&place, positions, &mesh.triangles);
-        let moved = |target: &MorphTarget| -> Vec<Vec3> {
-            mesh.positions.iter().zip(&target.displacements).map(|(p, d)| add(*p, *d)).collect()
-        };
-        Self {
-            rest: normals(&mesh.positions),
-            turned: targets.iter().map(|target| normals(&moved(target))).collect(),
-        }
-    }
-}
-
-/// `normal` by the shortest turn that brings `from` to `to`, both unit.
-fn turned_along(normal: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let (axis, cosine) = (cross(from, to), dot(from, to));
-    if cosine < -0.999 {
-        return scaled(normal, -1.0);
-    }
-    let once = cross(axis, normal);
-    add(add(normal, once), scaled(cross(axis, once), 1.0 / (1.0 + cosine)))
-}
-
-/// From the scene to the coordinates of a node's mesh.
-struct Local {
-    columns: [Vec3; 3],
-    inverse_rows: [Vec3; 3],
-}
-
-impl Local {
-    /// `None` where the node makes its mesh flat.
-    fn of([a, b, c, _]: &Matrix) -> Option<Self> {
-        let columns = [a, b, c].map(|column| [column[0], column[1], column[2]]);
-        let [a, b, c] = columns;
-        let volume = dot(a, cross(b, c));
-        let size = length(a) * length(b) * length(c);
-        let rows = [cross(b, c), cross(c, a), cross(a, b)].map(|row| scaled(row, 1.0 / volume));
-        (volume.abs() > 1e-12 * size).then_some(Self { columns, inverse_rows: rows })
-    }
-
-    /// A displacement of the scene in the mesh.
-    fn offset(&self, d: Vec3) -> Vec3 {
-        self.inverse_rows.map(|row| dot(row, d))
-    }
-
-    /// The direction in the scene of a normal of the mesh.
-    fn normal_there(&self, n: Vec3) -> Vec3 {
-        (0..3).fold([0.0; 3], |sum, i| add(sum, scaled(self.inverse_rows[i], n[i])))
-    }
-
-    /// The unit normal of the mesh with this direction in the scene; zero stays zero.
-    fn normal_here(&self, n: Vec3) -> Vec3 {
-        crate::surface::vec3::unit(self.columns.map(|column| dot(column, n)))
     }
 }

@@ -24,7 +24,7 @@ use crate::{Attribute, Format, MeshError, TriMesh};
 /// [`MeshError::Unwritable`] for another format, for coordinates that the format cannot hold, and
 /// for a mesh whose triangles, faces or appearance do not belong together.
 pub fn write_mesh(mesh: &TriMesh, format: Format) -> Result<Vec<u8>, MeshError> {
-    check(mesh).map_err(|reason| MeshError::Unwritable { format, reason })?;
+    check(mesh, format)?;
     match format {
         Format::Obj => Ok(obj::write(mesh, "materials.mtl")),
         Format::Ply => Ok(ply::write(mesh)),
@@ -48,7 +48,7 @@ pub fn save_mesh(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
             return Err(MeshError::UnknownFormat(reason));
         };
         if format == Format::Obj && !mesh.appearance.materials.is_empty() {
-            check(mesh).map_err(|reason| MeshError::Unwritable { format, reason })?;
+            check(mesh, format)?;
             return obj::save_with_materials(mesh, path);
         }
         write_atomic(path, &write_mesh(mesh, format)?).map_err(MeshError::Io)
@@ -57,15 +57,16 @@ pub fn save_mesh(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
 }
 
 /// Whether all indices are in range and the appearance belongs to the triangles.
-fn check(mesh: &TriMesh) -> Result<(), String> {
+fn check(mesh: &TriMesh, format: Format) -> Result<(), MeshError> {
+    let refused = |reason: &str| Err(MeshError::Unwritable { format, reason: reason.into() });
     let n = mesh.positions.len();
     let look = &mesh.appearance;
     let in_range = |vertices: &[u32]| vertices.iter().all(|&v| (v as usize) < n);
     if mesh.triangles.is_empty() {
-        return Err("it has no triangle".into());
+        return refused("it has no triangle");
     }
     if !in_range(mesh.triangles.as_flattened()) {
-        return Err("a triangle names a vertex that is not there".into());
+        return refused("a triangle names a vertex that is not there");
     }
     let mut corners = 3 * mesh.triangles.len();
     if let Some(polygons) = &look.polygons {
@@ -73,33 +74,33 @@ fn check(mesh: &TriMesh) -> Result<(), String> {
         let whole = polygons.starts.first() == Some(&0)
             && polygons.starts.last().map(|&end| end as usize) == Some(polygons.items.len());
         if !ends || !whole || !in_range(&polygons.items) {
-            return Err("its polygons are not what they should be".into());
+            return refused("its polygons are not what they should be");
         }
         let fan: usize = (0..polygons.len()).map(|f| polygons.row(f).len().saturating_sub(2)).sum();
         if fan != mesh.triangles.len() {
-            return Err("its polygons are not those of its triangles".into());
+            return refused("its polygons are not those of its triangles");
         }
         corners = polygons.items.len();
     }
     if look.colors.as_ref().is_some_and(|colors| colors.len() != n) {
-        return Err("it has not one colour per vertex".into());
+        return refused("it has not one color per vertex");
     }
     for Attribute { name, values } in &look.attributes {
         if values.len() != n {
-            return Err(format!("it has not one '{name}' per vertex"));
+            return refused(&format!("it has not one '{name}' per vertex"));
         }
         if name.is_empty() || name.contains(|c: char| c.is_ascii_whitespace()) {
-            return Err(format!("the name of its attribute '{name}' is not one word"));
+            return refused(&format!("the name of its attribute '{name}' is not one word"));
         }
     }
     if look.uvs.as_ref().is_some_and(|uvs| uvs.corners.len() != corners) {
-        return Err("it has not one texture coordinate per corner".into());
+        return refused("it has not one texture coordinate per corner");
     }
     if !look.face_materials.is_empty() && look.face_materials.len() != mesh.face_count() {
-        return Err("it has not one material per face".into());
+        return refused("it has not one material per face");
     }
     if look.face_materials.iter().flatten().any(|&m| m as usize >= look.materials.len()) {
-        return Err("a face names a material that is not there".into());
+        return refused("a face names a material that is not there");
     }
     Ok(())
 }

@@ -133,7 +133,7 @@ fn the_filter_form_keeps_a_mirror_symmetric_shape_symmetric() {
         ready.body.positions.iter().enumerate().map(|(v, p)| (key(*p), v)).collect();
     let mirror = |v: usize| {
         let [x, y, z] = key(ready.body.positions[v]);
-        // Rounding may put the mirror image into a neighbouring cell.
+        // Rounding may put the mirror image into a neighboring cell.
         (0..27)
             .map(|i: i64| [-x + i % 3 - 1, y + i / 3 % 3 - 1, z + i / 9 - 1])
             .find_map(|k| at.get(&k).copied())

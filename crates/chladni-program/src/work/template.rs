@@ -31,7 +31,7 @@ pub fn matched(
     watcher: &impl Watcher,
 ) -> Result<Matched, CaricatureError> {
     let template = template_mesh(&request.template, watcher)
-        .map_err(|error| CaricatureError::Unmatched(error.to_string()))?;
+        .map_err(|error| CaricatureError::Elsewhere(error.to_string()))?;
     matched_with(request, mesh, body, template.as_ref(), watcher)
 }
 

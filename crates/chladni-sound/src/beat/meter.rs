@@ -74,8 +74,8 @@ impl Meter {
 
 /// The onset strength expected at a place within a beat of this period.
 fn template(place: usize, period: usize) -> f64 {
-    let bump = |centre: f64| {
-        let off = (place as f64 - centre).abs();
+    let bump = |center: f64| {
+        let off = (place as f64 - center).abs();
         let off = off.min(period as f64 - off);
         (-0.5 * (off / BEAT_WIDTH).powi(2)).exp()
     };

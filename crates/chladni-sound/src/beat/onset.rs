@@ -78,8 +78,8 @@ impl OnsetDetector {
         let n = if n as f64 > 1.5 * rate * WINDOW_SECS { n / 2 } else { n }.max(64);
         let fft = RealFftPlanner::new().plan_fft_forward(n);
         let bands = bands(rate, n);
-        let centre_hz = |band: &(usize, Vec<f32>)| (band.0 + band.1.len() / 2) as f64 * rate / n as f64;
-        let bass = bands.iter().take_while(|band| centre_hz(band) < BASS_HZ).count();
+        let center_hz = |band: &(usize, Vec<f32>)| (band.0 + band.1.len() / 2) as f64 * rate / n as f64;
+        let bass = bands.iter().take_while(|band| center_hz(band) < BASS_HZ).count();
         let quiet = vec![0.0; bands.len()];
         let channel = || Channel {
             // Before the first sample there is silence.
@@ -119,8 +119,8 @@ impl OnsetDetector {
         self.channels[1].samples.extend_from_slice(&right[..count]);
         let n = self.window.len();
         loop {
-            let centre = (self.frames_done as f64 * self.rate_hz / ONSET_RATE_HZ).round() as i64;
-            let start = (centre - n as i64 / 2 - self.kept_from) as usize;
+            let center = (self.frames_done as f64 * self.rate_hz / ONSET_RATE_HZ).round() as i64;
+            let start = (center - n as i64 / 2 - self.kept_from) as usize;
             if start + n > self.channels[0].samples.len() {
                 break;
             }
@@ -174,8 +174,8 @@ fn flux(past: &[Vec<f32>; LAG + 1], scale: f32, bands: std::ops::Range<usize>) -
     let mut sum = 0.0;
     for b in bands {
         let magnitude = now[b];
-        let neighbours = &before[b.saturating_sub(1)..=(b + 1).min(last)];
-        let loudest = neighbours.iter().fold(0.0f32, |a, &x| a.max(x));
+        let neighbors = &before[b.saturating_sub(1)..=(b + 1).min(last)];
+        let loudest = neighbors.iter().fold(0.0f32, |a, &x| a.max(x));
         if magnitude > loudest {
             sum += ((1.0 + scale * magnitude) / (1.0 + scale * loudest)).ln();
         }
@@ -187,12 +187,12 @@ fn flux(past: &[Vec<f32>; LAG + 1], scale: f32, bands: std::ops::Range<usize>) -
 fn bands(rate_hz: f64, n: usize) -> Vec<(usize, Vec<f32>)> {
     let bin_hz = rate_hz / n as f64;
     let top = HIGHEST_HZ.min(0.48 * rate_hz);
-    let mut centres: Vec<usize> = Vec::new();
+    let mut centers: Vec<usize> = Vec::new();
     let mut hz = LOWEST_HZ;
     while hz < top {
         let bin = (hz / bin_hz).round().max(1.0) as usize;
-        if centres.last() != Some(&bin) {
-            centres.push(bin);
+        if centers.last() != Some(&bin) {
+            centers.push(bin);
         }
         hz *= (1.0 / BANDS_PER_OCTAVE).exp2();
     }
@@ -211,7 +211,7 @@ fn bands(rate_hz: f64, n: usize) -> Vec<(usize, Vec<f32>)> {
         let sum: f32 = weights.iter().sum();
         (a + 1, weights.iter().map(|w| w / sum).collect())
     };
-    centres.windows(3).map(triangle).collect()
+    centers.windows(3).map(triangle).collect()
 }
 
 #[cfg(test)]

@@ -251,7 +251,7 @@ impl SpectrumAnalyser {
 
     /// Center of each band, in Hz.
     pub fn bands_hz(&self) -> &[f32] {
-        &self.bands.centres_hz
+        &self.bands.centers_hz
     }
 
     /// The spectrum that was computed last.

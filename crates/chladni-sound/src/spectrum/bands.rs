@@ -19,7 +19,7 @@ const MIN_HALF_WIDTH_BINS: f64 = 2.5;
 
 /// The bands of one analyzer, over the bins of one FFT.
 pub(super) struct Bands {
-    pub centres_hz: Vec<f32>,
+    pub centers_hz: Vec<f32>,
     /// First bin of each band, and where its weights begin in `weights`.
     starts: Vec<(usize, usize)>,
     weights: Vec<f32>,
@@ -40,40 +40,40 @@ impl Bands {
         let ratio = (high_hz / low_hz).powf(1.0 / steps);
         let step = (high_hz - low_hz) / steps;
         let mut bands = Self {
-            centres_hz: Vec::with_capacity(count),
+            centers_hz: Vec::with_capacity(count),
             starts: Vec::with_capacity(count + 1),
             weights: Vec::new(),
         };
         for k in 0..count {
-            let (centre, below, above) = match front_end {
+            let (center, below, above) = match front_end {
                 FrontEnd::Linear => (low_hz + k as f64 * step, step, step),
                 FrontEnd::LogBands => {
-                    let centre = low_hz * ratio.powi(k as i32);
+                    let center = low_hz * ratio.powi(k as i32);
                     // The band is symmetric in pitch, and therefore not in Hz.
                     let reach = ratio.powf(HALF_WIDTH_STEPS);
-                    let below = centre * (1.0 - 1.0 / reach) / HALF_WIDTH_STEPS;
-                    (centre, below, centre * (reach - 1.0) / HALF_WIDTH_STEPS)
+                    let below = center * (1.0 - 1.0 / reach) / HALF_WIDTH_STEPS;
+                    (center, below, center * (reach - 1.0) / HALF_WIDTH_STEPS)
                 }
             };
             let bins = |hz: f64| (HALF_WIDTH_STEPS * hz / bin_hz).max(MIN_HALF_WIDTH_BINS);
-            bands.push(centre / bin_hz, bins(below), bins(above), window / 2);
-            bands.centres_hz.push(centre as f32);
+            bands.push(center / bin_hz, bins(below), bins(above), window / 2);
+            bands.centers_hz.push(center as f32);
         }
         bands.starts.push((0, bands.weights.len()));
         bands
     }
 
-    /// One band: raised-cosine weights around `centre`, scaled so that a sine of amplitude 1
+    /// One band: raised-cosine weights around `center`, scaled so that a sine of amplitude 1
     /// at the center gives 1.
-    fn push(&mut self, centre: f64, below: f64, above: f64, last_bin: usize) {
+    fn push(&mut self, center: f64, below: f64, above: f64, last_bin: usize) {
         // Bin 0 holds the mean, which is inaudible.
-        let first = ((centre - below).ceil().max(1.0) as usize).min(last_bin);
-        let last = ((centre + above).floor() as usize).clamp(first, last_bin);
+        let first = ((center - below).ceil().max(1.0) as usize).min(last_bin);
+        let last = ((center + above).floor() as usize).clamp(first, last_bin);
         self.starts.push((first, self.weights.len()));
         let from = self.weights.len();
         let mut response = 0.0;
         for bin in first..=last {
-            let off = bin as f64 - centre;
+            let off = bin as f64 - center;
             let reach = if off < 0.0 { below } else { above };
             let weight = 0.5 * (1.0 + (std::f64::consts::PI * (off / reach).clamp(-1.0, 1.0)).cos());
             response += weight * hann_lobe(off).powi(2);
@@ -87,7 +87,7 @@ impl Bands {
 
     /// Amplitude of each band from the power of each bin.
     pub fn amplitudes(&self, power: &[f32], out: &mut [f32]) {
-        for ((pair, value), _) in self.starts.windows(2).zip(out.iter_mut()).zip(&self.centres_hz) {
+        for ((pair, value), _) in self.starts.windows(2).zip(out.iter_mut()).zip(&self.centers_hz) {
             let (first, from) = pair[0];
             let weights = &self.weights[from..pair[1].1];
             let sum: f32 = weights.iter().zip(&power[first..]).map(|(w, p)| w * p).sum();

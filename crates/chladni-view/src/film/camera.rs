@@ -1,4 +1,5 @@
-//! What is seen now, as a camera for other programs: nobody waits for those, and they get the newest picture.
+//! Live pictures as a camera for other programs. We never wait for them, and they always get the newest
+//! picture.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,9 +14,9 @@ use super::live::fit;
 use super::{FilmSettings, FrameRate, on_black};
 use crate::{Picture, ViewError};
 
-/// Where Linux lists the video devices that no hardware stands behind.
+/// Where Linux lists video devices without hardware.
 const VIRTUAL_DEVICES: &str = "/sys/devices/virtual/video4linux";
-/// What PipeWire's way of a camera takes, where it is missing.
+/// What to install for a PipeWire camera if it is missing.
 const INSTALL: &str = "install gstreamer1.0-tools, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good and gstreamer1.0-pipewire";
 
 /// Which kind of camera other programs see.
@@ -42,7 +43,7 @@ pub fn video_devices() -> Vec<(PathBuf, String)> {
 
 /// A camera that shows the newest picture it was given, again and again. Dropped, it is gone.
 ///
-/// A picture is never waited for and never queued: one that comes before the last one was shown takes its place.
+/// Pictures are not queued: one that comes before the last one was shown replaces it.
 #[derive(Debug)]
 pub struct LiveCamera {
     feed: Feed,
@@ -66,7 +67,8 @@ struct Newest {
 }
 
 impl LiveCamera {
-    /// Opens one of `width`×`height` pixels, both even for other programs' sake, that is black until a picture comes.
+    /// Opens a camera of `width`×`height` pixels, both even because some programs need that. It is black until a
+    /// picture comes.
     ///
     /// # Errors
     /// [`ViewError::Camera`] where a program is missing that it needs or refuses to start; [`ViewError::Size`] and
@@ -103,7 +105,8 @@ impl LiveCamera {
         Ok(Self { feed, common, thread: Some(thread) })
     }
 
-    /// Shows what is seen, of any size, from now on. What `picture` holds afterwards is memory for the next one.
+    /// Shows `picture`, of any size, from now on; leaves an old picture in it, whose memory can hold the next
+    /// one.
     pub fn picture(&mut self, picture: &mut Picture) {
         // The other thread swaps pictures under this lock and does nothing else.
         let mut newest = self.common.newest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -113,12 +116,12 @@ impl LiveCamera {
         }
     }
 
-    /// How many pictures went out; where nobody looks, none do.
+    /// How many pictures went out; none do while nobody watches.
     pub fn sent(&self) -> u64 {
         self.common.sent.load(Ordering::Relaxed)
     }
 
-    /// How many were followed by another one before they went out.
+    /// How many were replaced by a newer one before they went out.
     pub fn left_out(&self) -> u64 {
         self.common.left_out.load(Ordering::Relaxed)
     }
@@ -129,7 +132,7 @@ impl LiveCamera {
             return None;
         }
         self.thread.take()?.join().ok();
-        // What follows the first complaint follows from it.
+        // Later complaints only follow from the first one.
         let said = self.feed.complaint("its program has ended");
         let said = said.split("; ").next().unwrap_or_default();
         Some(ViewError::Camera(if said.contains("no element") {
@@ -217,7 +220,7 @@ impl Sender {
                 return;
             }
             self.common.sent.fetch_add(1, Ordering::Relaxed);
-            // Where its reader was late, the slots meanwhile are left out.
+            // If the reader was late, the slots in between are left out.
             slot = (slot + 1).max(self.rate.slot(began.elapsed().as_secs_f64()));
             let next = Duration::from_secs_f64(self.rate.start_secs(slot));
             std::thread::sleep(next.saturating_sub(began.elapsed()));

@@ -1,10 +1,10 @@
-//! A program that is fed through its standard input, and what it complains of.
+//! A program that reads from us on standard input, and its error messages.
 
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
 use std::thread::JoinHandle;
 
-/// Of what a program says on standard error, this much is kept.
+/// This much of a program's standard error is kept.
 const MOST_COMPLAINTS: u64 = 64 << 10;
 
 /// A running program. Dropped, it is ended.
@@ -31,19 +31,19 @@ impl Feed {
         Ok(Self { child, input, complaints })
     }
 
-    /// Gives it more; where it takes no more, what it said of that.
+    /// Writes to it. The error is what the program said, if it takes no more.
     pub(super) fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
         let Some(input) = &mut self.input else { return Err(self.complaint("it takes no more frames")) };
         let written = input.write_all(bytes);
         written.map_err(|why| self.complaint(&why.to_string()))
     }
 
-    /// What it reads, for another thread to write; it ends where that is dropped.
+    /// Its standard input, for another thread to write; the program ends when that is dropped.
     pub(super) fn take_input(&mut self) -> Option<ChildStdin> {
         self.input.take()
     }
 
-    /// Lets it end by itself, and waits for that.
+    /// Closes its input and waits until it ends.
     pub(super) fn finish(&mut self) -> Result<(), String> {
         self.input = None;
         let status = self.child.wait().map_err(|why| why.to_string())?;
@@ -58,7 +58,7 @@ impl Feed {
         let _ = self.child.wait();
     }
 
-    /// Ends it and tells in one line what it said, or `otherwise`.
+    /// Ends it and returns what it said as one line, or `otherwise` if it said nothing.
     pub(super) fn complaint(&mut self, otherwise: &str) -> String {
         self.end();
         let text = self.complaints.take().and_then(|thread| thread.join().ok()).unwrap_or_default();

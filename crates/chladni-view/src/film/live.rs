@@ -1,4 +1,5 @@
-//! A film of what happens now: nobody waits for its encoder, and what comes too fast is left out and counted.
+//! A film recorded live: nobody waits for its encoder, and pictures that come too fast are left out and
+//! counted.
 
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -19,7 +20,7 @@ use crate::{Picture, ViewError};
 const MOST_WAITING: usize = 4;
 /// Messages that may wait; sound comes in small pieces.
 const MOST_MESSAGES: usize = 4096;
-/// Sound that is later than this is silence in between.
+/// After a gap longer than this, silence is inserted.
 const LATE_SECS: f64 = 0.1;
 
 /// An MP4 with sound that is written while it happens. Dropped before it is finished, it leaves nothing behind.
@@ -103,8 +104,8 @@ impl LiveFilm {
         self.last.is_none_or(|last| self.rate.slot(at_secs) > last)
     }
 
-    /// Takes the picture of `at_secs`, of any size; it is shown until the next one. Left out where it is not due, and
-    /// left out and counted where the encoder is too far behind.
+    /// Takes the picture of `at_secs`, of any size; it is shown until the next one. A picture that is not due is
+    /// ignored; one that comes while the encoder is too far behind is left out and counted.
     pub fn picture(&mut self, at_secs: f64, picture: Picture) {
         let slot = self.rate.slot(at_secs);
         if !self.is_due(at_secs) {
@@ -231,7 +232,7 @@ impl Writer {
         command.args(["-f", "f32le", "-ar", &sound_hz.to_string(), "-ac", "2", "-i"]);
         command.arg(folder.path().join(SOUND));
         command.args(["-map", "0:v", "-map", "1:a", "-c:v", "copy", "-c:a", "aac", "-b:a", "192k"]);
-        // As long as the pictures, whose copy would let the sound run on with -shortest.
+        // Cut by hand: with copied pictures, -shortest would let the sound run on.
         let secs = format!("{:.6}", rate.start_secs(written));
         command.args(["-af", "apad", "-t", &secs, "-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
         let said = command.stdin(Stdio::null()).output().map_err(|why| ViewError::Ffmpeg(why.to_string()))?;

@@ -1,4 +1,4 @@
-//! Films: frames in, one file (or a folder of frames) out, encoded beside the drawing.
+//! Films: frames in, one file (or a folder of frames) out, encoded while the next frames are drawn.
 
 mod camera;
 mod feed;
@@ -63,7 +63,7 @@ pub enum FilmFormat {
     Mp4,
     /// An animated GIF of at most 50 frames per second, looped, without sound.
     Gif,
-    /// An animated PNG, looped, without sound; all colours and alpha.
+    /// An animated PNG, looped, without sound; all colors and alpha.
     Apng,
     /// A folder of `frame-00000.png` …, without sound.
     Frames,
@@ -113,7 +113,7 @@ pub struct FilmSettings {
     pub rate: FrameRate,
     /// How many frames there will be.
     pub frames: u64,
-    /// The number of the first one, which pictures in a folder bear: not 0 where the film is a part of a longer one.
+    /// The number of the first frame, used in the names of pictures in a folder: not 0 in a piece of a longer film.
     pub first: u64,
     /// A sound file that ffmpeg reads (WAV), laid under an MP4 from its first frame on and cut or
     /// filled with silence to the film's length. The other formats have no sound.
@@ -134,8 +134,8 @@ impl FilmSettings {
     }
 }
 
-/// A film that is being written. Frames are encoded on a thread of their own. A film that is
-/// dropped before [`finish`](Self::finish) leaves nothing behind (but the whole frames of a folder).
+/// A film that is being written. Frames are encoded on a thread of their own. A film that is dropped before
+/// [`finish`](Self::finish) leaves nothing behind, except complete frames in a folder.
 #[derive(Debug)]
 pub struct Film {
     settings: FilmSettings,

@@ -1,23 +1,23 @@
-//! 255 colours for a whole clip.
+//! 255 colors for a whole clip.
 
 use crate::Picture;
 
-/// Bits a channel of the histogram and of the table that finds the nearest colour.
+/// Bits a channel of the histogram and of the table that finds the nearest color.
 const BITS: u32 = 6;
 const CELLS: usize = 1 << (3 * BITS);
 
-/// Colours chosen by median cut and improved by Lloyd's k-means, both on a histogram.
+/// Colors chosen by median cut and improved by Lloyd's k-means, both on a histogram.
 pub(super) struct Palette {
     colors: Vec<[u8; 3]>,
-    /// Nearest colour of each histogram cell.
+    /// Nearest color of each histogram cell.
     nearest: Vec<u8>,
-    /// Half the typical distance between neighbours: the amplitude of the dither.
+    /// Half the typical distance between neighbors: the amplitude of the dither.
     spread: f32,
     /// Whether the clip has transparent pixels.
     pub(super) has_clear: bool,
 }
 
-/// A histogram cell that occurs: mean colour and weight.
+/// A histogram cell that occurs: mean color and weight.
 #[derive(Clone, Copy)]
 struct Sample {
     color: [f32; 3],
@@ -29,7 +29,7 @@ impl Palette {
     pub(super) const CLEAR: u8 = 255;
 
     pub(super) fn of(pictures: &[Picture]) -> Self {
-        // At most some 32 frames, evenly spread, are looked at.
+        // About 32 evenly spread frames are enough.
         let step = pictures.len().div_ceil(32).max(1);
         let mut counts = vec![0_u32; CELLS];
         let mut has_clear = false;
@@ -45,7 +45,7 @@ impl Palette {
         let samples: Vec<Sample> = (0..)
             .zip(&counts)
             .filter(|(_, count)| **count > 0)
-            // Large flat areas must not take all colours: their weight grows as the square root.
+            // Large flat areas must not take all colors: their weight grows as the square root.
             .map(|(cell, count)| Sample { color: cell_color(cell), weight: (*count as f32).sqrt() })
             .collect();
         let mut means = median_cut(samples.clone(), 255);
@@ -155,7 +155,7 @@ fn improve(means: &mut [[f32; 3]], samples: &[Sample]) {
     }
 }
 
-/// Half the median distance from a colour to its nearest neighbour.
+/// Half the median distance from a color to its nearest neighbor.
 fn spread(means: &[[f32; 3]]) -> f32 {
     let mut gaps: Vec<f32> = (0..means.len())
         .map(|i| {

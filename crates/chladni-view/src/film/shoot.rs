@@ -12,7 +12,7 @@ use crate::{Canvas, Picture, Renderer, ViewError};
 /// Frames that may be on their way back from the device.
 const IN_FLIGHT: usize = 3;
 
-/// How long drawing and encoding, which run beside whoever films, kept it waiting.
+/// How long the caller had to wait for drawing and for encoding, which run at the same time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Waits {
     /// For finished pictures, with fetching them.
@@ -39,8 +39,8 @@ pub fn shoot<E: From<ViewError>>(
     Ok(())
 }
 
-/// As [`shoot`], with `lead` frames more before those of the film, which are drawn and retouched but are no part of it:
-/// numbers count from the first of them. `retouch` gets the index of each frame and its picture, in order, before it is
+/// As [`shoot`], with `lead` more frames before those of the film. They are drawn and retouched but not encoded;
+/// indices count from the first of them. `retouch` gets the index of each frame and its picture, in order, before it is
 /// encoded, some frames after it was drawn.
 ///
 /// # Errors

@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use super::pipelines::{DEPTH, smooth_layout};
 use crate::{Gpu, Samples, ViewError};
 
-/// Colour samples, depth, and the finished picture.
+/// Color samples, depth, and the finished picture.
 #[derive(Debug)]
 pub(crate) struct Canvas {
     pub(crate) width: u32,
@@ -16,7 +16,7 @@ pub(crate) struct Canvas {
     depth: wgpu::TextureView,
     pub(super) finished: wgpu::Texture,
     pub(crate) finished_view: wgpu::TextureView,
-    /// The colours as an image, where their edges are still to be smoothed.
+    /// The colors as an image, where their edges are still to be smoothed.
     rough: Option<wgpu::BindGroup>,
 }
 
@@ -84,8 +84,8 @@ impl Canvas {
         })
     }
 
-    /// Begins a pass over the whole canvas, cleared to nothing; resolved samples go to `target`, and depths stay where
-    /// they are to be kept.
+    /// Begins a pass over the whole canvas, cleared to transparent. Resolved samples go to `target`; depths are kept
+    /// if they are needed.
     pub(crate) fn pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -114,8 +114,8 @@ impl Canvas {
         })
     }
 
-    /// Where the device does not finish the picture by itself: the colours to be smoothed, and the
-    /// pass that does it, into `target`.
+    /// If edges are smoothed in a pass of our own: the colors to be smoothed, and the pass that writes them
+    /// to `target`.
     pub(crate) fn smoothing<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -157,7 +157,7 @@ pub(crate) struct Readback {
     /// Bytes of a row in the buffer, a multiple of 256.
     stride: u32,
     blue_first: bool,
-    /// The copy that was started last, and where the word of its mapping arrives.
+    /// The copy that was started last, and where we learn that it is mapped.
     copy: Option<(wgpu::SubmissionIndex, Receiver<Result<(), wgpu::BufferAsyncError>>)>,
 }
 

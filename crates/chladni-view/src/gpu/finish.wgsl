@@ -1,4 +1,4 @@
-// What is done to a finished picture. Colours are its own numbers, sRGB-encoded and premultiplied; light
+// What is done to a finished picture. Colors are its own numbers, sRGB-encoded and premultiplied; light
 // spreads on small pictures of their squares.
 
 struct Finish {

@@ -1,4 +1,4 @@
-//! The finish of a picture on a graphics device: textures that it passes through, and its passes.
+//! The finish of a picture on a graphics device: its passes, and the textures between them.
 
 use std::sync::Arc;
 

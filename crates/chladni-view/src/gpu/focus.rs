@@ -1,4 +1,4 @@
-//! Depth of field on a graphics device: the depths that are kept for it, and its passes.
+//! Depth of field on a graphics device: its passes, and the depths that they read.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-// Depth of field: what is out of focus spreads on a small picture, which is laid over the sharp one. Colours are
+// Depth of field: what is out of focus spreads on a small picture, which is laid over the sharp one. Colors are
 // the picture's own numbers, sRGB-encoded and premultiplied; light spreads as their squares.
 
 // What a cell has in focus.
@@ -64,7 +64,7 @@ fn circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
 
 struct Small { @location(0) light: vec4f, @location(1) number: vec4f }
 
-// Each square of pixels as one: the circle of what is nearest, and the colour of what has such a circle.
+// Each square of pixels as one: the circle of what is nearest, and the color of what has such a circle.
 @fragment
 fn shrink_fragment(@builtin(position) clip: vec4f) -> Small {
     let first = vec2u(clip.xy) * spread.step;
@@ -92,10 +92,10 @@ fn shrink_fragment(@builtin(position) clip: vec4f) -> Small {
 // The part of a disc that a pixel is, where the whole is the square of its radius.
 const PIXEL = 0.31830987;
 
-// How far into what is sharp the colours beside it are continued.
+// How far into what is sharp the colors beside it are continued.
 const CONTINUED = 2.0;
 
-// How much a colour counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
+// How much a color counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
 // through something before the focus, where `whole` is 1.
 fn soft(radius: f32, whole: f32) -> f32 {
     return mix(min(abs(radius), 1.0) + 1.0 / 64.0, 1.0, whole);

@@ -1,4 +1,4 @@
-//! The images that every pipeline reads: colour maps, the skin, and the key light's shadow maps.
+//! The images that every pipeline reads: color maps, the skin, and the key light's shadow maps.
 
 use super::memory::image;
 use super::pipelines::{DEPTH, Layouts};
@@ -175,7 +175,7 @@ fn group(
     })
 }
 
-/// All colour maps, then all palettes, one a row.
+/// All color maps, then all palettes, one a row.
 fn map_texture(gpu: &Gpu) -> wgpu::TextureView {
     let at = |i: u32| i as f32 / 255.0;
     let maps = ColorMap::ALL.iter().flat_map(|map| (0..256).map(move |i| map.color(at(i))));

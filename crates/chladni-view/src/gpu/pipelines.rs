@@ -10,8 +10,21 @@ use crate::Samples;
 /// Depth of a canvas.
 pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
-/// Bytes of one marker: position, radius, colour.
+/// Bytes of one marker: position, radius, color.
 pub(crate) const MARKER_BYTES: u64 = 20;
+
+/// One text of many parts, which use each other's names.
+const SHADER: &str = concat!(
+    include_str!("shader/scene.wgsl"),
+    include_str!("shader/surface.wgsl"),
+    include_str!("shader/color.wgsl"),
+    include_str!("shader/light.wgsl"),
+    include_str!("shader/paint.wgsl"),
+    include_str!("shader/backdrop.wgsl"),
+    include_str!("shader/marker.wgsl"),
+    include_str!("shader/edges.wgsl"),
+    include_str!("shader/grains.wgsl"),
+);
 
 pub(crate) struct Layouts {
     pub(crate) cell: BindGroupLayout,
@@ -51,7 +64,7 @@ pub(crate) enum Part {
     Smooth,
 }
 
-/// Where a surface's colour comes from.
+/// Where a surface's color comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Coat {
     Plain,
@@ -177,10 +190,8 @@ impl Pipelines {
         let groups = [&layouts.cell, &layouts.figure, &layouts.images, &layouts.corners].map(Some);
         Self {
             module: device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some("shader.wgsl"),
-                source: wgpu::ShaderSource::Wgsl(
-                    concat!(include_str!("shader.wgsl"), include_str!("grains.wgsl")).into(),
-                ),
+                label: Some("gpu/shader"),
+                source: wgpu::ShaderSource::Wgsl(SHADER.into()),
             }),
             shadowed: layout(&groups[..2]),
             indexed: layout(&groups[..3]),

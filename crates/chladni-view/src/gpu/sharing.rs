@@ -1,4 +1,4 @@
-//! What is shared with a window or a synthesizer on the same device, without a copy.
+//! Textures and buffers shared with a window or a synthesizer on the same device, without a copy.
 
 use super::{Canvas as DeviceCanvas, Renderer as DeviceRenderer};
 use crate::buffers::{DeviceItems, Held};

@@ -1,7 +1,7 @@
 //! Drawings in ink: contours, suggestive contours, ridges, valleys and hatching, as strokes on paper.
 //!
-//! A [`Plate`] is a shape made ready to be drawn, [`Plate::strokes`] draws it from one side, and a [`Drawing`] is all
-//! strokes of a sheet, from which both the picture and the SVG are made.
+//! A [`Plate`] is a shape prepared for drawing, [`Plate::strokes`] draws it from one side, and a [`Drawing`] holds
+//! all strokes of a sheet, from which the picture and the SVG are made.
 
 mod drawing;
 mod hatching;

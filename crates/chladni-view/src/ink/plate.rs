@@ -1,4 +1,4 @@
-//! A shape made ready to be drawn: what does not depend on where it is seen from.
+//! A shape prepared for drawing: everything that does not depend on the point of view.
 
 use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub, unit};
 use chladni_mesh::surface::{

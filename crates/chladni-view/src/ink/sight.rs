@@ -1,4 +1,4 @@
-//! What is seen of a plate, and where.
+//! Which parts of a plate are visible, and where on the paper.
 
 use chladni_mesh::surface::vec3::{Vec3, add, dot, length, scaled, sub, unit};
 use glam::Vec3 as Single;

@@ -1,4 +1,4 @@
-//! From lines on the surface to strokes on paper: what is seen of them, joined, smoothed and given a width.
+//! From lines on the surface to strokes on paper: their visible parts, joined, smoothed and given a width.
 
 use std::collections::HashMap;
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! Looks through a lens that is near and wide open: little of the shape is in focus.
+//! Looks through a near lens with a wide opening: little of the shape is in focus.
 
 use super::*;
 

@@ -33,7 +33,7 @@ impl Look {
         response: Response { flow: 0.0, timbre: 0.1, sides: 0.0, glow: 0.0, ..Self::AURORA.response },
     };
 
-    /// Opal: each place runs through all hues once in a vibration, and its neighbour beyond a still line is half a
+    /// Opal: each place runs through all hues once in a vibration, and its neighbor beyond a still line is half a
     /// circle away.
     pub const OPAL: Self = Self {
         material: Material {

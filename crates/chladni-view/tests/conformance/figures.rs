@@ -178,7 +178,7 @@ pub const LOOKS: [(&str, Drawn); 28] = [
         let figures = [Figure { paint: Paint::Values(&m.values, scale), ..m.figure() }];
         m.draw(size[0], size[1], &[m.cell(&figures, size)])
     }),
-    ("colours and wires", |m, size| {
+    ("colors and wires", |m, size| {
         let wire = Some(Wire { opacity: 0.8, ..Wire::default() });
         let figures = [Figure { paint: Paint::Colors(&m.colors), wire, ..m.figure() }];
         m.draw(size[0], size[1], &[m.cell(&figures, size)])

@@ -1,6 +1,6 @@
 // Columns = H × coefficients, for the vertices of one chunk of the basis.
 //
-// Each thread sums WIDTH columns of VERTICES neighbouring vertices. What stands in braces is written out by
+// Each thread sums WIDTH columns of VERTICES neighboring vertices. What stands in braces is written out by
 // product.rs for each WIDTH: the sums are variables sum0, sum1, … and the harmonics of a batch follow each other.
 
 struct Chunk {

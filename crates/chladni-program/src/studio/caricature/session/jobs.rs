@@ -29,7 +29,7 @@ impl Session {
             && let Some(outcome) = job.ended()
         {
             let request = request.clone();
-            let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Unmatched(why.to_string())));
+            let result = outcome.unwrap_or_else(|why| Err(CaricatureError::Elsewhere(why.to_string())));
             // No message if the user stopped it.
             let failed = result.as_ref().err().filter(|why| !matches!(why, CaricatureError::Cancelled(_)));
             warning = failed.map(|why| Warning::Plain(why.to_string()));
@@ -73,7 +73,7 @@ impl Session {
         {
             let request = request.clone();
             self.keeping = None;
-            self.stack.settle(request, outcome.map_err(|why| CaricatureError::Unkept(why.to_string())));
+            self.stack.settle(request, outcome.map_err(|why| CaricatureError::Elsewhere(why.to_string())));
             self.refresh();
             return true;
         }

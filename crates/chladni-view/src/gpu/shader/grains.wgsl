@@ -1,5 +1,5 @@
 // Grains of sand on a figure: lit discs that face the viewer, as far along the surface's normal as their
-// radius and what they fly. This text follows that of shader.wgsl.
+// radius and what they fly.
 
 struct GrainDisc {
     @builtin(position) clip: vec4f,

@@ -1,0 +1,54 @@
+//! How a show looks, and from where it is seen.
+
+use serde::{Deserialize, Serialize};
+
+/// What a dance looks like, by names: a whole scene, and what takes the place of its parts. Empty names are the
+/// scene's own parts, and the plain scene.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Looks {
+    /// The whole scene.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub look: String,
+    /// What colors the movement.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub palette: String,
+    /// Of the shapes.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub material: String,
+    /// On them.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub lights: String,
+    /// Behind them.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub background: String,
+    /// The file of a picture that stands behind them.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub picture: String,
+    /// The file of a panorama that shines on them.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub panorama: String,
+    /// How soft is what is not in focus, percent of the most; the scene's own where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blur_percent: Option<u8>,
+}
+
+/// The viewpoint, before the beat turns the shape. The default shows the whole shape.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Viewpoint {
+    /// About the vertical; positive moves the viewer to the right.
+    pub yaw_rad: f32,
+    /// Above the horizon.
+    pub pitch_rad: f32,
+    /// The distance, in multiples of the smallest one that shows the whole shape.
+    pub distance: f32,
+    /// How far the picture is shifted to the right and downward, in heights of a cell.
+    pub shift: [f32; 2],
+}
+
+impl Default for Viewpoint {
+    fn default() -> Self {
+        Self { yaw_rad: 0.0, pitch_rad: 0.14, distance: 1.0, shift: [0.0; 2] }
+    }
+}

@@ -1,0 +1,175 @@
+// Vertices of shapes: where they lie, and what their paint needs.
+
+// Position and normal in the viewer's axes; all that bare surfaces hand on. Where it lies in the key
+// light's map, in texels and depth, and how far from there is a step off its front.
+struct Surface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+}
+
+struct ValuedSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) value: f32,
+}
+
+struct ColoredSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) color: vec3f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+}
+
+// Answers: place of the palette, and own light.
+struct AnsweredSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) answer: vec2f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+}
+
+// The same, and the ways outward from the rest and from where it was lately.
+struct FiguredSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) answer: vec4f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+}
+
+// Corners carry whatever their paint needs: a value in x, a color, a (u, v) or an answer.
+struct CornerSurface {
+    @builtin(position) clip: vec4f,
+    @location(0) at: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) paint: vec3f,
+    @location(3) map_at: vec3f,
+    @location(4) map_step: vec3f,
+    @location(5) barycentric: vec3f,
+}
+
+fn surface(position: vec3f, normal: vec3f) -> Surface {
+    let scene = figure.model * vec4f(position, 1.0);
+    let at = cell.view * scene;
+    // The model matrix is a similarity: normals turn with it.
+    let scene_normal = figure.model * vec4f(normal, 0.0);
+    let turned = (cell.view * scene_normal).xyz;
+    var s = Surface(cell.projection * at, at.xyz, turned, vec3f(0.0), vec3f(0.0));
+    if SHADOWS {
+        let texels = vec3f(vec2f(0.5, -0.5) * cell.shadow_map.y, 1.0);
+        let first = cell.shadow_place.xy;
+        let map = (cell.shadow * scene).xyz * texels + vec3f(first + 0.5 * cell.shadow_map.y, 0.0);
+        // A disc around it stays in the map; what the camera cannot reach is beyond its edge.
+        let inside = clamp(map.xy, first + 6.0, first + cell.shadow_map.y - 6.0);
+        s.map_at = vec3f(inside, map.z);
+        // More where the light grazes the surface.
+        let length_of_normal = max(length(turned), 1e-12);
+        let grazing = 1.0 - abs(dot(turned, cell.lights[0].direction.xyz)) / length_of_normal;
+        let step = cell.shadow_map.z * (1.0 + 3.0 * grazing) / length_of_normal;
+        s.map_step = (cell.shadow * scene_normal).xyz * texels * step;
+    }
+    return s;
+}
+
+@vertex
+fn plain_vertex(@location(0) position: vec3f, @location(1) normal: vec3f) -> Surface {
+    return surface(position, normal);
+}
+
+@vertex
+fn value_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) value: f32,
+) -> ValuedSurface {
+    let s = surface(position, normal);
+    return ValuedSurface(s.clip, s.at, s.normal, value);
+}
+
+@vertex
+fn color_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) color: vec4f,
+) -> ColoredSurface {
+    let s = surface(position, normal);
+    return ColoredSurface(s.clip, s.at, s.normal, color.rgb, s.map_at, s.map_step);
+}
+
+// What a palette makes of a vertex that has left its rest.
+fn answered(position: vec3f, normal: vec3f, rest: vec4f, bend: f32) -> vec2f {
+    let d = position - rest.xyz;
+    let way = length(d);
+    let outward = dot(d, normal) / max(length(normal), 1e-12);
+    let by = figure.answer;
+    let place = by.x + by.y * rest.w + by.z * outward + by.w * way + figure.figured.w * bend;
+    return vec2f(place, figure.glow.y * way);
+}
+
+@vertex
+fn answer_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) rest: vec4f,
+    @location(3) bend: f32,
+) -> AnsweredSurface {
+    let s = surface(position, normal);
+    let answer = answered(position, normal, rest, bend);
+    return AnsweredSurface(s.clip, s.at, s.normal, answer, s.map_at, s.map_step);
+}
+
+@vertex
+fn figured_vertex(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) rest: vec4f,
+    @location(3) bend: f32,
+    @location(4) lagging: vec3f,
+) -> FiguredSurface {
+    let s = surface(position, normal);
+    let lag = lagging - rest.xyz;
+    let off = normal / max(length(normal), 1e-12);
+    let by_speed = figure.figured.xy * length(lag);
+    let answer = answered(position, normal, rest, bend) + by_speed;
+    let outward = vec2f(dot(position - rest.xyz, off), dot(lag, off));
+    return FiguredSurface(s.clip, s.at, s.normal, vec4f(answer, outward), s.map_at, s.map_step);
+}
+
+// What the key light sees.
+@vertex
+fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
+    return cell.shadow * figure.model * vec4f(position, 1.0);
+}
+
+// One vertex per corner, for what lives on corners: UVs with seams, and wires.
+@vertex
+fn corner_vertex(@builtin(vertex_index) corner: u32) -> CornerSurface {
+    let v = corners[corner];
+    let i = 3u * (v + u32(figure.wire_width.y));
+    let position = vec3f(positions[i], positions[i + 1u], positions[i + 2u]);
+    let normal = vec3f(normals[i], normals[i + 1u], normals[i + 2u]);
+    let s = surface(position, normal);
+    let kind = u32(figure.back.w);
+    var paint = vec3f(0.0);
+    if kind == 1u { paint.x = bitcast<f32>(paints[v]); }
+    if kind == 2u { paint = unpack4x8unorm(paints[v]).rgb; }
+    // Images begin at the top, v at the bottom.
+    if kind == 3u { paint = vec3f(corner_uvs[corner].x, 1.0 - corner_uvs[corner].y, 0.0); }
+    if kind == 4u {
+        let r = vec4u(paints[5u * v], paints[5u * v + 1u], paints[5u * v + 2u], paints[5u * v + 3u]);
+        let bend = bitcast<f32>(paints[5u * v + 4u]);
+        paint = vec3f(answered(position, normal, bitcast<vec4f>(r), bend), 0.0);
+    }
+    let which = corner % 3u;
+    let barycentric = vec3f(f32(which == 0u), f32(which == 1u), f32(which == 2u));
+    return CornerSurface(s.clip, s.at, s.normal, paint, s.map_at, s.map_step, barycentric);
+}
