@@ -7,12 +7,12 @@ use chladni_mesh::{Orientation, TriMesh};
 use chladni_view::{Cell, Rect};
 use egui::Ui;
 
-use super::landmarks::Side;
 use super::look::Portrayal;
 use super::overlay::backdrop;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::Error;
+use crate::work::landmarks::Side;
 
 /// The shape, as soon as it comes.
 pub struct Preview {
@@ -30,7 +30,7 @@ impl Preview {
     pub fn show(&mut self, ui: &mut Ui, look: Portrayal, shared: &Shared<'_>) -> Result<(), Error> {
         if let Ok((mesh, stands)) = self.meshes.try_recv() {
             let viewport = Viewport::new(shared.gpu);
-            let side = Side::new(viewport.gpu(), &mesh, stands)?;
+            let side = Side::new(&viewport.gpu().into(), &mesh, stands)?;
             self.shown = Some((viewport, side));
         }
         let rect = ui.available_rect_before_wrap();

@@ -6,8 +6,7 @@ use std::time::Instant;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Ensemble, FlashArea, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Switch,
-    Viewpoint,
+    Ensemble, FlashArea, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch, Viewpoint,
 };
 use chladni_synth::{Backend, Item, SynthModel};
 use chladni_task::Task;

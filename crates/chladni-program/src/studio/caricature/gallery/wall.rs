@@ -10,10 +10,9 @@ use egui::Ui;
 use super::super::look::Portrayal;
 use super::super::overlay::backdrop;
 use super::super::session::Session;
-use super::Shown;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
-use crate::work::Error;
+use crate::work::{Error, Exhibition};
 
 /// One swelling from the shape to the caricature and back.
 const BREATH_SECS: f64 = 4.0;
@@ -32,7 +31,7 @@ pub struct Wall {
 }
 
 impl Wall {
-    pub fn new(gpu: Gpu, shown: &Shown, session: &Session) -> Result<Self, Error> {
+    pub fn new(gpu: Gpu, shown: &Exhibition, session: &Session) -> Result<Self, Error> {
         let (body, model) = (shown.sitter.body(), shown.sitter.model().clone());
         let vertices = body.positions.len();
         Ok(Self {
@@ -53,7 +52,7 @@ impl Wall {
     }
 
     /// Hangs what is shown, where it does not hang already.
-    pub fn hang(&mut self, shown: &Shown) {
+    pub fn hang(&mut self, shown: &Exhibition) {
         if !self.items.is_empty() {
             return;
         }
