@@ -297,6 +297,8 @@ export const tool = {
     sitting.point(x, y);
     if (held === "parts") of("pointed").textContent = JSON.parse(sitting.state()).pointed.join(", ");
   }),
+  /** A press with the right button is the tool's. */
+  takesMenu: () => held === "landmarks",
   leave: attempt(() => { if (held === "parts" || held === "brush") { sitting.point_nowhere(); of("pointed").textContent = ""; } }),
   grabs: (x, y) => {
     if (wall.isOpen()) return false;
@@ -311,7 +313,10 @@ export const tool = {
   }),
   click: attempt((x, y, event) => {
     if (wall.isOpen()) return undefined;
-    if (held === "landmarks") { sitting.pick_landmark(x, y); return changed(); }
+    if (held === "landmarks") {
+      if (event.button === 2) sitting.remove_landmark_near(x, y, scale()); else sitting.pick_landmark(x, y);
+      return changed();
+    }
     if (held !== "parts" || !state.layers.length) return undefined;
     sitting.point(x, y);
     sitting.take_part(event.shiftKey || of("add-part").checked, event.ctrlKey);

@@ -10,8 +10,8 @@ use super::Sitting;
 use super::stage::Placed;
 use crate::coarse::coarse;
 
-/// Vertices of a figure that is a twelfth of the picture.
-const SMALL: usize = 6000;
+/// Vertices of a figure that is a twelfth of the picture: with fewer, strong caricatures have holes.
+const SMALL: usize = 12_000;
 /// A figure's share of its cell.
 const FILL: f32 = 0.84;
 

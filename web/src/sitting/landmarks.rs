@@ -120,14 +120,20 @@ impl Sitting {
     /// # Errors
     /// Bugs only.
     pub fn hold_landmark(&mut self, x: f32, y: f32, scale: f32) -> Result<bool, JsError> {
-        let (area, settings) = (self.stage.area(), self.matching());
-        let Some(landmarks) = &mut self.landmarks else { return Ok(false) };
-        let Some((which, cell, _)) = landmarks.under(x, y, area) else { return Ok(false) };
-        landmarks.on = which;
-        let near = landmarks.side(which).near(which, &settings.landmarks, [x, y], GRIP * scale, cell);
-        let Some((index, vertex)) = near else { return Ok(false) };
+        let Some((which, index, vertex)) = self.landmark_near(x, y, scale) else { return Ok(false) };
         self.gesture(which, Gesture::Hold(index, vertex))?;
         Ok(true)
+    }
+
+    /// Takes the landmark near a pixel away, if there is one.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn remove_landmark_near(&mut self, x: f32, y: f32, scale: f32) -> Result<(), JsError> {
+        match self.landmark_near(x, y, scale) {
+            Some((which, index, _)) => Ok(self.gesture(which, Gesture::Remove(index))?),
+            None => Ok(()),
+        }
     }
 
     /// Moves the landmark that is held to a pixel of the same shape.
@@ -220,6 +226,16 @@ impl Sitting {
     pub(super) fn matching(&self) -> MatchSettings {
         let layer = self.selected.and_then(|id| self.history.project().layer(id));
         layer.map(|layer| layer.matching.clone()).unwrap_or_default()
+    }
+
+    /// The landmark near a pixel: on which shape, its number, its vertex. That shape is the one that turns.
+    fn landmark_near(&mut self, x: f32, y: f32, scale: f32) -> Option<(Which, usize, u32)> {
+        let (area, own) = (self.stage.area(), self.matching().landmarks);
+        let landmarks = self.landmarks.as_mut()?;
+        let (which, cell, _) = landmarks.under(x, y, area)?;
+        landmarks.on = which;
+        let near = landmarks.side(which).near(which, &own, [x, y], GRIP * scale, cell)?;
+        Some((which, near.0, near.1))
     }
 
     /// What to do next, while landmarks are picked.
