@@ -40,7 +40,8 @@ export function show(next) {
   rooms.add(room);
   picture.style.background = "";
   picture.setAttribute("aria-label", `${room.name} Drag or use the arrow keys to turn it, plus and minus to come nearer.`);
-  detail = finest();
+  // The processor begins with few pixels and takes more where it has time: the other way the page would stand still first.
+  detail = card() || room.rests ? finest() : COARSEST;
   report.drawMs = 0;
 }
 
