@@ -10,10 +10,9 @@ use egui::Color32;
 
 use crate::work::Error;
 
-/// Rows of the picture that are fetched, spread evenly; all rows of a lower picture.
-const ROWS: u32 = 96;
-/// Every fourth pixel of a row is counted.
-const STEP: usize = 4;
+/// Pixels of a row that are counted at least, and rows of the picture that are fetched, spread evenly: as many as the
+/// histogram has dots, all of a smaller picture.
+const SEEN: [u32; 2] = Histogram::DOTS;
 
 /// A buffer for reading back rows of a canvas, and the histogram of the last rows.
 #[derive(Default)]
@@ -39,7 +38,7 @@ impl Glimpse {
         // The window's canvases are textures.
         let Ok(view) = canvas.view() else { return };
         let (width, height) = (canvas.width(), canvas.height());
-        let rows = height.min(ROWS);
+        let rows = height.min(SEEN[1]);
         let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let size = u64::from(stride) * u64::from(rows);
         // A buffer that is still on its way cannot be used again.
@@ -94,10 +93,10 @@ impl Glimpse {
         self.histogram.clear();
         {
             let bytes = buffer.get_mapped_range(..).map_err(Error::other)?;
-            let size = [coming.width, coming.rows];
+            let (size, step) = ([coming.width, coming.rows], (coming.width / SEEN[0]).max(1) as usize);
             for (row, y) in bytes.chunks_exact(coming.stride as usize).zip(0..) {
                 let pixels = row[..4 * coming.width as usize].as_chunks().0;
-                for (&[r, g, b, a], x) in pixels.iter().zip(0..).step_by(STEP) {
+                for (&[r, g, b, a], x) in pixels.iter().zip(0..).step_by(step) {
                     // The canvas holds colors times their opacity.
                     let over = |own: u8, behind: u8| {
                         own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)
