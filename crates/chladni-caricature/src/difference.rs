@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::{CaricatureError, Surface};
 use chladni_mesh::surface::vec3::{Vec3, add, dot, scaled, sub};
 
+#[cfg(test)]
+mod precision;
+
 /// The three harmonic representations of a difference (section 4 of the paper).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

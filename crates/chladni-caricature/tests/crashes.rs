@@ -7,7 +7,7 @@
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, SystemTime};
 
 use chladni_caricature::*;
 
@@ -72,5 +72,24 @@ fn what_was_saved_before_a_kill_is_there() {
         let (found, unreadable) = Recovery::find(&folder.path().join("state"));
         assert!(unreadable.is_empty() && found.len() == 1, "{unreadable:?}");
         is_there(&found[0].project);
+        #[cfg(unix)]
+        leaves_nothing(folder.path());
     }
+}
+
+/// Two hours later somebody saves there: what was begun when the process was killed goes.
+#[cfg(unix)]
+fn leaves_nothing(folder: &Path) {
+    let before = SystemTime::now() - Duration::from_secs(7200);
+    let left = || {
+        let names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        names
+            .filter(|path| path.file_name().unwrap().to_string_lossy().starts_with(".chladni-"))
+            .collect::<Vec<_>>()
+    };
+    for path in left() {
+        std::fs::File::options().write(true).open(path).unwrap().set_modified(before).unwrap();
+    }
+    project(1).save(&folder.join("p.chladni")).unwrap();
+    assert!(left().is_empty(), "{:?}", left());
 }

@@ -56,6 +56,7 @@ pub fn vertex_normals_around(positions: &[Vec3], triangles: &[[u32; 3]], around:
 
 #[cfg(test)]
 mod tests {
+    use chladni_testdata::DoubleDouble;
     use proptest::prelude::*;
 
     use super::*;
@@ -83,7 +84,67 @@ mod tests {
         assert_eq!(vertex_normals(&positions, &triangles), [[0.0; 3]; 7]);
     }
 
+    /// Each normal in twice the digits, and how far rounding may take a coordinate in doubles: half a last bit for each
+    /// triangle and eight more, times as much as edges cancel.
+    fn to_the_last_digit(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<([DoubleDouble; 3], f64)> {
+        let mut sums = vec![([DoubleDouble::default(); 3], 0.0, 0.0); positions.len()];
+        for t in triangles {
+            let [a, b, c] = corners(positions, t);
+            let edge = |to: Vec3| [0, 1, 2].map(|i| DoubleDouble::from(to[i]) - a[i].into());
+            let (u, w) = (edge(b), edge(c));
+            for &v in t {
+                let (sum, edges, count) = &mut sums[v as usize];
+                for i in 0..3 {
+                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+                    sum[i] = sum[i] + (u[j] * w[k] - u[k] * w[j]);
+                }
+                *edges += distance(b, a) * distance(c, a);
+                *count += 1.0;
+            }
+        }
+        let normal = |(sum, edges, count): ([DoubleDouble; 3], f64, f64)| {
+            let length = sum.iter().map(|c| *c * *c).sum::<DoubleDouble>().sqrt();
+            let bound = (count + 8.0) * 0.5 * f64::EPSILON * edges / length.rounded();
+            (sum.map(|c| c / length), bound)
+        };
+        sums.into_iter().map(normal).collect()
+    }
+
+    /// How far the normals are from exact ones, as a share of the bound; those that rounding decides are left out.
+    fn share_of_the_bound(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+        let found = vertex_normals(positions, triangles);
+        let known = to_the_last_digit(positions, triangles);
+        let pairs = found.iter().zip(&known).filter(|(_, (_, bound))| *bound < 1e-3);
+        pairs
+            .flat_map(|(n, (m, bound))| n.iter().zip(m).map(move |(n, m)| m.error_of(*n) / bound))
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn normals_are_right_to_the_last_digits() {
+        let shapes = ["octopus", "head", "bell"].map(|name| samples::sample(name).unwrap());
+        for shape in shapes {
+            // Squeezed and far away, its triangles are slivers, and their edges cancel.
+            for (squeeze, away) in [(1.0, 0.0), (1e-6, 0.0), (1.0, 1e4)] {
+                let moved = |p: &Vec3| [p[0] * squeeze + away, p[1], p[2] - away];
+                let positions: Vec<Vec3> = shape.positions.iter().map(moved).collect();
+                let share = share_of_the_bound(&positions, &shape.triangles);
+                assert!(share > 0.0 && share <= 1.0, "{share}");
+            }
+        }
+    }
+
     proptest! {
+        #[test]
+        fn normals_of_any_triangles_are_right_to_the_last_digits(
+            positions in prop::collection::vec([-1.0..1.0, -1.0..1.0, -1.0..1.0_f64], 3..30),
+            picks in prop::collection::vec([0_usize..30, 0..30, 0..30], 1..40),
+        ) {
+            let corner = |v: usize| (v % positions.len()) as u32;
+            let triangles: Vec<[u32; 3]> = picks.iter().map(|t| t.map(corner)).collect();
+            prop_assert!(share_of_the_bound(&positions, &triangles) <= 1.0);
+        }
+
         #[test]
         fn both_ways_agree_to_the_last_bit_and_size_does_not_matter(
             positions in prop::collection::vec([-1.0..1.0, -1.0..1.0, -1.0..1.0_f64], 3..30),

@@ -1,4 +1,4 @@
-//! The last look at a frame before it is encoded: no more than three flashes a second.
+//! The last look at a frame before it is encoded: no more than three flashes a second, and no bright stripes for long.
 
 use chladni_music::{FlashArea, FlashCount, FlashGuard, Histogram, Veil};
 use chladni_view::Picture;
@@ -6,7 +6,7 @@ use chladni_view::Picture;
 /// The approximate number of pixels of a frame that are examined.
 const PIXELS: usize = 100_000;
 
-/// Keeps flashes of the frames within what is safe.
+/// Keeps flashes and stripes of the frames within what is safe.
 pub struct FrameGuard {
     guard: Option<FlashGuard>,
     histogram: Histogram,
@@ -17,14 +17,13 @@ pub struct FrameGuard {
 impl FrameGuard {
     /// A guard of an area; without one it only watches.
     pub fn new(area: Option<FlashArea>) -> Self {
-        let mut guard = Self {
-            guard: area.map(|_| FlashGuard::default()),
-            histogram: Histogram::default(),
-            shown: FlashCount::of(area.unwrap_or_default()),
-            damped: 0,
-        };
-        guard.set_area(area.unwrap_or_default());
-        guard
+        let guard = area.map(|area| {
+            let mut guard = FlashGuard::default();
+            guard.set_area(area);
+            guard
+        });
+        let shown = FlashCount::of(area.unwrap_or_default());
+        Self { guard, histogram: Histogram::default(), shown, damped: 0 }
     }
 
     /// Guards another area from now on.
@@ -70,6 +69,11 @@ impl FrameGuard {
     /// Flashes in the worst second of what was shown.
     pub fn most_flashes(&self) -> usize {
         self.shown.most_per_second()
+    }
+
+    /// The longest time for which bright stripes were shown.
+    pub fn longest_stripes_secs(&self) -> f64 {
+        self.shown.longest_stripes_secs()
     }
 }
 
@@ -120,5 +124,24 @@ mod tests {
             assert_eq!(seen.most_flashes(), guarded.most_flashes());
             assert!(guarded.damped_frames() > 0);
         }
+    }
+
+    #[test]
+    fn stripes_of_pictures_are_darkened_soon() {
+        let bars = || {
+            let mut picture = Picture::filled(640, 360, [0, 0, 0, 255]);
+            for (i, pixel) in picture.rgba.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+                if (i % 640 + i / 640) % 24 < 12 {
+                    *pixel = [250, 240, 230, 255];
+                }
+            }
+            picture
+        };
+        let shown = |area| {
+            let mut guard = FrameGuard::new(area);
+            (0..60).for_each(|frame| guard.pass(f64::from(frame) / 30.0, &mut bars()));
+            guard.longest_stripes_secs()
+        };
+        assert!(shown(None) > 1.9 && shown(Some(FlashArea::Screen)) < 0.5);
     }
 }

@@ -10,10 +10,9 @@ use egui::Color32;
 
 use crate::work::Error;
 
-/// Rows of the picture that are fetched, spread evenly; all rows of a lower picture.
-const ROWS: u32 = 96;
-/// Every fourth pixel of a row is counted.
-const STEP: usize = 4;
+/// Pixels of a row that are counted at least, and rows of the picture that are fetched, spread evenly: as many as the
+/// histogram has dots, all of a smaller picture.
+const SEEN: [u32; 2] = Histogram::DOTS;
 
 /// A buffer for reading back rows of a canvas, and the histogram of the last rows.
 #[derive(Default)]
@@ -46,7 +45,7 @@ impl Glimpse {
             Device::Processor => {
                 let Some(pixels) = canvas.pixels() else { return };
                 let (height, stride) = (canvas.height(), 4 * canvas.width() as usize);
-                let rows = height.min(ROWS);
+                let rows = height.min(SEEN[1]);
                 let row = |row| pixels.get(stride * middle(row, rows, height) as usize..).unwrap_or_default();
                 self.count([canvas.width(), rows], (0..rows).map(row), behind);
                 self.coming = Some(Coming::Counted);
@@ -58,7 +57,7 @@ impl Glimpse {
         // The canvases of a graphics device are textures.
         let Ok(view) = canvas.view() else { return };
         let (width, height) = (canvas.width(), canvas.height());
-        let rows = height.min(ROWS);
+        let rows = height.min(SEEN[1]);
         let stride = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let size = u64::from(stride) * u64::from(rows);
         // A buffer that is still on its way cannot be used again.
@@ -135,9 +134,10 @@ impl Glimpse {
     /// Counts rows of pixels, each as long as the picture is wide or longer, over what is behind them.
     fn count<'a>(&mut self, size: [u32; 2], rows: impl Iterator<Item = &'a [u8]>, behind: Color32) {
         self.histogram.clear();
+        let step = (size[0] / SEEN[0]).max(1) as usize;
         for (row, y) in rows.zip(0..) {
             let pixels = row.as_chunks().0.iter().take(size[0] as usize);
-            for (&[r, g, b, a], x) in pixels.zip(0..).step_by(STEP) {
+            for (&[r, g, b, a], x) in pixels.zip(0..).step_by(step) {
                 // The canvas holds colors times their opacity.
                 let over = |own: u8, behind: u8| {
                     own.saturating_add((u32::from(255 - a) * u32::from(behind) / 255) as u8)

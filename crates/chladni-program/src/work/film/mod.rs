@@ -261,6 +261,7 @@ pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
         samples: done.drawn.as_ref().map(|drawn| drawn.samples.count()),
         synthesis: done.drawn.map(|drawn| drawn.synthesis),
         flashes_in_worst_second: done.most_flashes,
+        longest_stripes_secs: done.longest_stripes_secs,
         frames_damped: done.damped_frames,
         approximation,
         seconds,

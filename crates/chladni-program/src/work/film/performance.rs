@@ -62,6 +62,7 @@ pub struct Done {
     /// Warnings.
     pub warnings: Vec<String>,
     pub most_flashes: usize,
+    pub longest_stripes_secs: f64,
     pub damped_frames: usize,
 }
 
@@ -298,9 +299,8 @@ impl Performance {
         let rest = self.staging.rest_on(&device)?;
         let (rate, mut done) = (self.rate, Done::default());
         let area = self.instrument.parameters().flash_area().filter(|_| !self.flashes_allowed);
-        let is_guarded = area.is_some();
-        let mut guard =
-            FrameGuard::new(area.map(|area| if self.fields_judged { FlashArea::Field } else { area }));
+        let area = area.map(|area| if self.fields_judged { FlashArea::Field } else { area });
+        let (mut guard, is_guarded) = (FrameGuard::new(area), area.is_some());
         let first = film.settings().first;
         let lead = if is_guarded { rate.frames_in(LEAD_SECS).min(first) } else { 0 };
         let begin = first - lead;
@@ -353,6 +353,7 @@ impl Performance {
         seconds.encoding += waits.encoder_secs;
         seconds.guarding += guarding;
         done.most_flashes = guard.most_flashes();
+        done.longest_stripes_secs = guard.longest_stripes_secs();
         done.damped_frames = guard.damped_frames();
         if lead > 0 && done.damped_frames > 0 {
             done.warnings.push(

@@ -53,6 +53,8 @@ pub struct Report {
     pub(super) samples: Option<u32>,
     pub(super) synthesis: Option<String>,
     pub(super) flashes_in_worst_second: usize,
+    /// The longest time for which bright stripes covered more than a quarter of what is shown.
+    pub(super) longest_stripes_secs: f64,
     pub(super) frames_damped: usize,
     /// What a GLB holds of the dance; null for films.
     pub(super) approximation: Option<Approximation>,
