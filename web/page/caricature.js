@@ -1,8 +1,13 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
 import { ask, giveUp } from "./work.js";
-import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
-import { show as showPicture, stir } from "./picture.js";
+import { attempt, busy, label, of, on, options, report, say } from "./page.js";
+import { scale, show as showPicture, stir } from "./picture.js";
+import * as exports from "./exports.js";
+import * as heat from "./heat.js";
+import * as ink from "./ink.js";
+import { drawNumbers, listLandmarks } from "./landmarks.js";
+import * as wall from "./wall.js";
 import { PLAIN_HEAD, matchedBefore } from "./plain_head.js";
 import { drawLayers, drawParts, number, offerResults } from "./layers.js";
 
@@ -30,11 +35,25 @@ export const view = () => JSON.parse(sitting.state());
 const base = (path) => path.split(/[\\/]/).at(-1);
 const stem = () => label(base(state.shape)).replace(/\?.*|\.[^.]*$/g, "");
 
+/** A drawing in ink is shown; tools need the figure itself. */
+const isInInk = () => of("ink").checked && held === "turn" && !wall.isOpen();
+let wasInInk = false;
+
 const room = {
   name: "The shape.",
   rests: true,
-  frame: (now, width, height) => !!sitting && sitting.frame(width, height),
+  frame: (now, width, height) => {
+    if (!sitting) return false;
+    const inInk = isInInk();
+    if (inInk !== wasInInk) { wasInInk = inInk; ink.again(); sitting.redraw(); }
+    return inInk ? ink.inked(sitting, of("tones").checked, now, width, height) : sitting.frame(width, height);
+  },
   pixels: () => sitting.pixels(),
+  drawing: () => (isInInk() ? ink.newest() : undefined),
+  drawn: (width, height) => {
+    wall.drawWall(width, height);
+    drawNumbers(held === "landmarks" ? [...sitting.landmark_labels()] : [], width, height);
+  },
   byProcessor: () => sitting?.draw_by_processor(),
 };
 
@@ -47,9 +66,11 @@ async function openShape(name, bytes, project, first) {
   await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
   const next = new Sitting(name, bytes, project, harmonicsOf(bytes));
   const mine = ++opened;
-  giveUp(new Error("Another shape was opened"), ["solve", "match"]);
+  giveUp(new Error("Another shape was opened"), ["solve", "match", "gallery"]);
+  wall.leave();
   sitting?.free();
   sitting = next;
+  ink.again(true);
   shape = { name, bytes };
   if (first !== undefined) sitting.begin(first);
   hold("turn");
@@ -67,6 +88,7 @@ async function solve(mine) {
   try {
     const { basis, secs } = await busy(label(name), (tell) => ask(asked, tell, "solve"));
     sitting.take_harmonics(basis);
+    shape.basis = basis;
     report.solveSecs = secs;
     if (!state.parts.length) sitting.find_parts(Number(of("level").value));
     const { vertices } = state;
@@ -167,6 +189,8 @@ function refresh() {
   of("sitter").value = option ? state.shape : "";
   of("sitter").querySelector("[value='']").textContent = option ? "Other…" : state.shape;
   of("solve").hidden = state.solved || solving;
+  of("gallery").disabled = !state.solved;
+  heat.drawHeat(state);
   of("keep").checked = state.keep_triangles;
   of("up").value = state.up;
   of("up-name").textContent = state.up_in_doubt ? "Is this up?" : "Up";
@@ -176,6 +200,7 @@ function refresh() {
   of("pointed").textContent = state.pointed.join(", ");
   drawParts(of("parts"), state.parts, layer?.parts ?? [], partChoices);
   if (layer) showLayer(layer);
+  showLandmarks(layer);
   clearTimeout(resting);
   if (state.keep_triangles) resting = setTimeout(attempt(() => { sitting.keep_triangles(); }), REST);
 }
@@ -191,6 +216,25 @@ function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere
   of("everywhere").setAttribute("aria-pressed", everywhere);
   const covered = coverage === null ? "" : `The match covers ${Math.round(100 * coverage)} % of the shape.`;
   of("quality").textContent = [covered, ...warnings].join(" ");
+}
+
+function showLandmarks(layer) {
+  // The layer is another, or gone.
+  if (held === "landmarks" && state.hint === null) hold("turn");
+  of("landmarks").disabled = !layer?.has_mesh;
+  of("landmarks").setAttribute("aria-pressed", held === "landmarks");
+  of("picking").hidden = held !== "landmarks";
+  of("landmark-hint").textContent = state.hint ?? "";
+  if (layer) listLandmarks(layer.landmarks, attempt((index) => { sitting.remove_landmark(index); return changed(); }));
+}
+
+/** Begins to pick landmarks on the chosen layer, or ends it. */
+function pickLandmarks() {
+  if (held === "landmarks") { hold("turn"); return refresh(); }
+  const { template } = state.layers.find(({ id }) => id === state.selected);
+  sitting.begin_landmarks(files.get(base(template))?.slice());
+  hold("landmarks");
+  refresh();
 }
 
 /** Does an action at once. */
@@ -236,7 +280,8 @@ let held = "turn";
 function hold(tool) {
   held = tool;
   if (tool === "brush" && state && !state.solved) say("The brush waits until the shape is solved.");
-  sitting?.hold(tool);
+  if (tool !== "landmarks") sitting?.leave_landmarks();
+  sitting?.hold(tool === "landmarks" ? "turn" : tool);
   for (const name of ["turn", "parts", "brush"]) of(`hold-${name}`).setAttribute("aria-pressed", name === tool);
   for (const tools of document.querySelectorAll("[data-tool]")) tools.hidden = tools.dataset.tool !== tool;
   of("picture").style.cursor = tool === "turn" ? "grab" : "crosshair";
@@ -247,48 +292,47 @@ const takeBrush = () => sitting?.set_brush(Number(of("brush-size").value), of("e
 /** What a pointer does on the figure. */
 export const tool = {
   hover: attempt((x, y) => {
-    if (held === "turn") return;
+    if (held === "turn" || held === "landmarks" || wall.isOpen()) return;
     stir();
     sitting.point(x, y);
     if (held === "parts") of("pointed").textContent = JSON.parse(sitting.state()).pointed.join(", ");
   }),
-  leave: attempt(() => { if (held !== "turn") { sitting.point_nowhere(); of("pointed").textContent = ""; } }),
-  grabs: (x, y) => held === "brush" && state.solved && !!state.layers.length && sitting.point(x, y),
-  stroke: attempt((x, y) => { stir(); sitting.press(x, y); }),
-  release: attempt(() => { sitting.finish(); refresh(); }),
+  /** A press with the right button is the tool's. */
+  takesMenu: () => held === "landmarks",
+  leave: attempt(() => { if (held === "parts" || held === "brush") { sitting.point_nowhere(); of("pointed").textContent = ""; } }),
+  grabs: (x, y) => {
+    if (wall.isOpen()) return false;
+    if (held === "landmarks") return sitting.hold_landmark(x, y, scale());
+    return held === "brush" && state.solved && !!state.layers.length && sitting.point(x, y);
+  },
+  stroke: attempt((x, y) => { stir(); if (held === "landmarks") sitting.move_landmark(x, y); else sitting.press(x, y); }),
+  release: attempt(() => {
+    if (held === "landmarks") { sitting.drop_landmark(); return changed(); }
+    sitting.finish();
+    return refresh();
+  }),
   click: attempt((x, y, event) => {
-    if (held !== "parts" || !state.layers.length) return;
+    if (wall.isOpen()) return undefined;
+    if (held === "landmarks") {
+      if (event.button === 2) sitting.remove_landmark_near(x, y, scale()); else sitting.pick_landmark(x, y);
+      return changed();
+    }
+    if (held !== "parts" || !state.layers.length) return undefined;
     sitting.point(x, y);
     sitting.take_part(event.shiftKey || of("add-part").checked, event.ctrlKey);
-    refresh();
+    return refresh();
   }),
 };
 
 // ---- the room
 
 export const open = () => showPicture(room);
+export { takeMask } from "./exports.js";
 
 /** The sample head, compared with a plain one. */
 export async function begin() {
   if (sitting) return refresh();
   await openShape("sample:head", undefined, undefined, PLAIN_HEAD);
-}
-
-function listenToExports() {
-  on("save-project", () => { save(`${stem()}.chladni`, sitting.save_project()); refresh(); });
-  for (const format of ["glb", "obj"]) {
-    on(`export-${format}`, () => {
-      save(`${stem()}-caricature.${format}`, sitting.export(format), "model/" + (format === "glb" ? "gltf-binary" : "obj"));
-      const notes = sitting.take_notes();
-      if (notes) say(notes);
-    });
-  }
-  on("export-png", () => {
-    const { clientWidth, clientHeight } = of("picture");
-    const by = 2000 / Math.max(clientWidth, clientHeight);
-    const png = sitting.export_picture(Math.round(by * clientWidth), Math.round(by * clientHeight));
-    save(`${stem()}-caricature.png`, png, "image/png");
-  });
 }
 
 export function listen() {
@@ -332,7 +376,12 @@ export function listen() {
   of("up").addEventListener("change", attempt(() => { sitting.stand(of("up").value); return changed(); }));
   for (const from of ["front", "portrait", "right"]) on(`look-${from}`, () => sitting.look(from));
   on("original", () => { sitting.show_original(!state.bare); refresh(); });
-  listenToExports();
+  heat.listen((quantity, harmonic, map) => { sitting.show_heat(quantity, harmonic, map); refresh(); });
+  on("landmarks", pickLandmarks);
+  for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
+  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, changed };
+  exports.listen(caricature);
+  wall.listen(caricature);
   hold("turn");
 }
 

@@ -81,6 +81,7 @@ export function hands(places, room) {
 
   for (const place of places) {
     place.addEventListener("pointerdown", begin);
+    place.addEventListener("contextmenu", (event) => { if (tool()?.takesMenu?.()) event.preventDefault(); });
     place.addEventListener("wheel", wheel, { passive: false });
     // A drag that ends on a dance does not choose it.
     place.addEventListener("click", (event) => { if (dragged && event.detail) event.stopPropagation(); }, true);

@@ -27,14 +27,15 @@ function enterCaricature() {
 
 /** Opens what was brought where it belongs. */
 async function take(name, bytes) {
-  switch (kind(name)) {
+  switch (/\.np[yz]$/i.test(name) ? "mask" : kind(name)) {
     case "text": enterMusic(); return music.openText(name, bytes);
     case "project": enterCaricature(); return caricature.openProject(name, bytes);
     case "mesh":
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
       enterMusic();
       return music.openMesh(name, bytes);
-    default: throw new Error(`${name}: the page opens meshes, songs, shows, dances and projects.`);
+    case "mask": enterCaricature(); return caricature.takeMask(name, bytes);
+    default: throw new Error(`${name}: the page opens meshes, songs, shows, dances, projects and masks.`);
   }
 }
 

@@ -2,12 +2,14 @@
 import { Concert, looks, needs_of_show, samples } from "./chladni_web.js";
 import { Microphone } from "./microphone.js";
 import { Sound } from "./sound.js";
+import * as shows from "./shows.js";
 import * as songs from "./songs.js";
 import { ask } from "./work.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
+import { LiveFilm } from "./film.js";
 import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
-import { nextPicture, show as showPicture } from "./picture.js";
+import { nextPicture, show as showPicture, watch } from "./picture.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
@@ -21,6 +23,8 @@ const sound = new Sound();
 const heard = [];
 /** What is heard in place of a song. */
 let microphone;
+/** What is being recorded, and what ends it. */
+let filming;
 /** The curves of the dance on stage are shown. */
 let drawing = false;
 let concert;
@@ -56,8 +60,8 @@ function hear() {
   if (!song) return;
   if (!heard.includes(song)) heard.push(song);
   sound.number = heard.indexOf(song);
-  const { rate_hz, left, right, beats } = song.sound;
-  concert.know_song(sound.number, song.name, rate_hz, left, right, beats);
+  const { rate_hz, left, right, beats, loud } = song.sound;
+  concert.know_song(sound.number, song.name, rate_hz, left, right, beats, loud);
 }
 
 // ---- a microphone
@@ -138,7 +142,7 @@ async function playSong(song) {
 export const openSongs = (files) => playSong(songs.add(files));
 
 const playBeside = attempt((steps) => playSong(songs.beside(songs.current(), steps)));
-sound.onend = () => playBeside(1);
+sound.onend = () => { if (!concert.plays_show()) playBeside(1); };
 
 export async function openText(name, bytes) {
   const text = new TextDecoder().decode(bytes);
@@ -150,22 +154,82 @@ export async function openText(name, bytes) {
   }
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) await dance(needs.body);
   concert.open_show(text);
+  shows.know(text, needs);
   refresh();
   const missing = needs.songs.filter((song) => !songs.names().includes(song));
   if (needs.body && needs.body !== state.body) say(`${name} was danced by ${needs.body}: drop that mesh, then the show again.`);
   else say(missing.length ? `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.` : needs.caution ?? `${name} is open.`);
 }
 
+/** Plays the show that was opened, or leaves it to the user. */
+async function playShow() {
+  if (concert.plays_show()) { concert.stop_show(); return refresh(); }
+  await stopListening();
+  heard.splice(0, heard.length, ...shows.begin(concert));
+  refresh();
+}
+
+/** Lets a song be heard as a show wants it. */
+async function hearSong(song, secs, playing) {
+  if (!song) return sound.pause();
+  if (song !== songs.current() || !song.sound) {
+    const decoded = await songs.soundOf(song);
+    songs.play(song, decoded);
+    sound.load(decoded, false);
+  }
+  sound.repeats = false;
+  hear();
+  sound.seek(secs);
+  if (playing) await playAloud(); else sound.pause();
+  refresh();
+}
+
+const followShow = attempt(() => shows.follow(concert, heard, hearSong));
+
+// ---- films
+
+/** Records what is seen and heard from now on. */
+function beginFilm() {
+  const { clientWidth, clientHeight } = of("picture");
+  const by = Math.min(devicePixelRatio, 1.5);
+  const overheard = microphone ? { tracks: microphone.stream.getAudioTracks().map((track) => track.clone()), end: () => {} } : sound.overheard();
+  let film;
+  try { film = new LiveFilm(by * clientWidth, by * clientHeight, overheard.tracks); } catch (error) { overheard.end(); throw error; }
+  const unwatch = watch((picture, veil) => film.take(picture, veil));
+  filming = { film, end: () => { unwatch(); overheard.end(); for (const track of overheard.tracks) track.stop(); } };
+  film.failed.catch(attempt(async (error) => { filming?.end(); filming = undefined; refresh(); throw error; }));
+  say("A live recording: what this page shows is filmed, at the pace at which it is shown. Press Stop to have it.", false, 20);
+  refresh();
+}
+
+/** Ends the film, and gives it away. */
+async function endFilm() {
+  if (!filming) return;
+  const { film, end } = filming;
+  filming = undefined;
+  refresh();
+  try {
+    const { film: file, ending } = await film.end();
+    save(`chladni.${ending}`, file);
+  } finally { end(); }
+}
+
 // ---- the picture
 
 const room = {
   name: "A shape that moves with the sound.",
-  frame: (now, width, height) => !!concert && concert.frame(now / 1000, sound.number, sound.position(), sound.duration, width, height),
+  frame: (now, width, height) => {
+    if (!concert) return false;
+    if (concert.plays_show()) followShow();
+    return !shows.isWaiting() && concert.frame(shows.clockSecs(now), sound.number, sound.position(), sound.duration, width, height);
+  },
   pixels: () => concert.pixels(),
   judge: (rgba, width, height) => concert.judge(rgba, width, height),
   byProcessor: () => concert?.draw_by_processor(),
   drawn: (width, height) => {
-    drawCells(of("cells"), concert.cells(), state, width, height, choices);
+    if (state.played) refresh();
+    drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, choices);
+    if (filming) of("film").textContent = `Stop, ${Math.floor(filming.film.secs)} s`;
     if (microphone) of("loudness").value = Math.sqrt(microphone.loudest);
     if (!of("seek").matches(":active")) of("seek").value = sound.duration ? sound.position() / sound.duration : 0;
   },
@@ -177,6 +241,9 @@ const act = attempt((action) => { concert.act(JSON.stringify(action)); refresh()
 const choices = {
   choose: (item) => act({ do: "choose", item, on: !state.dances[item].chosen }),
   perform: (item) => act({ do: "perform", item }),
+  performs: "Stage",
+  says: (item) => `Put dance ${item + 1} on stage`,
+  name: (item) => `Dance ${item + 1}`,
 };
 
 function songName() {
@@ -199,6 +266,9 @@ function refresh() {
   curves.show(drawing ? shown : undefined);
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
+  if (shows.draw(state.played)) say("The show is over, and yours from here on.");
+  of("film").setAttribute("aria-pressed", !!filming);
+  if (!filming) of("film").textContent = "Film";
   of("listen").setAttribute("aria-pressed", !!microphone);
   of("heard").hidden = !microphone;
   of("where-in-song").hidden = !!microphone;
@@ -227,6 +297,7 @@ export async function enter() {
 export const open = () => showPicture(room);
 
 export function leave() {
+  attempt(endFilm)();
   sound.pause();
   stopListening();
 }
@@ -272,6 +343,8 @@ export function listen() {
   on("sand", () => { concert.sand(!state.sand); refresh(); });
   on("save-show", () => save("chladni-show.toml", concert.save_show()));
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(Math.max(0, state.dances.findIndex((dance) => dance.chosen)))));
+  on("play-show", playShow);
+  on("film", () => (filming ? endFilm() : beginFilm()));
   on("save-picture", async () => save("chladni.png", await nextPicture()));
   of("seek").addEventListener("input", () => sound.seek(of("seek").value * sound.duration));
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));

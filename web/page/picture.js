@@ -5,6 +5,8 @@ import { of, report, say } from "./page.js";
 const picture = of("picture");
 /** Of what the processor draws; where the graphics card does, the picture lets its canvas through. */
 let brush;
+/** It lies over that of the graphics card now: a drawing that no card makes. */
+let covers = false;
 /** A picture may take so long, in milliseconds; else it gets fewer pixels. */
 const [SLOWEST, FASTEST] = [40, 22];
 /** Fewer pixels than this share of those of the page look like fog. */
@@ -22,6 +24,8 @@ let memory;
 const rooms = new Set();
 /** Those who wait for the next picture. */
 const waiting = [];
+/** Those who take each. */
+const watching = new Set();
 let across = 1;
 
 /** Pixels of the picture for each of the page, as it is now. */
@@ -29,14 +33,15 @@ export const scale = () => across / Math.max(1, picture.clientWidth);
 
 /** Shows a room from now on: its `name` is that of the picture, `frame(now, width, height)` draws, true where it did, `pixels()` says where, and `drawn`
  * is called after. A room that `rests` changes by hand alone; one that may flash has a `judge` of the card's pictures.
- * `byProcessor` has the processor draw it from then on. */
+ * `drawing()` may give a finished picture in place of what was drawn. `byProcessor` has the processor draw it from then on. */
 export function show(next) {
   if (room === next) return;
   room = next;
   rooms.add(room);
   picture.style.background = "";
   picture.setAttribute("aria-label", `${room.name} Drag or use the arrow keys to turn it, plus and minus to come nearer.`);
-  detail = finest();
+  // The processor begins with few pixels and takes more where it has time: the other way the page would stand still first.
+  detail = card() || room.rests ? finest() : COARSEST;
   report.drawMs = 0;
 }
 
@@ -66,8 +71,11 @@ function draw(now) {
   }
   if (!drawn) return;
   across = width;
-  if (card()) veil(); else paint(width, height);
+  const own = room.drawing?.();
+  if (own) lay(own);
+  else if (card()) { uncover(); veil(); } else paint(width, height);
   for (const done of waiting.splice(0)) (card() ?? picture).toBlob(done, "image/png");
+  for (const take of watching) take(own ? picture : card() ?? picture, picture.style.background);
   const took = performance.now() - began;
   if (report.frames++ === 0) report.firstPictureMs = performance.now();
   if (!resting || detail === finest()) {
@@ -79,10 +87,23 @@ function draw(now) {
 
 /** Shows the pixels of the processor. */
 function paint(width, height) {
-  if (picture.width !== width || picture.height !== height) [picture.width, picture.height] = [width, height];
-  brush ??= picture.getContext("2d", { alpha: false });
   const pixels = new Uint8ClampedArray(memory.buffer, room.pixels(), 4 * width * height);
-  brush.putImageData(new ImageData(pixels, width, height), 0, 0);
+  lay(new ImageData(pixels, width, height));
+}
+
+/** Shows an image. */
+function lay(image) {
+  const { width, height } = image;
+  if (picture.width !== width || picture.height !== height) [picture.width, picture.height] = [width, height];
+  brush ??= picture.getContext("2d");
+  brush.putImageData(image, 0, 0);
+  covers = true;
+}
+
+/** Lets the card's picture be seen. */
+function uncover() {
+  if (covers) brush.clearRect(0, 0, picture.width, picture.height);
+  covers = false;
 }
 
 /** Veils the card's picture where it would flash. */
@@ -98,6 +119,12 @@ function withoutCard() {
   loseCard();
   picture.style.background = "";
   for (const one of rooms) one.byProcessor();
+}
+
+/** Has `take(canvas, veil)` take each picture as it is seen; gives what ends that. */
+export function watch(take) {
+  watching.add(take);
+  return () => watching.delete(take);
 }
 
 /** The next picture, as a PNG. */

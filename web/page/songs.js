@@ -16,6 +16,9 @@ export const count = () => list.length;
 export const place = () => list.indexOf(playing);
 export const names = () => list.map(({ name }) => name);
 
+/** A song by its name: one that was brought, or the tune. */
+export const find = (name) => list.find((song) => song.name === name) ?? (name === TUNE ? { name } : undefined);
+
 /** Adds songs at the end of the list; gives the first of them. */
 export function add(files) {
   const songs = files.map((file) => ({ name: file.name, file }));

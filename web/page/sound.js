@@ -89,10 +89,26 @@ export class Sound {
     this.source.buffer = this.buffer;
     this.source.loop = this.repeats;
     this.source.onended = () => this.onend?.();
-    this.source.connect(this.context.destination);
+    this.source.connect(this.outlet());
     this.began = this.context.currentTime;
     this.from = at;
     this.source.start(this.began, at);
+  }
+
+  /** What is heard comes through here, so that films hear it, too. */
+  outlet() {
+    if (this.out) return this.out;
+    this.context ??= new AudioContext();
+    this.out = this.context.createGain();
+    this.out.connect(this.context.destination);
+    return this.out;
+  }
+
+  /** What is heard, for a film: its tracks, and `end()` when they are no longer wanted. */
+  overheard() {
+    const ear = this.outlet().context.createMediaStreamDestination();
+    this.out.connect(ear);
+    return { tracks: ear.stream.getAudioTracks(), end: () => this.out.disconnect(ear) };
   }
 
   stopSource() {

@@ -5,14 +5,15 @@ mod curves;
 mod doings;
 mod files;
 mod live;
+mod playing;
 mod stage;
 mod state;
 
 use std::sync::Arc;
 
 use chladni_music::{
-    Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Switch,
-    Veil, Viewpoint,
+    Dancer, Ensemble, Framing, GalleryShape, Instrument, Looks, Parameter, Parameters, Reaction, Veil,
+    Viewpoint,
 };
 use chladni_program::work::{
     Error, Hearing, KnownSong, Lag, Playing, Programme, SandTable, ShowClock, Staging, along, chooses_shots,
@@ -24,6 +25,7 @@ use chladni_view::{Device, Figure, Look, Mood, Rect};
 use wasm_bindgen::prelude::*;
 
 use self::live::Live;
+use self::playing::Script;
 use self::stage::{Figures, Stage};
 use crate::parcel::Parcel;
 
@@ -42,6 +44,8 @@ pub struct Concert {
     /// What palettes know of speed.
     lag: Lag,
     programme: Option<Programme>,
+    /// What is still to come of a show that is played.
+    script: Option<Script>,
     /// The knobs as they stood before there was sand.
     before_sand: Option<Parameters>,
     looks: Looks,
@@ -91,6 +95,7 @@ impl Concert {
             lag: Lag::default(),
             sand: SandTable::new(body, 0.0),
             programme: None,
+            script: None,
             before_sand: None,
             looks: opening_looks(&name),
             viewpoint: opening_view(&name),
@@ -102,7 +107,7 @@ impl Concert {
     /// A song is known from now on, by its number: what [`decode`](crate::decode) gave, and what it is called.
     ///
     /// # Errors
-    /// Beats that are none, or a rate out of range.
+    /// Beats that are none.
     pub fn know_song(
         &mut self,
         number: usize,
@@ -111,8 +116,9 @@ impl Concert {
         left: Vec<f32>,
         right: Vec<f32>,
         beats: &str,
+        loud: f32,
     ) -> Result<(), JsError> {
-        let mut song = KnownSong::new(Arc::new(Song { rate_hz, left, right }))?;
+        let mut song = KnownSong::of_loudness(Arc::new(Song { rate_hz, left, right }), loud);
         song.beats = Some(serde_json::from_str(beats)?);
         self.hearing.know(number, song);
         // The page plays one song at a time, and decodes it again where it is wanted again.
@@ -148,6 +154,7 @@ impl Concert {
             self.hearing.begin(stretch)?;
         }
         let at_secs = self.clock.at_secs();
+        self.follow_script(at_secs)?;
         self.follow_programme(at_secs)?;
         let feels_speed = self.look().feels_speed();
         let (hearing, ensemble) = (&mut self.hearing, &mut self.ensemble);

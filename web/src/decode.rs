@@ -12,6 +12,7 @@ const MOST_BYTES: usize = 256 << 20;
 pub struct DecodedSong {
     song: Song,
     beats: String,
+    loud: f32,
     damage: Option<String>,
 }
 
@@ -39,6 +40,12 @@ impl DecodedSong {
         self.beats.clone()
     }
 
+    /// How loud it gets, which [`Concert::know_song`](crate::Concert::know_song) would otherwise have to find out.
+    #[wasm_bindgen(getter)]
+    pub fn loud(&self) -> f32 {
+        self.loud
+    }
+
     /// What was wrong with the file, where it could be played all the same.
     #[wasm_bindgen(getter)]
     pub fn damage(&self) -> Option<String> {
@@ -63,5 +70,6 @@ pub fn decode(name: &str, bytes: Option<Vec<u8>>) -> Result<DecodedSong, JsError
         None => (sample_tune(), None),
     };
     let beats = serde_json::to_string(&track_beats(&song, &task)?)?;
-    Ok(DecodedSong { song, beats, damage })
+    let loud = song.loud_level()?;
+    Ok(DecodedSong { song, beats, loud, damage })
 }

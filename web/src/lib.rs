@@ -10,6 +10,8 @@ use std::path::Path;
 mod coarse;
 mod concert;
 mod decode;
+mod gallery;
+mod ink;
 mod numbers;
 mod parcel;
 mod prepare;
@@ -21,9 +23,11 @@ mod solve;
 use chladni_program::work::formats;
 pub use concert::Concert;
 pub use decode::{DecodedSong, decode};
+pub use gallery::Wall;
+pub use ink::Inker;
 pub use prepare::prepare;
 pub use screen::{close_card, open_card};
-pub use sitting::Sitting;
+pub use sitting::{Sitting, color_maps, quantities};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]

@@ -3,9 +3,12 @@
 
 mod doings;
 mod files;
+mod hanging;
+mod landmarks;
 mod matches;
 mod parts;
 mod pointing;
+mod seeing;
 mod stage;
 mod state;
 
@@ -14,13 +17,18 @@ use std::sync::Arc;
 
 use chladni_caricature::{Evaluation, History, LayerId, Project, ShapeSource, Stack};
 use chladni_harmonics::Body;
-use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, TriMesh};
+use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, Orientation, TriMesh};
 use chladni_program::work::{Aside, Error, OwnLook, Subject, settled, source};
 use chladni_task::Task;
 use wasm_bindgen::prelude::*;
 
+pub use self::files::PROJECT;
+use self::hanging::Hanging;
+use self::landmarks::Landmarks;
 use self::parts::Parts;
 use self::pointing::Tool;
+use self::seeing::Heat;
+pub use self::seeing::{color_maps, quantities};
 use self::stage::Stage;
 use crate::reporter::shape;
 use crate::solve;
@@ -46,6 +54,11 @@ pub struct Sitting {
     mirror: Option<Option<MirrorPlane>>,
     tool: Tool,
     stage: Stage,
+    heat: Heat,
+    /// Both shapes, while landmarks are picked.
+    landmarks: Option<Landmarks>,
+    /// Caricatures in the place of the figure.
+    hanging: Option<Hanging>,
     /// What the page has to say.
     notes: Vec<String>,
 }
@@ -83,6 +96,7 @@ impl Sitting {
         let parts = Parts::known(name, &mesh, stack.body());
         let history = History::new(project);
         let (solved, bare, mirror, tool) = (false, false, None, Tool::default());
+        let (heat, landmarks, hanging) = (Heat::of(stage.has_own_look()), None, None);
         Ok(Self {
             file,
             mesh,
@@ -97,6 +111,9 @@ impl Sitting {
             mirror,
             tool,
             stage,
+            heat,
+            landmarks,
+            hanging,
             notes,
         })
     }
@@ -125,11 +142,18 @@ impl Sitting {
         if self.selected.is_none_or(|id| project.layer(id).is_none()) {
             self.selected = project.layers().last().map(|(id, _)| *id);
         }
+        let stands = self.stands_now();
         self.evaluation =
             if self.solved { self.stack.evaluate(project) } else { self.stack.evaluate(&nothing(project)) };
-        self.stage.stand(project.stands.unwrap_or(self.stands.orientation));
+        self.stage.stand(stands);
         self.stage.take(if self.bare { self.stack.original() } else { &self.evaluation.result })?;
-        self.show_region()
+        self.forget_other_landmarks();
+        self.recoat()
+    }
+
+    /// How the shape stands.
+    fn stands_now(&self) -> Orientation {
+        self.history.project().stands.unwrap_or(self.stands.orientation)
     }
 
     /// The same with all layers limited where the project keeps triangles.

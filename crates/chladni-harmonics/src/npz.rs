@@ -88,12 +88,20 @@ pub fn write_npz(path: &Path, fill: impl FnOnce(&mut Npz<'_, '_>) -> Result<()>)
 /// # Errors
 /// An error of the system; then no file is left behind.
 pub fn write_npy<T: AutoSerialize>(path: &Path, values: &[T]) -> Result<()> {
-    chladni_task::write_atomic_with(path, |file| {
-        let array = WriteOptions::new().default_dtype().shape(&[values.len() as u64]);
-        let mut array = array.writer(file).begin_nd()?;
-        array.extend(values)?;
-        array.finish()
-    })
+    chladni_task::write_atomic(path, &npy_of(values)?)
+}
+
+/// The bytes of that file.
+///
+/// # Errors
+/// None but bugs: memory takes what is written to it.
+pub fn npy_of<T: AutoSerialize>(values: &[T]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let array = WriteOptions::new().default_dtype().shape(&[values.len() as u64]);
+    let mut array = array.writer(&mut bytes).begin_nd()?;
+    array.extend(values)?;
+    array.finish()?;
+    Ok(bytes)
 }
 
 /// Where the arrays of a basis go.

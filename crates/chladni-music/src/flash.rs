@@ -4,6 +4,8 @@
 //! at least 0.1, where the darker of the two is below 0.8. At most three may fall into any
 //! one second.
 
+use std::collections::VecDeque;
+
 /// The change of relative luminance that counts.
 pub const FLASH_STEP: f32 = 0.1;
 /// The darker state of a flash lies below this.
@@ -14,18 +16,40 @@ pub const MAX_FLASHES: usize = 3;
 /// How many flashes fall into the worst second of `luminances` (relative, [0, 1]), taken at
 /// `times_secs`.
 pub fn most_flashes_per_second(times_secs: &[f64], luminances: &[f32]) -> usize {
-    let mut swings = Swings::of(FLASH_STEP, FLASH_DARK);
-    let mut edges = Vec::new();
-    for (&t, &l) in times_secs.iter().zip(luminances) {
-        if swings.push(l) {
-            edges.push(t);
+    let mut worst = WorstSecond::default();
+    times_secs.iter().zip(luminances).for_each(|(&t, &l)| worst.show(t, l));
+    worst.flashes()
+}
+
+/// Counts the flashes of a luminance as it comes, and keeps no more of it than a second.
+#[derive(Clone, Debug)]
+pub(crate) struct WorstSecond {
+    swings: Swings,
+    /// Times of the changes within the last second.
+    edges_secs: VecDeque<f64>,
+    most_edges: usize,
+}
+
+impl Default for WorstSecond {
+    fn default() -> Self {
+        Self { swings: Swings::of(FLASH_STEP, FLASH_DARK), edges_secs: VecDeque::new(), most_edges: 0 }
+    }
+}
+
+impl WorstSecond {
+    /// Takes the luminance at `time_secs`.
+    pub(crate) fn show(&mut self, time_secs: f64, luminance: f32) {
+        if self.swings.push(luminance) {
+            while self.edges_secs.pop_front_if(|edge_secs| time_secs - *edge_secs > 1.0).is_some() {}
+            self.edges_secs.push_back(time_secs);
+            self.most_edges = self.most_edges.max(self.edges_secs.len());
         }
     }
-    // Two opposing changes make one flash.
-    (0..edges.len())
-        .map(|i| edges[i..].iter().take_while(|t| **t - edges[i] <= 1.0).count() / 2)
-        .max()
-        .unwrap_or(0)
+
+    /// Two opposing changes make one flash.
+    pub(crate) fn flashes(&self) -> usize {
+        self.most_edges / 2
+    }
 }
 
 /// What limits flashes counts changes from this share of a step: what it gets may be the mean of a sample of the pixels.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use crate::flash::{GUARDED, GUARDED_DARK, Swings};
 use crate::flash_field::{FlashArea, are_too_many};
-use crate::histogram::CELLS;
+use crate::histogram::{CELLS, relative_luminance};
 use crate::{FLASH_DARK, FLASH_STEP, Histogram, MAX_FLASHES, Veil};
 
 /// A saturated red has at least this share of its light in red.
@@ -118,9 +118,10 @@ impl Places {
     }
 
     /// The signal of a linear color, and whether the color is a saturated red.
-    fn read(&self, [r, g, b]: [f32; 3]) -> (f32, bool) {
+    fn read(&self, color: [f32; 3]) -> (f32, bool) {
+        let [r, g, b] = color;
         match self.signal {
-            Signal::Luminance => (0.2126 * r + 0.7152 * g + 0.0722 * b, false),
+            Signal::Luminance => (relative_luminance(color), false),
             Signal::Red => (320.0 * (r - g - b).max(0.0), r > 0.0 && r >= self.red_share * (r + g + b)),
         }
     }

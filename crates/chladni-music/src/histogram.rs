@@ -1,4 +1,5 @@
-//! What is known of a picture that may flash: how often each value occurs, and the mean color of each cell.
+//! What is known of a picture that may flash: how often each value occurs, the mean color of each cell, and finer the
+//! luminance alone.
 
 use chladni_mesh::{linear_from_srgb, srgb_from_linear};
 
@@ -9,8 +10,11 @@ pub(crate) const COLUMNS: usize = 48;
 pub(crate) const ROWS: usize = 32;
 /// All cells.
 pub(crate) const CELLS: usize = COLUMNS * ROWS;
+/// Dots of a cell, across and down: stripes are looked for among them.
+pub(crate) const FINE: usize = 4;
 
-/// How often each sRGB-encoded value occurs in a picture, per channel, and the mean color of each of 48 × 32 cells.
+/// How often each sRGB-encoded value occurs in a picture, per channel, the mean color of each of 48 × 32 cells, and the
+/// mean luminance of each of 192 × 128 dots.
 ///
 /// It gives the mean relative luminance (WCAG) and the colors of cells under any [`Veil`] without reading the pixels
 /// again.
@@ -19,6 +23,13 @@ pub struct Histogram {
     counts: [[u32; 256]; 3],
     linear: [f32; 256],
     cells: Vec<Cell>,
+    /// Sum of the luminances of a dot, and its pixels.
+    dots: Vec<[f32; 2]>,
+}
+
+/// Relative luminance (WCAG) of a linear color.
+pub(crate) fn relative_luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 /// Sum of the linear colors of a cell, and its pixels.
@@ -31,15 +42,24 @@ struct Cell {
 impl Default for Histogram {
     fn default() -> Self {
         let linear = std::array::from_fn(|byte| linear_from_srgb(byte as f64 / 255.0) as f32);
-        Self { counts: [[0; 256]; 3], linear, cells: vec![Cell::default(); CELLS] }
+        Self {
+            counts: [[0; 256]; 3],
+            linear,
+            cells: vec![Cell::default(); CELLS],
+            dots: vec![[0.0; 2]; FINE * COLUMNS * FINE * ROWS],
+        }
     }
 }
 
 impl Histogram {
+    /// Dots of a picture, across and down.
+    pub const DOTS: [u32; 2] = [(FINE * COLUMNS) as u32, (FINE * ROWS) as u32];
+
     /// Forgets all pixels.
     pub fn clear(&mut self) {
         self.counts = [[0; 256]; 3];
         self.cells.fill(Cell::default());
+        self.dots.fill([0.0; 2]);
     }
 
     /// Counts the pixel in column and row `at` of a picture of `size` columns and rows.
@@ -48,15 +68,36 @@ impl Histogram {
         for (counts, value) in self.counts.iter_mut().zip(rgb) {
             counts[usize::from(value)] += 1;
         }
-        let [column, row] = [(0, COLUMNS), (1, ROWS)].map(|(axis, cells)| {
-            let cell = (at[axis] as f32 + 0.5) * (cells as f32 / size[axis].max(1) as f32);
-            (cell as usize).min(cells - 1)
+        let [column, row] = [(0, FINE * COLUMNS), (1, FINE * ROWS)].map(|(axis, dots)| {
+            let dot = (at[axis] as f32 + 0.5) * (dots as f32 / size[axis].max(1) as f32);
+            (dot as usize).min(dots - 1)
         });
-        let cell = &mut self.cells[row * COLUMNS + column];
-        for (light, value) in cell.light.iter_mut().zip(rgb) {
-            *light += self.linear[usize::from(value)];
-        }
+        let light = rgb.map(|value| self.linear[usize::from(value)]);
+        let cell = &mut self.cells[row / FINE * COLUMNS + column / FINE];
+        (0..3).for_each(|i| cell.light[i] += light[i]);
         cell.pixels += 1.0;
+        let [sum, pixels] = &mut self.dots[row * FINE * COLUMNS + column];
+        *sum += relative_luminance(light);
+        *pixels += 1.0;
+    }
+
+    /// Writes the mean luminance of each dot, row by row. One without pixels is like the one on its left, a row without any
+    /// like the row above, so that a small picture shows no edges of its own.
+    pub(crate) fn write_luminances(&self, into: &mut [f32]) {
+        let wide = FINE * COLUMNS;
+        for (row, dots) in self.dots.chunks_exact(wide).enumerate() {
+            let known = |&[sum, pixels]: &[f32; 2]| (pixels > 0.0).then(|| sum / pixels);
+            if let Some(mut last) = dots.iter().find_map(known) {
+                for (into, dot) in into[row * wide..].iter_mut().zip(dots) {
+                    last = known(dot).unwrap_or(last);
+                    *into = last;
+                }
+            } else if row > 0 {
+                into.copy_within((row - 1) * wide..row * wide, row * wide);
+            } else {
+                into[..wide].fill(0.0);
+            }
+        }
     }
 
     /// Mean relative luminance in [0, 1] behind `veil`; 0 without pixels.

@@ -66,6 +66,7 @@ mod sides;
 mod stage;
 mod steepness;
 mod stereo;
+mod stripes;
 mod swing;
 mod symmetry;
 mod target;

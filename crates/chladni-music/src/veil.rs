@@ -1,9 +1,11 @@
 //! The last look at a picture: a veil toward black or white where it would flash.
 
+use crate::FlashLimiter;
+use crate::flash::WorstSecond;
 use crate::flash_area::{Places, Signal};
 use crate::flash_field::FlashArea;
 use crate::histogram::Histogram;
-use crate::{FlashLimiter, most_flashes_per_second};
+use crate::stripes::Stripes;
 
 /// A film of black or white over the whole picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +40,7 @@ impl Veil {
 }
 
 /// Keeps the pictures of a film or a window from flashing more than three times a second: in their mean luminance and, in
-/// luminance or saturated red, in more than a quarter of an area.
+/// luminance or saturated red, in more than a quarter of an area. Bright stripes in more than a quarter are darkened, too.
 ///
 /// ```
 /// use chladni_music::{FlashGuard, Histogram, Veil};
@@ -56,7 +58,8 @@ pub struct FlashGuard {
     limiter: FlashLimiter,
     places: [Places; 4],
     area: FlashArea,
-    /// How black places made it, and when.
+    stripes: Stripes,
+    /// How black places and stripes made it, and when.
     held: Option<(f64, u8)>,
 }
 
@@ -65,12 +68,15 @@ impl Default for FlashGuard {
         let [luminance, red] = [Signal::Luminance, Signal::Red].map(Places::guarding);
         let [exact_luminance, exact_red] = [Signal::Luminance, Signal::Red].map(Places::rising);
         let places = [luminance, red, exact_luminance, exact_red];
-        Self { limiter: FlashLimiter::default(), places, area: FlashArea::default(), held: None }
+        let (limiter, area, stripes) = Default::default();
+        Self { limiter, places, area, stripes, held: None }
     }
 }
 
 /// Black because of a part of the picture goes within this time.
 const LIFT_SECS: f64 = 1.0;
+/// Black because of stripes comes within this time; they may be seen for half a second.
+const LOWER_SECS: f64 = 0.4;
 
 impl FlashGuard {
     /// Where no more than a quarter may flash from now on.
@@ -92,11 +98,15 @@ impl FlashGuard {
     }
 
     /// How black parts of the picture need it.
-    fn least(&self, time_secs: f64, picture: &Histogram) -> u8 {
-        let kept = self.held.map_or(0.0, |(since_secs, opacity)| {
-            f64::from(opacity) - 255.0 * (time_secs - since_secs).max(0.0) / LIFT_SECS
-        });
-        thinnest(kept.max(0.0).ceil() as u8, |opacity| !self.would_flash(picture, Veil::black(opacity)))
+    fn least(&mut self, time_secs: f64, picture: &Histogram) -> u8 {
+        let (since_secs, held) = self.held.unwrap_or((time_secs, 0));
+        let (gone_secs, held) = ((time_secs - since_secs).max(0.0), f64::from(held));
+        let kept = (held - 255.0 * gone_secs / LIFT_SECS).max(0.0).ceil() as u8;
+        let soon = (held + 255.0 * gone_secs / LOWER_SECS).min(255.0) as u8;
+        self.stripes.look(picture);
+        let striped = |opacity| self.stripes.are_too_many(picture, Veil::black(opacity), self.area);
+        let least = thinnest(kept, |opacity| opacity >= soon.max(kept) || !striped(opacity));
+        thinnest(least, |opacity| !self.would_flash(picture, Veil::black(opacity)))
     }
 
     /// What the mean needs, at least as black as `least`. Where parts need black, the mean may fall at once.
@@ -140,44 +150,63 @@ fn thinnest(least: u8, enough: impl Fn(u8) -> bool) -> u8 {
     dense
 }
 
-/// Counts flashes of what was shown: of the mean luminance, and of luminance and saturated red in more than a quarter of
-/// an area.
+/// Counts flashes of what was shown, of the mean luminance and of luminance and saturated red in more than a quarter of
+/// an area, and how long stripes were seen in more than a quarter of it.
 #[derive(Clone, Debug)]
 pub struct FlashCount {
     area: FlashArea,
-    times_secs: Vec<f64>,
-    luminances: Vec<f32>,
+    mean: WorstSecond,
     places: [Places; 2],
     most_in_places: usize,
+    stripes: Stripes,
+    striped_since_secs: Option<f64>,
+    longest_stripes_secs: f64,
 }
 
 impl Default for FlashCount {
     fn default() -> Self {
-        let places = [Signal::Luminance, Signal::Red].map(Places::counting);
-        let area = FlashArea::default();
-        Self { area, times_secs: Vec::new(), luminances: Vec::new(), places, most_in_places: 0 }
+        Self::of(FlashArea::default())
     }
 }
 
 impl FlashCount {
     /// Where more than a quarter must flash to be counted.
     pub fn of(area: FlashArea) -> Self {
-        Self { area, ..Self::default() }
+        Self {
+            area,
+            mean: WorstSecond::default(),
+            places: [Signal::Luminance, Signal::Red].map(Places::counting),
+            most_in_places: 0,
+            stripes: Stripes::default(),
+            striped_since_secs: None,
+            longest_stripes_secs: 0.0,
+        }
     }
 
     /// Notes what was shown at `time_secs`: `picture` behind `veil`.
     pub fn note(&mut self, time_secs: f64, picture: &Histogram, veil: Veil) {
-        self.times_secs.push(time_secs);
-        self.luminances.push(picture.luminance(veil));
+        self.mean.show(time_secs, picture.luminance(veil));
         for places in &mut self.places {
             places.show(time_secs, picture, veil);
             self.most_in_places = self.most_in_places.max(places.flashes(picture, self.area));
+        }
+        self.stripes.look(picture);
+        let since_secs = self.striped_since_secs.unwrap_or(time_secs);
+        let is_striped = self.stripes.are_too_many(picture, veil, self.area);
+        self.striped_since_secs = is_striped.then_some(since_secs);
+        if is_striped {
+            self.longest_stripes_secs = self.longest_stripes_secs.max(time_secs - since_secs);
         }
     }
 
     /// Flashes in the worst second.
     pub fn most_per_second(&self) -> usize {
-        most_flashes_per_second(&self.times_secs, &self.luminances).max(self.most_in_places)
+        self.mean.flashes().max(self.most_in_places)
+    }
+
+    /// The longest time for which bright stripes covered more than a quarter.
+    pub fn longest_stripes_secs(&self) -> f64 {
+        self.longest_stripes_secs
     }
 }
 
@@ -194,12 +223,14 @@ mod tests {
 
     fn flashes(rate: f64, levels: &[u8], guarded: bool) -> (usize, Vec<f32>) {
         let (mut guard, mut count) = (FlashGuard::default(), FlashCount::default());
+        let mut luminances = Vec::new();
         for (i, &level) in levels.iter().enumerate() {
             let (time_secs, picture) = (i as f64 / rate, flat(level));
             let veil = if guarded { guard.veil(time_secs, &picture) } else { Veil::Clear };
             count.note(time_secs, &picture, veil);
+            luminances.push(picture.luminance(veil));
         }
-        (count.most_per_second(), count.luminances)
+        (count.most_per_second(), luminances)
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
 //! repository because their licenses vary, and whether the programs are there that some of them need. Films
-//! they make themselves, and a sound server of their own they start.
+//! they make themselves, and a sound server of their own they start. What they compute in doubles they check with numbers of
+//! twice the digits.
 //!
 //! ```
 //! // Tests that need real data return early where there is none.
@@ -8,11 +9,13 @@
 //! assert!(path.exists());
 //! ```
 
+mod double_double;
 mod sound_server;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+pub use double_double::{DoubleDouble, TAU};
 pub use sound_server::SoundServer;
 
 /// The path of `name` in the shared data folder, or `None`, with a printed line, where it is

@@ -102,12 +102,13 @@ impl Concert {
 }
 
 impl Concert {
-    /// Does an action now.
+    /// Does an action now. A show that is played is the user's own from then on.
     pub(super) fn act(&mut self, action: Action) -> Result<(), Error> {
+        self.script = None;
         self.act_at(self.clock.at_secs(), action)
     }
 
-    fn act_at(&mut self, at_secs: f64, action: Action) -> Result<(), Error> {
+    pub(super) fn act_at(&mut self, at_secs: f64, action: Action) -> Result<(), Error> {
         let at_beat = self.hearing.beat_at(at_secs).count;
         self.instrument.apply(Moment { at_secs, at_beat }, action)?;
         self.hearing.tune(at_secs, self.instrument.parameters());

@@ -59,7 +59,7 @@ impl Concert {
         self.instrument = show.replay(self.instrument.shape().clone())?;
         self.viewpoint = show.viewpoint;
         self.looks = show.looks.unwrap_or_default();
-        self.programme = None;
+        (self.programme, self.script) = (None, None);
         self.hearing.tune(self.clock.at_secs(), self.instrument.parameters());
         Ok(())
     }

@@ -27,6 +27,8 @@ struct State<'a> {
     on_stage: bool,
     sand: bool,
     piloted: bool,
+    /// A saved show is played.
+    played: bool,
     look: &'a str,
     viewpoint: Viewpoint,
     /// What is set, by its name in show files.
@@ -61,6 +63,7 @@ impl Concert {
             on_stage: instrument.scene(beat.count).is_some(),
             sand: instrument.parameters().is_on(Switch::Sand),
             piloted: self.programme.is_some(),
+            played: self.script.is_some(),
             look: &self.looks.look,
             viewpoint: self.viewpoint,
             settings: instrument.parameters().settings(),

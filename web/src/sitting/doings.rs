@@ -6,7 +6,7 @@ use chladni_caricature::{Action, Layer, LayerId, Property, ScaleCurve};
 use chladni_mesh::Axis;
 use chladni_program::work::{Aside, Error, STARTING_POINTS, Stance, layer_against, layer_since};
 use chladni_task::Task;
-use chladni_view::View;
+use chladni_view::{Camera, View};
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
@@ -134,7 +134,7 @@ impl Sitting {
         let mirror = self.mirror()?;
         self.tool.pointed.clear();
         self.parts = Parts::at_level(self.stack.body(), level, mirror);
-        Ok(self.show_region()?)
+        Ok(self.recoat()?)
     }
 
     /// The parts of a head that [`parts_of_head`](crate::solve::parts_of_head) found.
@@ -144,7 +144,7 @@ impl Sitting {
     pub fn take_parts_of_head(&mut self, parts: &[u8]) -> Result<(), JsError> {
         self.tool.pointed.clear();
         self.parts = Parts::of_head(parts, self.stack.body());
-        Ok(self.show_region()?)
+        Ok(self.recoat()?)
     }
 
     /// Shows the shape under its layers, to compare, or the result again.
@@ -166,25 +166,30 @@ impl Sitting {
 
     /// Turns the viewer by a drag in pixels.
     pub fn turn(&mut self, dx: f32, dy: f32) {
-        self.stage.camera.orbit(dx, dy);
+        self.camera().orbit(dx, dy);
         self.stage.moved(false);
     }
 
     /// Brings the viewer nearer by steps of a wheel.
     pub fn zoom(&mut self, steps: f32) {
-        self.stage.camera.zoom(steps);
+        self.camera().zoom(steps);
         self.stage.moved(true);
     }
 
     /// Shifts the picture, in heights of it.
     pub fn shift(&mut self, right: f32, down: f32) {
-        self.stage.camera.pan(right, down, 1.0);
+        self.camera().pan(right, down, 1.0);
         self.stage.moved(true);
     }
 
-    /// Shows the whole shape.
+    /// Shows all there is.
     pub fn fit(&mut self) {
-        self.stage.fit();
+        match (&mut self.landmarks, &mut self.hanging) {
+            (Some(landmarks), _) => landmarks.fit(),
+            (_, Some(hanging)) => hanging.fit(),
+            _ => self.stage.fit(),
+        }
+        self.stage.stir();
     }
 
     /// Looks at the shape's `front`, from the `right`, its `back`, or as portraits do (`portrait`).
@@ -192,19 +197,28 @@ impl Sitting {
     /// # Errors
     /// A name that no view has.
     pub fn look(&mut self, from: &str) -> Result<(), JsError> {
-        self.stage.camera.look(match from {
+        self.camera().look(match from {
             "front" => View::Front,
             "right" => View::Right,
             "back" => View::Back,
             "portrait" => View::ThreeQuarter,
             _ => return Err(JsError::new("there is no such view")),
         });
-        self.stage.fit();
+        self.fit();
         Ok(())
     }
 }
 
 impl Sitting {
+    /// The viewer of what is shown.
+    fn camera(&mut self) -> &mut Camera {
+        match (&mut self.landmarks, &mut self.hanging) {
+            (Some(landmarks), _) => landmarks.camera(),
+            (_, Some(hanging)) => &mut hanging.camera,
+            _ => &mut self.stage.camera,
+        }
+    }
+
     /// Does an action as a step of its own.
     pub(super) fn act_once(&mut self, action: &Action) -> Result<(), Error> {
         let (next, surface) = (self.history.project().next_id(), self.stack.surface().clone());

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use chladni_caricature::{Project, ShapeSource, Template};
+use chladni_caricature::{Action, PaintEdit, Painted, Project, ShapeSource, Template};
 use chladni_mesh::Format;
-use chladni_program::work::Sculpture;
+use chladni_program::work::{Sculpture, mask};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -71,6 +71,34 @@ impl Sitting {
         Ok(text)
     }
 
+    /// The project as the text of a project file, to be read elsewhere in the page.
+    ///
+    /// # Errors
+    /// Names that are not Unicode.
+    pub fn project_text(&self) -> Result<String, JsError> {
+        Ok(self.history.project().to_text(Path::new(PROJECT), None)?)
+    }
+
+    /// The region of the selected layer as a mask: an array (`npy`), or a mesh (`ply`, `obj`, `glb`).
+    ///
+    /// # Errors
+    /// Another ending.
+    pub fn save_mask(&self, ending: &str) -> Result<Vec<u8>, JsError> {
+        let layer = self.selected.and_then(|id| self.history.project().layer(id));
+        let painted = layer.map_or(Painted::Everywhere, |layer| layer.region.painted.clone());
+        Ok(mask::to_bytes(ending, &painted, &self.mesh.clone().into())?.0)
+    }
+
+    /// Gives the selected layer the region in a file called `name`.
+    ///
+    /// # Errors
+    /// A file that holds no mask of this shape; no layer.
+    pub fn open_mask(&mut self, name: &str, bytes: &[u8]) -> Result<(), JsError> {
+        let layer = self.selected.ok_or_else(|| JsError::new("A mask needs a layer: add one first."))?;
+        let painted = mask::read_in(Path::new(name), bytes, None, &self.mesh.clone().into())?;
+        Ok(self.act_once(&Action::Paint { layer, edit: PaintEdit::Set(painted) })?)
+    }
+
     /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`.
     ///
     /// # Errors
@@ -103,7 +131,16 @@ impl Sitting {
     /// # Errors
     /// A picture without pixels or too large, and bugs.
     pub fn frame(&mut self, width: u32, height: u32) -> Result<bool, JsError> {
-        Ok(self.stage.draw(width, height)?)
+        if !self.stage.awaits(width, height)? {
+            return Ok(false);
+        }
+        let (area, own) = (self.stage.area(), self.matching().landmarks);
+        match (&mut self.landmarks, &mut self.hanging) {
+            (Some(landmarks), _) => self.stage.draw_others(&landmarks.placed(area, &own))?,
+            (_, Some(hanging)) => self.stage.draw_others(&hanging.placed(area))?,
+            _ => self.stage.draw()?,
+        }
+        Ok(true)
     }
 
     /// The processor draws from now on: the page has lost its graphics card.
@@ -111,6 +148,8 @@ impl Sitting {
     /// # Errors
     /// Bugs only.
     pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
+        // What they show lies on the card.
+        (self.landmarks, self.hanging) = (None, None);
         Ok(self.stage.draw_by_processor()?)
     }
 

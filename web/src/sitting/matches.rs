@@ -1,5 +1,7 @@
 //! Matches that layers wait for: those with meshes are made in a worker, the others at once.
 
+use std::sync::Arc;
+
 use chladni_caricature::{CaricatureError, Layer, MatchRequest, Matched, Template};
 use chladni_mesh::Estimate;
 use chladni_program::work::{Aside, matched_with};
@@ -71,6 +73,22 @@ impl Sitting {
     pub fn fail(&mut self, request: &str, why: String) -> Result<(), JsError> {
         self.stack.install(serde_json::from_str(request)?, Err(CaricatureError::Unmatched(why)));
         Ok(self.refresh()?)
+    }
+
+    /// What layers are matched with, as JSON, for [`Wall`](crate::Wall): each request with its answer.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn matches(&self) -> Result<String, JsError> {
+        let layers = self.history.project().layers().iter();
+        let requests = layers.filter_map(|(_, layer)| MatchRequest::of(layer));
+        let known = requests.filter_map(|request| {
+            let found = Arc::clone(self.stack.matched(&request)?);
+            Some((request, found))
+        });
+        let known: Vec<(MatchRequest, Arc<Matched>)> = known.collect();
+        let known: Vec<(&MatchRequest, &Matched)> = known.iter().map(|(r, found)| (r, &**found)).collect();
+        Ok(serde_json::to_string(&known)?)
     }
 
     /// Tries again what failed for the selected layer.

@@ -1,7 +1,7 @@
 //! What the pointer does on the figure: it shows and takes parts, and paints.
 
 use chladni_caricature::{Action, Brush, Dab, PaintEdit, Reach, Seen, SurfacePoint};
-use chladni_program::work::{Error, with_pointed};
+use chladni_program::work::{Coating, Error, with_pointed};
 use chladni_view::{Hit, Projection};
 use wasm_bindgen::prelude::*;
 
@@ -50,7 +50,7 @@ impl Sitting {
         };
         self.tool.pointed.clear();
         self.stage.lay_ring(None, &self.stack.surface().clone())?;
-        Ok(self.show_region()?)
+        Ok(self.recoat()?)
     }
 
     /// The brush from now on: its radius as a share of the shape's half size.
@@ -125,7 +125,7 @@ impl Sitting {
             self.stage.lay_ring(Some(&reach), &surface)?;
         }
         self.tool.at = Some([x, y]);
-        Ok(self.show_region()?)
+        Ok(self.recoat()?)
     }
 }
 
@@ -161,7 +161,7 @@ impl Sitting {
             return Ok(());
         }
         self.tool.pointed = pointed;
-        self.show_region()
+        self.recoat()
     }
 
     /// What the brush covers where it touches the figure.
@@ -179,19 +179,27 @@ impl Sitting {
         Ok(brush.reach(&seen, &at))
     }
 
-    /// While parts are chosen or painted, the region of the selected layer is seen, with what is pointed at.
-    pub(super) fn show_region(&mut self) -> Result<(), Error> {
+    /// Colors the figure: while parts are chosen or painted by the region of the selected layer, with what is pointed at,
+    /// unless a heat map was chosen.
+    pub(super) fn recoat(&mut self) -> Result<(), Error> {
         let layer = self.selected.and_then(|id| self.history.project().layer(id));
-        let Some(layer) = layer.filter(|_| self.tool.mode != Mode::Turn) else {
-            return self.stage.show_region(None);
+        let tool = self.tool.mode != Mode::Turn && self.heat.is_off();
+        let shown = layer.filter(|_| tool).and_then(|layer| {
+            let region = layer.region.painted.values(&self.stack.surface().file_positions());
+            let pointed = self.parts.shown(&self.tool.pointed);
+            if self.tool.pointed.is_empty() && region.iter().all(|x| *x == 1.0) {
+                return None;
+            }
+            Some(if pointed.len() == region.len() {
+                with_pointed(&region, &pointed)
+            } else {
+                region.to_vec()
+            })
+        });
+        let coating = match shown {
+            Some(region) => Coating::Region(region),
+            None => self.heated()?,
         };
-        let region = layer.region.painted.values(&self.stack.surface().file_positions());
-        let pointed = self.parts.shown(&self.tool.pointed);
-        if self.tool.pointed.is_empty() && region.iter().all(|x| *x == 1.0) {
-            return self.stage.show_region(None);
-        }
-        let shown =
-            if pointed.len() == region.len() { with_pointed(&region, &pointed) } else { region.to_vec() };
-        self.stage.show_region(Some(&shown))
+        self.stage.coat(coating)
     }
 }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use chladni_caricature::{Base, Reach, Surface};
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
-use chladni_program::work::{Error, OwnLook, PAINTED, RING, tints};
+use chladni_program::work::{Coating, Error, MARKED, OwnLook, PAINTED, RING, tints};
 use chladni_view::{
-    Background, BrushRing, Camera, Canvas, Cell, Device, Figure, Hit, ItemBuffers, Lights, Material, Paint,
-    PickTree, Picture, Rect, Renderer, Skin, Topology, VertexPaint, View,
+    Background, BrushRing, Camera, Canvas, Cell, Device, Figure, Hit, ItemBuffers, Lights, Marker, Material,
+    Paint, PickTree, Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, View,
 };
 
 use crate::screen::{Screen, device};
@@ -28,6 +28,8 @@ pub struct Stage {
     renderer: Renderer,
     screen: Screen,
     pick: Option<PickTree>,
+    /// How often the figure has changed.
+    changes: u64,
     /// What is shown is not what was drawn.
     stale: bool,
     /// The whole figure is to be seen.
@@ -40,20 +42,23 @@ pub struct Stage {
 struct Dressed {
     topology: Topology,
     buffers: ItemBuffers,
+    /// What a heat map shows.
+    values: VertexPaint,
+    /// Regions, marks and places.
     tints: VertexPaint,
-    /// How much of each vertex is in the region that is shown in place of the shape's own colors.
-    region: Option<Vec<f32>>,
+    coating: Coating,
     own: Own,
     ring: BrushRing,
 }
 
 impl Dressed {
     fn figure(&self) -> Figure<'_> {
-        let paint = match &self.own {
-            _ if self.region.is_some() => Paint::Colors(&self.tints),
-            Own::Colors(colors) => Paint::Colors(colors),
-            Own::Image(skin) => Paint::Skin(skin),
-            Own::None => Paint::Material,
+        let paint = match (&self.coating, &self.own) {
+            (Coating::Values(_, scale), _) => Paint::Values(&self.values, *scale),
+            (Coating::Region(_) | Coating::Marks(_) | Coating::Colors(_), _) => Paint::Colors(&self.tints),
+            (Coating::Own, Own::Colors(colors)) => Paint::Colors(colors),
+            (Coating::Own, Own::Image(skin)) => Paint::Skin(skin),
+            (Coating::Own, Own::None) | (Coating::Material, _) => Paint::Material,
         };
         Figure { paint, ..Figure::new(&self.topology, &self.buffers, 0) }
     }
@@ -92,18 +97,34 @@ impl Dressed {
         };
         let buffers = ItemBuffers::new(device, n, 1);
         buffers.write(device, 0, positions, normals)?;
-        let (tints, ring) = (VertexPaint::new(device, n), BrushRing::new(device, n, RING));
-        Ok(Self { topology, buffers, tints, region: None, own, ring })
+        let (values, tints) = (VertexPaint::new(device, n), VertexPaint::new(device, n));
+        let ring = BrushRing::new(device, n, RING);
+        Ok(Self { topology, buffers, values, tints, coating: Coating::Own, own, ring })
     }
 
-    /// Shows a region on the material, or, without one, the shape as it looks.
-    fn show_region(&mut self, device: &Device, region: Option<&[f32]>) -> Result<(), Error> {
-        if let Some(values) = region {
-            self.tints.write_colors(device, &tints(values, PAINTED, Material::CLAY))?;
+    fn coat(&mut self, device: &Device, coating: Coating) -> Result<(), Error> {
+        match &coating {
+            Coating::Material | Coating::Own => {}
+            Coating::Values(values, _) => self.values.write_values(device, values)?,
+            Coating::Region(values) => {
+                self.tints.write_colors(device, &tints(values, PAINTED, Material::CLAY))?;
+            }
+            Coating::Marks(values) => {
+                self.tints.write_colors(device, &tints(values, MARKED, Material::CLAY))?;
+            }
+            Coating::Colors(colors) => self.tints.write_colors(device, colors)?,
         }
-        self.region = region.map(<[f32]>::to_vec);
+        self.coating = coating;
         Ok(())
     }
+}
+
+/// Figures in a part of the picture.
+pub struct Placed<'a> {
+    pub viewport: Rect,
+    pub camera: Camera,
+    pub figures: Vec<Figure<'a>>,
+    pub markers: Vec<Marker>,
 }
 
 impl Stage {
@@ -121,6 +142,7 @@ impl Stage {
             renderer: Renderer::new(&device),
             screen: Screen::new(device)?,
             pick: None,
+            changes: 0,
             stale: true,
             fitted: false,
             by_hand: false,
@@ -131,7 +153,7 @@ impl Stage {
     fn on_processor(&self) -> Result<Dressed, Error> {
         let shape = (self.positions.as_slice(), self.normals.as_slice());
         let mut model = Dressed::new(&Device::Processor, shape, &self.triangles, self.look.as_ref())?;
-        model.show_region(&Device::Processor, self.model.region.as_deref())?;
+        model.coat(&Device::Processor, self.model.coating.clone())?;
         Ok(model)
     }
 
@@ -149,14 +171,46 @@ impl Stage {
         if let Some(pick) = &mut self.pick {
             pick.refit(&self.positions, &self.triangles);
         }
+        self.changes += 1;
         self.stale = true;
         Ok(())
     }
 
-    /// Shows a region on the material, or, without one, the shape as it looks.
-    pub fn show_region(&mut self, region: Option<&[f32]>) -> Result<(), Error> {
+    /// Gives the figure its color.
+    pub fn coat(&mut self, coating: Coating) -> Result<(), Error> {
         self.stale = true;
-        self.model.show_region(self.screen.device(), region)
+        self.model.coat(self.screen.device(), coating)
+    }
+
+    /// That of the heat map that is shown.
+    pub fn scale(&self) -> Option<Scale> {
+        match self.model.coating {
+            Coating::Values(_, scale) => Some(scale),
+            _ => None,
+        }
+    }
+
+    /// Whether the shape brought colors along.
+    pub fn has_own_look(&self) -> bool {
+        self.look.is_some()
+    }
+
+    /// How often the figure has changed.
+    pub fn changes(&self) -> u64 {
+        self.changes
+    }
+
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+
+    pub fn device(&self) -> &Device {
+        self.screen.device()
+    }
+
+    /// What is shown is not what was drawn.
+    pub fn stir(&mut self) {
+        self.stale = true;
     }
 
     /// Lays the ring where a brush would paint; lifts it where there is none.
@@ -191,11 +245,15 @@ impl Stage {
         self.stale = true;
     }
 
-    /// Draws it, if it has changed; whether it was drawn.
-    pub fn draw(&mut self, width: u32, height: u32) -> Result<bool, Error> {
-        if self.screen.fit(width, height)? && !self.stale {
-            return Ok(false);
-        }
+    /// Whether a picture of this size has yet to be drawn.
+    pub fn awaits(&mut self, width: u32, height: u32) -> Result<bool, Error> {
+        let had = self.screen.fit(width, height)?;
+        Ok(!had || self.stale)
+    }
+
+    /// Sees to it that all of the figure is in a picture of this size, where the viewer was not moved.
+    pub fn frame(&mut self, width: u32, height: u32) -> Result<(), Error> {
+        self.screen.fit(width, height)?;
         let aspect = width as f32 / height as f32;
         let points = self.positions.iter().copied();
         if !self.fitted {
@@ -204,18 +262,42 @@ impl Stage {
         } else if !self.by_hand {
             self.camera.hold(points, aspect, 0.97);
         }
+        Ok(())
+    }
+
+    /// Draws the figure.
+    pub fn draw(&mut self) -> Result<(), Error> {
+        let area = self.area();
+        self.frame(area.width, area.height)?;
         let figure = Figure { brush: Some(&self.model.ring), ..self.model.figure() };
-        draw(&mut self.renderer, self.screen.canvas(), self.camera, &[figure], Background::SLATE)?;
+        let placed =
+            [Placed { viewport: area, camera: self.camera, figures: vec![figure], markers: Vec::new() }];
+        draw(&mut self.renderer, self.screen.canvas(), &placed, Background::SLATE)?;
+        self.shown()
+    }
+
+    /// Draws others in its place.
+    pub fn draw_others(&mut self, placed: &[Placed<'_>]) -> Result<(), Error> {
+        draw(&mut self.renderer, self.screen.canvas(), placed, Background::SLATE)?;
+        self.shown()
+    }
+
+    fn shown(&mut self) -> Result<(), Error> {
         self.screen.show()?;
         self.stale = false;
-        Ok(true)
+        Ok(())
+    }
+
+    /// The viewer of a picture of its own.
+    pub fn held(&self, width: u32, height: u32) -> Camera {
+        let mut camera = self.camera;
+        camera.hold(self.positions.iter().copied(), width as f32 / height as f32, FILL);
+        camera
     }
 
     /// A picture of its own as PNG, on paper. The processor draws it: its pixels are there at once.
     pub fn png(&self, width: u32, height: u32) -> Result<Vec<u8>, Error> {
         let canvas = Canvas::new(&Device::Processor, width, height)?;
-        let mut camera = self.camera;
-        camera.hold(self.positions.iter().copied(), width as f32 / height as f32, FILL);
         let copy;
         let model = match self.screen.device() {
             Device::Processor => &self.model,
@@ -226,7 +308,13 @@ impl Stage {
         };
         // A renderer of its own: that of the page keeps room for pictures of the page's size only.
         let mut renderer = Renderer::new(&Device::Processor);
-        draw(&mut renderer, &canvas, camera, &[model.figure()], Background::PAPER)?;
+        let placed = Placed {
+            viewport: Rect::of_size(width, height),
+            camera: self.held(width, height),
+            figures: vec![model.figure()],
+            markers: Vec::new(),
+        };
+        draw(&mut renderer, &canvas, &[placed], Background::PAPER)?;
         Ok(canvas.read(&Device::Processor)?.to_png()?)
     }
 
@@ -261,13 +349,18 @@ impl Stage {
 fn draw(
     renderer: &mut Renderer,
     canvas: &Canvas,
-    camera: Camera,
-    figures: &[Figure<'_>],
+    placed: &[Placed<'_>],
     background: Background,
 ) -> Result<(), Error> {
-    let viewport = Rect::of_size(canvas.width(), canvas.height());
-    let cell = Cell { viewport, camera, lights: Lights::STUDIO, background, figures, markers: &[] };
-    Ok(renderer.draw(canvas, &[cell])?)
+    let cells = placed.iter().map(|placed| Cell {
+        viewport: placed.viewport,
+        camera: placed.camera,
+        lights: Lights::STUDIO,
+        background,
+        figures: &placed.figures,
+        markers: &placed.markers,
+    });
+    Ok(renderer.draw(canvas, &cells.collect::<Vec<_>>())?)
 }
 
 pub fn single(points: &[[f64; 3]]) -> Vec<[f32; 3]> {

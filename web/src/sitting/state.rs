@@ -1,12 +1,14 @@
 //! What the page shows of a sitting beside its picture.
 
 use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
+use chladni_match::Landmark;
 use chladni_mesh::Axis;
 use chladni_program::work::{STARTING_POINTS, results, template_name};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
+use super::seeing::ShownHeat;
 
 /// The scale curves that have names.
 const CURVES: [&str; 5] = ["flat", "smooth", "broad", "mid", "fine"];
@@ -37,6 +39,9 @@ struct ShownLayer<'a> {
     /// The share of the shape that its match covers.
     coverage: Option<f64>,
     warnings: Vec<String>,
+    /// It is compared with a mesh, on which landmarks can be picked.
+    has_mesh: bool,
+    landmarks: Vec<Landmark>,
 }
 
 #[derive(Serialize)]
@@ -66,6 +71,13 @@ struct State<'a> {
     pointed: Vec<&'a str>,
     yaw_rad: f32,
     distance: f32,
+    heat: ShownHeat,
+    /// The shape has colors of its own.
+    own_look: bool,
+    /// What to do next, while landmarks are picked.
+    hint: Option<String>,
+    /// Caricatures hang in the place of the figure.
+    hanging: bool,
 }
 
 #[wasm_bindgen]
@@ -97,6 +109,10 @@ impl Sitting {
             pointed: self.names(&self.tool.pointed),
             yaw_rad: self.stage.camera.yaw_rad,
             distance: self.stage.camera.distance,
+            heat: self.shown_heat(),
+            own_look: self.stage.has_own_look(),
+            hint: self.landmark_hint(),
+            hanging: self.hanging.is_some(),
         };
         Ok(serde_json::to_string(&state)?)
     }
@@ -142,6 +158,8 @@ impl Sitting {
             folds: evaluated.map_or(0, |evaluated| evaluated.folds(self.stack.surface())),
             coverage: quality.as_ref().map(|(coverage, _)| *coverage),
             warnings: quality.map(|(_, warnings)| warnings).unwrap_or_default(),
+            has_mesh: layer.template.is_mesh(),
+            landmarks: layer.matching.landmarks.clone(),
         }
     }
 }

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use crate::synth::stage::{SIZE_PX, wait};
+use chladni_program::work::Deformed;
 use chladni_program::work::Error;
-use chladni_program::work::film::{Deformed, Seconds};
 use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_view::{
     Background, Camera, Canvas, Cell, Device, Draw, Figure, Lights, Rect, Renderer, View, layout,
@@ -55,8 +55,7 @@ impl Projector {
 
     /// Deforms and draws `items` in the papers' size.
     pub fn show(&mut self, easel: &mut Easel, items: &[Item]) -> Result<Secs, Error> {
-        let mut seconds = Seconds::default();
-        self.deformed.synthesize(items, &FrameSettings::default(), &mut seconds)?;
+        let [synthesis, normals] = self.deformed.synthesize(items, &FrameSettings::default())?;
         let start = Instant::now();
         let buffers = self.deformed.buffers()?;
         let figures: Vec<Figure<'_>> =
@@ -71,7 +70,7 @@ impl Projector {
             wait(gpu)?;
         }
         let drawing = start.elapsed().as_secs_f64();
-        Ok(Secs { synthesis: seconds.synthesis, normals: seconds.normals, drawing })
+        Ok(Secs { synthesis, normals, drawing })
     }
 }
 

@@ -1,4 +1,5 @@
 use super::*;
+use chladni_testdata::{DoubleDouble, TAU};
 use proptest::prelude::*;
 
 const TIMBRE: Timbre = Timbre { damping: 0.1, tuning_hz: 1.0, stretch: 0.5, strike: 0.0, hold: 1.0 };
@@ -128,6 +129,85 @@ proptest! {
             bank.hear(&mono(&[level]), lasted);
             let most = bank.ring(lasted).q.iter().flatten().fold(0.0f32, |m, q| m.max(q.abs()));
             prop_assert!(most.is_finite() && most <= 2.0 * hold * (1.0 + risen) + strike * risen + 1e-3, "{}", most);
+        }
+    }
+}
+
+/// [`exact`] in numbers of twice the digits, and how large the terms are that it adds up.
+fn to_the_last_digit(secs: f32, hz: f32, damping: f32) -> ([DoubleDouble; 4], [f64; 4]) {
+    let [t, hz, zeta] = [secs, hz, damping].map(|x| DoubleDouble::from(f64::from(x)));
+    let (one, omega) = (DoubleDouble::from(1.0), TAU * hz);
+    let square = omega * omega * (one - zeta * zeta);
+    let x = if square.rounded() < 0.0 { (-square).sqrt() } else { square.sqrt() };
+    let (sine, cosine) = if x.rounded() == 0.0 {
+        (t, one)
+    } else if square.rounded() > 0.0 {
+        let (sin, cos) = (x * t).sin_cos();
+        (sin / x, cos)
+    } else {
+        let [up, down] = [(x * t).exp(), (-(x * t)).exp()];
+        let half = DoubleDouble::from(0.5);
+        ((up - down) * half / x, (up + down) * half)
+    };
+    let decay = (-(zeta * omega * t)).exp();
+    let of_rate = zeta * omega * sine;
+    let values =
+        [cosine + of_rate, sine, -(omega * omega * sine), cosine - of_rate].map(|value| decay * value);
+    let [c, s, r, w] = [cosine, sine, of_rate, omega].map(|x| x.rounded().abs());
+    (values, [c + r, s, w * w * s, c + r].map(|size| decay.rounded() * size))
+}
+
+const DAMPINGS: [f32; 7] = [0.01, 0.04, 0.3, 0.999_999, 1.0, 1.000_001, 2.0];
+
+/// Rounded once, to single precision; in doubles it loses as many bits as the oscillator turns.
+#[test]
+fn one_step_is_right_to_the_last_digit() {
+    for damping in DAMPINGS {
+        for tone in 0..TONES {
+            for secs in [1e-5, 0.003, 1.0 / 128.0, 0.25, 4.0] {
+                let (known, sizes) = to_the_last_digit(secs, tone_hz(tone), damping);
+                let turned = f64::from(TAU.rounded() as f32 * tone_hz(tone) * secs);
+                for ((found, known), size) in
+                    exact(secs, tone_hz(tone), damping).into_iter().zip(known).zip(sizes)
+                {
+                    let bound = 0.5001 * f64::from(f32::EPSILON) * known.rounded().abs();
+                    let lost = 8.0 * f64::EPSILON * (1.0 + turned) * size + f64::from(f32::MIN_POSITIVE);
+                    let error = known.error_of(f64::from(found));
+                    assert!(error <= bound + lost, "ζ {damping}, tone {tone}, {secs} s: {error:e}");
+                }
+            }
+        }
+    }
+}
+
+/// After twenty seconds of noise, single precision is off by less than 3·10⁻⁵ of the largest swing.
+#[test]
+fn twenty_seconds_of_ringing_keep_four_digits() {
+    let piece = 1.0 / 128.0;
+    let levels: Vec<f32> =
+        (0..2560u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 16) as f32 / 65536.0).collect();
+    for damping in DAMPINGS {
+        let timbre = Timbre { damping, strike: 1.5, hold: 0.5, ..TIMBRE };
+        let mut bank = Resonators::new(&timbre, 1);
+        levels.iter().for_each(|level| bank.hear(&mono(&[*level]), piece));
+        let ringing = bank.ring(0.0).clone();
+        for tone in [0, 20, 41, TONES - 1] {
+            let ([a, b, c, d], _) = to_the_last_digit(piece, tone_hz(tone), damping);
+            let stroke = DoubleDouble::from(f64::from(timbre.strike)) * TAU * f64::from(tone_hz(tone)).into();
+            let [mut q, mut speed] = [DoubleDouble::default(); 2];
+            let (mut before, mut farthest) = (0.0, 0.0f64);
+            for (i, level) in levels.iter().copied().enumerate() {
+                if i > 0 {
+                    let held = DoubleDouble::from(f64::from(timbre.hold)) * f64::from(levels[i - 1]).into();
+                    let (y, rate) = (q - held, speed);
+                    (q, speed) = (held + a * y + b * rate, c * y + d * rate);
+                }
+                speed = speed + stroke * f64::from((level - before).max(0.0)).into();
+                before = level;
+                farthest = farthest.max(q.rounded().abs());
+            }
+            let error = q.error_of(f64::from(ringing.at(Signal::Mid, tone as u8, 0)));
+            assert!(error <= 3e-5 * farthest, "ζ {damping}, tone {tone}: {:e}", error / farthest);
         }
     }
 }

@@ -3,9 +3,11 @@
 use std::cell::RefCell;
 use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use chladni_view::Draw;
+use winit::window::Window;
 
 use super::Studio;
 use super::choose::{Chooser, SystemDialogs};
@@ -64,8 +66,8 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
         .with_inner_size(WINDOW)
         .with_min_inner_size([900.0, 600.0]);
     if !opening.draw.means_graphics() {
-        let create = |ctx: &egui::Context| -> Box<dyn Program> {
-            Box::new(Studio::on(ctx, Screen::processor(ctx), opening))
+        let create = |ctx: &egui::Context, window: &Arc<Window>| -> Box<dyn Program> {
+            Box::new(Studio::on(ctx, Screen::processor(ctx, Some(Arc::clone(window))), opening))
         };
         return Ok(processor_window::open(viewport, create)?);
     }

@@ -7,6 +7,7 @@ use chladni_view::{Canvas, Device, Draw, Gpu, ViewError};
 use eframe::egui_wgpu::RenderState;
 use eframe::wgpu;
 use egui::{ColorImage, TextureHandle, TextureId, TextureOptions};
+use winit::window::Window;
 
 use super::error::NoDevice;
 
@@ -15,6 +16,8 @@ use super::error::NoDevice;
 pub struct Screen {
     device: Device,
     way: Way,
+    /// Whom to ask for monitors.
+    window: Option<Arc<Window>>,
 }
 
 #[derive(Clone)]
@@ -40,24 +43,31 @@ impl Screen {
             Some(state) => Self {
                 device: Device::Graphics(Gpu::shared(state.device.clone(), state.queue.clone())),
                 way: Way::Textures(state.clone()),
+                window: creation.winit_window().cloned(),
             },
-            None => Self::processor(&creation.egui_ctx),
+            None => Self::processor(&creation.egui_ctx, creation.winit_window().cloned()),
         })
     }
 
     /// The processor, for a window that is painted by anything.
-    pub fn processor(ctx: &egui::Context) -> Self {
-        Self { device: Device::Processor, way: Way::Pixels(ctx.clone()) }
+    pub fn processor(ctx: &egui::Context, window: Option<Arc<Window>>) -> Self {
+        Self { device: Device::Processor, way: Way::Pixels(ctx.clone()), window }
     }
 
     /// One that nobody looks at.
     pub fn unseen(device: &Device) -> Self {
-        Self { device: device.clone(), way: Way::Pixels(egui::Context::default()) }
+        Self { device: device.clone(), way: Way::Pixels(egui::Context::default()), window: None }
     }
 
     /// Who draws.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// The names of the screens that there are, in the system's order; none where it does not tell.
+    pub fn monitors(&self) -> Vec<String> {
+        let all = self.window.iter().flat_map(|window| window.available_monitors());
+        all.zip(1..).map(|(monitor, i)| monitor.name().unwrap_or_else(|| format!("Screen {i}"))).collect()
     }
 
     /// Word of the device's loss; none ever comes of the processor.

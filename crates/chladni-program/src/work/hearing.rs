@@ -37,7 +37,12 @@ impl KnownSong {
     /// [`SoundError::Setting`] where their rate is out of range.
     pub fn new(song: Arc<Song>) -> Result<Self, SoundError> {
         let loud = song.loud_level()?;
-        Ok(Self { song, beats: None, loud })
+        Ok(Self::of_loudness(song, loud))
+    }
+
+    /// The same where it is known how loud they get: their [`Song::loud_level`].
+    pub fn of_loudness(song: Arc<Song>, loud: f32) -> Self {
+        Self { song, beats: None, loud }
     }
 }
 

@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use chladni_caricature::Painted;
-use chladni_harmonics::npz::{read_numbers, write_npy, write_npz};
-use chladni_mesh::{Attribute, Format, Mended, ShapeSource, TriMesh, save_mesh, weld};
+use chladni_harmonics::npz::{npy_of, numbers_in, read_numbers, write_npy, write_npz};
+use chladni_mesh::{
+    Attribute, Format, Loaded, Mended, ShapeSource, TriMesh, nothing_beside, read_named_mesh, save_mesh,
+    weld, write_mesh,
+};
 
 use super::{Error, Subject};
 
@@ -36,21 +39,43 @@ fn refused(path: &Path, why: impl std::fmt::Display) -> Error {
 /// [`Error::Input`] where that is not there, has another number of values, or one outside [0, 1].
 pub fn read(path: &Path, channel: Option<&str>, subject: &Subject) -> Result<Painted, Error> {
     let values = match Format::of_path(path) {
-        Some(format) => {
-            let loaded = ShapeSource::named(path).load(None)?;
-            let misnamed = |mended: &Mended| match mended {
-                Mended::Misnamed(format) => Some(*format),
-                _ => None,
-            };
-            let format = loaded.mended.iter().find_map(misnamed).unwrap_or(format);
-            let usual = || loaded.mesh.channel(MASK, format).or_else(|| loaded.mesh.channel("red", format));
-            let found = channel.map_or_else(usual, |channel| loaded.mesh.channel(channel, format));
-            found.ok_or_else(|| refused(path, no_channel(&loaded.mesh, channel)))?
-        }
-        None => read_numbers(path, channel.unwrap_or(MASK))
-            .map_err(|why| refused(path, format_args!("no mask can be read from it: {why}")))?,
+        Some(format) => of_mesh(path, &ShapeSource::named(path).load(None)?, format, channel)?,
+        None => of_array(path, read_numbers(path, channel.unwrap_or(MASK)))?,
     };
     painted(values, subject.whole(), subject).map_err(|why| refused(path, why))
+}
+
+/// The same from the `bytes` of a file called `name`. Files that it names are not there.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_in(
+    name: &Path,
+    bytes: &[u8],
+    channel: Option<&str>,
+    subject: &Subject,
+) -> Result<Painted, Error> {
+    let values = match Format::of_path(name) {
+        Some(format) => of_mesh(name, &read_named_mesh(name, bytes, &nothing_beside)?, format, channel)?,
+        None => of_array(name, numbers_in(bytes, channel.unwrap_or(MASK)))?,
+    };
+    painted(values, subject.whole(), subject).map_err(|why| refused(name, why))
+}
+
+/// A channel of a mesh whose file's name says `format`.
+fn of_mesh(path: &Path, loaded: &Loaded, format: Format, channel: Option<&str>) -> Result<Vec<f64>, Error> {
+    let misnamed = |mended: &Mended| match mended {
+        Mended::Misnamed(format) => Some(*format),
+        _ => None,
+    };
+    let format = loaded.mended.iter().find_map(misnamed).unwrap_or(format);
+    let usual = || loaded.mesh.channel(MASK, format).or_else(|| loaded.mesh.channel("red", format));
+    let found = channel.map_or_else(usual, |channel| loaded.mesh.channel(channel, format));
+    found.ok_or_else(|| refused(path, no_channel(&loaded.mesh, channel)))
+}
+
+fn of_array(path: &Path, numbers: std::io::Result<Vec<f64>>) -> Result<Vec<f64>, Error> {
+    numbers.map_err(|why| refused(path, format_args!("no mask can be read from it: {why}")))
 }
 
 fn no_channel(mesh: &TriMesh, channel: Option<&str>) -> String {
@@ -101,6 +126,36 @@ fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Paint
 /// [`Error::Unwritten`] and [`Error::Unsaved`] with the file's name.
 pub fn write(path: &Path, painted: &Painted, subject: &Subject, as_colors: bool) -> Result<Masked, Error> {
     check(path)?;
+    let (values, masked) = on_whole(painted, subject)?;
+    let Some(format) = Format::of_path(path) else {
+        let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
+        let written = if is_archive {
+            write_npz(path, |npz| npz.array(MASK, &[values.len() as u64], values.iter().copied()))
+        } else {
+            write_npy(path, &values)
+        };
+        return written.map(|()| masked).map_err(|error| Error::unwritten(path, error));
+    };
+    let mesh = mesh_with(values, subject, format, as_colors);
+    save_mesh(&mesh, path).map(|()| masked).map_err(Error::unsaved)
+}
+
+/// The same in memory, as an array (`npy`) or a mesh (`ply`, `obj`, `glb`).
+///
+/// # Errors
+/// As [`write`].
+pub fn to_bytes(ending: &str, painted: &Painted, subject: &Subject) -> Result<(Vec<u8>, Masked), Error> {
+    let (values, masked) = on_whole(painted, subject)?;
+    let bytes = match Format::from_extension(ending).filter(|_| WRITTEN.contains(&ending)) {
+        Some(format) => write_mesh(&mesh_with(values, subject, format, false), format)?,
+        None if ending == "npy" => npy_of(&values).map_err(|error| refused(Path::new(MASK), error))?,
+        None => return Err(Error::input(format_args!("masks are not written as {ending} in memory"))),
+    };
+    Ok((bytes, masked))
+}
+
+/// χ01 at the vertices of all of the shape.
+fn on_whole(painted: &Painted, subject: &Subject) -> Result<(Vec<f32>, Masked), Error> {
     let welded = weld(&subject.mesh);
     let values = painted.values(&welded.positions);
     let vertices = welded.positions.len();
@@ -114,16 +169,11 @@ pub fn write(path: &Path, painted: &Painted, subject: &Subject, as_colors: bool)
     let on_whole = subject.proxy.as_ref().map(|proxy| proxy.spread(&on_mesh));
     let counted = on_whole.as_deref().unwrap_or(&values);
     let masked = Masked { inside: counted.iter().filter(|x| **x > 0.0).count(), vertices: counted.len() };
-    let values = on_whole.unwrap_or(on_mesh);
-    let Some(format) = Format::of_path(path) else {
-        let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
-        let written = if is_archive {
-            write_npz(path, |npz| npz.array(MASK, &[values.len() as u64], values.iter().copied()))
-        } else {
-            write_npy(path, &values)
-        };
-        return written.map(|()| masked).map_err(|error| Error::unwritten(path, error));
-    };
+    Ok((on_whole.unwrap_or(on_mesh), masked))
+}
+
+/// The shape with these numbers as its attribute, or its colors.
+fn mesh_with(values: Vec<f32>, subject: &Subject, format: Format, as_colors: bool) -> TriMesh {
     let values: Vec<f64> = values.into_iter().map(f64::from).collect();
     let mut mesh = TriMesh::clone(subject.whole());
     if as_colors || format != Format::Ply {
@@ -132,7 +182,7 @@ pub fn write(path: &Path, painted: &Painted, subject: &Subject, as_colors: bool)
         mesh.appearance.attributes.retain(|attribute| attribute.name != MASK);
         mesh.appearance.attributes.push(Attribute { name: MASK.into(), values });
     }
-    save_mesh(&mesh, path).map(|()| masked).map_err(Error::unsaved)
+    mesh
 }
 
 /// Whether a mask can be written at a path of that name.
@@ -172,6 +222,13 @@ mod tests {
             let back = read(&path, None, &mesh).unwrap().values(&welded.positions);
             let farthest = values.iter().zip(&*back).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(farthest <= off, "{name}: {farthest}");
+            let bytes = std::fs::read(&path).unwrap();
+            let in_memory = read_in(Path::new(name), &bytes, None, &mesh).unwrap();
+            assert_eq!(in_memory.values(&welded.positions), back, "{name}");
+            if name != "a.npz" && !as_colors {
+                let ending = path.extension().unwrap().to_str().unwrap();
+                assert_eq!(to_bytes(ending, &painted, &mesh).unwrap().0, bytes, "{name}");
+            }
             let other = Subject::from(sample("octopus").unwrap());
             assert!(
                 read(&path, None, &other).unwrap_err().to_string().contains("a number for each"),

@@ -15,17 +15,20 @@ mod deformed;
 pub mod drawn_curve;
 mod ear;
 mod error;
+mod exhibition;
 mod files;
 #[cfg(feature = "desktop")]
 pub mod film;
 pub mod formats;
 mod frame_guard;
 mod hearing;
+mod heat;
+mod ink;
 mod lag;
+pub mod landmarks;
 #[cfg(feature = "desktop")]
 mod lettering;
 mod live_back_film;
-#[cfg(feature = "desktop")]
 pub mod mask;
 mod mood;
 mod opening_look;
@@ -63,9 +66,12 @@ pub use cover::cover_of;
 pub use deformed::Deformed;
 pub use ear::{Ear, LIVE_SEED};
 pub use error::{Error, Warning};
+pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{refer, resolve};
 pub use frame_guard::FrameGuard;
 pub use hearing::{Heard, Hearing, KnownSong, bands_of};
+pub use heat::{Coating, Quantity, Seen, coating};
+pub use ink::{Depth, pen, plate};
 pub use lag::Lag;
 #[cfg(feature = "desktop")]
 pub use lettering::Lettering;

@@ -81,10 +81,10 @@ pub fn open_with(opening: Opening, builder: HarnessBuilder<Studio>) -> Window {
 }
 
 /// Opens the window on a graphics device, if only a software one, and tells which; `None` where there is none.
-#[allow(dead_code, reason = "each test program uses a part")]
+#[allow(dead_code, clippy::print_stdout, reason = "each test program uses a part; what is skipped is said")]
 pub fn open_with_device(opening: Opening, size: [f32; 2]) -> Option<(Window, wgpu::Device)> {
     if Gpu::headless().is_err() {
-        println!("no graphics device: nothing is tested");
+        println!("skipped: no graphics device");
         return None;
     }
     let device = Rc::new(RefCell::new(None));

@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod faults;
+mod leftovers;
 mod system;
 
 use std::fs::File;
@@ -22,7 +23,8 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Creates a temporary file beside `path`, lets `write` fill it, flushes it to the disk, renames it to
 /// `path`, and flushes the folder. Once this function has returned, the file survives a power cut.
 ///
-/// If `write` fails or the process dies, `path` is unchanged. If `path` is a link, its target is replaced.
+/// If `write` fails or the process dies, `path` is unchanged; a temporary file that a killed process left is removed by
+/// a later one that saves in the same folder. If `path` is a link, its target is replaced.
 /// On Unix, the file keeps its permissions. The folder of `path` must exist.
 ///
 /// # Errors
@@ -132,14 +134,17 @@ pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<NamedTempFile> 
 
 fn create(system: &dyn System, path: &Path, ending: &str) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".chladni-").suffix(ending);
+    builder.prefix(leftovers::PREFIX).rand_bytes(leftovers::RANDOM).suffix(ending);
     #[cfg(unix)]
     {
         // A temporary file is private (0600) by default; a saved file should have the usual permissions.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    system.create(&builder, folder_of(path)).map_err(without_path)
+    leftovers::sweep_once(folder_of(path));
+    let file = system.create(&builder, folder_of(path)).map_err(without_path)?;
+    leftovers::claim(file.as_file());
+    Ok(file)
 }
 
 /// Removes the temporary file's name from the usual errors: the caller knows only `path`.

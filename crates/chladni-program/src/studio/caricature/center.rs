@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 
 use super::brush::BrushTool;
 use super::edits::Edits;
-use super::heat::{Heat, Painting, Quantity};
+use super::heat::{Heat, Painting};
 use super::lasso::LassoTool;
 use super::look::{Portrayal, Show};
 use super::session::Session;
@@ -14,7 +14,7 @@ use super::{CaricatureRoom, single};
 use crate::studio::keys::caricature::COMPARE;
 use crate::studio::room::Shared;
 use crate::studio::{job, theme, viewport};
-use crate::work::Error;
+use crate::work::{Error, Quantity};
 
 impl CaricatureRoom {
     /// Draws it.

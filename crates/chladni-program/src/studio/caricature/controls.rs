@@ -11,13 +11,13 @@ use super::crossings;
 use super::curve::{self, Pen, Spectrum};
 use super::edits::Edits;
 use super::footer::grouped;
-use super::heat::Quantity;
 use super::mask_menu::{MaskMenu, MaskWish};
 use super::session::Held;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{FURTHEST, INVERT, NEXT_MODEL, STRONGER, WEAKER};
 use crate::studio::theme;
+use crate::work::Quantity;
 
 /// What the panel shows beside the layer's own numbers.
 pub struct Measured<'a> {

@@ -1,60 +1,11 @@
 //! What the heat map shows, and the spectrum behind the scale curve.
 
 use chladni_caricature::wavelengths;
-use chladni_view::{ColorMap, Scale};
+use chladni_view::ColorMap;
 
 use super::curve::Spectrum;
 use super::session::Session;
-use super::stage::Coating;
-use crate::work::{place_colors, with_pointed};
-
-/// A quantity drawn on the surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Quantity {
-    /// The material alone.
-    #[default]
-    None,
-    /// The colors that the shape brought along.
-    Own,
-    /// How far the result lies from the original.
-    Displacement,
-    /// How far the selected layer's template lies from the shape.
-    Difference,
-    /// The region of the selected layer as it was painted.
-    Painted,
-    /// The region as it acts, smoothed.
-    Region,
-    /// How far the match is to be trusted.
-    Confidence,
-    /// Triangles that any layer turned over.
-    Folds,
-    /// Triangles of the result that pass through others.
-    Crossings,
-    /// How much of the selected layer's movement is held back.
-    HeldBack,
-    /// One harmonic.
-    Harmonic,
-    /// Where each point lies on the original.
-    Place,
-}
-
-impl Quantity {
-    /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 12] = [
-        (Self::None, "Material"),
-        (Self::Own, "Its own colors"),
-        (Self::Displacement, "Displacement"),
-        (Self::Difference, "Difference from the template"),
-        (Self::Painted, "Region, as painted"),
-        (Self::Region, "Region, smoothed"),
-        (Self::Confidence, "Confidence of the match"),
-        (Self::Folds, "Folded triangles"),
-        (Self::Crossings, "Crossing triangles"),
-        (Self::HeldBack, "Held back"),
-        (Self::Harmonic, "A harmonic"),
-        (Self::Place, "Place on the original"),
-    ];
-}
+use crate::work::{Coating, Quantity, Seen, coating, with_pointed};
 
 /// The user's choice, and whether the stage shows it already.
 #[derive(Debug)]
@@ -148,116 +99,24 @@ impl Heat {
             Some(Painting::Smoothed) => Quantity::Region,
             None => self.quantity,
         };
-        if shown == Quantity::Place {
-            let colors = place_colors(&session.stack.original().positions);
-            let bytes = |color: [f32; 4]| color.map(|c| (c * 255.0).round() as u8);
-            return Coating::Colors(colors.into_iter().map(bytes).collect());
-        }
-        match self.values(shown, session) {
-            Some((values, _)) if matches!(shown, Quantity::Painted | Quantity::Region) => {
-                let pointed = self.pointed.as_deref();
-                Coating::Region(match pointed {
-                    Some(pointed) => with_pointed(&values, pointed),
-                    None => values,
-                })
-            }
-            Some((values, _)) if matches!(shown, Quantity::Folds | Quantity::Crossings) => {
-                Coating::Marks(values)
-            }
-            Some((values, scale)) => Coating::Values(values, scale),
-            None if self.quantity == Quantity::Own => Coating::Own,
-            None => Coating::Material,
+        let folds: Vec<u32> = session.folds.iter().flatten().copied().collect();
+        let seen = Seen {
+            project: session.project(),
+            stack: &session.stack,
+            evaluation: &session.evaluation,
+            selected: session.selected,
+            folds: &folds,
+            crossings: session.crossings.triangles(),
+        };
+        let own = if self.quantity == Quantity::Own { Coating::Own } else { Coating::Material };
+        match coating(shown, self.harmonic, self.map, &seen).unwrap_or(own) {
+            Coating::Region(values) => Coating::Region(match self.pointed.as_deref() {
+                Some(pointed) => with_pointed(&values, pointed),
+                None => values,
+            }),
+            other => other,
         }
     }
-
-    /// One value per operator vertex and their scale; `None` where the material is shown or the
-    /// quantity does not exist yet.
-    fn values(&self, quantity: Quantity, session: &Session) -> Option<(Vec<f32>, Scale)> {
-        let length = |d: &[f64; 3]| (d[0].hypot(d[1]).hypot(d[2])) as f32;
-        let body = session.stack.body();
-        let unit = Scale { map: self.map, low: 0.0, high: 1.0 };
-        match quantity {
-            Quantity::None | Quantity::Own | Quantity::Place => None,
-            Quantity::Displacement => {
-                let values: Vec<f32> = session.evaluation.displacement().iter().map(length).collect();
-                let scale = Scale::of(self.map, &values);
-                Some((values, scale))
-            }
-            Quantity::Difference => {
-                let difference = session.selected_layer()?.difference.as_ref()?;
-                let values: Vec<f32> = difference
-                    .base
-                    .positions
-                    .iter()
-                    .zip(&difference.target.points)
-                    .map(|(x, r)| length(&std::array::from_fn(|i| r[i] - x[i])))
-                    .collect();
-                let scale = Scale::of(self.map, &values);
-                Some((values, scale))
-            }
-            Quantity::Painted => {
-                let layer = session.project().layer(session.selected?)?;
-                let values = layer.region.painted.values(&session.stack.surface().file_positions());
-                Some((values.to_vec(), unit))
-            }
-            Quantity::Region => {
-                let ones = vec![1.0; body.positions.len()];
-                let mask = session.selected_layer()?.mask.as_ref().map_or(ones, |mask| mask.to_vec());
-                Some((mask, unit))
-            }
-            Quantity::Confidence => {
-                let confidence = &session.selected_match()?.confidence;
-                let mut values = vec![0.0; body.positions.len()];
-                for (vertex, confidence) in body.operator_vertex.iter().zip(confidence) {
-                    if let Some(vertex) = vertex {
-                        values[*vertex as usize] = *confidence as f32;
-                    }
-                }
-                Some((values, unit))
-            }
-            Quantity::Folds => {
-                let folded = session.folds.iter().flatten().copied();
-                Some((marked(&body.triangles, folded, body.positions.len()), unit))
-            }
-            Quantity::Crossings => {
-                let crossing = session.crossings.triangles().iter().copied();
-                Some((marked(&body.triangles, crossing, body.positions.len()), unit))
-            }
-            Quantity::HeldBack => {
-                let layer = session.selected_layer()?;
-                let pairs = layer.displacement.as_ref()?.iter().zip(layer.unlimited.as_ref()?.iter());
-                let held = pairs.map(|(kept, asked)| match length(asked) {
-                    0.0 => 0.0,
-                    asked => (1.0 - length(kept) / asked).clamp(0.0, 1.0),
-                });
-                Some((held.collect(), unit))
-            }
-            Quantity::Harmonic => {
-                let k = self.harmonic.min(body.basis.harmonics().saturating_sub(1));
-                let values: Vec<f32> = body.basis.harmonic(k).iter().map(|h| *h as f32).collect();
-                let scale = Scale::of(ColorMap::BlueRed, &values);
-                Some((values, scale))
-            }
-        }
-    }
-}
-
-/// 1 at the corners of `some` of the triangles, less on two rings around them, so that single triangles of a
-/// fine mesh are visible, and 0 elsewhere.
-fn marked(triangles: &[[u32; 3]], some: impl Iterator<Item = u32>, vertices: usize) -> Vec<f32> {
-    let mut values = vec![0.0_f32; vertices];
-    for corner in some.filter_map(|triangle| triangles.get(triangle as usize)).flatten() {
-        values[*corner as usize] = 1.0;
-    }
-    for (known, next) in [(1.0, 0.7), (0.7, 0.4)] {
-        let around = triangles.iter().filter(|t| t.iter().any(|v| values[*v as usize] >= known));
-        let corners: Vec<u32> = around.flatten().copied().collect();
-        for corner in corners {
-            let value = &mut values[corner as usize];
-            *value = value.max(next);
-        }
-    }
-    values
 }
 
 /// What the model of the selected layer exaggerates, over wavelength.

@@ -3,6 +3,8 @@
 use chladni_view::ink::Ink;
 use chladni_view::{Figure, ItemBuffers, Lights, Material, Paint, Topology, Wire};
 
+use crate::work::pen;
+
 /// What stands on the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Show {
@@ -65,8 +67,7 @@ impl Portrayal {
 
     /// How it is drawn in ink.
     pub fn pen(&self) -> Ink {
-        let usual = Ink::default();
-        if self.tones { Ink { tones: 3, hatching: 0.0, ..usual } } else { usual }
+        pen(self.tones)
     }
 
     /// A figure in the chosen material, with edges where they are wanted.

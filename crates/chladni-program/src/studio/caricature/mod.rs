@@ -47,7 +47,7 @@ use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
 use self::export::Export;
 use self::gallery::GalleryView;
-use self::heat::{Heat, Quantity};
+use self::heat::Heat;
 use self::landmarks::Picking;
 use self::layers::LayerList;
 use self::limb_tool::KnownLimbs;
@@ -63,8 +63,8 @@ use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::{keys, theme};
-use crate::work::Error;
 use crate::work::formats::{MESHES, PROJECT, is_project};
+use crate::work::{Error, Quantity};
 
 /// The room: at most one open project.
 #[derive(Default)]

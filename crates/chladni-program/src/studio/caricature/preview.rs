@@ -7,12 +7,12 @@ use chladni_mesh::{Orientation, TriMesh};
 use chladni_view::{Cell, Rect};
 use egui::Ui;
 
-use super::landmarks::Side;
 use super::look::Portrayal;
 use super::overlay::backdrop;
 use crate::studio::room::Shared;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::Error;
+use crate::work::landmarks::Side;
 
 /// The shape, as soon as it comes.
 pub struct Preview {

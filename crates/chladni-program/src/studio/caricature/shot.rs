@@ -11,8 +11,7 @@ use chladni_view::{
 };
 
 use super::look::Portrayal;
-use super::stage;
-use crate::work::Error;
+use crate::work::{Error, plate};
 
 /// What gives figures their color, with shared ownership.
 #[derive(Clone, Debug)]
@@ -78,7 +77,7 @@ impl Shot {
         let ink = self.look.pen();
         let mut drawing = Drawing::new(width, height, &ink)?;
         for ((positions, _), cell) in self.poses.iter().zip(self.cells(width, height)) {
-            let plate = stage::plate(positions, &self.triangles)?;
+            let plate = plate(positions, &self.triangles)?;
             drawing.add(&plate, &ink, &self.camera, cell);
         }
         Ok(drawing)
@@ -93,7 +92,7 @@ impl Shot {
     pub fn turntable(&self, path: &Path, settings: FilmSettings, task: &Task) -> Result<(), ViewError> {
         if self.look.ink {
             let cells = self.cells(settings.width, settings.height).into_iter();
-            let plates = self.poses.iter().map(|(positions, _)| stage::plate(positions, &self.triangles));
+            let plates = self.poses.iter().map(|(positions, _)| plate(positions, &self.triangles));
             let plates: Vec<_> = plates
                 .zip(cells)
                 .map(|(plate, cell)| Ok((plate?, cell)))

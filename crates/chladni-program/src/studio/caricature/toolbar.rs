@@ -8,7 +8,6 @@ use egui::Ui;
 use super::CaricatureRoom;
 use super::edits::Edit;
 use super::gallery::GalleryView;
-use super::heat::Quantity;
 use super::look::Show;
 use super::stage::Stage;
 use crate::studio::author_id::AuthorId;
@@ -16,6 +15,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{EXPORT, FIT, GALLERY, INK, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::Quantity;
 
 impl CaricatureRoom {
     /// Draws the bar.

@@ -9,9 +9,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use chladni_view::Draw;
 use egui::{Key, RichText, Ui};
+use winit::window::Window;
 
 pub use browser::{Purpose, Request};
 
@@ -53,7 +55,7 @@ pub fn open(request: Request) -> Result<Vec<PathBuf>, StudioError> {
     let settings =
         Folders::of_user().settings.and_then(|path| Settings::load(&path).ok()).unwrap_or_default();
     if !Draw::Auto.means_graphics() {
-        let create = |ctx: &egui::Context| -> Box<dyn Program> {
+        let create = |ctx: &egui::Context, _: &Arc<Window>| -> Box<dyn Program> {
             Box::new(FileWindow::new(ctx, request, &settings, given))
         };
         processor_window::open(viewport, create)?;

@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, FontId, Ui, ViewportCommand};
 
 use super::concert::Concert;
+use super::place::{Change, Place};
 use super::preferences::Screen;
 
 /// How long pointer and hint stay after the pointer has moved.
@@ -16,29 +17,53 @@ pub struct Curtain {
     filled: bool,
     /// When the pointer last moved, by the window's clock.
     moved_secs: Option<f64>,
+    place: Place,
 }
 
 impl Curtain {
-    /// Fills the screen when the stage opens and gives it back when it closes.
-    pub fn follow(&mut self, ctx: &egui::Context, on_stage: bool, screen: Screen) {
-        if on_stage == self.open {
-            return;
-        }
-        self.open = on_stage;
-        self.moved_secs = None;
-        if !on_stage {
-            if std::mem::take(&mut self.filled) {
+    /// Fills the screen when the stage opens and gives it back when it closes. Says what the user must know.
+    pub fn follow(
+        &mut self,
+        ctx: &egui::Context,
+        on_stage: bool,
+        screen: &Screen,
+        names: impl FnOnce() -> Vec<String>,
+    ) -> Option<String> {
+        let opens = on_stage && !self.open;
+        if on_stage != self.open {
+            (self.open, self.moved_secs, self.place) = (on_stage, None, Place::default());
+            if !on_stage && std::mem::take(&mut self.filled) {
                 ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
             }
-            return;
+        }
+        if !on_stage {
+            return None;
         }
         let full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
         match screen {
-            Screen::Window => return,
-            Screen::Full => ctx.send_viewport_cmd(ViewportCommand::Fullscreen(true)),
-            Screen::Monitor(index) => ctx.send_viewport_cmd(ViewportCommand::SetMonitor(index)),
+            Screen::Window => {}
+            Screen::Full if opens => {
+                ctx.send_viewport_cmd(ViewportCommand::Fullscreen(true));
+                self.filled = !full;
+            }
+            Screen::Full => {}
+            Screen::Monitor(_) | Screen::Named(_) => {
+                let change = self.place.follow(screen, &names())?;
+                match &change {
+                    Change::Fill(index) => {
+                        ctx.send_viewport_cmd(ViewportCommand::SetMonitor(*index));
+                        self.filled |= !full;
+                    }
+                    Change::Missing { filled, .. } => {
+                        if *filled && std::mem::take(&mut self.filled) {
+                            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+                        }
+                    }
+                }
+                return change.warning();
+            }
         }
-        self.filled = !full;
+        None
     }
 
     /// Hides the pointer; where it moves, shows it for a moment with the keys that help.

@@ -13,9 +13,6 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{FILMS, PANORAMAS, PICTURES};
 
-/// Screens that are offered; the system does not tell how many there are.
-const SCREENS: usize = 4;
-
 /// Draws the drawer.
 pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
     let preferences = &mut shared.settings.music;
@@ -45,21 +42,31 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
     let tip = "A panorama of your own (HDR, PNG or JPEG, twice as wide as high): shapes mirror it, and its light is theirs";
     file(ui, chooser, ("Panorama", tip), &mut preferences.panorama, ("Panoramas", &PANORAMAS));
     ui.label(RichText::new("Stage").strong());
-    let screens = [(Screen::Window, "In the window".to_owned()), (Screen::Full, "This screen".to_owned())];
-    let more = (0..SCREENS).map(|i| (Screen::Monitor(i), format!("Screen {}", i + 1)));
-    ui.horizontal_wrapped(|ui| {
-        for (screen, name) in screens.into_iter().chain(more) {
-            ui.selectable_value(&mut preferences.screen, screen, name);
-        }
-    });
+    screens(ui, &mut preferences.screen, shared.screen.monitors());
     let tip = "The picture goes into a second window, on that screen; controls and gallery stay here";
     theme::checkbox(ui, &mut preferences.own_window, "In a window of its own").on_hover_text(tip);
-    let tip = "Nothing but the dance is shown on stage. Escape comes back. A screen that is not there is \
-               left out: the stage then stays where it is.";
+    let tip = "Nothing but the dance is shown on stage. Escape comes back. While a screen is not \
+               connected the stage stays in its window.";
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
     ui.add_space(theme::GAP);
     camera(ui, &mut preferences.camera);
     preferences.projection.show(ui, adjusts);
+}
+
+/// The screens that there are by their names, and the chosen one even where it is not there.
+fn screens(ui: &mut Ui, chosen: &mut Screen, names: Vec<String>) {
+    let missing = chosen.name().filter(|_| chosen.index(&names).is_none());
+    ui.horizontal_wrapped(|ui| {
+        for (screen, label) in [(Screen::Window, "In the window"), (Screen::Full, "This screen")] {
+            ui.selectable_value(chosen, screen, label);
+        }
+        for name in names {
+            ui.selectable_value(chosen, Screen::Named(name.clone()), name);
+        }
+        if let Some(name) = missing {
+            let _ = ui.selectable_label(true, format!("{name} (not connected)"));
+        }
+    });
 }
 
 /// Which programs see the stage; only Linux knows cameras that a program can be.

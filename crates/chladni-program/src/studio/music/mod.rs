@@ -24,6 +24,7 @@ mod media_keys;
 mod meters;
 mod outgoing;
 mod pace;
+mod place;
 mod preferences;
 mod projection;
 mod recorder;
@@ -155,7 +156,10 @@ impl Room for MusicRoom {
         if let Some(why) = self.awake.keep(piloted) {
             shared.notices.warn(why);
         }
-        self.curtain.follow(&shared.ctx, on_stage, shared.settings.music.screen);
+        let names = || shared.screen.monitors();
+        if let Some(why) = self.curtain.follow(&shared.ctx, on_stage, &shared.settings.music.screen, names) {
+            shared.notices.warn(why);
+        }
         if !on_stage {
             self.panels(ui, shared, &mut wishes);
         }

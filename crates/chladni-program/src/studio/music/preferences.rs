@@ -65,7 +65,7 @@ pub struct Preferences {
 }
 
 /// Where the stage appears.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Screen {
     /// Within the window.
@@ -73,8 +73,30 @@ pub enum Screen {
     Window,
     /// The whole screen that the window is on.
     Full,
-    /// The whole of another screen, counted from 0 as the system counts them.
+    /// The whole of another screen, counted from 0 as the system counts them, as older preferences have it.
     Monitor(usize),
+    /// The whole of the screen that the system calls so.
+    Named(String),
+}
+
+impl Screen {
+    /// What a screen that is chosen by itself is called.
+    pub fn name(&self) -> Option<String> {
+        match self {
+            Self::Window | Self::Full => None,
+            Self::Monitor(index) => Some(format!("Screen {}", index + 1)),
+            Self::Named(name) => Some(name.clone()),
+        }
+    }
+
+    /// Its place among the screens that there are; `None` where it is not there.
+    pub fn index(&self, names: &[String]) -> Option<usize> {
+        match self {
+            Self::Window | Self::Full => None,
+            Self::Monitor(index) => Some(*index).filter(|index| *index < names.len()),
+            Self::Named(wanted) => names.iter().position(|name| name == wanted),
+        }
+    }
 }
 
 /// Where other programs find the picture of the stage.

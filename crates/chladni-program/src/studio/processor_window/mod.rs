@@ -8,8 +8,11 @@ mod running;
 mod span;
 mod surface;
 
+use std::sync::Arc;
+
 use egui::ViewportBuilder;
 use winit::event_loop::{ControlFlow, EventLoop};
+use winit::window::Window;
 
 pub use painter::Painter;
 pub use running::Program;
@@ -40,7 +43,7 @@ impl From<softbuffer::SoftBufferError> for ProcessorWindowError {
 /// Opens a window on what `create` makes, and returns when it is closed.
 pub fn open(
     builder: ViewportBuilder,
-    create: impl FnOnce(&egui::Context) -> Box<dyn Program>,
+    create: impl FnOnce(&egui::Context, &Arc<Window>) -> Box<dyn Program>,
 ) -> Result<(), ProcessorWindowError> {
     let events = EventLoop::with_user_event().build()?;
     events.set_control_flow(ControlFlow::Wait);

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::viewport::ImmediateViewport;
@@ -11,7 +12,7 @@ use egui_winit::accesskit_winit;
 use winit::application::ApplicationHandler;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
-use winit::window::WindowId;
+use winit::window::{Window, WindowId};
 
 use super::ProcessorWindowError;
 use super::painter::Painter;
@@ -45,7 +46,7 @@ impl From<accesskit_winit::Event> for Wake {
     }
 }
 
-type Create<'a> = Box<dyn FnOnce(&egui::Context) -> Box<dyn Program> + 'a>;
+type Create<'a> = Box<dyn FnOnce(&egui::Context, &Arc<Window>) -> Box<dyn Program> + 'a>;
 
 /// A program and its windows.
 pub struct Running<'a> {
@@ -75,7 +76,7 @@ impl<'a> Running<'a> {
     pub fn new(
         builder: ViewportBuilder,
         wake: EventLoopProxy<Wake>,
-        create: impl FnOnce(&egui::Context) -> Box<dyn Program> + 'a,
+        create: impl FnOnce(&egui::Context, &Arc<Window>) -> Box<dyn Program> + 'a,
     ) -> Self {
         let ctx = egui::Context::default();
         ctx.set_embed_viewports(false);
@@ -121,7 +122,9 @@ impl<'a> Running<'a> {
     fn begin(&mut self, events: &ActiveEventLoop) -> Result<(), ProcessorWindowError> {
         let mut windows = self.windows.borrow_mut();
         windows.open_wanted(&self.ctx, events)?;
+        let mut window = None;
         if let Some(root) = windows.open.get_mut(&ViewportId::ROOT) {
+            window = Some(Arc::clone(&root.window));
             root.input.init_accesskit(events, &root.window, self.wake.clone());
             let (info, scale) = (root.info.clone(), egui_winit::pixels_per_point(&self.ctx, &root.window));
             self.ctx.input_mut(|input| {
@@ -130,7 +133,7 @@ impl<'a> Running<'a> {
             });
         }
         drop(windows);
-        self.program = self.create.take().map(|create| create(&self.ctx));
+        self.program = self.create.take().zip(window).map(|(create, window)| create(&self.ctx, &window));
         self.due = Some(Instant::now());
         Ok(())
     }
@@ -249,11 +252,12 @@ impl ApplicationHandler<Wake> for Running<'_> {
         // Painted no faster than the screen shows it.
         let earliest = self.last.map_or(now, |last| last + self.pace());
         let due = self.due.map(|due| due.max(earliest));
-        if due.is_some_and(|due| due <= now) && self.asked.is_none() {
-            if let Some(root) = self.windows.borrow().open.get(&ViewportId::ROOT) {
-                root.window.request_redraw();
-                self.asked = Some(now);
-            }
+        if due.is_some_and(|due| due <= now)
+            && self.asked.is_none()
+            && let Some(root) = self.windows.borrow().open.get(&ViewportId::ROOT)
+        {
+            root.window.request_redraw();
+            self.asked = Some(now);
         }
         let hidden = self.asked.map(|since| since + HIDDEN);
         let next = if self.asked.is_some() { hidden } else { due };

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{
-    Action, Group, Layer, MatchRequest, Portrait, Sitter, Stack, VariantGallery, surprise,
-};
+use chladni_caricature::{Group, Layer, Stack, surprise};
 use chladni_harmonics::Body;
 use chladni_task::Task;
 use chladni_view::layout;
@@ -23,34 +21,16 @@ use crate::studio::keys::breeding::{
 };
 use crate::studio::room::Shared;
 use crate::studio::{theme, viewport};
-use crate::work::{Aside, Error, sitter};
+use crate::work::{Aside, Error, Exhibition, FIRST_SEED, Step, hung};
 
 mod wall;
 
 use wall::Wall;
 
 const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
-/// The seed of the first gallery; each further one has the next.
-const FIRST_SEED: u64 = 1;
-
-/// What is shown, and how it came to be.
-struct Shown {
-    sitter: Arc<Sitter>,
-    gallery: VariantGallery,
-    portraits: Vec<Portrait>,
-}
-
-/// What is done to a gallery beside the window.
-enum Step {
-    Breed,
-    Back,
-    Restart(u64),
-    Change(usize),
-}
-
 /// What a job brings.
 struct Brought {
-    shown: Shown,
+    shown: Exhibition,
     /// Matches that the open project may use, too.
     stack: Option<Stack>,
 }
@@ -60,7 +40,7 @@ pub struct GalleryView {
     body: Arc<Body>,
     work: Option<Job<Brought>>,
     taking: Option<Job<Vec<Layer>>>,
-    shown: Option<Shown>,
+    shown: Option<Exhibition>,
     wall: Option<Wall>,
     marked: usize,
     seed: u64,
@@ -71,16 +51,12 @@ impl GalleryView {
     pub fn begin(session: &Session, ctx: &egui::Context) -> Self {
         let body = Arc::clone(session.stack.body());
         let mesh = Arc::clone(&session.subject.mesh);
-        let matched = session.project().layers().iter().filter(|(_, layer)| layer.template.is_mesh());
-        let given = matched.filter_map(|(_, layer)| MatchRequest::of(layer)).next_back();
+        let given = Exhibition::template_of(session.project());
         let stack = session.stack.with_harmonics_of(Arc::clone(&body));
         let work = move |task: &Task| {
             let (mut stack, aside) = (stack?, Aside::new(task));
-            let given = given.map(|request| (request.template, request.matching));
-            let sitter = Arc::new(sitter(&mesh, &mut stack, given, &aside)?);
-            let gallery = VariantGallery::new(FIRST_SEED, &sitter)?;
-            let portraits = sitter.portray(&gallery.variants())?;
-            Ok(Brought { shown: Shown { sitter, gallery, portraits }, stack: Some(stack) })
+            let shown = Exhibition::open(&mesh, &mut stack, given, &aside)?;
+            Ok(Brought { shown, stack: Some(stack) })
         };
         Self {
             body,
@@ -151,11 +127,7 @@ impl GalleryView {
     fn bar(&mut self, ui: &mut Ui, session: &Session) {
         let ctx = ui.ctx().clone();
         let idle = self.work.is_none() && self.taking.is_none();
-        let (chosen, first) = self.shown.as_ref().map_or((0, true), |shown| {
-            let generations = shown.gallery.generations();
-            let chosen = generations.items().iter().filter(|item| item.chosen).count();
-            (chosen, generations.generations()[generations.current()].from.is_none())
-        });
+        let (chosen, first) = self.shown.as_ref().map_or((0, true), Exhibition::chosen);
         let name = if chosen == 0 { "Breed".into() } else { format!("Breed {chosen}") };
         let button = |ui: &mut Ui, mark: Icon, name: &str, tip: String, on: bool| {
             let on = on && idle;
@@ -213,20 +185,8 @@ impl GalleryView {
     }
 
     fn start(&mut self, step: Step, ctx: &egui::Context) {
-        let Some(shown) = &self.shown else { return };
-        let (sitter, mut gallery) = (Arc::clone(&shown.sitter), shown.gallery.clone());
-        let work = move |_: &Task| {
-            match step {
-                Step::Breed => gallery.breed(&sitter)?,
-                Step::Back => {
-                    gallery.back();
-                }
-                Step::Restart(seed) => gallery.restart(seed, &sitter)?,
-                Step::Change(index) => gallery.mutate(index)?,
-            }
-            let portraits = sitter.portray(&gallery.variants())?;
-            Ok(Brought { shown: Shown { sitter, gallery, portraits }, stack: None })
-        };
+        let Some(shown) = self.shown.clone() else { return };
+        let work = move |_: &Task| Ok(Brought { shown: shown.after(step)?, stack: None });
         self.work = Some(Job::start("Breeding", ctx, work));
     }
 
@@ -342,9 +302,8 @@ impl GalleryView {
 
 /// Adds the layers of a caricature on top, as one step of the history.
 fn take(layers: Vec<Layer>, session: &Session, edits: &mut Edits) {
-    let top = session.project().layers().len();
-    for (i, layer) in layers.into_iter().enumerate() {
-        edits.live(Action::Add { index: top + i, layer: Box::new(layer) });
+    for action in hung(session.project(), layers) {
+        edits.live(action);
     }
     edits.finish();
 }

@@ -10,10 +10,9 @@ use egui::Ui;
 use super::super::look::Portrayal;
 use super::super::overlay::backdrop;
 use super::super::session::Session;
-use super::Shown;
 use crate::studio::screen::Screen;
 use crate::studio::viewport::{self, Viewport};
-use crate::work::Error;
+use crate::work::{Error, Exhibition};
 
 /// One swelling from the shape to the caricature and back.
 const BREATH_SECS: f64 = 4.0;
@@ -32,7 +31,7 @@ pub struct Wall {
 }
 
 impl Wall {
-    pub fn new(screen: &Screen, shown: &Shown, session: &Session) -> Result<Self, Error> {
+    pub fn new(screen: &Screen, shown: &Exhibition, session: &Session) -> Result<Self, Error> {
         let (body, model) = (shown.sitter.body(), shown.sitter.model().clone());
         let vertices = body.positions.len();
         let device = screen.device();
@@ -54,7 +53,7 @@ impl Wall {
     }
 
     /// Hangs what is shown, where it does not hang already.
-    pub fn hang(&mut self, shown: &Shown) {
+    pub fn hang(&mut self, shown: &Exhibition) {
         if !self.items.is_empty() {
             return;
         }

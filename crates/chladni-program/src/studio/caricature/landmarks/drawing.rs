@@ -1,10 +1,10 @@
 //! What is drawn over the two shapes.
 
-use chladni_view::{Marker, Rect};
+use chladni_view::Rect;
 use egui::{Color32, RichText, Ui};
 
-use super::{COLORS, Side, Which};
 use crate::studio::theme;
+use crate::work::landmarks::Side;
 
 pub(super) fn cell_of(ui: &Ui, area: egui::Rect, whole: egui::Rect) -> Rect {
     let scale = ui.pixels_per_point();
@@ -13,14 +13,6 @@ pub(super) fn cell_of(ui: &Ui, area: egui::Rect, whole: egui::Rect) -> Rect {
     let x = (offset.x.round() as u32).min(total.x as u32);
     let width = ((area.width() * scale).round() as u32).min(total.x as u32 - x);
     Rect { x, y: 0, width: width.max(1), height: (total.y as u32).max(1) }
-}
-
-pub(super) fn dots(side: &Side, ends: &[(usize, u32)]) -> Vec<Marker> {
-    let dot = |(index, vertex): &(usize, u32)| {
-        let [r, g, b] = COLORS[index % COLORS.len()];
-        Some(Marker { position: side.position(*vertex)?, radius_px: 6.0, color: [r, g, b, 255] })
-    };
-    ends.iter().filter_map(dot).collect()
 }
 
 pub(super) fn numbers(ui: &Ui, side: &Side, ends: &[(usize, u32)], area: egui::Rect, whole: egui::Rect) {
@@ -46,17 +38,7 @@ pub(super) fn label(ui: &Ui, area: egui::Rect, name: &str) {
 }
 
 /// What to do next, at the foot of the view.
-pub(super) fn hint(ui: &mut Ui, rect: egui::Rect, pending: Option<Which>, count: usize) {
-    let text = match (pending, count) {
-        (Some(Which::Shape), _) => "Now click the same place on the template.".to_owned(),
-        (Some(Which::Template), _) => "Now click the same place on the shape.".to_owned(),
-        (None, 0) => {
-            "Click a place on the shape, such as the tip of the nose, then the same place on the template."
-                .to_owned()
-        }
-        (None, 1 | 2) => format!("{} more, and the landmarks lead the alignment.", 3 - count),
-        (None, _) => "Drag a landmark to move it, right-click to remove it. The match follows.".to_owned(),
-    };
+pub(super) fn hint(ui: &mut Ui, rect: egui::Rect, text: &str) {
     let area = egui::Rect::from_center_size(
         egui::pos2(rect.center().x, rect.bottom() - 30.0),
         egui::vec2(rect.width() - 40.0, 28.0),

@@ -2,20 +2,18 @@
 
 mod drawing;
 mod list;
-mod side;
 
 use std::sync::Arc;
 
 use chladni_caricature::{LayerId, Matched, Property, Template};
-use chladni_match::{Landmark, MatchSettings};
+use chladni_match::MatchSettings;
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_view::{Cell, Marker};
 use egui::{Color32, PointerButton, Pos2, Ui};
 
 pub use list::show_list;
-pub use side::Side;
 
-use self::drawing::{cell_of, dots, hint, label, numbers};
+use self::drawing::{cell_of, hint, label, numbers};
 use super::edits::Edits;
 use super::look::Portrayal;
 use super::overlay::backdrop;
@@ -25,33 +23,16 @@ use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
+use crate::work::landmarks::{self, Gesture, Picks, Side, Which};
 use crate::work::{Aside, Error, template_mesh};
 
 /// How near a landmark the pointer must be to grab it, in window points.
 const GRIP: f32 = 12.0;
 
-/// Colors that people with any color vision can tell apart (Okabe & Ito 2008), repeated.
-const COLORS: [[u8; 3]; 7] = [
-    [230, 159, 0],
-    [86, 180, 233],
-    [0, 158, 115],
-    [240, 228, 66],
-    [0, 114, 178],
-    [213, 94, 0],
-    [204, 121, 167],
-];
-
 /// The color of landmark `index`.
 pub fn color(index: usize) -> Color32 {
-    let [r, g, b] = COLORS[index % COLORS.len()];
+    let [r, g, b] = landmarks::color(index);
     Color32::from_rgb(r, g, b)
-}
-
-/// Which of the two shapes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Which {
-    Shape,
-    Template,
 }
 
 /// The view of both shapes while landmarks of one layer are picked.
@@ -63,20 +44,9 @@ pub struct Picking {
     /// `None` while it is read.
     other: Option<Side>,
     reading: Option<Job<(TriMesh, Orientation)>>,
-    /// Half a pair: picked on one shape, not yet on the other.
-    pending: Option<(Which, u32)>,
-    /// The landmark that the pointer holds, and where it is now.
-    held: Option<(Which, usize, u32)>,
+    picks: Picks,
     /// The match whose confidence is shown.
     shown_match: Option<Arc<Matched>>,
-}
-
-/// What the user did on one of the shapes.
-enum Gesture {
-    Pick(u32),
-    Hold(usize, u32),
-    Drop,
-    Remove(usize),
 }
 
 impl Picking {
@@ -107,8 +77,7 @@ impl Picking {
             shape,
             other: None,
             reading: Some(reading),
-            pending: None,
-            held: None,
+            picks: Picks::default(),
             shown_match: None,
         }))
     }
@@ -123,7 +92,7 @@ impl Picking {
     /// Forgets half a pair; false where there was none.
     pub fn drop_pending(&mut self) -> bool {
         self.viewport.invalidate();
-        self.pending.take().is_some()
+        self.picks.drop_pending()
     }
 
     /// Draws both shapes and handles the pointer; shows how far the match is to be trusted where
@@ -207,7 +176,7 @@ impl Picking {
         };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
         let response = response.author_id(id);
-        let held = self.held.filter(|(side, ..)| *side == which);
+        let held = self.picks.held(which);
         let side = self.side(which)?;
         side.fit(cell.aspect());
         let home = ui.input(|input| input.key_pressed(egui::Key::Home) || input.key_pressed(egui::Key::F))
@@ -225,15 +194,7 @@ impl Picking {
         let began = ui.input(|input| input.pointer.press_origin()).filter(|_| response.drag_started());
         let near = began.or(at).and_then(|at| {
             let grip = GRIP * ui.pixels_per_point();
-            let distance = |vertex: u32| {
-                let ([x, y], visible) = side.pixel(vertex, cell)?;
-                let [px, py] = pixel(at);
-                visible.then(|| (x - px).hypot(y - py)).filter(|d| *d <= grip)
-            };
-            let all =
-                settings.landmarks.iter().map(|l| if which == Which::Shape { l.shape } else { l.template });
-            let near = all.enumerate().filter_map(|(i, v)| Some((i, v, distance(v)?)));
-            near.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(i, v, _)| (i, v))
+            side.near(which, &settings.landmarks, pixel(at), grip, cell)
         });
         let primary = PointerButton::Primary;
         // A left drag that holds no landmark turns the shape.
@@ -247,7 +208,7 @@ impl Picking {
         let steering = ui.input(|input| input.modifiers.alt);
         let gesture = if steering {
             None
-        } else if let Some((_, index, vertex)) = held {
+        } else if let Some((index, vertex)) = held {
             if response.dragged_by(primary) {
                 Some(Gesture::Hold(index, at.and_then(|at| under(side, at)).unwrap_or(vertex)))
             } else {
@@ -281,35 +242,10 @@ impl Picking {
         edits: &mut Edits,
         shared: &mut Shared<'_>,
     ) {
-        match gesture {
-            Gesture::Hold(index, vertex) => return self.held = Some((which, index, vertex)),
-            Gesture::Drop => {
-                let Some((_, index, vertex)) = self.held.take() else { return };
-                let Some(landmark) = settings.landmarks.get_mut(index) else { return };
-                let end = if which == Which::Shape { &mut landmark.shape } else { &mut landmark.template };
-                if *end == vertex {
-                    return;
-                }
-                *end = vertex;
-            }
-            Gesture::Remove(index) => {
-                settings.landmarks.remove(index);
-            }
-            Gesture::Pick(vertex) => {
-                let landmark = match self.pending.take() {
-                    Some((Which::Shape, shape)) if which == Which::Template => {
-                        Landmark { shape, template: vertex }
-                    }
-                    Some((Which::Template, template)) if which == Which::Shape => {
-                        Landmark { shape: vertex, template }
-                    }
-                    _ => return self.pending = Some((which, vertex)),
-                };
-                settings.landmarks.push(landmark);
-            }
-        }
-        if repeats_a_shape_vertex(&settings.landmarks) {
-            return shared.notices.warn("That vertex of the shape has a landmark already.");
+        match self.picks.act(which, gesture, &settings.landmarks) {
+            Ok(Some(landmarks)) => settings.landmarks = landmarks,
+            Ok(None) => return,
+            Err(why) => return shared.notices.warn(why.to_string()),
         }
         edits.set(self.layer, Property::Matching(settings));
     }
@@ -327,11 +263,11 @@ impl Picking {
         let (background, lights) = (backdrop(ui), look.lights());
         let sides = [(Which::Shape, Some(&self.shape)), (Which::Template, self.other.as_ref())];
         let ends: Vec<Vec<(usize, u32)>> =
-            sides.iter().map(|(which, _)| self.ends(*which, settings)).collect();
+            sides.iter().map(|(which, _)| self.picks.ends(*which, &settings.landmarks)).collect();
         let markers: Vec<Vec<Marker>> = sides
             .iter()
             .zip(&ends)
-            .map(|((_, side), ends)| side.map_or_else(Vec::new, |s| dots(s, ends)))
+            .map(|((_, side), ends)| side.map_or_else(Vec::new, |side| side.dots(ends)))
             .collect();
         let figures: Vec<Vec<chladni_view::Figure<'_>>> =
             sides.iter().map(|(_, side)| side.iter().map(|side| side.figure(material)).collect()).collect();
@@ -356,29 +292,7 @@ impl Picking {
             }
         }
         ui.painter().vline(areas[1].left(), rect.y_range(), egui::Stroke::new(1.0, theme::palette(ui).line));
-        hint(ui, rect, self.pending.map(|(which, _)| which), settings.landmarks.len());
+        hint(ui, rect, &self.picks.hint(settings.landmarks.len()));
         Ok(())
     }
-
-    /// The landmarks on one shape with their numbers: those of the project, the one that is held
-    /// where it is now, and half a pair.
-    fn ends(&self, which: Which, settings: &MatchSettings) -> Vec<(usize, u32)> {
-        let end = |l: &Landmark| if which == Which::Shape { l.shape } else { l.template };
-        let mut ends: Vec<(usize, u32)> = settings.landmarks.iter().map(end).enumerate().collect();
-        if let Some((_, index, vertex)) = self.held.filter(|(side, ..)| *side == which)
-            && let Some(held) = ends.get_mut(index)
-        {
-            held.1 = vertex;
-        }
-        let pending = self.pending.filter(|(side, _)| *side == which);
-        ends.extend(pending.map(|(_, vertex)| (settings.landmarks.len(), vertex)));
-        ends
-    }
-}
-
-/// Whether two landmarks share a vertex of the shape, which no file could hold.
-fn repeats_a_shape_vertex(landmarks: &[Landmark]) -> bool {
-    let mut vertices: Vec<u32> = landmarks.iter().map(|landmark| landmark.shape).collect();
-    vertices.sort_unstable();
-    vertices.windows(2).any(|pair| pair[0] == pair[1])
 }

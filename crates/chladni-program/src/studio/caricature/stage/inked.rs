@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use chladni_view::ink::{Drawing, Ink, Plate};
-use chladni_view::{Camera, Picture, Rect, ViewError};
+use chladni_view::{Camera, Picture, Rect};
 use egui::{ColorImage, TextureHandle, TextureOptions, Ui};
 
 use super::super::shot::Pose;
 use crate::studio::job::Job;
-use crate::work::Error;
+use crate::work::{Depth, Error, plate};
 
 /// After this time without a change the shade is drawn, too.
 const REST_SECS: f64 = 0.25;
@@ -36,13 +36,6 @@ pub struct Scene {
     pub ink: Ink,
     pub size: [u32; 2],
     pub figures: Vec<(Pictured, Rect)>,
-}
-
-/// How much is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Depth {
-    Lines,
-    Shade,
 }
 
 struct Drawn {
@@ -122,10 +115,7 @@ impl InkedStage {
             let mut plates = Vec::with_capacity(ready.len());
             for (ready, (pictured, cell)) in ready.into_iter().zip(&scene.figures) {
                 let plate = ready.plate(&triangles)?;
-                match depth {
-                    Depth::Lines => drawing.strokes.extend(plate.outlines(&ink, &scene.camera, *cell)),
-                    Depth::Shade => drawing.add(&plate, &ink, &scene.camera, *cell),
-                }
+                depth.draw(&mut drawing, &plate, &ink, &scene.camera, *cell);
                 plates.push((*pictured, plate));
             }
             Ok(Drawn { picture: drawing.to_picture(), scene, depth, plates })
@@ -147,12 +137,6 @@ impl Ready {
             Self::Positions(positions) => Ok(Arc::new(plate(&positions, triangles)?)),
         }
     }
-}
-
-/// A figure made ready to be drawn.
-pub fn plate(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Plate, ViewError> {
-    let positions: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
-    Plate::new(&positions, triangles, Plate::SMOOTHING)
 }
 
 #[cfg(test)]

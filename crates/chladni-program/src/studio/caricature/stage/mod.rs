@@ -7,7 +7,6 @@ mod linked;
 mod pointing;
 
 pub use figures::{FIGURES, MODELS, ORIGINAL, RESULT, canvas};
-pub use inked::plate;
 pub use pointing::{BrushInHand, Press};
 
 use figures::TEMPLATE;
@@ -18,8 +17,8 @@ use std::sync::Arc;
 
 use chladni_mesh::Orientation;
 use chladni_view::{
-    Background, BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Scale, Skin, Topology,
-    VertexPaint, View, ViewError,
+    Background, BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Skin, Topology, VertexPaint,
+    View, ViewError,
 };
 use egui::Ui;
 
@@ -29,24 +28,7 @@ use super::shot::{Coat, Pose, Shot};
 use crate::studio::keys;
 use crate::studio::screen::Screen;
 use crate::studio::viewport::{self, Viewport};
-use crate::work::{Error, MARKED, OwnLook, PAINTED, RING, tints};
-
-/// What gives the figures their color.
-#[derive(Debug)]
-pub enum Coating {
-    /// The material alone.
-    Material,
-    /// The colors that the shape brought along.
-    Own,
-    /// A heat map.
-    Values(Vec<f32>, Scale),
-    /// A region on the material: 0 is bare, 1 is painted.
-    Region(Vec<f32>),
-    /// Places on the material to look at: 0 is bare, 1 is marked.
-    Marks(Vec<f32>),
-    /// A color for each vertex, in linear light.
-    Colors(Vec<[u8; 4]>),
-}
+use crate::work::{Coating, Error, MARKED, OwnLook, PAINTED, RING, tints};
 
 /// The result of drawing the stage.
 pub struct StageResponse {

@@ -5,6 +5,7 @@ use chladni_synth::Item;
 use chladni_view::{Look, Rect};
 use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
+use super::super::place::{Change, Place};
 use super::super::preferences::Screen;
 use super::super::wish::Wish;
 use super::pane::Pane;
@@ -23,8 +24,7 @@ pub struct Apart {
     /// How many of them are seen; as many more may be their lags.
     count: usize,
     lag: Lag,
-    /// It was sent to its screen.
-    placed: bool,
+    place: Place,
 }
 
 /// The second window.
@@ -41,7 +41,7 @@ impl Apart {
             items: Vec::new(),
             count: 0,
             lag: Lag::default(),
-            placed: false,
+            place: Place::default(),
         }
     }
 
@@ -64,7 +64,7 @@ impl Apart {
 
     /// The window is closed; another stage gets another one.
     pub fn leave(&mut self) {
-        self.placed = false;
+        self.place = Place::default();
         self.pane.forget();
     }
 }
@@ -80,13 +80,18 @@ impl Concert {
         look: Look,
         wishes: &mut Vec<Wish>,
     ) -> Result<(), Error> {
-        let screen = shared.settings.music.screen;
+        let screen = shared.settings.music.screen.clone();
         let builder = ViewportBuilder::default()
             .with_title("Chladni: picture")
             .with_inner_size([1280.0, 720.0])
             .with_fullscreen(screen == Screen::Full);
-        if let (Screen::Monitor(index), false) = (screen, std::mem::replace(&mut apart.placed, true)) {
-            ctx.send_viewport_cmd_to(window(), ViewportCommand::SetMonitor(index));
+        if let Some(change) = apart.place.follow(&screen, &shared.screen.monitors()) {
+            let command = match change {
+                Change::Fill(index) => ViewportCommand::SetMonitor(index),
+                Change::Missing { .. } => ViewportCommand::Fullscreen(false),
+            };
+            ctx.send_viewport_cmd_to(window(), command);
+            change.warning().into_iter().for_each(|why| shared.notices.warn(why));
         }
         let settings = self.instrument.parameters().frame_settings();
         let pose = stillness::pose(&apart.items, settings.normal_blending) ^ self.sand.version();

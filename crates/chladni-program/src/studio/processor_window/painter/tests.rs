@@ -105,7 +105,7 @@ fn a_texture_that_lies_on_the_pixels_is_copied_and_a_larger_one_is_filtered() {
     let green = |pixel: u32| i64::from(pixel >> 8 & 0xff);
     for i in 0..64_usize {
         let (x, y) = (i % 8, i / 8);
-        assert_eq!(copied[(16 + y) * SIZE[0] + 8 + x], BLACK | (4 * i << 16 | (255 - i) << 8 | i) as u32);
+        assert_eq!(copied[(16 + y) * SIZE[0] + 8 + x], BLACK | ((4 * i) << 16 | (255 - i) << 8 | i) as u32);
     }
     // Between two columns it changes by a half.
     let row = &doubled[20 * SIZE[0]..][8..24];

@@ -1,0 +1,119 @@
+//! Twelve caricatures of one shape, to be chosen from and bred: what the window and the page hang.
+
+use std::sync::Arc;
+
+use chladni_caricature::{
+    Action, Layer, MatchRequest, Portrait, Project, Sitter, Stack, Template, VariantGallery,
+};
+use chladni_match::MatchSettings;
+use chladni_mesh::TriMesh;
+
+use super::{Error, Watcher, sitter};
+
+/// The seed of the first gallery; each further one has the next.
+pub const FIRST_SEED: u64 = 1;
+
+/// The gallery of a sitter, and what its variants look like.
+#[derive(Clone)]
+pub struct Exhibition {
+    /// The shape with its parts and templates.
+    pub sitter: Arc<Sitter>,
+    /// Its generations.
+    pub gallery: VariantGallery,
+    /// Those that are shown.
+    pub portraits: Vec<Portrait>,
+}
+
+/// What is done to a gallery.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// Children of those that are chosen.
+    Breed,
+    /// The parents of those that are shown.
+    Back,
+    /// Twelve others, of this seed.
+    Restart(u64),
+    /// One is changed a little.
+    Change(usize),
+}
+
+impl Exhibition {
+    /// The template of the topmost layer that is compared with a mesh.
+    pub fn template_of(project: &Project) -> Option<(Template, MatchSettings)> {
+        let mut layers = project.layers().iter().rev();
+        let layer = layers.find(|(_, layer)| layer.template.is_mesh())?;
+        MatchRequest::of(&layer.1).map(|request| (request.template, request.matching))
+    }
+
+    /// The first twelve of a shape, as [`sitter`] prepares it.
+    ///
+    /// # Errors
+    /// As [`sitter`].
+    pub fn open(
+        mesh: &TriMesh,
+        stack: &mut Stack,
+        given: Option<(Template, MatchSettings)>,
+        watcher: &impl Watcher,
+    ) -> Result<Self, Error> {
+        let sitter = Arc::new(sitter(mesh, stack, given, watcher)?);
+        let gallery = VariantGallery::new(FIRST_SEED, &sitter)?;
+        let portraits = sitter.portray(&gallery.variants())?;
+        Ok(Self { sitter, gallery, portraits })
+    }
+
+    /// The same after a step.
+    ///
+    /// # Errors
+    /// What the gallery refuses.
+    pub fn after(mut self, step: Step) -> Result<Self, Error> {
+        match step {
+            Step::Breed => self.gallery.breed(&self.sitter)?,
+            Step::Back => {
+                self.gallery.back();
+            }
+            Step::Restart(seed) => self.gallery.restart(seed, &self.sitter)?,
+            Step::Change(index) => self.gallery.mutate(index)?,
+        }
+        self.portraits = self.sitter.portray(&self.gallery.variants())?;
+        Ok(self)
+    }
+
+    /// How many of those that are shown are chosen, and whether they have no parents.
+    pub fn chosen(&self) -> (usize, bool) {
+        let generations = self.gallery.generations();
+        let chosen = generations.items().iter().filter(|item| item.chosen).count();
+        (chosen, generations.generations()[generations.current()].from.is_none())
+    }
+}
+
+/// What puts `layers` on top of a project.
+pub fn hung(project: &Project, layers: Vec<Layer>) -> Vec<Action> {
+    let top = project.layers().len();
+    let add = |(i, layer)| Action::Add { index: top + i, layer: Box::new(layer) };
+    layers.into_iter().enumerate().map(add).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::work::Aside;
+    use chladni_caricature::GALLERY_SIZE;
+    use chladni_harmonics::{BasisSettings, Body};
+    use chladni_task::Task;
+
+    #[test]
+    fn those_that_are_chosen_have_children_and_the_parents_come_back() {
+        let (mesh, task) = (chladni_mesh::samples::icosphere(3), Task::new());
+        let body = Body::build(&mesh, &BasisSettings::new(20), &task).unwrap();
+        let mut stack = Stack::new(Arc::new(body)).unwrap();
+        let mut first = Exhibition::open(&mesh, &mut stack, None, &Aside::new(&task)).unwrap();
+        assert_eq!((first.portraits.len(), first.chosen()), (GALLERY_SIZE, (0, true)));
+        assert!(first.clone().after(Step::Breed).is_err());
+        first.gallery.choose(2, true).unwrap();
+        let children = first.clone().after(Step::Breed).unwrap();
+        assert!(!children.chosen().1);
+        assert_ne!(children.portraits[0].positions, first.portraits[0].positions);
+        let back = children.after(Step::Back).unwrap();
+        assert_eq!(back.portraits[0].positions, first.portraits[0].positions);
+    }
+}

@@ -1,0 +1,110 @@
+//! Temporary files of processes that were killed while they saved: gone once something is saved beside them.
+
+use std::collections::BTreeSet;
+use std::fs::{DirEntry, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// How the name of a temporary file begins; random letters and digits follow, and an ending.
+pub(super) const PREFIX: &str = ".chladni-";
+pub(super) const RANDOM: usize = 6;
+
+/// What was written to within this time stays: a file is made and locked in two steps, and some file systems know only the
+/// locks of their own machine.
+const AT_WORK: Duration = Duration::from_secs(3600);
+
+/// Marks a temporary file as somebody's, until it is closed or its process ends. Without locks it is never removed as
+/// nobody's.
+pub(super) fn claim(file: &File) {
+    // Elsewhere a locked file could not be written by the programs that are given its name.
+    if cfg!(unix) {
+        let _ = file.try_lock();
+    }
+}
+
+/// Removes what killed processes left in a folder, when this process saves there first: folders may hold very many files.
+pub(super) fn sweep_once(folder: &Path) {
+    static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    if cfg!(unix) && SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(folder.to_owned()) {
+        sweep(folder);
+    }
+}
+
+/// What cannot be read or removed stays: it is not what was to be saved.
+fn sweep(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if is_ours(&entry.file_name().to_string_lossy()) {
+            let _ = remove_if_left(&entry);
+        }
+    }
+}
+
+fn is_ours(name: &str) -> bool {
+    let Some((random, ending)) = name.strip_prefix(PREFIX).and_then(|rest| rest.split_at_checked(RANDOM))
+    else {
+        return false;
+    };
+    random.bytes().all(|byte| byte.is_ascii_alphanumeric()) && (ending.is_empty() || ending.starts_with('.'))
+}
+
+fn remove_if_left(entry: &DirEntry) -> io::Result<()> {
+    let known = entry.metadata()?;
+    if !known.is_file() || known.modified()?.elapsed().unwrap_or_default() < AT_WORK {
+        return Ok(());
+    }
+    let file = File::options().write(true).open(entry.path())?;
+    file.try_lock()?;
+    std::fs::remove_file(entry.path())
+}
+
+#[cfg(all(test, unix))]
+#[allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+mod tests {
+    use super::super::{temporary_beside, write_atomic};
+    use super::*;
+    use std::time::SystemTime;
+
+    fn age(path: &Path) {
+        let before = SystemTime::now() - 2 * AT_WORK;
+        File::options().write(true).open(path).unwrap().set_modified(before).unwrap();
+    }
+
+    #[test]
+    fn what_nobody_holds_and_nobody_wrote_to_for_an_hour_goes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let kept =
+            [".chladni-Ab12", ".chladni-Ab12Xzs.txt", ".chladni-ranks-7", "chladni-Ab12Xz", "p.chladni"];
+        for name in [".chladni-Ab12Xz", ".chladni-000000.mp4"].iter().chain(&kept) {
+            std::fs::write(path(name), "half").unwrap();
+            age(&path(name));
+        }
+        std::fs::write(path(".chladni-young0"), "half").unwrap();
+        std::fs::create_dir(path(".chladni-folder")).unwrap();
+        std::os::unix::fs::symlink("p.chladni", path(".chladni-link00")).unwrap();
+        let held = temporary_beside(&path("film.mp4"), ".mp4").unwrap();
+        age(held.path());
+        sweep(folder.path());
+        assert!(!path(".chladni-Ab12Xz").exists() && !path(".chladni-000000.mp4").exists());
+        let others = [".chladni-young0", ".chladni-folder", ".chladni-link00"];
+        assert!(kept.iter().chain(&others).all(|name| path(name).exists()));
+        assert!(held.path().exists(), "it is being written");
+        let left = held.into_temp_path().keep().unwrap();
+        sweep(folder.path());
+        assert!(!left.exists(), "nobody holds it any more");
+    }
+
+    #[test]
+    fn the_first_save_in_a_folder_sweeps_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let (left, saved) = (folder.path().join(".chladni-Ab12Xz"), folder.path().join("p.chladni"));
+        for sweeps in [true, false] {
+            std::fs::write(&left, "half").unwrap();
+            age(&left);
+            write_atomic(&saved, b"new").unwrap();
+            assert_eq!(left.exists(), !sweeps);
+        }
+    }
+}

@@ -1,0 +1,56 @@
+// Films of the stage as it is seen: a live recording by the browser, with what is heard.
+
+/** What the browser may write, the best first. */
+const KINDS = ["video/mp4;codecs=avc1.42E01F,mp4a.40.2", "video/webm;codecs=vp8,opus", "video/webm", "video/mp4"];
+const BITS_PER_SECOND = 8_000_000;
+/** Pixels of the longer side at most: encoders of phones take no more. */
+const LONGEST = 1920;
+
+/** The file name's ending for what is recorded. */
+const ending = (kind) => (kind.startsWith("video/mp4") ? "mp4" : "webm");
+
+export class LiveFilm {
+  /** Begins a film of `width` × `height` pixels or fewer with the sound of `tracks`. */
+  constructor(width, height, tracks) {
+    const kind = window.MediaRecorder && KINDS.find((each) => MediaRecorder.isTypeSupported(each));
+    if (!kind) throw new Error("This browser records no films.");
+    const by = Math.min(1, LONGEST / Math.max(width, height));
+    // Encoders want even numbers of pixels.
+    const [w, h] = [width, height].map((side) => 2 * Math.max(8, Math.round((by * side) / 2)));
+    this.canvas = Object.assign(document.createElement("canvas"), { width: w, height: h });
+    this.brush = this.canvas.getContext("2d", { alpha: false });
+    const stream = this.canvas.captureStream();
+    for (const track of tracks) stream.addTrack(track);
+    this.recorder = new MediaRecorder(stream, { mimeType: kind, videoBitsPerSecond: BITS_PER_SECOND });
+    this.pieces = [];
+    this.recorder.ondataavailable = ({ data }) => { if (data.size) this.pieces.push(data); };
+    this.failed = new Promise((_, fail) => { this.recorder.onerror = ({ error }) => fail(error ?? new Error("The film could not be recorded.")); });
+    this.failed.catch(() => {});
+    this.began = performance.now();
+    this.recorder.start(1000);
+  }
+
+  get secs() { return (performance.now() - this.began) / 1000; }
+
+  /** Takes a picture as it is seen: a canvas, and the veil over it as a color. */
+  take(picture, veil) {
+    const { width, height } = this.canvas;
+    const by = Math.min(width / picture.width, height / picture.height);
+    const [w, h] = [by * picture.width, by * picture.height];
+    this.brush.fillStyle = "#000";
+    this.brush.fillRect(0, 0, width, height);
+    this.brush.drawImage(picture, (width - w) / 2, (height - h) / 2, w, h);
+    if (!veil) return;
+    this.brush.fillStyle = veil;
+    this.brush.fillRect(0, 0, width, height);
+  }
+
+  /** The whole film, once it has ended. */
+  async end() {
+    const ended = new Promise((done) => { this.recorder.onstop = done; });
+    this.recorder.stop();
+    await Promise.race([ended, this.failed]);
+    const { mimeType } = this.recorder;
+    return { film: new Blob(this.pieces, { type: mimeType }), ending: ending(mimeType) };
+  }
+}

@@ -1,0 +1,58 @@
+// A saved show, played: the module does again what was done, and says what is to be heard; songs follow that here.
+import { of, say } from "./page.js";
+import * as songs from "./songs.js";
+
+/** The show that was opened last: its text and what it needs. */
+let opened;
+/** A song is being decoded: the show waits for it. */
+let waiting = false;
+/** Seconds for which shows have waited. */
+let waitedSecs = 0;
+let wasPlayed = false;
+
+/** A show was opened. */
+export function know(text, needs) { opened = { text, needs }; }
+
+export const isWaiting = () => waiting;
+/** The page's clock without the times in which a show waited. */
+export const clockSecs = (now) => now / 1000 - waitedSecs;
+
+/** The songs of the show that was opened, by their numbers there. */
+function cast() {
+  if (!opened) return [];
+  const missing = opened.needs.songs.filter((name) => !songs.find(name));
+  if (missing.length) throw new Error(`The show was danced to ${missing.join(", ")}: drop that song, too.`);
+  return opened.needs.songs.map(songs.find);
+}
+
+/** Plays it on `concert` from its beginning; gives its songs. */
+export function begin(concert) {
+  const all = cast();
+  concert.play_show(opened.text);
+  wasPlayed = true;
+  return all;
+}
+
+/** Follows what is to be heard by now. `hear(song, secs, playing)` lets it be heard: of no song, nothing. */
+export async function follow(concert, all, hear) {
+  const text = waiting ? undefined : concert.cue();
+  if (!text) return;
+  const { song, song_secs, playing } = JSON.parse(text);
+  if (song === null) say("What came in live was not recorded: it is silent here.");
+  const began = performance.now();
+  waiting = true;
+  try { await hear(all[song], song_secs, playing); } finally {
+    waiting = false;
+    waitedSecs += (performance.now() - began) / 1000;
+  }
+}
+
+/** Shows whether a show can be played, or is; true where one has just ended by itself or by a hand. */
+export function draw(played) {
+  of("play-show").hidden = !opened;
+  of("play-show").textContent = played ? "Stop show" : "Play show";
+  of("play-show").setAttribute("aria-pressed", played);
+  const ended = wasPlayed && !played;
+  wasPlayed = played;
+  return ended;
+}

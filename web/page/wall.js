@@ -1,0 +1,89 @@
+// The gallery of caricatures: twelve of the open shape, to be chosen from and bred. A worker has them.
+import { ask, giveUp } from "./work.js";
+import { attempt, busy, of, on, report } from "./page.js";
+import { drawCells } from "./cells.js";
+
+const NAME = "gallery";
+
+let room;
+let shown;
+
+const asks = (call, ...args) => ask({ work: "wall", call, args }, undefined, NAME);
+
+/** Shows what the worker has brought. */
+function take({ state, positions }) {
+  shown = report.wall = JSON.parse(state);
+  if (positions) room.sitting().show_gallery(positions);
+  refresh();
+}
+
+function refresh() {
+  of("wall").hidden = !shown;
+  for (const part of document.querySelectorAll("[data-figure]")) part.hidden = !!shown;
+  of("gallery").setAttribute("aria-pressed", !!shown);
+  room.sitting()?.redraw();
+  if (!shown) return;
+  of("wall-breed").textContent = shown.chosen ? `Breed ${shown.chosen}` : "Breed";
+  of("wall-breed").disabled = !shown.chosen;
+  of("wall-back").disabled = shown.first;
+  of("wall-locks").replaceChildren(...shown.groups.map(([name, locked]) => {
+    const made = document.createElement("button");
+    made.textContent = name;
+    made.setAttribute("aria-pressed", locked);
+    made.onclick = attempt(async () => take(await asks("lock", name, !locked)));
+    return made;
+  }));
+}
+
+/** Opens the gallery of the open shape. */
+async function open() {
+  const { name, bytes, basis } = room.shape();
+  const sitting = room.sitting();
+  const asked = { work: "openWall", name, bytes: bytes?.slice(), basis, project: sitting.project_text(), matches: sitting.matches() };
+  const brought = await busy("the gallery", (tell) => ask(asked, tell, NAME));
+  if (room.sitting() === sitting) take(brought);
+}
+
+/** Back to the figure. */
+export function leave() {
+  if (!shown) return;
+  giveUp(undefined, [NAME]);
+  shown = report.wall = undefined;
+  room.sitting()?.leave_gallery();
+  refresh();
+}
+
+/** Whether the gallery is shown. */
+export const isOpen = () => !!shown;
+
+/** Layers of one that was taken go on top. */
+async function hang(layers) {
+  leave();
+  room.sitting().hang(layers);
+  await room.changed();
+}
+
+const choices = {
+  choose: attempt(async (item) => take(await asks("choose", item, !shown.items[item].chosen))),
+  perform: attempt(async (item) => hang((await asks("layers", item)).found)),
+  performs: "Take",
+  says: (item) => `Take caricature ${item + 1}: it becomes layers`,
+  name: (item) => `Caricature ${item + 1}`,
+  titled: true,
+};
+
+/** Lays the buttons over the picture. */
+export function drawWall(width, height) {
+  const cells = shown ? [...room.sitting().cells()] : [];
+  drawCells(of("cells"), cells, shown?.items ?? [], width, height, choices);
+}
+
+export function listen(caricature) {
+  room = caricature;
+  on("gallery", () => (shown ? leave() : open()));
+  on("wall-close", leave);
+  for (const step of ["breed", "back", "others"]) {
+    on(`wall-${step}`, async () => take(await busy("the gallery", () => asks("step", step))));
+  }
+  on("wall-surprise", async () => hang((await busy("a surprise", () => asks("surprise"))).found));
+}

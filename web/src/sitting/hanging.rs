@@ -1,0 +1,133 @@
+//! The gallery in the place of the figure, and what is taken from it.
+
+use chladni_caricature::Layer;
+use chladni_mesh::Orientation;
+use chladni_program::work::{Error, hung};
+use chladni_view::{Camera, Device, Figure, ItemBuffers, Rect, Topology, View, layout, smooth_normals};
+use wasm_bindgen::prelude::*;
+
+use super::Sitting;
+use super::stage::Placed;
+use crate::coarse::coarse;
+
+/// Vertices of a figure that is a twelfth of the picture: with fewer, strong caricatures have holes.
+const SMALL: usize = 12_000;
+/// A figure's share of its cell.
+const FILL: f32 = 0.84;
+
+/// Figures of one shape that hang beside each other.
+pub struct Hanging {
+    pub camera: Camera,
+    topology: Topology,
+    buffers: ItemBuffers,
+    positions: Vec<[f32; 3]>,
+    count: usize,
+    fitted: bool,
+    cells: Vec<Rect>,
+}
+
+impl Hanging {
+    fn new(
+        device: &Device,
+        positions: &[f32],
+        vertices: usize,
+        triangles: &[[u32; 3]],
+        stands: Orientation,
+    ) -> Result<Self, Error> {
+        let positions = positions.as_chunks::<3>().0.to_vec();
+        let count = positions.len() / vertices.max(1);
+        let buffers = ItemBuffers::new(device, vertices, count);
+        let mut small = None;
+        for (item, positions) in positions.chunks_exact(vertices.max(1)).enumerate() {
+            let normals = smooth_normals(positions, triangles);
+            if item == 0 {
+                small = coarse(positions, &normals, triangles, SMALL);
+            }
+            buffers.write(device, item, positions, &normals)?;
+        }
+        Ok(Self {
+            camera: Camera::on(stands, View::ThreeQuarter),
+            topology: Topology::new(device, vertices, small.as_deref().unwrap_or(triangles))?,
+            buffers,
+            positions,
+            count,
+            fitted: false,
+            cells: Vec::new(),
+        })
+    }
+
+    /// Each in a cell of `area`.
+    pub fn placed(&mut self, area: Rect) -> Vec<Placed<'_>> {
+        let (rows, columns) = layout::rows_and_columns(area.width, area.height, self.count, 0.9);
+        self.cells = layout::grid(area, rows, columns, 2, self.count);
+        if !self.fitted {
+            let aspect = self.cells.first().map_or(1.0, Rect::aspect);
+            self.camera.fit(self.positions.iter().copied(), aspect, FILL);
+            self.fitted = true;
+        }
+        let placed = |(item, viewport): (usize, &Rect)| Placed {
+            viewport: *viewport,
+            camera: self.camera,
+            figures: vec![Figure::new(&self.topology, &self.buffers, item)],
+            markers: Vec::new(),
+        };
+        self.cells.iter().enumerate().map(placed).collect()
+    }
+
+    pub fn fit(&mut self) {
+        self.fitted = false;
+    }
+}
+
+#[wasm_bindgen]
+impl Sitting {
+    /// Shows caricatures of the shape in its place, from the coordinates that [`Wall`](crate::Wall) gives; from where they
+    /// were seen before, if some hang already.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn show_gallery(&mut self, positions: &[f32]) -> Result<(), JsError> {
+        let (body, camera) = (self.stack.body(), self.hanging.as_ref().map(|hanging| hanging.camera));
+        let mut hanging = Hanging::new(
+            self.stage.device(),
+            positions,
+            body.positions.len(),
+            &body.triangles,
+            self.stands_now(),
+        )?;
+        if let Some(camera) = camera {
+            (hanging.camera, hanging.fitted) = (camera, true);
+        }
+        (self.hanging, self.landmarks) = (Some(hanging), None);
+        self.stage.stir();
+        Ok(())
+    }
+
+    /// Back to the figure.
+    pub fn leave_gallery(&mut self) {
+        self.hanging = None;
+        self.stage.stir();
+    }
+
+    /// x, y, width and height, in pixels, of the cell of each caricature in the last picture.
+    pub fn cells(&self) -> Vec<u32> {
+        let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];
+        self.hanging.iter().flat_map(|hanging| hanging.cells.iter().flat_map(of)).collect()
+    }
+
+    /// Puts the layers of a caricature on top, as one step.
+    ///
+    /// # Errors
+    /// Text that is none.
+    pub fn hang(&mut self, layers: &str) -> Result<(), JsError> {
+        let layers: Vec<Layer> = serde_json::from_str(layers)?;
+        let surface = self.stack.surface().clone();
+        for action in hung(self.history.project(), layers) {
+            let next = self.history.project().next_id();
+            self.history.apply_live(&action, Some(&surface))?;
+            self.selected = Some(next);
+        }
+        self.history.finish();
+        Ok(self.refresh()?)
+    }
+}

@@ -1,0 +1,84 @@
+// What is kept of the music room: shows that are played, and films of the stage.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { song } from "../browser.mjs";
+import { downloaded, drop, moves, opened, step, until } from "./driver.mjs";
+
+export async function shows() {
+  const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  assert.ok(await page.isHidden("#play-show"), "there is no show yet");
+  await drop(page, ["clicks.wav", song(20)]);
+  await until(page, () => document.getElementById("song").textContent === "clicks.wav" && window.chladni.position() > 0.5);
+  await page.click("#cells .cell:nth-child(2) .choose");
+  await page.click("#cells .cell:nth-child(7) .choose");
+  await until(page, () => window.chladni.state.dances.filter((dance) => dance.chosen).length === 2);
+  await page.waitForTimeout(1500);
+  await page.click("#breed");
+  await until(page, () => window.chladni.state.generation === 1);
+  await page.hover("#cells .cell:nth-child(3)");
+  await page.click("#cells .cell:nth-child(3) .stage");
+  await until(page, () => window.chladni.state.on_stage);
+  const show = await downloaded(page, "#save-show");
+  await page.setInputFiles("#file", show);
+  await until(page, () => !document.getElementById("play-show").hidden);
+  await page.click("#play-show");
+  // All is as it was in the beginning, and comes to pass again.
+  await until(page, () => window.chladni.state.played && window.chladni.state.generation === 0 && !window.chladni.state.on_stage);
+  await moves(page, "a show that is played");
+  await shot("laptop-show");
+  await until(page, () => window.chladni.state.generation === 1);
+  await until(page, () => window.chladni.state.on_stage);
+  await until(page, () => !window.chladni.state.played);
+  assert.equal(await page.textContent("#play-show"), "Play show");
+  await page.click("#play-show");
+  await until(page, () => window.chladni.state.played);
+  await page.selectOption("#look", "ember");
+  await page.click("#cells .cell:nth-child(1) .choose");
+  await until(page, () => !window.chladni.state.played);
+  step("a show is played as it was danced, and is the user's own from the first touch on");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+/** How long a film is, how large, how many pictures of it differ, and whether it has sound, as the browser plays it. */
+const watched = (page, bytes, type) => page.evaluate(async ([bytes, type]) => {
+  const video = document.createElement("video");
+  video.src = URL.createObjectURL(new Blob([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], { type }));
+  video.muted = true;
+  await new Promise((done, fail) => { video.onloadeddata = done; video.onerror = () => fail(new Error(video.error.message)); });
+  const brush = new OffscreenCanvas(64, 48).getContext("2d", { willReadFrequently: true });
+  const seen = new Set();
+  let end = 0;
+  video.ontimeupdate = () => {
+    end = video.currentTime;
+    brush.drawImage(video, 0, 0, 64, 48);
+    seen.add(brush.getImageData(0, 0, 64, 48).data.join());
+  };
+  const ended = new Promise((done) => { video.onended = done; });
+  await video.play();
+  await ended;
+  return { secs: end, width: video.videoWidth, height: video.videoHeight, pictures: seen.size, sounds: video.webkitAudioDecodedByteCount > 0 };
+}, [bytes.toString("base64"), type]);
+
+export async function films() {
+  for (const [name, viewport, touch] of [["laptop", { width: 1000, height: 700 }, false], ["phone", { width: 390, height: 844 }, true]]) {
+    const { page, wrong, elsewhere, shot } = await opened(viewport, touch);
+    await page.click("#enter");
+    await until(page, () => window.chladni.state.body === "sample:octopus");
+    await until(page, () => window.chladni.sound.isHeard);
+    await page.click("#film");
+    await until(page, () => /^Stop, [4-9] s/.test(document.getElementById("film").textContent));
+    await shot(`${name}-film`);
+    const path = await downloaded(page, "#film");
+    const type = path.endsWith("mp4") ? "video/mp4" : "video/webm";
+    const film = await watched(page, readFileSync(path), type);
+    assert.ok(film.secs > 3 && film.width % 2 === 0 && film.height % 2 === 0, JSON.stringify(film));
+    assert.ok(film.pictures > 4 && film.sounds, JSON.stringify(film));
+    assert.equal(await page.textContent("#film"), "Film");
+    step(`${name}: the stage was filmed, ${film.width}×${film.height}, as ${type}`);
+    assert.deepEqual([wrong, elsewhere], [[], []]);
+    await page.context().close();
+  }
+}

@@ -1,0 +1,226 @@
+// The caricature room's other tools: ink, heat maps, masks, landmarks, and the gallery.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { differing, pixels } from "../browser.mjs";
+import { acts } from "./caricature.mjs";
+import { downloaded, drop, opened, step, still, until } from "./driver.mjs";
+
+const layer = (page) => page.evaluate(() => window.chladni.sitting.layers.at(-1));
+const PAPER = [250, 247, 240];
+
+/** The upper left pixel of the picture. */
+const corner = (page) => page.evaluate(() => [...document.getElementById("picture").getContext("2d").getImageData(1, 1, 1, 1).data.slice(0, 3)]);
+
+/** Until the picture is on paper, with so many dark pixels of the thinned ones or more. */
+async function isDrawn(page, least) {
+  for (let i = 0; i < 300; i++) {
+    const [r] = await corner(page);
+    const dark = (await pixels(page)).filter((value) => value < 120).length;
+    if (r === PAPER[0] && dark >= least) return dark;
+    await page.waitForTimeout(200);
+  }
+  throw new Error("no drawing in ink is seen");
+}
+
+async function ink(page, shot) {
+  await page.click("#look-portrait");
+  const plain = await still(page);
+  await page.check("#ink");
+  const dark = await isDrawn(page, 20);
+  await still(page);
+  await shot("laptop-ink");
+  const box = await page.locator("#picture").boundingBox();
+  const before = await pixels(page);
+  await page.mouse.move(box.x + 60, box.y + 60);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 260, box.y + 60, { steps: 6 });
+  await page.mouse.up();
+  assert.ok(differing(before, await still(page)) > 20, `it is drawn from elsewhere (${dark} dark pixels before)`);
+  await page.click("#look-portrait");
+  await page.check("#tones");
+  await still(page);
+  await shot("laptop-tones");
+  const svg = readFileSync(await downloaded(page, "#export-svg"), "utf8");
+  assert.match(svg, /^<svg .*\n<rect id="paper"/);
+  assert.match(svg, /<g id="contours"[^>]*>\n<path/);
+  assert.match(svg, /<g id="tones">\n<path/);
+  const png = readFileSync(await downloaded(page, "#export-png"));
+  assert.ok(png.readUInt32BE(16) === 2000 || png.readUInt32BE(20) === 2000);
+  await page.uncheck("#tones");
+  await page.uncheck("#ink");
+  assert.ok(differing(plain, await still(page)) < 20, "the shape is seen again as it was");
+  step("a shape is drawn in ink, live and as SVG and PNG");
+}
+
+async function heat(page, shot) {
+  const plain = await still(page);
+  const names = await page.locator("#heat option").allTextContents();
+  for (const name of names.filter((name) => !/own colors/.test(name))) {
+    await page.selectOption("#heat", { label: name });
+    const seen = differing(plain, await still(page));
+    const wanted = /Displacement|Difference|Confidence|harmonic|Place/.test(name);
+    assert.ok(!wanted || seen > 100, `${name} is seen: ${seen}`);
+    assert.equal(await page.isVisible("#legend"), /Displacement|Difference|Confidence|Held back|harmonic/.test(name), name);
+    if (/Difference/.test(name)) await shot("laptop-heat");
+  }
+  await page.selectOption("#heat", { label: "A harmonic" });
+  const first = await still(page);
+  await page.fill("#harmonic", "9");
+  await page.press("#harmonic", "Enter");
+  await until(page, () => window.chladni.sitting.heat.harmonic === 9);
+  assert.ok(differing(first, await still(page)) > 60, "another harmonic is seen");
+  await page.selectOption("#heat", { label: names[0] });
+  assert.ok(differing(plain, await still(page)) < 20);
+  assert.notEqual(await page.getAttribute("#status", "class"), "bad");
+  step(`${names.length} heat maps, with their legends`);
+}
+
+async function masks(page) {
+  await page.click("#hold-parts");
+  await page.click('#parts button:has-text("nose")');
+  await until(page, () => window.chladni.sitting.layers.at(-1).parts.join() === "nose");
+  const npy = readFileSync(await downloaded(page, "#save-mask-npy"));
+  assert.equal(npy.toString("latin1", 1, 6), "NUMPY");
+  const ply = await downloaded(page, "#save-mask-ply");
+  assert.match(readFileSync(ply).toString("latin1", 0, 400), /property (float|double) mask/);
+  const everywhere = async () => {
+    await page.click("#everywhere");
+    await until(page, () => window.chladni.sitting.layers.at(-1).everywhere);
+  };
+  const isNose = () => until(page, () => window.chladni.sitting.layers.at(-1).parts.join() === "nose");
+  await everywhere();
+  await drop(page, ["nose.npy", npy]);
+  await isNose();
+  await everywhere();
+  const choosing = page.waitForEvent("filechooser");
+  await page.click("#open-mask");
+  await (await choosing).setFiles(ply);
+  await isNose();
+  await drop(page, ["other.npy", npy.subarray(0, npy.length - 4)]);
+  await until(page, () => document.getElementById("status").className === "bad");
+  await everywhere();
+  await page.click("#hold-turn");
+  step("a region goes out as .npy and PLY, and comes back");
+}
+
+async function landmarks(page, shot) {
+  await page.click("#landmarks");
+  await until(page, () => /Click a place on the shape/.test(document.getElementById("landmark-hint").textContent));
+  const box = await page.locator("#picture").boundingBox();
+  const press = (half, x, y) => page.mouse.click(box.x + (half + 0.5 + x) * 0.5 * box.width, box.y + (0.5 + y) * box.height);
+  await page.evaluate(() => { window.chladni.matchSecs = 0; });
+  let count = 0;
+  for (const [x, y] of [[0, 0.05], [-0.07, -0.06], [0.07, -0.06]]) {
+    await press(0, x, y);
+    await until(page, () => /same place on the template/.test(document.getElementById("landmark-hint").textContent));
+    await press(1, x, y);
+    await until(page, (count) => window.chladni.sitting.layers.at(-1).landmarks.length === count, ++count);
+  }
+  await until(page, () => document.querySelectorAll("#labels span").length === 6);
+  await until(page, () => window.chladni.matchSecs > 0 && document.getElementById("cancel").hidden);
+  await acts(page);
+  await still(page);
+  await shot("laptop-landmarks");
+  const txt = readFileSync(await downloaded(page, "#save-landmarks"), "utf8");
+  assert.equal(txt.split("\n").filter((line) => /^\d+ \d+/.test(line)).length, 3);
+  // The first is dragged elsewhere.
+  const before = (await layer(page)).landmarks[0].shape;
+  const at = [box.x + 0.25 * box.width, box.y + 0.55 * box.height];
+  await page.mouse.move(...at);
+  await page.mouse.down();
+  await page.mouse.move(at[0], at[1] + 40, { steps: 5 });
+  await page.mouse.up();
+  await until(page, (before) => window.chladni.sitting.layers.at(-1).landmarks[0].shape !== before, before);
+  await page.click("#landmark-list button");
+  await until(page, () => window.chladni.sitting.layers.at(-1).landmarks.length === 2);
+  await until(page, () => document.querySelectorAll("#labels span").length === 4);
+  await page.mouse.click(box.x + 0.215 * box.width, box.y + 0.44 * box.height, { button: "right" });
+  await until(page, () => window.chladni.sitting.layers.at(-1).landmarks.length === 1);
+  await page.click("#landmarks");
+  assert.ok(await page.isHidden("#picking"));
+  await page.click("#undo");
+  await until(page, () => window.chladni.sitting.layers.at(-1).landmarks.length === 2);
+  for (let i = 0; i < 5; i++) await page.click("#undo");
+  await until(page, () => window.chladni.sitting.layers.at(-1).landmarks.length === 0);
+  await acts(page);
+  step("landmarks are picked, dragged, listed and saved, and the match follows");
+}
+
+async function gallery(page, shot) {
+  const { layers } = await page.evaluate(() => window.chladni.sitting);
+  await page.click("#gallery");
+  await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
+  await still(page);
+  await shot("laptop-wall");
+  const names = () => page.evaluate(() => window.chladni.wall.items.map(({ name }) => name));
+  const first = await names();
+  assert.ok(new Set(first).size > 6, "they differ");
+  await page.click("#cells .cell:nth-child(2) .choose");
+  await page.click("#cells .cell:nth-child(7) .choose");
+  await until(page, () => window.chladni.wall.chosen === 2);
+  await page.click("#wall-locks button");
+  await until(page, () => window.chladni.wall.groups[0][1]);
+  await page.click("#wall-breed");
+  await until(page, () => !window.chladni.wall.first);
+  assert.notDeepEqual(await names(), first);
+  await page.click("#wall-back");
+  await until(page, () => window.chladni.wall.first);
+  assert.deepEqual(await names(), first);
+  const before = await still(page);
+  await page.click("#wall-others");
+  await until(page, (name) => window.chladni.wall.items[0].name !== name, first[0]);
+  assert.ok(differing(before, await still(page)) > 60, "others hang there");
+  await page.hover("#cells .cell:nth-child(3)");
+  await page.click("#cells .cell:nth-child(3) .stage");
+  await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
+  await acts(page);
+  await still(page);
+  await shot("laptop-taken");
+  const taken = await page.evaluate(() => window.chladni.sitting.layers.length);
+  await page.click("#undo");
+  await until(page, (count) => window.chladni.sitting.layers.length === count, layers.length);
+  await page.click("#gallery");
+  await until(page, () => window.chladni.wall);
+  await page.click("#wall-surprise");
+  await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
+  await acts(page);
+  step(`a gallery of twelve: bred, back, others, one taken as ${taken - layers.length} layers, and a surprise`);
+}
+
+export async function laptop() {
+  const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
+  await page.click("#exaggerate");
+  await acts(page);
+  for (const tool of [ink, heat, masks, landmarks, gallery]) await tool(page, shot);
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+export async function phone() {
+  const { page, wrong, elsewhere, shot } = await opened({ width: 390, height: 844 }, true);
+  await page.tap("#exaggerate");
+  await acts(page);
+  await page.check("#ink");
+  await isDrawn(page, 10);
+  await still(page);
+  await shot("phone-ink");
+  await page.uncheck("#ink");
+  await page.selectOption("#heat", { label: "Difference from the template" });
+  await still(page);
+  await shot("phone-heat");
+  await page.tap("#landmarks");
+  await until(page, () => !document.getElementById("picking").hidden);
+  await still(page);
+  await shot("phone-landmarks");
+  await page.tap("#landmarks");
+  await page.tap("#gallery");
+  await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
+  await still(page);
+  await shot("phone-wall");
+  await page.tap("#cells .cell:nth-child(1) .choose");
+  await until(page, () => window.chladni.wall.chosen === 1);
+  await page.tap("#wall-close");
+  step("a phone: ink, heat map, landmarks and gallery");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
