@@ -33,8 +33,8 @@ pub struct BenchTables {
     frames: usize,
 }
 
-fn pair(text: &str) -> Result<(String, String), String> {
-    let (name, with) = text.rsplit_once('=').ok_or("write it as NAME=WHAT")?;
+fn pair(text: &str) -> Result<(String, String), Error> {
+    let (name, with) = text.rsplit_once('=').ok_or_else(|| Error::input("write it as NAME=WHAT"))?;
     Ok((name.to_owned(), with.to_owned()))
 }
 

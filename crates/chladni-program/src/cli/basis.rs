@@ -126,9 +126,9 @@ fn is_folder(path: &Path) -> bool {
     path.as_os_str().as_encoded_bytes().last().is_some_and(|end| std::path::is_separator(char::from(*end)))
 }
 
-fn gigabytes(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if value > 0.0 && value < 1e9 { Ok(value) } else { Err("a size in GB, above 0".into()) }
+fn gigabytes(text: &str) -> Result<f64, Error> {
+    let value: f64 = text.parse().map_err(|_| Error::input("not a number"))?;
+    if value > 0.0 && value < 1e9 { Ok(value) } else { Err(Error::input("a size in GB, above 0")) }
 }
 
 impl Args {

@@ -166,7 +166,7 @@ pub struct Dance {
     /// Do not limit flashes to three a second.
     #[arg(long)]
     allow_flashes: bool,
-    /// Limit them in any field of view of 10°, a third of the picture across and down, too: for who sits close.
+    /// Limit them in any field of view of 10° (a third of the picture across and down), too, for people who sit close.
     #[arg(long, conflicts_with = "allow_flashes")]
     flash_fields: bool,
     /// Print a report as JSON: what was made, and where the time went.

@@ -196,7 +196,7 @@ fn save(path: &Path, found: &Correspondence) -> std::io::Result<()> {
     })
 }
 
-/// Confidence on the shape beside the shape at μ = 1, coloured by where on the shape it came from.
+/// Confidence on the shape beside the shape at μ = 1, colored by where on the shape it came from.
 fn draw(
     path: &Path,
     name: &str,

@@ -94,7 +94,7 @@ impl Spectrum {
     }
 }
 
-/// Frame i shows the window centred on i / fps.
+/// Frame i shows the window centered on i / fps.
 fn analyze(
     song: &Song,
     analyzer: &mut SpectrumAnalyser,
@@ -112,8 +112,8 @@ fn analyze(
     for i in 0..count {
         task.check()?;
         let time_secs = i as f64 / fps;
-        let centre = (time_secs * rate_hz).round() as i64;
-        song.window_ending_at(centre + n as i64 / 2, &mut left, &mut right);
+        let center = (time_secs * rate_hz).round() as i64;
+        song.window_ending_at(center + n as i64 / 2, &mut left, &mut right);
         let spectrum = analyzer.analyse(&left, &right, 1.0 / fps);
         frames.push(Frame {
             time_secs: start_secs + time_secs,
@@ -145,7 +145,7 @@ fn print_json(
     terminal.result("]}")
 }
 
-/// Amplitudes as colours.
+/// Amplitudes as colors.
 mod picture {
     use super::Frame;
 

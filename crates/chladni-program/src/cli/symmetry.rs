@@ -122,8 +122,8 @@ fn report(body: &Body, symmetry: &Symmetry) -> Printed {
     }
 }
 
-/// First how often each vertex is an extremum, with both ends of a pair in one colour; then the
-/// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, grey for none.
+/// First how often each vertex is an extremum, with both ends of a pair in one color; then the
+/// first harmonics: warm markers above for symmetric ones, cool for antisymmetric, gray for none.
 fn draw(
     path: &Path,
     body: &Body,

@@ -1,8 +1,8 @@
-//! Names of controls for programs: they stay where labels are reworded or translated.
+//! Names of controls for programs, which stay the same when labels are reworded or translated.
 
 /// What can be given one.
 pub trait AuthorId {
-    /// Makes it known as `id`, which tests and assistive programs find it by. Nobody is shown it.
+    /// Gives it the name `id`, by which tests and assistive programs find it. It is never shown.
     fn author_id(self, id: impl Into<String>) -> Self;
 }
 

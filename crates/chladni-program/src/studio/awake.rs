@@ -1,4 +1,4 @@
-//! Keeps the screen awake: by the system's own program for it, as long as that runs.
+//! Keeps the screen awake with a program of the system, for as long as that program runs.
 
 use std::process::{Child, Command, Stdio};
 

@@ -1,7 +1,7 @@
 //! When the graphics device is lost, the window closes and its contents are kept.
 //!
 //! A driver that restarts takes all that was on the card with it, and egui's painter cannot change devices. So
-//! the window closes, and another opens with the same rooms, which put themselves on its device.
+//! the window closes, and another opens with the same rooms, which move to its device.
 
 use std::cell::RefCell;
 use std::rc::Rc;

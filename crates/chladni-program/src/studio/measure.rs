@@ -142,7 +142,7 @@ impl Measure {
     }
 }
 
-/// The middle one, of which there are as many below as above; 0 of none.
+/// The median; 0 if there are no values.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)

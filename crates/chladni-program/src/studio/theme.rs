@@ -159,8 +159,8 @@ pub fn checkbox(ui: &mut egui::Ui, on: &mut bool, label: &str) -> egui::Response
     .inner
 }
 
-/// Controls that belong together and are called `name` by screen readers: what is in it may be called as
-/// what is in another.
+/// Controls that belong together, as a group called `name` for screen readers. Controls in different groups
+/// may then have the same name.
 pub fn group<R>(ui: &mut egui::Ui, name: &str, content: impl FnOnce(&mut egui::Ui) -> R) -> R {
     let builder = egui::UiBuilder::new().accessibility_role(egui::Role::Group).accessibility_label(name);
     ui.scope_builder(builder, content).inner
@@ -224,7 +224,7 @@ struct Surface {
 
 fn visuals(visuals: &mut egui::Visuals, palette: &Palette, surface: Surface) {
     let dark = visuals.dark_mode;
-    let grey = |level: u8| {
+    let gray = |level: u8| {
         if dark {
             Color32::from_rgb(level, level.saturating_add(1), level.saturating_add(4))
         } else {
@@ -232,11 +232,11 @@ fn visuals(visuals: &mut egui::Visuals, palette: &Palette, surface: Surface) {
         }
     };
     let step =
-        |level: u8, by: i16| grey((i16::from(level) + if dark { by } else { -by }).clamp(0, 255) as u8);
-    let text = grey(surface.text);
-    visuals.panel_fill = grey(surface.panel);
-    visuals.window_fill = grey(surface.panel);
-    visuals.extreme_bg_color = grey(surface.base.saturating_sub(if dark { 8 } else { 0 }));
+        |level: u8, by: i16| gray((i16::from(level) + if dark { by } else { -by }).clamp(0, 255) as u8);
+    let text = gray(surface.text);
+    visuals.panel_fill = gray(surface.panel);
+    visuals.window_fill = gray(surface.panel);
+    visuals.extreme_bg_color = gray(surface.base.saturating_sub(if dark { 8 } else { 0 }));
     visuals.faint_bg_color = step(surface.panel, 5);
     visuals.window_stroke = Stroke::new(1.0, palette.line);
     visuals.window_corner_radius = CornerRadius::same(10);
@@ -273,8 +273,8 @@ fn visuals(visuals: &mut egui::Visuals, palette: &Palette, surface: Surface) {
         look.corner_radius = CornerRadius::same(6);
         look.expansion = 0.0;
     }
-    widgets.noninteractive.bg_fill = grey(surface.panel);
-    widgets.noninteractive.weak_bg_fill = grey(surface.panel);
+    widgets.noninteractive.bg_fill = gray(surface.panel);
+    widgets.noninteractive.weak_bg_fill = gray(surface.panel);
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! A film that stands behind what dances, decoded by ffmpeg in a process of its own.
+//! A film as the background of a dance, decoded by ffmpeg in its own process.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use super::Error;
 /// The endings of films that may stand behind a shape.
 pub const FILMS: [&str; 5] = ["mp4", "m4v", "mkv", "mov", "webm"];
 
-/// Pictures a second, whatever the film has: the place in it is a function of the time alone.
+/// Pictures a second, whatever the film's own rate: which picture is shown depends on the time alone.
 const RATE_HZ: f64 = 25.0;
 /// Wider or higher films are scaled down to this many pixels, in films …
 pub const LONGEST_SIDE: usize = 1920;
@@ -57,7 +57,7 @@ impl BackFilm {
         &self.picture
     }
 
-    /// Goes to the picture at a time of the show; whether it is another one than before.
+    /// Goes to the picture at a time of the show; returns whether it is a different one.
     ///
     /// # Errors
     /// What ffmpeg writes cannot be read.
@@ -123,7 +123,7 @@ impl Decoder {
         if kind != "P6" || most != 255 || !sides.contains(&width) || !sides.contains(&height) {
             return Err(broken());
         }
-        // Three bytes a pixel come; they are spread from the end on, so that one buffer will do.
+        // Pixels come as three bytes; spreading them from the end needs only one buffer.
         let pixels = width * height;
         picture.rgba.resize(4 * pixels, 255);
         self.pictures.read_exact(&mut picture.rgba[..3 * pixels])?;
@@ -164,7 +164,7 @@ impl Decoder {
 
 impl Drop for Decoder {
     fn drop(&mut self) {
-        // It may have ended by itself; waiting takes its entry from the system in either case.
+        // It may have ended by itself; waiting removes its process entry in either case.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

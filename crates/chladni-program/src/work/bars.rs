@@ -1,4 +1,4 @@
-//! Beats and bars as a person and a director want them.
+//! Beats and bars, as corrected by hand and as the director takes them.
 
 use chladni_music::{BarLine, BeatReading};
 use chladni_sound::{Bar, Beats, ENERGY_RATE_HZ, Section};

@@ -1,4 +1,4 @@
-//! The time of a show, which songs, pauses and jumps within songs never turn back.
+//! The time of a show, which never goes back, whatever songs, pauses and jumps there are.
 
 use chladni_music::Stretch;
 
@@ -51,7 +51,7 @@ impl ShowClock {
         let seen = self.seen.replace(playing);
         let step_secs = seen.map_or(0.0, |seen| playing.position_secs - seen.position_secs);
         let moved = playing.song.is_none() || step_secs != 0.0;
-        // After standing still for a moment, as between two blocks of a device, the position catches up.
+        // A position that has stood still for a moment, as between two blocks of a device, catches up.
         let longest_step_secs = dt_secs + self.still_secs.min(SEEK_SECS) + SEEK_SECS;
         self.still_secs = if moved { 0.0 } else { self.still_secs + dt_secs };
         let position = playing.position_secs;
@@ -60,7 +60,7 @@ impl ShowClock {
             clock.stretch = Some(Stretch { at_secs, song, song_secs, playing: playing_on, crossfade_secs });
             clock.stretch
         };
-        // Of a song that was there before, as behind live input, the crossfade is over.
+        // A song that already played, as behind live input, has no crossfade.
         let crossfade_secs = if position <= playing.crossfade_secs { playing.crossfade_secs } else { 0.0 };
         let Some(stretch) = self.stretch.filter(|stretch| stretch.song == playing.song) else {
             self.at_secs += dt_secs;

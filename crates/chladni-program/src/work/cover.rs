@@ -14,7 +14,7 @@ const ENDINGS: [&str; 3] = ["jpg", "jpeg", "png"];
 const MOST_BYTES: u64 = 32 << 20;
 
 /// The cover of the song at `path`, which `reader` reads: the picture in its tags, else a file such as
-/// cover.jpg in its folder. A picture that cannot be read is not missed.
+/// cover.jpg in its folder. A picture that cannot be read counts as none.
 pub fn cover_of(path: &Path, reader: &mut SongReader) -> Option<Picture> {
     let in_tags = reader.cover().and_then(|bytes| Picture::decode(&bytes).ok());
     in_tags.or_else(|| beside(path)).map(|picture| picture.thumbnail(SIDE))

@@ -1,4 +1,4 @@
-//! A curve of many values that a hand draws, in the window and in the page.
+//! A curve of many values, drawn by hand in the window or on the web page.
 
 /// Sets all values between two points to the line between them; true where one changed.
 pub fn draw(values: &mut [f32], range: (f32, f32), from: [f32; 2], to: [f32; 2]) -> bool {

@@ -1,4 +1,4 @@
-//! An ear that knows only what was heard so far: that of live input, and of a song until it is read.
+//! An ear that knows only what was heard so far: for live input, and for a song that is still being read.
 
 use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, Timbre};
 use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyser, SpectrumSettings};
@@ -9,7 +9,7 @@ use super::tuning::spectrum_settings;
 /// Seed of the shots of what is not known as a whole.
 pub const LIVE_SEED: u64 = 1;
 
-/// An analyzer and a beat tracker, what is struck by what they hear, and its chords.
+/// An analyzer, a beat tracker, the resonators that they strike, and the chords.
 pub struct Ear {
     analyzer: SpectrumAnalyser,
     /// The beat tracker, for corrections by hand.
@@ -22,8 +22,8 @@ pub struct Ear {
     harmony: Harmony,
 }
 
-/// The number of beats so far. A tracker sometimes corrects its phase backward; what the beat has moved must
-/// not jump back.
+/// The number of beats so far. A tracker sometimes corrects its phase backward, but what moves with the beat
+/// must not jump back.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeatCount {
     /// Whole beats.
@@ -80,7 +80,7 @@ impl Ear {
         Ok(())
     }
 
-    /// Takes sound that has come in, for its beat; the bar that it begins, by the tracker's own time.
+    /// Takes new sound and tracks its beat; returns the bar that begins in it, in the tracker's own time.
     pub fn follow(&mut self, left: &[f32], right: &[f32]) -> Option<BarLine> {
         self.follower.push(left, right);
         while self.follower.take_beat().is_some() {

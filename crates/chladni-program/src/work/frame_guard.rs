@@ -1,4 +1,4 @@
-//! The last look at a frame before it is encoded: no more than three flashes a second, and no bright stripes for long.
+//! The last check of a frame before it is encoded: no more than three flashes a second, and no bright stripes for long.
 
 use chladni_music::{FlashArea, FlashCount, FlashGuard, Histogram, Veil};
 use chladni_view::Picture;
@@ -44,7 +44,8 @@ impl FrameGuard {
         }
     }
 
-    /// Looks at some pixels of the frame of `time_secs`, all of a small one: the veil under which it is to be shown.
+    /// Judges the frame of `time_secs` by some of its pixels (by all, if it is small); returns the veil that it
+    /// needs.
     pub fn judge(&mut self, time_secs: f64, pixels: &[[u8; 4]], size: [u32; 2]) -> Veil {
         self.histogram.clear();
         let step = step(pixels.len(), size[0] as usize);

@@ -39,7 +39,7 @@ impl Quantity {
     /// All of them, with their names.
     pub const ALL: [(Self, &'static str); 12] = [
         (Self::None, "Material"),
-        (Self::Own, "Its own colours"),
+        (Self::Own, "Its own colors"),
         (Self::Displacement, "Displacement"),
         (Self::Difference, "Difference from the template"),
         (Self::Painted, "Region, as painted"),

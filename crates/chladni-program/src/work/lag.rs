@@ -1,4 +1,4 @@
-//! How far what dances has come lately: what palettes know of speed.
+//! How far each shape has moved lately, which palettes read as its speed.
 
 use chladni_synth::{Coefficients, Item};
 
@@ -10,8 +10,8 @@ const LONGEST_SECS: f64 = 0.5;
 const REST: f32 = 1e-6;
 
 /// Remembers items from frame to frame. With x the coefficients and y what follows them by ẏ = (x − y)/τ, the lag is
-/// x − y: for what moves evenly its speed times τ, and never more than it went. Between two frames x is taken for a
-/// straight line, for which the step is exact, so that frames may come as often as they like.
+/// x − y: the speed times τ where the movement is even, and never more than the movement itself. Between two frames
+/// x is taken for a straight line, for which the step is exact, so the frame rate does not matter.
 #[derive(Clone, Debug, Default)]
 pub struct Lag {
     /// What was there last, and what it lagged: as many.
@@ -22,8 +22,8 @@ pub struct Lag {
 }
 
 impl Lag {
-    /// Adds to `items`, behind all of them and in their order, the rest moved by what each lags at `at_secs`, where that is
-    /// `wanted`. Others than last time lag nothing at first.
+    /// If `wanted`, appends to `items`, in their order, the rest shape moved by the lag of each at `at_secs`.
+    /// Items that were not there last time have no lag at first.
     pub fn follow(&mut self, items: &mut Vec<Item>, at_secs: f64, wanted: bool) {
         if !wanted {
             self.last.clear();

@@ -25,8 +25,8 @@ pub struct Lettering {
 }
 
 impl Lettering {
-    /// `text` in letters of this size, in pixels; nothing where the font cannot be read. What the font has no letter for is
-    /// a question mark.
+    /// `text` in letters of this size, in pixels; empty if the font cannot be read. Characters that the font
+    /// lacks become question marks.
     pub fn new(text: &str, size_px: f32) -> Self {
         let Ok(font) = FontRef::new(FONT) else { return Self::default() };
         let (size, place) = (Size::new(size_px), LocationRef::default());
@@ -47,7 +47,8 @@ impl Lettering {
         Self { width, height, covered: filled(&pen.edges, width, height), ascent: ascent as usize }
     }
 
-    /// Lays it over a picture in a color (sRGB) and an opacity; it begins at `left` and stands on row `foot`.
+    /// Draws it over a picture in a color (sRGB) and an opacity, beginning at `left` and standing on row
+    /// `foot`.
     pub fn lay(&self, picture: &mut Picture, [left, foot]: [usize; 2], color: [u8; 3], opacity: f32) {
         let (across, down) = (picture.width as usize, picture.height as usize);
         for (row, covered) in self.covered.chunks_exact(self.width.max(1)).enumerate() {

@@ -1,4 +1,4 @@
-//! A film that stands behind what dances now: decoded on a thread of its own, for whom nobody waits.
+//! A film as the background of a live dance, decoded on its own thread; nobody waits for it.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,10 +10,10 @@ use chladni_view::Picture;
 use super::Error;
 use super::back_film::BackFilm;
 
-/// How often it looks which picture is wanted: a third of the time that one is shown.
+/// How often the thread checks which picture is wanted: a third of the time that one is shown.
 const PERIOD: Duration = Duration::from_millis(13);
 
-/// The newest picture of a film, at a time that whoever shows it names. Dropped, its thread ends.
+/// The newest picture of a film for the time that its user names. When it is dropped, its thread ends.
 #[derive(Debug)]
 pub struct LiveBackFilm {
     common: Arc<Common>,
@@ -34,7 +34,7 @@ struct Common {
 }
 
 impl LiveBackFilm {
-    /// Opens it on another thread; what is wrong with it is said by [`trouble`](Self::trouble).
+    /// Opens the film on another thread; errors are returned by [`trouble`](Self::trouble).
     pub fn open(name: String, longest_side: usize) -> Self {
         let common = Arc::new(Common::default());
         let shared = Arc::clone(&common);

@@ -96,14 +96,15 @@ pub fn own(channel: &str, subject: &Subject, format: Format) -> Result<Painted, 
 }
 
 /// `values` at the vertices of the `whole` shape, on those that are worked on.
-fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Painted, String> {
+fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Painted, Error> {
     let vertices = whole.positions.len();
     if values.len() != vertices {
         let found = values.len();
-        return Err(format!("a mask has a number for each of the {vertices} vertices, this has {found}"));
+        let why = format_args!("a mask has a number for each of the {vertices} vertices, this has {found}");
+        return Err(Error::input(why));
     }
     if let Some((vertex, value)) = values.iter().enumerate().find(|(_, x)| !(0.0..=1.0).contains(*x)) {
-        return Err(format!("a mask lies in [0, 1], at vertex {vertex} it is {value}"));
+        return Err(Error::input(format_args!("a mask lies in [0, 1], at vertex {vertex} it is {value}")));
     }
     let operator_vertex = weld(&subject.mesh).operator_vertex;
     Ok(match &subject.proxy {

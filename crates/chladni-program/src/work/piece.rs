@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::str::FromStr;
 
+use super::Error;
+
 /// Piece `number` of `of`, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Share {
@@ -11,7 +13,8 @@ pub struct Share {
 }
 
 impl Share {
-    /// Which of `total` things it is: neighbors, as many as in the other pieces or one more or less.
+    /// Which of `total` things are in it: a run of neighbors, of the same length as in every other piece or
+    /// one more or less.
     pub fn range(self, total: u64) -> Range<u64> {
         let end = |number: u64| (u128::from(total) * u128::from(number) / u128::from(self.of)) as u64;
         end(self.number - 1)..end(self.number)
@@ -19,14 +22,14 @@ impl Share {
 }
 
 impl FromStr for Share {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let number = |t: &str| t.parse::<u64>().ok().filter(|n| (1..=1_000_000).contains(n));
         text.split_once('/')
             .and_then(|(i, n)| Some(Self { number: number(i)?, of: number(n)? }))
             .filter(|share| share.number <= share.of)
-            .ok_or_else(|| "expected I/N, such as 2/8: the second of eight pieces".into())
+            .ok_or_else(|| Error::input("expected I/N, such as 2/8: the second of eight pieces"))
     }
 }
 
@@ -51,9 +54,9 @@ impl Piece {
 }
 
 impl FromStr for Piece {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         if text.contains('/') {
             return text.parse().map(Self::Share);
         }
@@ -61,7 +64,9 @@ impl FromStr for Piece {
             .and_then(|(from, to)| Some(from.parse().ok()?..to.parse().ok()?))
             .filter(|range| !range.is_empty())
             .map(Self::Frames)
-            .ok_or_else(|| "expected frames A..B (B itself is not among them), or I/N, such as 2/8".into())
+            .ok_or_else(|| {
+                Error::input("expected frames A..B (B itself is not among them), or I/N, such as 2/8")
+            })
     }
 }
 
@@ -71,7 +76,7 @@ mod tests {
 
     #[test]
     fn pieces_are_read_as_they_are_written() {
-        assert_eq!("10..30".parse(), Ok(Piece::Frames(10..30)));
+        assert_eq!("10..30".parse::<Piece>().unwrap(), Piece::Frames(10..30));
         assert_eq!("10..30".parse::<Piece>().unwrap().frames(30), Some(10..30));
         assert_eq!("10..31".parse::<Piece>().unwrap().frames(30), None);
         assert_eq!("2/3".parse::<Piece>().unwrap().frames(9), Some(3..6));

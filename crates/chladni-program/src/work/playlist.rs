@@ -1,4 +1,4 @@
-//! Songs by the folder or by the list: what a path that is no song itself stands for.
+//! Folders and playlists: the songs that a path stands for if it is not a song itself.
 
 use std::path::{Path, PathBuf};
 

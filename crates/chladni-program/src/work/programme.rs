@@ -35,7 +35,8 @@ impl Programme {
         dances.extend(favorites);
         let candidates =
             dances.iter().zip(weights).map(|(preset, weight)| Candidate::tagged(&preset.tags, weight));
-        // The plain look is for those who choose its parts, and a near lens for those who choose where to stand.
+        // Left out: the plain look, whose parts are chosen by hand, and near lenses, which need a chosen point
+        // of view.
         let comes = |look: &Look| *look != Look::PLAIN && look.finish.blur <= 0.0;
         let looks: Vec<&str> =
             Look::PRESETS.iter().filter(|(_, look)| comes(look)).map(|(name, _)| *name).collect();
@@ -88,8 +89,8 @@ impl Programme {
         turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()
     }
 
-    /// What puts a turn on stage, in the last two places of the gallery by turns: the dance before it is still seen
-    /// while it leaves.
+    /// The actions that put a turn on stage. The last two places of the gallery are used in turns, since the dance
+    /// before it is still seen while it leaves.
     fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
         self.turns += 1;
         let item = instrument.gallery().items().len().saturating_sub(1 + self.turns % 2);

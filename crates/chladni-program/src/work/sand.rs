@@ -1,4 +1,4 @@
-//! Sand on what dances, at any time of a show: on the dance that is on stage, or on each of a gallery.
+//! Sand on the dance that is on stage, or on each dance of a gallery, at any time of a show.
 
 use std::sync::Arc;
 
@@ -17,8 +17,8 @@ const BEFORE_SECS: f64 = 5.0;
 /// Who was kept waiting for longer goes on from now.
 const MOST_STEPS: i64 = 120;
 
-/// A shape on which sand may lie. Its steps are at fixed times of the show and listen to what is heard then, so
-/// that window and film show the same grains at any frame rate.
+/// A shape on which sand may lie. It steps at fixed times of the show, by what is heard then, so that window
+/// and film show the same grains at any frame rate.
 pub struct SandTable {
     body: Body,
     /// Made when it is needed first.
@@ -48,7 +48,7 @@ impl SandTable {
         (self.next <= last).then_some(self.next as f64 * SAND_STEP_SECS)
     }
 
-    /// Does all steps up to a time of the show, as far as it is known what is heard then.
+    /// Does all steps up to a time of the show, as long as the sound is known.
     ///
     /// # Errors
     /// Those of hearing and playing.
@@ -71,7 +71,7 @@ impl SandTable {
         Ok(())
     }
 
-    /// Does one step, in which `items` sound. Of many each has its part of the grains.
+    /// Does one step with these `items`, which share the grains.
     pub fn step(&mut self, items: &[Item], instrument: &Instrument) {
         self.next += 1;
         let parameters = instrument.parameters();

@@ -1,4 +1,4 @@
-//! Pictures of one's own around what dances, from their files.
+//! Users' own pictures around a dance, from their files.
 
 use std::path::Path;
 

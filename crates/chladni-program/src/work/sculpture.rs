@@ -32,7 +32,7 @@ pub struct Made {
     pub sculpture: Sculpture,
     /// Evaluates other projects on the same shape with the same matches.
     pub stack: Stack,
-    /// How the shape stands if it stands as a template that it was matched with.
+    /// How the shape stands, if it takes that from a template that it was matched with.
     pub stands: Option<Orientation>,
 }
 
@@ -141,7 +141,7 @@ impl Sculpture {
         TriMesh { positions, ..TriMesh::clone(whole) }
     }
 
-    /// The displacements of all of the shape by each acting layer. They add up to the result.
+    /// The displacements of the whole shape by each acting layer. They add up to the result.
     fn morph_targets(&self) -> Vec<MorphTarget> {
         let targets = self.evaluation.morph_targets(&self.body);
         let Some(proxy) = &self.subject.proxy else {

@@ -1,4 +1,4 @@
-//! What a template is called in window and page.
+//! What a template is called in the window and on the web page.
 
 use chladni_caricature::{Project, Template};
 use chladni_mesh::samples::portrait_sliders;

@@ -6,17 +6,21 @@ use std::sync::Arc;
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_music::{
-    Action, Beat, Class, Dancer, Framing, Instrument, Looks, Parameter, Parameters, Reaction, Show, Switch,
-    Viewpoint, react,
+    Beat, Class, Dancer, Framing, Instrument, Parameter, Parameters, Reaction, Switch, Viewpoint, react,
 };
-use chladni_view::filling::{Filling, Headroom, NEAR_HEIGHTS, TOP, WHOLE_HEIGHTS, surface_points};
+use chladni_view::filling::surface_points;
 use chladni_view::framing::extremes;
 use chladni_view::{
-    Answer, Background, Camera, Cell, Device, Figure, Floor, ItemBuffers, Lights, Look, Marker, Material,
-    Paint, Palette, Rect, RestShape, Topology, ViewError, bends, layout,
+    Camera, Cell, Device, Figure, Floor, ItemBuffers, Look, Marker, Paint, Rect, RestShape, Topology,
+    ViewError, bends, layout,
 };
 
+use self::filled::Filled;
+pub use self::looks::{blur, cautions, first_looks, look_named, look_on_stage};
 use super::Heard;
+
+mod filled;
+mod looks;
 
 /// How much of its cell the shape may fill where it is moved as far as the limit allows.
 const FILL: f32 = 0.96;
@@ -28,37 +32,6 @@ const GAP: u32 = 100;
 /// The initial viewpoint.
 pub const FIRST_VIEW: Viewpoint = Viewpoint { yaw_rad: 0.0, pitch_rad: 0.14, distance: 1.0, shift: [0.0; 2] };
 
-/// The default look.
-pub fn first_looks() -> Looks {
-    Looks { look: "aurora".into(), ..Looks::default() }
-}
-
-/// The look that what is on stage wears in place of the show's own, as far as this version knows it.
-pub fn look_on_stage(instrument: &Instrument) -> Option<Look> {
-    instrument.look().and_then(Look::named)
-}
-
-/// What to say to whoever opens a show: that it is old, or names looks, or parts of them, which this version does not know.
-pub fn cautions(show: &Show) -> impl Iterator<Item = String> {
-    show.caution().map(str::to_owned).into_iter().chain(unknown_looks(show))
-}
-
-fn unknown_looks(show: &Show) -> Option<String> {
-    let mut unknown = show.looks.as_ref().map_or_else(Vec::new, |looks| look_named(looks).1);
-    for line in &show.actions {
-        if let Action::SetLook { look } = &line.action
-            && !look.is_empty()
-            && Look::named(look).is_none()
-            && !unknown.contains(look)
-        {
-            unknown.push(look.clone());
-        }
-    }
-    (!unknown.is_empty()).then(|| {
-        format!("looks that this version does not have: {}. Others stand in for them.", unknown.join(", "))
-    })
-}
-
 /// The most dots that stand for a shape: more would be a black area.
 const DOTS: usize = 2500;
 
@@ -67,45 +40,6 @@ pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
     let step = positions.len().div_ceil(DOTS).max(1);
     let dot = |position| Marker { position, radius_px: 1.2, color: [0, 0, 0, 255] };
     positions.step_by(step).map(dot).collect()
-}
-
-/// The look of those names, and which of them are unknown: the look's own part is taken instead, or the plain
-/// look. A material or a background that is named takes the place of the palette or the floor, too.
-pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
-    let mut missing = Vec::new();
-    let mut found = |name: &String, is_known: bool| {
-        if !name.is_empty() && !is_known {
-            missing.push(name.clone());
-        }
-    };
-    let whole = Look::named(&looks.look);
-    found(&looks.look, whole.is_some());
-    let mut look = whole.unwrap_or(Look::PLAIN);
-    let material = Material::named(&looks.material);
-    found(&looks.material, material.is_some());
-    if let Some(material) = material {
-        look = Look { material, answer: None, ..look };
-    }
-    let palette = Palette::named(&looks.palette);
-    found(&looks.palette, palette.is_some());
-    if let Some(palette) = palette {
-        look.answer = Some(Answer { palette, ..look.answer.unwrap_or(Answer::MOVED) });
-    }
-    let lights = Lights::named(&looks.lights);
-    found(&looks.lights, lights.is_some());
-    look.lights = lights.unwrap_or(look.lights);
-    let background = Background::named(&looks.background);
-    found(&looks.background, background.is_some());
-    look.background = background.unwrap_or(look.background);
-    if let Some(percent) = looks.blur_percent {
-        look.finish.blur = blur(percent);
-    }
-    (look, missing)
-}
-
-/// The blur of a finish that is chosen in percent.
-pub fn blur(percent: u8) -> f32 {
-    f32::from(percent.min(100)) / 100.0
 }
 
 /// What the beat does to the picture; while a jump in the song fades, so does its effect.
@@ -177,67 +111,14 @@ pub struct Staging {
     filled: Option<Filled>,
 }
 
-/// From how far the shape fills pictures of about one aspect.
-struct Filled {
-    aspect: f32,
-    /// The limit of displacement for which there is room, and by how much the shape may rise.
-    limit: f32,
-    rises: f32,
-    /// The points that reach farthest.
-    ends: Vec<[f32; 3]>,
-    /// The middle of the shape, and where the whole of it is seen from.
-    middle: [f32; 3],
-    whole: Filling,
-    /// The same near the part that moves most.
-    part: [f32; 3],
-    near: Filling,
-}
-
 /// A sheet is thinner than this share of its shorter side.
 const SHEET: f32 = 0.02;
 /// It is seen from at least so far above.
 const SHEET_PITCH_RAD: f32 = 0.5;
-/// The shares of the picture that the figure covers, seen as a whole and near.
-const COVERS: [f32; 2] = [0.27, 0.4];
-/// The share of the largest displacement by which a figure rises in loud music.
-const RISES: f32 = 0.75;
-/// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
-const PART: f32 = 0.4;
 /// Points that stand for the surface.
 const SURFACE_POINTS: usize = 5000;
 /// Distances are measured for aspects so far apart, and serve those between: how a window came to its size plays no part.
 const ASPECT_STEP: f32 = 0.02;
-
-impl Filled {
-    fn new(surface: &[[f32; 3]], dancer: &Dancer, stands: Orientation, aspect: f32, limit: f32) -> Self {
-        let (low, high) = surface.iter().fold(([f32::MAX; 3], [f32::MIN; 3]), |(low, high), p| {
-            (std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i])))
-        });
-        let middle: [f32; 3] =
-            std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
-        let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
-        let rises = RISES * limit * dancer.box_diagonal;
-        let [whole, near] = [(middle, WHOLE_HEIGHTS, COVERS[0]), (part, NEAR_HEIGHTS, COVERS[1])].map(
-            |(target, most_heights, share)| {
-                let room = Headroom { rises, most_heights };
-                Filling::new(surface, stands, target, aspect, share, room)
-            },
-        );
-        Self { aspect, limit, rises, ends: extremes(surface), middle, whole, part, near }
-    }
-
-    /// A camera that sees it so, before the viewer's own distance and shift.
-    fn camera(&self, yaw_rad: f32, pitch_rad: f32, framing: &Framing, stands: Orientation) -> Camera {
-        let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
-        let (whole, near) = (self.whole.from(yaw_rad, pitch_rad), self.near.from(yaw_rad, pitch_rad));
-        let target =
-            std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
-        let distance = mix(whole.ln(), near.ln(), framing.closeness).exp();
-        let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
-        camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
-        camera
-    }
-}
 
 /// All that a picture shows beside the shapes themselves.
 #[derive(Clone, Debug, PartialEq)]
@@ -416,8 +297,6 @@ impl Staged {
 
 #[cfg(test)]
 mod tests {
-    use chladni_view::Finish;
-
     use super::*;
 
     #[test]
@@ -452,30 +331,5 @@ mod tests {
         assert!(flat("plate") && flat("disc"));
         assert!(!["octopus", "ring", "drum", "bell", "cat", "head"].into_iter().any(flat));
         assert!(!is_flat(&[]));
-    }
-
-    #[test]
-    fn names_make_a_look_and_unknown_ones_are_told() {
-        let names = |[look, material, lights, background]: [&str; 4]| Looks {
-            look: look.into(),
-            material: material.into(),
-            lights: lights.into(),
-            background: background.into(),
-            ..Looks::default()
-        };
-        assert_eq!(look_named(&names(["ember", "", "", ""])), (Look::EMBER, vec![]));
-        assert_eq!(look_named(&first_looks()), (Look::AURORA, vec![]));
-        // Shows of before looks had names.
-        let (old, missing) = look_named(&names(["", "pearl", "stage", "night"]));
-        assert_eq!((old, missing), (Look::PLAIN, vec![]));
-        let (mixed, missing) = look_named(&names(["ember", "bronze", "candle", ""]));
-        assert_eq!((mixed.material, mixed.answer), (Material::BRONZE, None));
-        assert_eq!((mixed.lights, mixed.finish), (Look::EMBER.lights, Look::EMBER.finish));
-        assert_eq!(missing, ["candle"]);
-        let soft = Looks { look: "ember".into(), blur_percent: Some(60), ..Looks::default() };
-        assert_eq!(look_named(&soft).0.finish, Finish { blur: 0.6, ..Look::EMBER.finish });
-        let gold = Looks { look: "ember".into(), palette: "gold".into(), ..Looks::default() };
-        assert_eq!(look_named(&gold).0.answer.map(|answer| answer.palette), Some(Palette::Gold));
-        assert_eq!(look_named(&names(["dawn", "", "", ""])), (Look::PLAIN, vec!["dawn".to_owned()]));
     }
 }

@@ -1,4 +1,4 @@
-//! How long the name of a song is seen on stage after it has begun.
+//! How long the title of a song is shown on stage after it has begun.
 
 use chladni_music::smooth;
 

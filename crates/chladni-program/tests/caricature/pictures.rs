@@ -24,7 +24,7 @@ fn covered(picture: &chladni_view::Picture) -> [usize; 2] {
 }
 
 #[test]
-fn a_picture_keeps_colours_stands_as_told_and_uses_its_format() {
+fn a_picture_keeps_colors_stands_as_told_and_uses_its_format() {
     let desk = Desk::new();
     // Thin, long along z, and red.
     let mut stick = samples::icosphere(3);

@@ -15,7 +15,7 @@ pub struct Summary {
 
 /// Cells of the grid that a picture is averaged in.
 const GRID: [u32; 2] = [8, 6];
-/// Colours may differ by so much, of 255: edges are smoothed differently by different devices.
+/// Colors may differ by so much, of 255: edges are smoothed differently by different devices.
 const COLOR_TOLERANCE: f64 = 6.0;
 /// All other numbers by this share, of themselves or of 1.
 const TOLERANCE: f64 = 2e-4;

@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, ed
     match template {
         Template::Scaled(_) | Template::LowPass(_) => itself(ui, session, id, template, edits),
         Template::Ellipsoid | Template::Sphere => {
-            let tip = "Give its centre, its axes and its turn by numbers, from those that fit";
+            let tip = "Give its center, its axes and its turn by numbers, from those that fit";
             if ui.button("Set by hand").author_id("ellipsoid-by-hand").on_hover_text(tip).clicked() {
                 let round = *template == Template::Sphere;
                 let fitted = if round { Ellipsoid::fitted_sphere } else { Ellipsoid::fitted };
@@ -106,7 +106,7 @@ fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edi
     let rows: [Row<'_>; 3] = [
         (
             "center",
-            "Centre",
+            "Center",
             "x, y and z in the units of the shape's file",
             &mut now.center,
             0.01 * size,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
-use chladni_caricature::{History, Project, Recovered, Recovery};
+use chladni_caricature::{CaricatureError, History, Project, Recovered, Recovery};
 
 use crate::work::Error;
 
@@ -15,7 +15,7 @@ const INTERVAL_SECS: f64 = 2.0;
 /// writes what it was given before it ends.
 pub struct Autosave {
     orders: Option<Sender<Order>>,
-    reports: Receiver<Result<(), String>>,
+    reports: Receiver<Result<(), CaricatureError>>,
     thread: Option<JoinHandle<()>>,
     /// What the copy holds; `None` where there is none.
     kept: Option<Project>,
@@ -66,7 +66,7 @@ impl Autosave {
     fn news(&mut self) -> Option<String> {
         let mut news = None;
         for report in self.reports.try_iter() {
-            let failure = report.err();
+            let failure = report.err().map(|why| format!("No recovery copy could be kept: {why}"));
             if failure.is_some() && failure != self.failure {
                 news.clone_from(&failure);
             }
@@ -124,7 +124,7 @@ impl Drop for Autosave {
     }
 }
 
-fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<Result<(), String>>) {
+fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<Result<(), CaricatureError>>) {
     let mut whole = true;
     while let Ok(order) = inbox.recv() {
         match order {
@@ -132,7 +132,7 @@ fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<Result<(), 
                 let kept = recovery.keep(&project, path.as_deref());
                 whole = kept.is_ok();
                 // The window may have gone meanwhile.
-                let _ = report.send(kept.map_err(|why| format!("No recovery copy could be kept: {why}")));
+                let _ = report.send(kept);
             }
             Order::Clear => recovery.clear(),
             Order::Discard(recovered) if whole => recovered.discard(),

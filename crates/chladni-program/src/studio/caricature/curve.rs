@@ -403,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_stays_where_its_neighbours_leave_no_room() {
+    fn a_point_stays_where_its_neighbors_leave_no_room() {
         let mut curve = ScaleCurve { points: vec![[1.0, 1.0], [0.501, 1.0], [0.5, 1.0]], residual: 1.0 };
         for held in 0..3 {
             for wavelength in [ScaleCurve::BROADEST, 0.6, ScaleCurve::FINEST] {

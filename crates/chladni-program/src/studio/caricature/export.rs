@@ -71,7 +71,7 @@ impl What {
                 "The caricature, in the file's own vertex order, with UVs and materials."
             }
             Self::Mesh(Format::Stl) => "The caricature for printing: triangles only, rounded to 32 bits.",
-            Self::Mesh(_) => "The caricature with every digit of its coordinates, and vertex colours.",
+            Self::Mesh(_) => "The caricature with every digit of its coordinates, and vertex colors.",
             Self::Picture => "What the view shows, at any size.",
             Self::Drawing => "What the view shows as a drawing in ink: outlines that print at any size.",
             Self::Mp4 => "What the view shows, turning once around: an H.264 film.",

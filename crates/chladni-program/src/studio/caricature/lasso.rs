@@ -15,7 +15,7 @@ pub struct LassoTool {
     line: Vec<Pos2>,
 }
 
-/// The nearest that two points of the line are, in points of the screen.
+/// The least distance between two points of the line, in points of the screen.
 const STEP: f32 = 3.0;
 
 impl LassoTool {

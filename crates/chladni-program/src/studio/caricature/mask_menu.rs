@@ -1,4 +1,4 @@
-//! Regions that come from files and from the shape's own numbers, and go out again.
+//! Regions read from files or from the shape's own numbers, and written to files.
 
 use chladni_caricature::{Action, Bend, Curved, LayerId, PaintEdit, Painted, ShapeSource};
 use chladni_mesh::Format;
@@ -49,9 +49,9 @@ impl MaskMenu {
                     }
                 };
                 let tip = "A number from 0 to 1 for each vertex: a NumPy array, or a mesh with as many vertices whose \
-                           attribute “mask” or vertex colours hold it";
+                           attribute “mask” or vertex colors hold it";
                 offer(ui, "mask/open", "Open mask…", tip, MaskWish::Open);
-                let tip = "As a NumPy array, a PLY with the attribute “mask”, or gray vertex colours (GLB, OBJ)";
+                let tip = "As a NumPy array, a PLY with the attribute “mask”, or gray vertex colors (GLB, OBJ)";
                 offer(ui, "mask/save", "Save mask…", tip, MaskWish::Save);
                 if !channels.is_empty() {
                     ui.separator();

@@ -37,7 +37,7 @@ pub fn show(
     theme::section(ui, "Template", |ui| template(ui, session, id, &layer, picking, edits, shared))
 }
 
-/// Where no layer is selected, what is taken from the shelf becomes one.
+/// If no layer is selected, a template from the shelf becomes a new layer.
 fn first(ui: &mut Ui, project: &Project, edits: &mut Edits, shared: &mut Shared<'_>) {
     if let Some((name, template)) = shelf::show(ui, shared) {
         let layer = Box::new(project.new_layer(name, template));

@@ -110,7 +110,7 @@ impl CaricatureRoom {
                     ui.selectable_value(&mut map, choice, choice.name());
                 }
             });
-        choice.response.accessible_name("What colours show").author_id("colors");
+        choice.response.accessible_name("What colors show").author_id("colors");
         if quantity == Quantity::Harmonic {
             let top = self.session.as_ref().map_or(1, |session| session.stack.body().basis.harmonics()) - 1;
             let number = egui::DragValue::new(&mut harmonic).range(0..=top).prefix("H ");

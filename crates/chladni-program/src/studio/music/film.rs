@@ -100,7 +100,7 @@ impl Filming {
     pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> bool {
         let Some(form) = &mut self.form else { return false };
         let (mut film, mut open) = (false, true);
-        // Over messages that were there before it, under those that it brings.
+        // Above older messages, below those that it causes itself.
         let dialog =
             egui::Window::new("Film").order(egui::Order::Foreground).collapsible(false).resizable(false);
         dialog.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).open(&mut open).show(ctx, |ui| {

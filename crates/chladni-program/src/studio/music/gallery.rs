@@ -17,9 +17,9 @@ const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
 /// How far marks and curves stay away from a cell's edge.
 const EDGE: f32 = 9.0;
 
-/// Draws the overlay of every cell and handles clicks: one chooses, two put on stage, the other
-/// button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer, and the
-/// one that has just got the focus.
+/// Draws the overlay of every cell and handles clicks: a click chooses, a double click puts on stage, and the
+/// other button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer, and
+/// the one that has just got the focus.
 pub fn overlay(
     ui: &mut Ui,
     cells: &[Rect],

@@ -164,7 +164,7 @@ impl MusicRoom {
                 let found = name.is_some();
                 if let Some(name) = name {
                     match target {
-                        // A look is a whole: parts that were chosen for another one go.
+                        // A look is a whole, so parts that were chosen for another look are dropped.
                         Target::Look => looks = Looks { look: name, ..Looks::default() },
                         Target::Palette => looks.palette = name,
                         Target::Material => looks.material = name,
@@ -196,7 +196,7 @@ impl MusicRoom {
     }
 }
 
-/// What is to be done with a dance of the gallery; `None` where it is not there, or the target is none of dances.
+/// What is to be done with a dance of the gallery; `None` if there is no such dance, or the target is not about dances.
 fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
     let items = concert.instrument().gallery().items();
     let item = match which {

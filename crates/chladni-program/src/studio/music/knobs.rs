@@ -230,8 +230,8 @@ const SWITCHES: &[(&str, &[Choice])] = &[
             (
                 Switch::FlashFields,
                 "In any field of view",
-                "Where they are limited: in a quarter of any third of the picture, too, for who sits close. Bodies that swing \
-                 fast over a dark ground are darkened by it",
+                "Limit them in a quarter of any third of the picture, too, for people who sit close. Bodies that swing fast \
+                 over a dark ground are darkened by it",
             ),
         ],
     ),

@@ -2,26 +2,24 @@
 //!
 //! Without a bus nothing happens. The window tells what plays and collects what was asked; it never waits.
 
-use std::collections::HashMap;
-use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use chladni_sound::PlayerState;
 use zbus::block_on;
 use zbus::blocking::connection::Builder;
-use zbus::interface;
-use zbus::zvariant::{ObjectPath, Value};
 
+use self::bus::{Player, Root, micros};
 use super::MusicRoom;
 use crate::studio::room::Shared;
 
+mod bus;
+
 const NAME: &str = "org.mpris.MediaPlayer2.chladni";
 const PATH: &str = "/org/mpris/MediaPlayer2";
-/// A song is known by its place in the list.
-const SONGS: &str = "/org/chladni/song";
-/// A place that is further from where it was expected was jumped to.
+/// A song that is farther than this from where it was expected has jumped.
 const JUMP_SECS: f64 = 1.0;
-/// What is asked beyond this until the next frame is left aside.
+/// More requests than this between two frames are ignored.
 const MOST_ASKED: usize = 64;
 
 /// What is asked of the player.
@@ -95,8 +93,8 @@ impl MediaKeys {
         let place = Arc::new(Mutex::new(Place::default()));
         let player =
             Player { asks, wake: Box::new(wake), place: Arc::clone(&place), playing: Playing::default() };
-        // To connect may take its time. Without a bus, or without this thread, there are no media keys, and nobody
-        // who asked for them.
+        // Connecting may take long. Without a bus or this thread there are no media keys, and nobody who asked for
+        // them.
         let _ = std::thread::Builder::new().name("media keys".into()).spawn(move || {
             let connection = bus()?.name(NAME)?.serve_at(PATH, Root)?.serve_at(PATH, player)?.build()?;
             let player = connection.object_server().interface::<_, Player>(PATH)?;
@@ -188,204 +186,18 @@ fn lock(place: &Mutex<Place>) -> MutexGuard<'_, Place> {
     place.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn micros(secs: f64) -> i64 {
-    (1e6 * secs) as i64
-}
-
-fn track(song: usize) -> String {
-    format!("{SONGS}/{song}")
-}
-
-/// The program as a whole.
-struct Root;
-
-#[interface(name = "org.mpris.MediaPlayer2")]
-impl Root {
-    fn raise(&self) {}
-    fn quit(&self) {}
-
-    #[zbus(property)]
-    fn can_quit(&self) -> bool {
-        false
-    }
-
-    #[zbus(property)]
-    fn can_raise(&self) -> bool {
-        false
-    }
-
-    #[zbus(property)]
-    fn has_track_list(&self) -> bool {
-        false
-    }
-
-    #[zbus(property)]
-    fn identity(&self) -> &str {
-        "Chladni"
-    }
-
-    #[zbus(property)]
-    fn supported_uri_schemes(&self) -> Vec<String> {
-        Vec::new()
-    }
-
-    #[zbus(property)]
-    fn supported_mime_types(&self) -> Vec<String> {
-        Vec::new()
-    }
-}
-
-struct Player {
-    asks: SyncSender<Asked>,
-    wake: Box<dyn Fn() + Send + Sync>,
-    place: Arc<Mutex<Place>>,
-    playing: Playing,
-}
-
-impl Player {
-    fn ask(&self, asked: Asked) {
-        // The window may have closed, or others ask for more than it can do.
-        if self.asks.try_send(asked).is_ok() {
-            (self.wake)();
-        }
-    }
-}
-
-#[interface(name = "org.mpris.MediaPlayer2.Player")]
-impl Player {
-    fn play(&self) {
-        self.ask(Asked::Play);
-    }
-
-    fn pause(&self) {
-        self.ask(Asked::Pause);
-    }
-
-    fn stop(&self) {
-        self.ask(Asked::Pause);
-    }
-
-    fn play_pause(&self) {
-        self.ask(Asked::PlayPause);
-    }
-
-    fn next(&self) {
-        self.ask(Asked::Next);
-    }
-
-    fn previous(&self) {
-        self.ask(Asked::Previous);
-    }
-
-    fn seek(&self, offset: i64) {
-        self.ask(Asked::SeekBy(1e-6 * offset as f64));
-    }
-
-    fn set_position(&self, track_id: ObjectPath<'_>, position: i64) {
-        // By the book, a place in another song, before it or after it is left aside.
-        let length = self.playing.duration_secs.map_or(i64::MAX, micros);
-        if track_id.as_str() == track(self.playing.song) && (0..=length).contains(&position) {
-            self.ask(Asked::SeekTo(1e-6 * position as f64));
-        }
-    }
-
-    fn open_uri(&self, _uri: &str) {}
-
-    #[zbus(signal)]
-    async fn seeked(emitter: &zbus::object_server::SignalEmitter<'_>, position: i64) -> zbus::Result<()>;
-
-    #[zbus(property)]
-    fn playback_status(&self) -> &str {
-        match self.playing.state {
-            PlayerState::Playing => "Playing",
-            PlayerState::Paused => "Paused",
-            PlayerState::Stopped => "Stopped",
-        }
-    }
-
-    #[zbus(property)]
-    fn metadata(&self) -> HashMap<&'static str, Value<'_>> {
-        let mut told = HashMap::from([("xesam:title", Value::from(self.playing.title.as_str()))]);
-        if let Ok(path) = ObjectPath::try_from(track(self.playing.song)) {
-            told.insert("mpris:trackid", path.into());
-        }
-        if let Some(secs) = self.playing.duration_secs {
-            told.insert("mpris:length", micros(secs).into());
-        }
-        told
-    }
-
-    #[zbus(property(emits_changed_signal = "false"))]
-    fn position(&self) -> i64 {
-        micros(lock(&self.place).at_secs)
-    }
-
-    #[zbus(property)]
-    fn volume(&self) -> f64 {
-        f64::from(self.playing.volume)
-    }
-
-    #[zbus(property)]
-    fn set_volume(&mut self, volume: f64) {
-        self.ask(Asked::Volume(volume.clamp(0.0, 1.0) as f32));
-    }
-
-    #[zbus(property)]
-    fn rate(&self) -> f64 {
-        1.0
-    }
-
-    #[zbus(property)]
-    fn minimum_rate(&self) -> f64 {
-        1.0
-    }
-
-    #[zbus(property)]
-    fn maximum_rate(&self) -> f64 {
-        1.0
-    }
-
-    #[zbus(property)]
-    fn can_go_next(&self) -> bool {
-        true
-    }
-
-    #[zbus(property)]
-    fn can_go_previous(&self) -> bool {
-        true
-    }
-
-    #[zbus(property)]
-    fn can_play(&self) -> bool {
-        true
-    }
-
-    #[zbus(property)]
-    fn can_pause(&self) -> bool {
-        true
-    }
-
-    #[zbus(property)]
-    fn can_seek(&self) -> bool {
-        true
-    }
-
-    #[zbus(property)]
-    fn can_control(&self) -> bool {
-        true
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+    use std::collections::HashMap;
     use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
     use zbus::blocking::{Proxy, proxy};
     use zbus::proxy::CacheProperties;
+    use zbus::zvariant::ObjectPath;
 
     use super::*;
 

@@ -21,7 +21,7 @@ const PLAIN: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 const CELLS: usize = 48;
 /// Corners may leave the screen by so much.
 const BEYOND: f32 = 0.25;
-/// A quadrangle flatter than this share of the screen is none.
+/// Quadrangles flatter than this share of the screen are refused.
 const FLATTEST: f32 = 0.01;
 /// Size of the handles, in points.
 const HANDLE: f32 = 26.0;
@@ -33,7 +33,7 @@ impl Default for Projection {
 }
 
 impl Projection {
-    /// As a file has it, or nothing special where that is no picture.
+    /// As in a file, or the plain picture if what the file has is not valid.
     pub fn sane(self) -> Self {
         let trim = self.trim.map(|share| if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 });
         Self { corners: if is_convex(&self.corners) { self.corners } else { PLAIN }, trim }

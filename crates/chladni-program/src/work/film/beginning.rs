@@ -19,11 +19,11 @@ pub struct Beginning {
     pub seed: Option<u64>,
     /// All of a gallery of this many items is shown.
     pub gallery: Option<usize>,
-    /// Sand lies on the shape; where neither show, preset, seed nor gallery says what dances, the figures of
-    /// Chladni's experiment do. `None`: on a flat sheet, on which other forms than sand's show little, where neither a show
-    /// nor a preset says how it moves.
+    /// Whether sand lies on the shape; if no show, preset, seed or gallery says what dances, the figures of
+    /// Chladni's experiment do. `None` means: only on a flat sheet for which neither a show nor a preset says
+    /// how it moves, since other forms show little there.
     pub sand: Option<bool>,
-    /// The looks that came on stage in a show are left out: the film's own holds throughout.
+    /// Whether the looks that came on stage in a show are left out, and the film's own is used throughout.
     pub keeps_look: bool,
     /// Done before anything else.
     pub changes: Vec<Action>,

@@ -95,7 +95,7 @@ impl Output {
         }
     }
 
-    /// The frames that are to be made of `total`; none where all are there already.
+    /// Which of `total` frames have to be made; none if all exist already.
     pub(super) fn range(&self, total: u64) -> Result<Range<u64>, Error> {
         let Range { start, end } = match &self.piece {
             None => 0..total,

@@ -1,4 +1,4 @@
-//! The names of a film's songs, which appear on its pictures as they do on stage.
+//! The titles of songs on the pictures of a film, as they appear on stage.
 
 use std::path::Path;
 
@@ -51,7 +51,7 @@ impl Titles {
         Self { shown, drawn: None }
     }
 
-    /// Lays over a picture of the film what is read at this time of the show.
+    /// Draws the title of this time of the show over a picture.
     pub fn lay(&mut self, at_secs: f64, picture: &mut Picture) {
         let begun = self.shown.partition_point(|(begins_secs, _)| *begins_secs <= at_secs);
         let number = begun.wrapping_sub(1);

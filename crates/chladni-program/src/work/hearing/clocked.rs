@@ -1,4 +1,5 @@
-//! Beats, bars and framing of a show, of an outer clock where one was followed, else of its songs.
+//! Beats, bars and framing of a show: those of an outer clock while one is followed, otherwise those of its
+//! songs.
 
 use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing};
 
@@ -48,7 +49,7 @@ impl Hearing {
             return beat;
         }
         let beat = self.beat_by_songs(at_secs);
-        // Where a clock was left, whole beats are added so that none of those gone by comes back.
+        // After a clock, whole beats are added so that the count does not go back.
         let Some(left) = track.mark_at(at_secs) else { return beat };
         let added = (left.count - self.beat_by_songs(left.at_secs).count).ceil();
         Beat { count: beat.count + added, ..beat }

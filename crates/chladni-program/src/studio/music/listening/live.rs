@@ -7,7 +7,7 @@ use chladni_sound::{Capture, CaptureSource};
 use super::Listening;
 use crate::work::Error;
 
-/// How long after a look for a lost source the next one begins.
+/// The pause between two attempts to find a lost source.
 const AGAIN_SECS: f64 = 1.0;
 
 /// What is listened to instead of a song.
@@ -54,7 +54,7 @@ impl Live {
             self.lost = Some(Lost::default());
             return Fate::Lost;
         };
-        // Between the look and the opening it may be lost once more.
+        // It may be lost again between finding and opening it.
         if lost.is_back(source, now_secs)
             && let Ok(capture) = Capture::start(source)
         {
@@ -90,7 +90,7 @@ impl Listening {
         self.forget_beat();
     }
 
-    /// Says where what is listened to is lost, and where it is back.
+    /// Reports when the source is lost, and when it is back.
     pub(super) fn keep_live(&mut self, now_secs: f64) {
         let Some(live) = &mut self.live else { return };
         match live.keep(now_secs) {

@@ -6,7 +6,7 @@ use chladni_sound::BeatMoment;
 use super::Listening;
 use crate::work::LIVE_SEED;
 
-/// An outer clock, and what the music tells that it does not: energy and sections.
+/// An outer clock, and what only the music can tell: energy and sections.
 #[derive(Default)]
 pub struct Outer {
     pub tempo: Tempo,

@@ -31,7 +31,7 @@ impl Listening {
         self.songs.swap(0, heard);
         let mut state = seed;
         for last in (2..self.songs.len()).rev() {
-            // Knuth's linear congruential generator; which song comes next is no matter of honor.
+            // Knuth's linear congruential generator: good enough to shuffle songs.
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             self.songs.swap(last, 1 + (state >> 33) as usize % last);
         }

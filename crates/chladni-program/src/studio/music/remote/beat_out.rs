@@ -10,11 +10,12 @@ use rosc::{OscMessage, OscPacket, OscType, encoder};
 
 use super::midi::Outputs;
 use crate::studio::music::listening::Progress;
+use crate::work::Error;
 
 /// How often bands are sent, and how many.
 const BANDS_SECS: f64 = 1.0 / 30.0;
 const BANDS: usize = 8;
-/// Below this the beat is a guess: a clock that goes out stops.
+/// Below this confidence the beat is a guess, and the outgoing clock stops.
 const SURE: f32 = 0.1;
 
 /// What is sent at one moment.
@@ -97,7 +98,7 @@ pub struct BeatOut {
     to: SocketAddr,
     last: Sent,
     /// Why the last packet could not be sent.
-    pub failure: Option<String>,
+    pub failure: Option<Error>,
 }
 
 impl BeatOut {
@@ -116,8 +117,8 @@ impl BeatOut {
         for message in self.last.messages(now) {
             let packet = encoder::encode(&OscPacket::Message(message));
             let sent = packet
-                .map_err(|why| why.to_string())
-                .and_then(|packet| self.socket.send_to(&packet, self.to).map_err(|why| why.to_string()));
+                .map_err(|why| Error::other(why.to_string()))
+                .and_then(|packet| self.socket.send_to(&packet, self.to).map_err(Error::other));
             self.failure = sent.err();
         }
     }

@@ -64,7 +64,7 @@ impl Remote {
             None => None,
         };
         if let Some(why) = failure {
-            ui.label(RichText::new(why).small().color(theme::palette(ui).warning));
+            ui.label(RichText::new(why.to_string()).small().color(theme::palette(ui).warning));
         }
         let outputs = self.midi.as_ref().map(Midi::devices).unwrap_or_default().outputs;
         // A device that is missing now is still listed, so that it can be changed.

@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 use chladni_music::{ClockMessage, Touch};
 use midir::{Ignore, MidiInput, MidiInputConnection, MidiOutput, MidiOutputConnection};
 
+use crate::work::Error;
+
 /// Touches, and messages of clocks, that may wait for the next frame.
 const MOST_TOUCHES: usize = 1024;
 /// How often devices are looked for.
@@ -71,8 +73,8 @@ impl Outputs {
     }
 
     /// Opens what is wanted and there; tells what is there.
-    fn look(&self) -> Result<Vec<String>, String> {
-        let output = || MidiOutput::new(CLIENT).map_err(|why| why.to_string());
+    fn look(&self) -> Result<Vec<String>, Error> {
+        let output = || MidiOutput::new(CLIENT).map_err(Error::other);
         let looking = output()?;
         let ports: Vec<_> = looking
             .ports()
@@ -119,7 +121,7 @@ impl Midi {
                 let there = look(&mut open, &sender).and_then(|()| sent_to.look());
                 let mut names: Vec<String> = open.values().map(|(name, _)| String::clone(name)).collect();
                 names.sort();
-                let failure = there.as_ref().err().cloned();
+                let failure = there.as_ref().err().map(ToString::to_string);
                 *lock(&seen) = Devices { names, outputs: there.unwrap_or_default(), failure };
                 std::thread::sleep(LOOK);
             }
@@ -180,16 +182,16 @@ impl Sender {
 type Open = HashMap<String, (String, MidiInputConnection<()>)>;
 
 /// Connects what is new and lets go of what is gone.
-fn look(open: &mut Open, sender: &Sender) -> Result<(), String> {
+fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
     // Where the kernel has no sequencer, ALSA would print a complaint at every look.
     if cfg!(target_os = "linux") && !std::path::Path::new("/dev/snd/seq").exists() {
         open.clear();
-        return Err("this system has no MIDI".into());
+        return Err(Error::other("this system has no MIDI"));
     }
     let input = || {
-        let mut input = MidiInput::new(CLIENT).map_err(|why| why.to_string())?;
+        let mut input = MidiInput::new(CLIENT).map_err(Error::other)?;
         input.ignore(Ignore::SysexAndActiveSense);
-        Ok::<_, String>(input)
+        Ok::<_, Error>(input)
     };
     let looking = input()?;
     let ports = looking.ports();

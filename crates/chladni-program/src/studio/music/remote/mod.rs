@@ -16,13 +16,14 @@ pub use self::clock_panel::NUDGE_SECS;
 use self::midi::Midi;
 use self::osc::{From, Osc};
 use super::preferences::Preferences;
+use crate::work::Error;
 
 /// Devices, port and bindings.
 #[derive(Default)]
 pub struct Remote {
     started: bool,
     midi: Option<Midi>,
-    osc: Option<Result<Osc, String>>,
+    osc: Option<Result<Osc, Error>>,
     /// The port that `osc` was opened for.
     port: Option<(u16, From)>,
     bindings: Bindings,
@@ -32,7 +33,7 @@ pub struct Remote {
     allowed: String,
     /// What was touched last.
     last: Option<Control>,
-    beat_out: Option<Result<BeatOut, String>>,
+    beat_out: Option<Result<BeatOut, Error>>,
     /// The address that it was opened for.
     beats_to: Option<String>,
     clock_out: Option<ClockSender>,
@@ -68,7 +69,9 @@ impl Remote {
             self.port = port;
             // The old port is closed first: it may be the same one.
             self.osc = None;
-            let listen = |(port, from)| Osc::listen(port, from).map_err(|why| format!("port {port}: {why}"));
+            let listen = |(port, from)| {
+                Osc::listen(port, from).map_err(|why| Error::other(why).of(format_args!("port {port}")))
+            };
             self.osc = self.port.clone().map(listen);
         }
         let mut cues = Vec::new();
@@ -109,7 +112,7 @@ impl Remote {
     pub fn tell(&mut self, preferences: &Preferences, now: &Now<'_>) {
         if self.beats_to != preferences.beat_out {
             self.beats_to.clone_from(&preferences.beat_out);
-            let open = |to: &String| BeatOut::to(to).map_err(|why| format!("{to}: {why}"));
+            let open = |to: &String| BeatOut::to(to).map_err(|why| Error::other(why).of(to));
             self.beat_out = self.beats_to.as_ref().map(open);
         }
         if let Some(Ok(out)) = &mut self.beat_out {

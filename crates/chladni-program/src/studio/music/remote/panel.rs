@@ -126,7 +126,7 @@ impl Remote {
                 weak(ui, &format!("Port {}: {good} packets, {bad} bad ones left out", osc.port()));
             }
             Some(Err(why)) => {
-                ui.label(RichText::new(why).small().color(theme::palette(ui).warning));
+                ui.label(RichText::new(why.to_string()).small().color(theme::palette(ui).warning));
             }
             None => {}
         }
@@ -155,7 +155,7 @@ impl Remote {
             Ok(_) => {}
             Err(_) => {
                 let why = "These are no addresses: those before are still heard.";
-                ui.label(RichText::new(why).small().color(theme::palette(ui).warning));
+                ui.label(RichText::new(why.to_string()).small().color(theme::palette(ui).warning));
             }
         }
     }

@@ -1,0 +1,207 @@
+//! The program as a player on the bus, as MPRIS 2.2 describes it.
+
+use std::collections::HashMap;
+use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex};
+
+use chladni_sound::PlayerState;
+use zbus::interface;
+use zbus::zvariant::{ObjectPath, Value};
+
+use super::{Asked, Place, Playing, lock};
+
+/// A song is known by its place in the list.
+const SONGS: &str = "/org/chladni/song";
+
+/// A time as the bus counts it.
+pub(super) fn micros(secs: f64) -> i64 {
+    (1e6 * secs) as i64
+}
+
+fn track(song: usize) -> String {
+    format!("{SONGS}/{song}")
+}
+
+/// The program as a whole.
+pub(super) struct Root;
+
+#[interface(name = "org.mpris.MediaPlayer2")]
+impl Root {
+    fn raise(&self) {}
+    fn quit(&self) {}
+
+    #[zbus(property)]
+    fn can_quit(&self) -> bool {
+        false
+    }
+
+    #[zbus(property)]
+    fn can_raise(&self) -> bool {
+        false
+    }
+
+    #[zbus(property)]
+    fn has_track_list(&self) -> bool {
+        false
+    }
+
+    #[zbus(property)]
+    fn identity(&self) -> &str {
+        "Chladni"
+    }
+
+    #[zbus(property)]
+    fn supported_uri_schemes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    #[zbus(property)]
+    fn supported_mime_types(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// What plays, as the bus sees it.
+pub(super) struct Player {
+    pub(super) asks: SyncSender<Asked>,
+    pub(super) wake: Box<dyn Fn() + Send + Sync>,
+    pub(super) place: Arc<Mutex<Place>>,
+    pub(super) playing: Playing,
+}
+
+impl Player {
+    fn ask(&self, asked: Asked) {
+        // The window may have closed, or requests may come faster than it takes them.
+        if self.asks.try_send(asked).is_ok() {
+            (self.wake)();
+        }
+    }
+}
+
+#[interface(name = "org.mpris.MediaPlayer2.Player")]
+impl Player {
+    fn play(&self) {
+        self.ask(Asked::Play);
+    }
+
+    fn pause(&self) {
+        self.ask(Asked::Pause);
+    }
+
+    fn stop(&self) {
+        self.ask(Asked::Pause);
+    }
+
+    fn play_pause(&self) {
+        self.ask(Asked::PlayPause);
+    }
+
+    fn next(&self) {
+        self.ask(Asked::Next);
+    }
+
+    fn previous(&self) {
+        self.ask(Asked::Previous);
+    }
+
+    fn seek(&self, offset: i64) {
+        self.ask(Asked::SeekBy(1e-6 * offset as f64));
+    }
+
+    fn set_position(&self, track_id: ObjectPath<'_>, position: i64) {
+        // The specification wants places in another song, or outside the song, to be ignored.
+        let length = self.playing.duration_secs.map_or(i64::MAX, micros);
+        if track_id.as_str() == track(self.playing.song) && (0..=length).contains(&position) {
+            self.ask(Asked::SeekTo(1e-6 * position as f64));
+        }
+    }
+
+    fn open_uri(&self, _uri: &str) {}
+
+    #[zbus(signal)]
+    pub(super) async fn seeked(
+        emitter: &zbus::object_server::SignalEmitter<'_>,
+        position: i64,
+    ) -> zbus::Result<()>;
+
+    #[zbus(property)]
+    fn playback_status(&self) -> &str {
+        match self.playing.state {
+            PlayerState::Playing => "Playing",
+            PlayerState::Paused => "Paused",
+            PlayerState::Stopped => "Stopped",
+        }
+    }
+
+    #[zbus(property)]
+    fn metadata(&self) -> HashMap<&'static str, Value<'_>> {
+        let mut told = HashMap::from([("xesam:title", Value::from(self.playing.title.as_str()))]);
+        if let Ok(path) = ObjectPath::try_from(track(self.playing.song)) {
+            told.insert("mpris:trackid", path.into());
+        }
+        if let Some(secs) = self.playing.duration_secs {
+            told.insert("mpris:length", micros(secs).into());
+        }
+        told
+    }
+
+    #[zbus(property(emits_changed_signal = "false"))]
+    fn position(&self) -> i64 {
+        micros(lock(&self.place).at_secs)
+    }
+
+    #[zbus(property)]
+    fn volume(&self) -> f64 {
+        f64::from(self.playing.volume)
+    }
+
+    #[zbus(property)]
+    fn set_volume(&mut self, volume: f64) {
+        self.ask(Asked::Volume(volume.clamp(0.0, 1.0) as f32));
+    }
+
+    #[zbus(property)]
+    fn rate(&self) -> f64 {
+        1.0
+    }
+
+    #[zbus(property)]
+    fn minimum_rate(&self) -> f64 {
+        1.0
+    }
+
+    #[zbus(property)]
+    fn maximum_rate(&self) -> f64 {
+        1.0
+    }
+
+    #[zbus(property)]
+    fn can_go_next(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_go_previous(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_play(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_pause(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_seek(&self) -> bool {
+        true
+    }
+
+    #[zbus(property)]
+    fn can_control(&self) -> bool {
+        true
+    }
+}

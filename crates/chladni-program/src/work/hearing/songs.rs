@@ -1,0 +1,75 @@
+//! Beats, bars and framing of a show by its songs.
+
+use chladni_music::{BarLine, Beat, Director, Framing, Stretch};
+
+use super::Hearing;
+use crate::work::bars::bar_lines;
+
+impl Hearing {
+    /// Beats of the songs gone by at any time of the show so far.
+    pub(super) fn beat_by_songs(&self, at_secs: f64) -> Beat {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
+        let Some((stretch, added)) = self.stretches.get(begun.saturating_sub(1)) else {
+            return Beat::default();
+        };
+        let beat = self.beat_of_song(*stretch, stretch.song_secs_at(at_secs));
+        Beat { count: beat.count + added, ..beat }
+    }
+
+    /// How the camera frames the shape then: by the bars of the song that is heard, and a seed.
+    pub(super) fn framing_by_songs(&mut self, at_secs: f64, seed: u64) -> Framing {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
+        let Some((stretch, _)) = self.stretches.get(begun.saturating_sub(1)) else {
+            return Framing::default();
+        };
+        let song_secs = stretch.song_secs_at(at_secs);
+        let Some(number) = stretch.song else { return Framing::default() };
+        let beats = self.songs.get(&number).and_then(|song| song.beats.as_ref());
+        let direct = || {
+            // Another song is filmed in another way.
+            let seed = seed.wrapping_add(number as u64);
+            Director::of_song(seed, beats.into_iter().flat_map(bar_lines))
+        };
+        let known = self.directors.entry(number).or_insert_with(|| (seed, direct()));
+        if known.0 != seed {
+            *known = (seed, direct());
+        }
+        known.1.at(song_secs)
+    }
+
+    /// The bars of the songs that have begun after `from_secs` of the show, up to `to_secs`, in the stretch that is
+    /// heard then.
+    pub(super) fn bars_of_songs(&self, from_secs: f64, to_secs: f64) -> Vec<BarLine> {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= to_secs);
+        let stretch = self.stretches.get(begun.saturating_sub(1)).map(|(stretch, _)| *stretch);
+        let Some(stretch) = stretch.filter(|stretch| stretch.playing) else { return Vec::new() };
+        let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
+        // A bar with which the stretch begins has begun with it.
+        let from_secs = from_secs.max(stretch.at_secs - 1e-9);
+        let later_secs = stretch.at_secs - stretch.song_secs;
+        let bars = beats.into_iter().flat_map(bar_lines);
+        let bars = bars.map(|bar| BarLine { at_secs: bar.at_secs + later_secs, ..bar });
+        bars.filter(|bar| bar.at_secs > from_secs && bar.at_secs <= to_secs).collect()
+    }
+
+    fn beat_of_song(&self, stretch: Stretch, song_secs: f64) -> Beat {
+        let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
+        beats.map_or_else(Beat::default, |beats| {
+            Beat::among(&beats.beats_secs, beats.confidence as f32, song_secs)
+        })
+    }
+
+    /// The whole beats to add in `stretch` so that none of those gone by before comes back.
+    pub(super) fn added_beats(&self, before: &[(Stretch, f64)], stretch: Stretch) -> f64 {
+        let Some((last, added)) = before.last() else { return 0.0 };
+        let gone = self.beat_of_song(*last, last.song_secs_at(stretch.at_secs)).count + added;
+        (gone - self.beat_of_song(stretch, stretch.song_secs).count).ceil()
+    }
+
+    pub(super) fn count_again(&mut self) {
+        for i in 0..self.stretches.len() {
+            let (before, stretch) = (&self.stretches[..i], self.stretches[i].0);
+            self.stretches[i].1 = self.added_beats(before, stretch);
+        }
+    }
+}

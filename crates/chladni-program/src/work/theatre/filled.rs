@@ -1,0 +1,61 @@
+//! How far a camera stays away from a shape, so that the shape fills the picture.
+
+use chladni_mesh::Orientation;
+use chladni_music::{Dancer, Framing};
+use chladni_view::Camera;
+use chladni_view::filling::{Filling, Headroom, NEAR_HEIGHTS, TOP, WHOLE_HEIGHTS};
+use chladni_view::framing::extremes;
+
+/// The shares of the picture that the figure covers, seen as a whole and near.
+const COVERS: [f32; 2] = [0.27, 0.4];
+/// The share of the largest displacement by which a figure rises in loud music.
+const RISES: f32 = 0.75;
+/// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
+const PART: f32 = 0.4;
+
+/// From how far the shape fills pictures of about one aspect.
+pub(super) struct Filled {
+    pub aspect: f32,
+    /// The limit of displacement for which there is room, and by how much the shape may rise.
+    pub limit: f32,
+    rises: f32,
+    /// The points that reach farthest.
+    ends: Vec<[f32; 3]>,
+    /// The middle of the shape, and where the whole of it is seen from.
+    middle: [f32; 3],
+    whole: Filling,
+    /// The same near the part that moves most.
+    part: [f32; 3],
+    near: Filling,
+}
+
+impl Filled {
+    pub fn new(surface: &[[f32; 3]], dancer: &Dancer, stands: Orientation, aspect: f32, limit: f32) -> Self {
+        let (low, high) = surface.iter().fold(([f32::MAX; 3], [f32::MIN; 3]), |(low, high), p| {
+            (std::array::from_fn(|i| low[i].min(p[i])), std::array::from_fn(|i| high[i].max(p[i])))
+        });
+        let middle: [f32; 3] =
+            std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
+        let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
+        let rises = RISES * limit * dancer.box_diagonal;
+        let [whole, near] = [(middle, WHOLE_HEIGHTS, COVERS[0]), (part, NEAR_HEIGHTS, COVERS[1])].map(
+            |(target, most_heights, share)| {
+                let room = Headroom { rises, most_heights };
+                Filling::new(surface, stands, target, aspect, share, room)
+            },
+        );
+        Self { aspect, limit, rises, ends: extremes(surface), middle, whole, part, near }
+    }
+
+    /// A camera that sees it so, before the viewer's own distance and shift.
+    pub fn camera(&self, yaw_rad: f32, pitch_rad: f32, framing: &Framing, stands: Orientation) -> Camera {
+        let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
+        let (whole, near) = (self.whole.from(yaw_rad, pitch_rad), self.near.from(yaw_rad, pitch_rad));
+        let target =
+            std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
+        let distance = mix(whole.ln(), near.ln(), framing.closeness).exp();
+        let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
+        camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
+        camera
+    }
+}
