@@ -67,7 +67,8 @@ fn rings_rays_waves_and_checkerboards_are_found() {
         let waves = picture(|x, y| bar((x + 20.0 * (y / 40.0).sin()) / pair, 0.5, BRIGHT_AND_DARK));
         let checks =
             picture(|x, y| both(bar(x / pair, 0.5, BRIGHT_AND_DARK), bar(y / pair, 0.5, BRIGHT_AND_DARK)));
-        let soft = picture(|x, y| (128.0 + 100.0 * ((x + 0.3 * y) / pair * 6.283).sin()) as u8);
+        let soft =
+            picture(|x, y| (128.0 + 100.0 * ((x + 0.3 * y) / pair * std::f64::consts::TAU).sin()) as u8);
         let found = [&rings, &waves, &checks, &soft].map(has_stripes);
         assert_eq!(found, [true; 4], "a pair of {pair} pixels");
     }
