@@ -45,10 +45,10 @@ impl Exhibition {
         MatchRequest::of(&layer.1).map(|request| (request.template, request.matching))
     }
 
-    /// The first twelve of a shape, as [`sitter`] prepares it.
+    /// The first twelve of a shape, as [`sitter()`] prepares it.
     ///
     /// # Errors
-    /// As [`sitter`].
+    /// As [`sitter()`].
     pub fn open(
         mesh: &TriMesh,
         stack: &mut Stack,
