@@ -65,7 +65,7 @@ impl Backdrop {
     }
 }
 
-/// A row of a picture that fills the cell, as `pictured` of `shader.wgsl`.
+/// A row of a picture that fills the cell, as `pictured` of `gpu/shader`.
 fn pictured(cell: &CellUniform, picture: &Pyramid, y: usize, pixels: &mut [u8]) {
     let [.., width, height] = cell.viewport;
     let ratio = width / (height * cell.output[1]);
@@ -122,7 +122,7 @@ impl Kernel for Row<'_> {
     }
 }
 
-/// The floor over a background, as `floored` of `shader.wgsl`.
+/// The floor over a background, as `floored` of `gpu/shader`.
 #[inline(always)]
 fn floored(cell: &CellUniform, behind: [f32; 3], [x, y]: [f32; 2]) -> [f32; 3] {
     let CellUniform { projection, floor, floor_plane, floor_axes, .. } = cell;

@@ -1,4 +1,4 @@
-//! Grains of sand: the twin of `gpu/grains.wgsl`.
+//! Grains of sand: the twin of `gpu/shader/grains.wgsl`.
 
 use glam::{Mat4, Vec3, Vec4, vec3};
 use rayon::prelude::*;

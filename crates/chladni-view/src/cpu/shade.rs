@@ -1,4 +1,4 @@
-//! The formulas of `shader.wgsl`, for a processor: the same names, the same order, no branches.
+//! The formulas of `gpu/shader`, for a processor: the same names, the same order, no branches.
 
 use glam::{Vec3, vec3};
 
@@ -115,7 +115,7 @@ pub(super) fn reflected(n: Vec3, v: Vec3) -> Vec3 {
     n * (2.0 * n.dot(v)) - v
 }
 
-/// Light of a panorama as a surface of this roughness sees it towards `d`, as `panorama` of `shader.wgsl`.
+/// Light of a panorama as a surface of this roughness sees it towards `d`, as `panorama` of `gpu/shader`.
 pub(super) fn panorama(cell: &CellUniform, around: &Pyramid, d: Vec3, level: f32) -> Vec3 {
     let turns = d.x.atan2(-d.z) / std::f32::consts::TAU;
     let down = clamp(d.y, -1.0, 1.0).acos() / std::f32::consts::PI;

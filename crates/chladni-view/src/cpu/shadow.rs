@@ -15,7 +15,7 @@ const BAND_BITS: u32 = 6;
 /// As the graphics device's pipeline has it.
 const BIAS: Bias = Bias { units: 2.0, slope: 1.5 };
 
-/// Vogel's spiral, as `shader.wgsl` writes it out, in texels.
+/// Vogel's spiral, as `gpu/shader` writes it out, in texels.
 const DISC: [[f32; 2]; 16] = scaled([
     [0.1768, 0.0],
     [-0.2258, 0.2068],

@@ -274,7 +274,7 @@ impl StagedCell {
 }
 
 impl StagedFigure {
-    /// What its palette makes of each vertex, as `answered` of `shader.wgsl`.
+    /// What its palette makes of each vertex, as `answered` of `gpu/shader`.
     fn answer(&mut self, subject: &Subject<'_>) {
         let Coat::Answer(rest, lag) = subject.coat else { return };
         let [offset, span, swing, travel] = self.uniform.answer;
