@@ -143,7 +143,7 @@ pub fn write(path: &Path, painted: &Painted, subject: &Subject, as_colors: bool)
 /// The same in memory, as an array (`npy`) or a mesh (`ply`, `obj`, `glb`).
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn to_bytes(ending: &str, painted: &Painted, subject: &Subject) -> Result<(Vec<u8>, Masked), Error> {
     let (values, masked) = on_whole(painted, subject)?;
     let bytes = match Format::from_extension(ending).filter(|_| WRITTEN.contains(&ending)) {

@@ -93,7 +93,8 @@ impl Screen {
     pub fn index(&self, names: &[String]) -> Option<usize> {
         match self {
             Self::Window | Self::Full => None,
-            Self::Monitor(index) => Some(*index).filter(|index| *index < names.len()),
+            // Where the system tells of none, a number is taken at its word.
+            Self::Monitor(index) => Some(*index).filter(|index| names.is_empty() || *index < names.len()),
             Self::Named(wanted) => names.iter().position(|name| name == wanted),
         }
     }
