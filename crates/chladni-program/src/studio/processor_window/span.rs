@@ -27,7 +27,7 @@ pub enum Texels {
 pub enum Reading {
     /// Each pixel shows the texel that lies on it.
     Aligned,
-    /// Filtered; rows of the texture are rows of the picture.
+    /// Filtered; rows of the texture are rows of the picture, not much smaller than it.
     Upright,
     Nearest,
     Linear,
@@ -123,8 +123,8 @@ impl Reading {
         let is_equal = near(across.x, 1.0) && near(down.y, 1.0);
         match (linear, is_upright) {
             (_, true) if is_equal && is_whole(across.at) && is_whole(down.at) => Self::Aligned,
-            (true, true) => Self::Upright,
-            (true, false) => Self::Linear,
+            (true, true) if (0.0..=2.0).contains(&across.x) => Self::Upright,
+            (true, _) => Self::Linear,
             (false, _) => Self::Nearest,
         }
     }
@@ -184,6 +184,7 @@ fn stretch(
     pixels: &mut [u32],
 ) {
     const ONE: f64 = 65536.0;
+    const RUN: usize = 64;
     let [width, height] = image.size;
     let v = down.of(from.x, from.y) - 0.5;
     let row = |y: f32| {
@@ -195,17 +196,25 @@ fn stretch(
     let down = ((v - v.floor()) * 256.0) as u32;
     let mut u = ((f64::from(across.of(from.x, from.y)) - 0.5) * ONE) as i64;
     let step = (f64::from(across.x) * ONE).round() as i64;
-    for below in pixels {
-        let x = (u >> 16).max(0) as usize;
-        // Before the first texel there is nothing to mix with.
-        let right = if u < 0 { 0 } else { (u >> 8 & 255) as u32 };
-        let (a, b) = (x.min(last), (x + 1).min(last));
-        let texel = |row: &[Color32], x: usize| u32::from_le_bytes(row[x].to_array());
-        let top = between(texel(upper, a), texel(upper, b), right);
-        let bottom = between(texel(lower, a), texel(lower, b), right);
-        let own = between(top, bottom, down).to_le_bytes();
-        *below = over(pixel(tint.map_or(own, |tint| times(own, tint))), *below);
-        u += step;
+    // Both rows are mixed once a texel, for some pixels at a time, and then between texels.
+    let mut mixed = [0; 2 * RUN + 2];
+    for pixels in pixels.chunks_mut(RUN) {
+        let first = (u >> 16).max(0) as usize;
+        let end = ((u + step * pixels.len() as i64) >> 16).max(0) as usize;
+        let needed = (end.max(first) - first + 2).min(mixed.len());
+        for (mixed, x) in mixed[..needed].iter_mut().zip(first..) {
+            let x = x.min(last);
+            let texel = |row: &[Color32]| u32::from_le_bytes(row[x].to_array());
+            *mixed = between(texel(upper), texel(lower), down);
+        }
+        for below in pixels {
+            let x = ((u >> 16).max(0) as usize - first).min(needed - 2);
+            // Before the first texel there is nothing to mix with.
+            let right = if u < 0 { 0 } else { (u >> 8 & 255) as u32 };
+            let own = between(mixed[x], mixed[x + 1], right).to_le_bytes();
+            *below = over(pixel(tint.map_or(own, |tint| times(own, tint))), *below);
+            u += step;
+        }
     }
 }
 
