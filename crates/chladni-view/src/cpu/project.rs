@@ -44,9 +44,12 @@ impl Lens {
         }
     }
 
+    // Written out: the array's own `map` is called for each vertex and keeps the loop from becoming vectors.
     #[inline(always)]
-    fn clip(&self, p: [f32; 3]) -> [f32; 4] {
-        self.rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
+    fn clip(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
+        let [a, b, c, d] = &self.rows;
+        let row = |r: &[f32; 4]| r[0] * x + r[1] * y + r[2] * z + r[3];
+        [row(a), row(b), row(c), row(d)]
     }
 
     #[inline(always)]

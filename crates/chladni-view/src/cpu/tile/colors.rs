@@ -69,7 +69,8 @@ impl Tile<'_, '_> {
             let corners = subject.triangles[batch.triangle[i] as usize];
             let weights: [f32; 3] = std::array::from_fn(|corner| batch.weights[corner][i]);
             let at = |of: &[[f32; 2]]| {
-                [0, 1].map(|k| (0..3).map(|c| weights[c] * of[corners[c] as usize][k]).sum::<f32>())
+                let ([a, b, c], [u, v, w]) = (corners.map(|corner| &of[corner as usize]), weights);
+                [u * a[0] + v * b[0] + w * c[0], u * a[1] + v * b[1] + w * c[1]]
             };
             let [mut place, own] = at(&staged.answers);
             if phase != 0.0 {
