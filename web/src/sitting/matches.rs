@@ -71,7 +71,7 @@ impl Sitting {
     /// # Errors
     /// Bugs only.
     pub fn fail(&mut self, request: &str, why: String) -> Result<(), JsError> {
-        self.stack.install(serde_json::from_str(request)?, Err(CaricatureError::Unmatched(why)));
+        self.stack.install(serde_json::from_str(request)?, Err(CaricatureError::Elsewhere(why)));
         Ok(self.refresh()?)
     }
 
