@@ -3,7 +3,7 @@
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
-use egui::{FullOutput, TexturesDelta, ViewportBuilder, ViewportCommand, ViewportId, ViewportInfo};
+use egui::{FullOutput, ViewportBuilder, ViewportCommand, ViewportId, ViewportInfo};
 use egui_winit::ActionRequested;
 use winit::event_loop::{ActiveEventLoop, OwnedDisplayHandle};
 use winit::window::Window;
@@ -21,6 +21,8 @@ pub struct Surface {
     pub info: ViewportInfo,
     pixels: softbuffer::Surface<OwnedDisplayHandle, Arc<Window>>,
     asked: Vec<ActionRequested>,
+    /// It has been painted once, and may be seen.
+    is_shown: bool,
 }
 
 impl Surface {
@@ -38,7 +40,7 @@ impl Surface {
         let input = egui_winit::State::new(ctx.clone(), id, events, Some(scale), theme, None);
         let mut info = ViewportInfo::default();
         egui_winit::update_viewport_info(&mut info, ctx, &window, true);
-        Ok(Self { window, input, info, pixels, asked: Vec::new() })
+        Ok(Self { window, input, info, pixels, asked: Vec::new(), is_shown: false })
     }
 
     /// Does what the program asked of the window.
@@ -76,8 +78,10 @@ impl Surface {
         }
         painter.update(&mut textures_delta);
         let painted = self.paint(painter, &ctx.tessellate(shapes, pixels_per_point), pixels_per_point);
-        forget(painter, textures_delta);
-        self.window.set_visible(true);
+        painter.forget(&mut textures_delta);
+        if !std::mem::replace(&mut self.is_shown, true) {
+            self.window.set_visible(true);
+        }
         painted
     }
 
@@ -99,8 +103,4 @@ impl Surface {
         pixels.present()?;
         Ok(())
     }
-}
-
-fn forget(painter: &mut Painter, mut textures: TexturesDelta) {
-    painter.forget(&mut textures);
 }
