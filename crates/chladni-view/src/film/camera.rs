@@ -1,6 +1,9 @@
 //! Live pictures as a camera for other programs. We never wait for them, and they always get the newest
 //! picture.
 
+#[cfg_attr(not(all(target_os = "macos", feature = "syphon")), path = "camera/no_syphon.rs")]
+mod syphon;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, Command};
@@ -14,6 +17,8 @@ use super::live::fit;
 use super::{FilmSettings, FrameRate, on_black};
 use crate::{Picture, ViewError};
 
+pub use syphon::HAS_SYPHON;
+
 /// Where Linux lists video devices without hardware.
 const VIRTUAL_DEVICES: &str = "/sys/devices/virtual/video4linux";
 /// What to install for a PipeWire camera if it is missing.
@@ -26,6 +31,8 @@ pub enum CameraTarget {
     PipeWire,
     /// A video device of v4l2loopback, such as `/dev/video2`. Needs ffmpeg.
     Device(PathBuf),
+    /// A server of Syphon, named Chladni. Only where [`HAS_SYPHON`]; needs Syphon.framework.
+    Syphon,
 }
 
 /// Video devices that can be given pictures (those of v4l2loopback), each with its name; none but on Linux.
@@ -46,9 +53,11 @@ pub fn video_devices() -> Vec<(PathBuf, String)> {
 /// Pictures are not queued: one that comes before the last one was shown replaces it.
 #[derive(Debug)]
 pub struct LiveCamera {
-    feed: Feed,
+    /// The program that shows the pictures, where one does.
+    feed: Option<Feed>,
     common: Arc<Common>,
-    thread: Option<JoinHandle<()>>,
+    /// Ends with what went wrong, unless only the program knows that.
+    thread: Option<JoinHandle<Option<String>>>,
 }
 
 /// What both threads know.
@@ -83,24 +92,20 @@ impl LiveCamera {
         if width % 2 == 1 || height % 2 == 1 {
             return Err(ViewError::Camera(format!("its sides are even, unlike {width}×{height}")));
         }
-        let mut command = target.command(width, height, rate);
-        let mut feed = Feed::start(&mut command).map_err(|why| match (why.kind(), target) {
-            (std::io::ErrorKind::NotFound, CameraTarget::PipeWire) => {
-                ViewError::Camera(format!("gst-launch-1.0 is not on the PATH: {INSTALL}"))
+        let (feed, way) = match target.command(width, height, rate) {
+            None => (None, Way::Syphon),
+            Some(mut command) => {
+                let mut feed = start(&mut command, target)?;
+                let input =
+                    feed.take_input().ok_or_else(|| ViewError::Camera("no pipe to its program".into()))?;
+                (Some(feed), Way::Program(input))
             }
-            (std::io::ErrorKind::NotFound, CameraTarget::Device(_)) => {
-                ViewError::Camera("ffmpeg is not on the PATH: install it".into())
-            }
-            _ => ViewError::Camera(why.to_string()),
-        })?;
-        let common = Arc::new(Common::default());
-        let Some(input) = feed.take_input() else {
-            return Err(ViewError::Camera("no pipe to its program".into()));
         };
-        let sender = Sender { common: Arc::clone(&common), input, width, height, rate };
+        let common = Arc::new(Common::default());
+        let sender = Sender { common: Arc::clone(&common), width, height, rate };
         let thread = std::thread::Builder::new()
             .name("camera".into())
-            .spawn(move || sender.run())
+            .spawn(move || sender.run(way))
             .map_err(|why| ViewError::Camera(format!("no thread to send from: {why}")))?;
         Ok(Self { feed, common, thread: Some(thread) })
     }
@@ -131,9 +136,12 @@ impl LiveCamera {
         if !self.thread.as_ref()?.is_finished() {
             return None;
         }
-        self.thread.take()?.join().ok();
+        let said = self.thread.take()?.join().ok().flatten();
+        let Some(feed) = &mut self.feed else {
+            return Some(ViewError::Camera(said.unwrap_or_else(|| "its thread has ended".into())));
+        };
         // Later complaints only follow from the first one.
-        let said = self.feed.complaint("its program has ended");
+        let said = feed.complaint("its program has ended");
         let said = said.split("; ").next().unwrap_or_default();
         Some(ViewError::Camera(if said.contains("no element") {
             format!("{said}: {INSTALL}")
@@ -149,15 +157,31 @@ impl Drop for LiveCamera {
     fn drop(&mut self) {
         self.common.ends.store(true, Ordering::Relaxed);
         // The thread may wait for its reader, which ends first.
-        self.feed.end();
+        if let Some(feed) = &mut self.feed {
+            feed.end();
+        }
         if let Some(thread) = self.thread.take() {
             thread.join().ok();
         }
     }
 }
 
+/// Starts the program of `target`.
+fn start(command: &mut Command, target: &CameraTarget) -> Result<Feed, ViewError> {
+    Feed::start(command).map_err(|why| {
+        ViewError::Camera(match (why.kind(), target) {
+            (std::io::ErrorKind::NotFound, CameraTarget::PipeWire) => {
+                format!("gst-launch-1.0 is not on the PATH: {INSTALL}")
+            }
+            (std::io::ErrorKind::NotFound, _) => "ffmpeg is not on the PATH: install it".into(),
+            _ => why.to_string(),
+        })
+    })
+}
+
 impl CameraTarget {
-    fn command(&self, width: u32, height: u32, rate: FrameRate) -> Command {
+    /// The program that shows the pictures, where one does.
+    fn command(&self, width: u32, height: u32, rate: FrameRate) -> Option<Command> {
         let fps = format!("{}/{}", rate.numerator, rate.denominator);
         match self {
             Self::PipeWire => {
@@ -175,7 +199,7 @@ impl CameraTarget {
                     "stream-properties=props,media.class=Video/Source,media.role=Camera,node.name=chladni,\
                      node.description=Chladni",
                 );
-                command
+                Some(command)
             }
             Self::Device(path) => {
                 let mut command = Command::new("ffmpeg");
@@ -189,24 +213,53 @@ impl CameraTarget {
                     "pipe:0",
                 ]);
                 command.args(["-f", "v4l2", "-pix_fmt", "yuv420p"]).arg(path);
-                command
+                Some(command)
             }
+            Self::Syphon => None,
         }
     }
+}
+
+/// How pictures leave.
+enum Way {
+    /// Into the standard input of a program.
+    Program(ChildStdin),
+    /// Through a server that the sending thread opens.
+    Syphon,
 }
 
 /// On a thread of its own.
 struct Sender {
     common: Arc<Common>,
-    input: ChildStdin,
     width: u32,
     height: u32,
     rate: FrameRate,
 }
 
 impl Sender {
-    /// Until it is dropped or its program ends.
-    fn run(mut self) {
+    /// Until it is dropped or nobody takes its pictures; then why, unless only a program knows that.
+    fn run(self, way: Way) -> Option<String> {
+        match way {
+            Way::Program(mut input) => {
+                self.send(|rgba| input.write_all(rgba).is_ok());
+                None
+            }
+            Way::Syphon => {
+                let mut trouble = None;
+                match syphon::Server::open(self.width, self.height) {
+                    Ok(mut server) => self.send(|rgba| {
+                        trouble = server.send(rgba).err();
+                        trouble.is_none()
+                    }),
+                    Err(why) => trouble = Some(why),
+                }
+                trouble
+            }
+        }
+    }
+
+    /// Sends the newest picture at each time of the rate, until it is dropped or `send` fails.
+    fn send(&self, mut send: impl FnMut(&[u8]) -> bool) {
         let black = [0, 0, 0, 255].repeat(self.width as usize * self.height as usize);
         let mut shown = Picture { width: self.width, height: self.height, rgba: black };
         let mut opaque = Vec::new();
@@ -216,7 +269,7 @@ impl Sender {
             if self.take(&mut shown) && (shown.width, shown.height) != (self.width, self.height) {
                 shown = fit(shown, self.width, self.height);
             }
-            if self.input.write_all(on_black(&shown.rgba, &mut opaque)).is_err() {
+            if !send(on_black(&shown.rgba, &mut opaque)) {
                 return;
             }
             self.common.sent.fetch_add(1, Ordering::Relaxed);

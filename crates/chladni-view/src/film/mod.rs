@@ -18,7 +18,7 @@ use chladni_task::temporary_beside;
 
 use crate::{Picture, ViewError};
 
-pub use camera::{CameraTarget, LiveCamera, video_devices};
+pub use camera::{CameraTarget, HAS_SYPHON, LiveCamera, video_devices};
 pub use frames::frame_path;
 pub use live::LiveFilm;
 pub use mp4::ffmpeg_is_there;

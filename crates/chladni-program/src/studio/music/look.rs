@@ -1,6 +1,6 @@
 //! The look of the dance, and the screen that the stage appears on.
 
-use chladni_view::film::video_devices;
+use chladni_view::film::{HAS_SYPHON, video_devices};
 use chladni_view::{Background, Lights, Look, Material, Palette};
 use egui::{RichText, Ui};
 
@@ -69,20 +69,32 @@ fn screens(ui: &mut Ui, chosen: &mut Screen, names: Vec<String>) {
     });
 }
 
-/// Which programs see the stage; only Linux knows cameras that a program can be.
+/// Which programs see the stage, through what this system has for it.
 fn camera(ui: &mut Ui, chosen: &mut Camera) {
-    if !cfg!(target_os = "linux") {
+    let (ways, tip): (&[Camera], _) = if cfg!(target_os = "linux") {
+        (
+            &[Camera::PipeWire],
+            "OBS, browsers and other programs see the stage as a camera named Chladni, in the size that it has when this is \
+             chosen: through PipeWire, or through a device of v4l2loopback",
+        )
+    } else if HAS_SYPHON {
+        (
+            &[Camera::Syphon],
+            "Programs that know Syphon see the stage as a server named Chladni, in the size that it has when this is chosen",
+        )
+    } else {
         return;
-    }
+    };
     ui.label(RichText::new("Camera for other programs").strong());
     let name = |camera: &Camera| match camera {
         Camera::Off => "Off".to_owned(),
         Camera::PipeWire => "PipeWire".to_owned(),
+        Camera::Syphon => "Syphon".to_owned(),
         Camera::Device(path) => path.display().to_string(),
     };
     let list = egui::ComboBox::from_id_salt("camera").width(160.0).selected_text(name(chosen));
     let response = list.show_ui(ui, |ui| {
-        for camera in [Camera::Off, Camera::PipeWire] {
+        for camera in [&[Camera::Off], ways].concat() {
             let (label, id) = (name(&camera), format!("camera/{}", name(&camera).to_lowercase()));
             ui.selectable_value(chosen, camera, label).author_id(id);
         }
@@ -92,10 +104,7 @@ fn camera(ui: &mut Ui, chosen: &mut Camera) {
             ui.selectable_value(chosen, camera, label);
         }
     });
-    response.response.author_id("camera").on_hover_text(
-        "OBS, browsers and other programs see the stage as a camera named Chladni, in the size that it has when this is chosen: \
-         through PipeWire, or through a device of v4l2loopback",
-    );
+    response.response.author_id("camera").on_hover_text(tip);
     ui.add_space(theme::GAP);
 }
 

@@ -111,6 +111,8 @@ pub enum Camera {
     PipeWire,
     /// In a video device.
     Device(PathBuf),
+    /// Among Syphon's servers.
+    Syphon,
 }
 
 impl Camera {
@@ -120,6 +122,7 @@ impl Camera {
             Self::Off => None,
             Self::PipeWire => Some(CameraTarget::PipeWire),
             Self::Device(path) => Some(CameraTarget::Device(path.clone())),
+            Self::Syphon => Some(CameraTarget::Syphon),
         }
     }
 }

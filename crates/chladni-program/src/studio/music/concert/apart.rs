@@ -1,15 +1,16 @@
 //! The stage in a window of its own, while the gallery goes on in the first.
 
-use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Reaction, Target};
+use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Target};
 use chladni_synth::Item;
-use chladni_view::{Look, Rect};
 use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
 use super::super::place::{Change, Place};
 use super::super::preferences::Screen;
+use super::super::stillness;
 use super::super::wish::Wish;
+use super::Concert;
+use super::frame::{Frame, area};
 use super::pane::Pane;
-use super::{Concert, stillness};
 use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, MARK_LEFT, MARK_RIGHT};
 use crate::studio::room::Shared;
 use crate::studio::viewport;
@@ -76,8 +77,8 @@ impl Concert {
         ctx: &egui::Context,
         shared: &mut Shared<'_>,
         apart: &mut Apart,
-        (reaction, framing, at_secs): (Reaction, Option<Framing>, f64),
-        look: Look,
+        frame: &Frame,
+        framing: Option<Framing>,
         wishes: &mut Vec<Wish>,
     ) -> Result<(), Error> {
         let screen = shared.settings.music.screen.clone();
@@ -107,10 +108,9 @@ impl Concert {
             }
             self.deformed.synthesize(&apart.items, &settings)?;
             self.seen.clear();
-            let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-            let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+            let area = area(ui, rect);
             let (cells, _) = Staging::cells(area, apart.count);
-            self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;
+            self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
             self.song_title.show(ui, rect, ui.input(|input| input.time));
             if self.adjusts {
                 shared.settings.music.projection.adjust(ui, rect);

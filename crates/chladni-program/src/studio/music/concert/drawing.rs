@@ -1,8 +1,8 @@
 //! The picture of all items, which is shown once its brightness is known.
 
 use chladni_mesh::surface::Detail;
-use chladni_music::{Framing, Reaction, Switch, Veil};
-use chladni_view::{Device, Figure, Look, Rect, Topology};
+use chladni_music::{Framing, Switch, Veil};
+use chladni_view::{Device, Figure, Rect, Topology};
 use egui::{Color32, Ui};
 
 use super::super::coarse;
@@ -10,6 +10,7 @@ use super::super::glimpse::Glimpse;
 use super::super::projection::Projection;
 use super::super::stillness::StillPicture;
 use super::Concert;
+use super::frame::Frame;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::Error;
@@ -21,14 +22,13 @@ impl Concert {
         shared: &Shared<'_>,
         (rect, area): (egui::Rect, Rect),
         cells: &[Rect],
-        (reaction, framing, at_secs): (Reaction, Option<Framing>, f64),
-        look: Look,
+        (frame, framing): (&Frame, Option<Framing>),
         pose: u64,
     ) -> Result<(), Error> {
         let flash_area = self.instrument.parameters().flash_area();
         let from = (&self.viewpoint, framing.as_ref());
-        let staged = self.staging.set(area, cells.len(), from, &look, reaction, &self.instrument);
-        self.pane.viewport.finish(staged.look.finish, at_secs);
+        let staged = self.staging.set(area, cells.len(), from, &frame.look, frame.reaction, &self.instrument);
+        self.pane.viewport.finish(staged.look.finish, frame.at_secs);
         self.hang()?;
         let shown = StillPicture { pose, staged: staged.clone() };
         let is_new = self.pane.shown.as_ref() != Some(&shown);

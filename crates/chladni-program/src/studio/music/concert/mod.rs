@@ -3,6 +3,7 @@
 mod apart;
 mod backcloth;
 mod drawing;
+mod frame;
 mod house;
 mod marking;
 mod pane;
@@ -15,9 +16,8 @@ use chladni_music::{
     Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Parameters, Preset,
     SAND_MODE, Settings, Show, Switch, Viewpoint, without_sand,
 };
-use chladni_synth::{Backend, Coefficients, SynthModel};
-use chladni_view::{Device, Rect, RestShape, Topology};
-use egui::Ui;
+use chladni_synth::{Backend, SynthModel};
+use chladni_view::{Device, RestShape, Topology};
 
 use apart::Apart;
 use backcloth::Backcloth;
@@ -25,28 +25,19 @@ use drawing::on_device;
 use house::House;
 use pane::Pane;
 use piloted::Piloted;
-use standing::{Hand, camera_at, navigate, touches};
+use standing::Hand;
 use suggesting::{Judging, Recent};
 
-use super::close_up::{self, Draft};
-use super::coarse;
-use super::gallery;
+use super::close_up::Draft;
 use super::harmonics::Harmonics;
-use super::listening::Listening;
 use super::loading::Ready;
 use super::outgoing::Outgoing;
 use super::pace::Pace;
 use super::song_title::SongTitle;
-use super::stillness;
 use super::view::View;
-use super::wish::Wish;
-use crate::studio::room::Shared;
 use crate::studio::screen::Screen;
-use crate::studio::theme;
-use crate::studio::viewport;
-use crate::studio::{PlayedFrame, Trace};
 use crate::work::dancer::Dancing;
-use crate::work::{Deformed, Error, Lag, SandTable, Staging, along, chooses_shots, look_on_stage, reaction};
+use crate::work::{Deformed, Error, Lag, SandTable, Staging, along};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -325,172 +316,5 @@ impl Concert {
     /// Who is on stage, or is coming.
     pub fn on_stage_now(&self) -> Option<ItemId> {
         self.instrument.scene(self.moment.at_beat).map(|scene| scene.to)
-    }
-
-    /// Hears, deforms and draws one frame, and handles clicks on what is shown.
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        shared: &mut Shared<'_>,
-        listening: &mut Listening,
-        trace: Option<&Trace>,
-        wishes: &mut Vec<Wish>,
-    ) -> Result<(), Error> {
-        let began = (shared.now)();
-        let whole = viewport::whole_pixels(ui);
-        self.seconds = ui.input(|input| input.time);
-        self.song_title.follow(listening, self.seconds);
-        self.backcloth.follow(shared);
-        self.moving = self.backcloth.moves();
-        if listening.beats_changed() {
-            self.count_beats(|at_secs| listening.beats_at(at_secs))?;
-        }
-        self.follow_bars(&listening.new_bars())?;
-        self.judge(ui.ctx())?;
-        let (sand, ensemble, instrument) = (&mut self.sand, &mut self.ensemble, &self.instrument);
-        let before = |hearing: &mut _, at_secs| sand.follow(hearing, ensemble, instrument, at_secs);
-        let heard = listening.hear(self.seconds, instrument.parameters(), before)?;
-        self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
-        self.recent.hear(heard.at_secs, &heard.bands);
-        let (beat, reaction) = (heard.beat, reaction(&self.instrument, heard.beat, heard.fading));
-        let (mood, at_secs, is_known) = (heard.mood(), heard.at_secs, heard.is_known);
-        let look = look_on_stage(&self.instrument).unwrap_or_else(|| shared.settings.music.look());
-        let look = look.answering(&mood);
-        let staged = self.on_stage();
-        let is_apart = staged && shared.settings.music.own_window;
-        if !staged {
-            self.house.open();
-        }
-        let mut apart = self.apart.take();
-        if is_apart {
-            let apart = apart.get_or_insert_with(|| Apart::new(&self.pane, &self.ensemble));
-            apart.play(&self.instrument, &heard.bands, beat)?;
-            apart.lag(at_secs, look.feels_speed());
-        }
-        // What the window itself shows: where the stage has a window of its own, the gallery goes on.
-        let on_stage = staged && !is_apart;
-        self.draws_stage = staged;
-        let solo = self.tried_out.take().or_else(|| self.close_up_mapping()).filter(|_| !on_stage);
-        let mut items = match &solo {
-            Some((mapping, settings)) => {
-                self.ensemble.audition(&self.instrument, (mapping, settings), &heard.bands, beat)
-            }
-            None if is_apart => self.ensemble.play_gallery(&self.instrument, &heard.bands, beat),
-            None => self.ensemble.play(&self.instrument, &heard.bands, beat),
-        }?
-        .to_vec();
-        if let Some(apart) = &mut apart {
-            if is_apart {
-                let framing = listening.framing(self.instrument.seed());
-                let framing = chooses_shots(&self.instrument, beat).then_some(framing);
-                self.show_apart(ui.ctx(), shared, apart, (reaction, framing, at_secs), look, wishes)?;
-            } else {
-                apart.leave();
-            }
-        }
-        self.apart = apart;
-        self.draws_stage = on_stage;
-        if let View::Harmonics(first) = self.view
-            && !on_stage
-        {
-            let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
-            navigate(ui, &response, &mut self.viewpoint, 1.0);
-            let camera = camera_at(&self.viewpoint, self.staging.stands());
-            if self.pane.shown.is_some() {
-                self.harmonics.leave();
-            }
-            self.pane.forget();
-            ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
-            let (viewport, topology) = (&mut self.pane.viewport, &self.deformed.topology);
-            self.moving |= self.harmonics.show(ui, viewport, topology, camera, whole, first)?;
-            return Ok(());
-        }
-        if on_stage && self.house.frozen && self.pane.shown.is_some() {
-            self.repaint(ui, shared.settings.music.projection, whole);
-            return Ok(());
-        }
-        if let (Some(trace), Some(item)) = (trace, items.first()) {
-            let coefficients = match item.terms.first().map(|term| &term.coefficients) {
-                Some(Coefficients::Vector(c)) => c.as_flattened().to_vec(),
-                Some(Coefficients::Normal(c)) => c.clone(),
-                None => Vec::new(),
-            };
-            trace.borrow_mut().push(PlayedFrame { at_secs, is_known, on_stage, coefficients });
-        }
-        let settings = self.instrument.parameters().frame_settings();
-        // Of what is not known beforehand only the present is heard.
-        while self.sand.due(at_secs).is_some() {
-            let stepping = self.apart.as_ref().filter(|_| is_apart).map_or(&items[..], Apart::items);
-            self.sand.step(stepping, &self.instrument);
-        }
-        let count = items.len();
-        self.lag.follow(&mut items, at_secs, look.feels_speed());
-        let pose = stillness::pose(&items, settings.normal_blending) ^ self.sand.version();
-        // Where another window is drawn, too, its shapes have taken the place of these.
-        if is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
-            self.deformed.synthesize(&items, &settings)?;
-            self.seen.clear();
-            if !self.details.is_empty() {
-                self.seen.extend(items.iter().map(coarse::harmonics_seen));
-            }
-            let took = (shared.now)().saturating_duration_since(began);
-            if let Some(message) = self.pace.frame(took, self.ensemble.dancer().harmonics()) {
-                self.ensemble.use_at_most(self.pace.harmonics());
-                shared.notices.warn(message);
-            }
-        }
-        // Reported once; then the processor continues.
-        if let Some(fallback) = self.deformed.take_fallback() {
-            shared.notices.warn(fallback.to_string());
-        }
-        let close_up = matches!(self.view, View::CloseUp(_)) && !on_stage;
-        let (rect, bench) = if close_up { close_up::split(whole) } else { (whole, whole) };
-        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-        let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
-        let (cells, columns) = Staging::cells(area, count);
-        self.columns = columns;
-        let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
-        let before = self.viewpoint;
-        navigate(ui, &response, &mut self.viewpoint, cells_high);
-        let framing = (on_stage && chooses_shots(&self.instrument, beat)).then(|| {
-            let chosen = listening.framing(self.instrument.seed());
-            self.hand.over(self.seconds, (before, touches(ui)), &mut self.viewpoint, chosen)
-        });
-        self.draw(ui, shared, (rect, area), &cells, (reaction, framing, at_secs), look, pose)?;
-        match self.view {
-            View::CloseUp(item) if close_up => {
-                let (spectrum, bands_hz) = listening.spectrum();
-                let heard = close_up::HeardBands {
-                    mid: &spectrum.mid,
-                    bands_hz,
-                    eigenvalues: &self.ensemble.dancer().eigenvalues,
-                };
-                close_up::show(ui, bench, &self.instrument, item, &mut self.draft, &heard, wishes);
-            }
-            View::Gallery if !on_stage && solo.is_none() => {
-                let places: Vec<egui::Rect> =
-                    cells.iter().map(|cell| viewport::to_points(ui, rect, *cell)).collect();
-                let (hovered, focused) = gallery::overlay(ui, &places, &self.instrument, self.marked, wishes);
-                let moved = ui
-                    .input(|input| input.pointer.delta() != egui::Vec2::ZERO || input.pointer.any_pressed());
-                // A pointer that rests does not take the mark from the arrow keys.
-                if focused.is_some() {
-                    self.marked = focused;
-                } else if moved || self.marked.is_none() {
-                    self.marked = hovered;
-                }
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// What the close-up plays: the stroke that is being drawn, or the item as it is.
-    fn close_up_mapping(&self) -> Option<(Mapping, Settings)> {
-        let View::CloseUp(item) = self.view else { return None };
-        let item = self.instrument.gallery().items().get(item)?;
-        let mapping = self.draft.as_ref().map_or(&item.genome, |draft| &draft.mapping);
-        Some((mapping.clone(), Settings::default()))
     }
 }
