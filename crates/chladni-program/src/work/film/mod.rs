@@ -4,6 +4,7 @@ mod animation;
 mod beginning;
 mod output;
 mod performance;
+mod ready;
 mod record;
 mod report;
 mod songs;
@@ -12,24 +13,19 @@ mod titles;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use chladni_music::{BeatReading, ClockTrack, Ensemble, Instrument, Preset, Show, Stretch, Viewpoint};
-use chladni_sound::{WavSample, write_wav};
-use chladni_view::{Film as Reel, FilmFormat, FilmSettings, Look};
+use chladni_music::{BeatReading, ClockTrack, Show, Stretch, Viewpoint};
+use chladni_view::Look;
 
-use super::body::laplacian;
-use super::dancer::{Dancing, classes};
 use super::{
-    Cast, Error, HARMONICS, Hearing, Scenery, Stance, Warning, Watcher, first_looks, is_flat, look_named,
-    opening_looks, opening_view,
+    Error, HARMONICS, Scenery, Stance, Warning, Watcher, first_looks, look_named, opening_looks, opening_view,
 };
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
 pub use output::{Output, TARGETS};
-use performance::{Done, Means, Performance};
+use performance::Done;
+use ready::Ready;
 pub use report::{Report, Seconds};
-use songs::Songs;
-use titles::Titles;
 
 /// A film that is wanted.
 pub struct Film {
@@ -123,133 +119,36 @@ impl Film {
 ///
 /// # Errors
 /// Whatever is wrong with its body, its songs or its files. No unfinished film is left.
-pub fn make(wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
-    let began = Instant::now();
+pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
+    let (began, mut seconds) = (Instant::now(), Seconds::default());
     wanted.check()?;
     let scenery = Scenery::open(&wanted.picture, &wanted.panorama)?;
-    let output = wanted.output;
-    let cast = Cast::open(Path::new(&wanted.body), watcher)?;
-    // The orientation decides which half hears the left channel, so it is needed even without pictures.
-    let stands = cast.stands(wanted.stance, watcher)?;
-    let range = (wanted.start_secs, wanted.duration_secs);
-    let mut songs = Songs::open(&wanted.songs, wanted.heard, wanted.show_secs, range, watcher)?;
-    let mut seconds = Seconds { reading: began.elapsed().as_secs_f64(), ..Seconds::default() };
-    let preparing = Instant::now();
-    let mesh = cast.mesh().clone();
-    let (body, voices) = cast.prepare(wanted.harmonics, laplacian(wanted.paper), false, watcher)?;
-    let symmetry = watcher.watch("finding the mirror", |task| classes(&body, wanted.paper, task))?;
-    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &stands)?;
-    seconds.preparing = preparing.elapsed().as_secs_f64();
-    let listening = Instant::now();
-    songs.track_beats(watcher)?;
-    seconds.beats = listening.elapsed().as_secs_f64();
-
-    let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
-    let (instrument, script) = wanted.beginning.begin(&dancer, is_flat(&rest))?;
-    let frames = output.rate.frames_in(songs.film_secs());
+    let mut ready = Ready::prepare(&mut wanted, &mut seconds, watcher)?;
+    let (rate, output) = (wanted.output.rate, &wanted.output);
+    let frames = rate.frames_in(ready.songs.film_secs());
     let range = output.range(frames)?;
-    let film_secs = output.rate.start_secs(frames);
-    let (tempo_bpm, beat_confidence) = songs.tempo();
-    let box_diagonal = dancer.box_diagonal;
-    let ensemble = Ensemble::new(dancer).with_voices(voices.into_iter().map(|(_, term)| term).collect())?;
-    let mut hearing = Hearing::from(wanted.start_secs);
-    songs.tell(&mut hearing);
-    hearing.know_clock(wanted.clock);
-    let mut performance = Performance::new(
-        (&body, stands),
-        ensemble,
-        hearing,
-        (instrument, script),
-        songs.stretches().to_vec(),
-        wanted.start_secs,
-        output.rate,
-    )?;
-    if output.allow_flashes {
-        performance.allow_flashes();
-    }
-    if output.flash_fields {
-        performance.judge_fields();
-    }
-    if wanted.autopilot {
-        performance.pilot()?;
-    }
-    if output.titles {
-        performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), wanted.start_secs));
-    }
-    if output.shows_rest {
-        performance.show_rest();
-    }
     // Only now: a mesh or song that cannot be read leaves no empty folder behind.
-    let folder = output.film.as_deref().filter(|_| output.is_folder);
-    if let Some(folder) = folder {
+    if let Some(folder) = output.folder() {
         std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
     }
-    let recording = output.coefficients.is_some();
-    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, box_diagonal));
-    let done = match (&output.film, output.pipe) {
-        _ if range.is_empty() => Done::default(),
-        (path, pipe) if path.is_some() || pipe.is_some() => {
-            let sound = path.as_deref().filter(|_| output.piece.is_none());
-            let sound = sound.map(|path| sound_for(path, &songs, watcher)).transpose()?.flatten();
-            let settings = FilmSettings {
-                width: output.width,
-                height: output.height,
-                rate: output.rate,
-                frames: range.end - range.start,
-                first: range.start,
-                audio: sound.as_ref().map(|file| file.path().to_owned()),
-            };
-            let film = match (path, pipe) {
-                (Some(path), _) => Reel::create(path, settings)?,
-                (None, pipe) => Reel::to_pipe(std::io::stdout(), pipe.unwrap_or_default(), settings)?,
-            };
-            let means = Means { draw: output.draw, samples: output.samples, synthesis: output.synthesis };
-            let scene = (&wanted.look, &wanted.viewpoint, &scenery);
-            watcher.watch("filming", |task| {
-                performance.film(film, scene, means, recording, &mut seconds, task)
-            })?
-        }
-        _ => watcher.watch("dancing", |task| {
-            performance.rehearse(range.clone(), &mut seconds, task, |form, items| {
-                match (&mut animation, items) {
-                    (Some(_), [_, _, ..]) => {
-                        Err(Error::input("a GLB holds one dance, not a gallery of them"))
-                    }
-                    (Some(animation), [item]) => {
-                        animation.push(form, item);
-                        Ok(())
-                    }
-                    _ => Ok(()),
-                }
-            })
-        })?,
+    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, ready.box_diagonal));
+    let done = if range.is_empty() {
+        Done::default()
+    } else if output.film.is_some() || output.pipe.is_some() {
+        ready.film(&wanted, range.clone(), &scenery, &mut seconds, watcher)?
+    } else {
+        ready.rehearse(range.clone(), animation.as_mut(), &mut seconds, watcher)?
     };
-    let approximation = match (&output.animation, &animation) {
-        (Some(path), Some(animation)) => {
-            let approximation = watcher.watch("writing the morph targets", |_| {
-                animation.write(path, &mesh, &body, output.rate, output.targets)
-            })?;
-            save_sound(&sound_beside(path), &songs)?;
-            Some(approximation)
-        }
-        _ => None,
-    };
-    if let Some(folder) = folder {
-        save_sound(&folder.join("sound.wav"), &songs)?;
-    }
-    if let Some(path) = &output.coefficients {
-        done.recording.write(path).map_err(|error| Error::unwritten(path, error))?;
-    }
-    if let Some(folder) = &output.presets {
-        save_presets(folder, performance.instrument())?;
-    }
+    let approximation = ready.save_beside(output, &done, animation.as_ref(), watcher)?;
     for message in &done.warnings {
         watcher.warn(Warning::Plain(message.clone()));
     }
     seconds.total = began.elapsed().as_secs_f64();
+    let (tempo_bpm, beat_confidence) = ready.songs.tempo();
+    let film_secs = rate.start_secs(frames);
     Ok(Report {
-        vertices: body.positions.len(),
-        harmonics: body.basis.harmonics(),
+        vertices: ready.body.positions.len(),
+        harmonics: ready.body.basis.harmonics(),
         frames: range.end - range.start,
         film_secs,
         times_real_time: film_secs / seconds.total,
@@ -295,36 +194,7 @@ impl Film {
     }
 }
 
-/// Each item of the gallery as a preset, `item-01.toml` and so on.
-fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
-    std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
-    for (i, item) in instrument.gallery().items().iter().enumerate() {
-        let path = folder.join(format!("item-{:02}.toml", i + 1));
-        Preset::of(instrument, item, Vec::new()).save(&path).map_err(Error::unsaved)?;
-    }
-    Ok(())
-}
-
 /// Where the sound of an animation goes.
 pub fn sound_beside(animation: &Path) -> PathBuf {
     animation.with_extension("wav")
-}
-
-fn save_sound(path: &Path, songs: &Songs) -> Result<(), Error> {
-    write_wav(path, &songs.sound()?, WavSample::Int16).map_err(|error| Error::unwritten(path, error))
-}
-
-/// The sound that an MP4 is given, as a temporary file.
-fn sound_for(
-    film: &Path,
-    songs: &Songs,
-    watcher: &impl Watcher,
-) -> Result<Option<tempfile::NamedTempFile>, Error> {
-    if FilmFormat::of(film).map_err(Error::input)? != FilmFormat::Mp4 {
-        return Ok(None);
-    }
-    let file = tempfile::Builder::new().prefix("chladni-").suffix(".wav").tempfile().map_err(Error::other)?;
-    let sound = songs.sound()?;
-    watcher.watch("writing the sound", |_| write_wav(file.path(), &sound, WavSample::Int16))?;
-    Ok(Some(file))
 }

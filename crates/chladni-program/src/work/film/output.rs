@@ -1,7 +1,7 @@
 //! What is written of a film, and how it is drawn.
 
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_synth::Backend;
 use chladni_view::film::{RawFormat, frame_path};
@@ -93,6 +93,11 @@ impl Output {
             flash_fields: false,
             titles: false,
         }
+    }
+
+    /// The folder of pictures, where it is one.
+    pub(super) fn folder(&self) -> Option<&Path> {
+        self.film.as_deref().filter(|_| self.is_folder)
     }
 
     /// Which of `total` frames have to be made; none if all exist already.
