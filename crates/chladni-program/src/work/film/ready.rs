@@ -1,0 +1,195 @@
+//! A film whose body and songs are prepared, and what is made of it.
+
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use chladni_harmonics::Body;
+use chladni_mesh::TriMesh;
+use chladni_music::{Ensemble, Instrument, Preset};
+use chladni_sound::{WavSample, write_wav};
+use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
+
+use super::animation::{Animation, Approximation};
+use super::output::Output;
+use super::performance::{Done, Means, Performance};
+use super::report::Seconds;
+use super::songs::Songs;
+use super::titles::Titles;
+use super::{Film, sound_beside};
+use crate::work::body::laplacian;
+use crate::work::dancer::{Dancing, classes};
+use crate::work::{Cast, Error, Hearing, Scenery, Watcher, is_flat};
+
+/// All that is needed before the first frame.
+pub(super) struct Ready {
+    mesh: Arc<TriMesh>,
+    pub body: Body,
+    pub box_diagonal: f32,
+    pub songs: Songs,
+    performance: Performance,
+}
+
+impl Ready {
+    /// Opens and prepares body and songs, and sets what is wanted up.
+    pub fn prepare(wanted: &mut Film, seconds: &mut Seconds, watcher: &impl Watcher) -> Result<Self, Error> {
+        let reading = Instant::now();
+        let cast = Cast::open(Path::new(&wanted.body), watcher)?;
+        // The orientation decides which half hears the left channel, so it is needed even without pictures.
+        let stands = cast.stands(wanted.stance, watcher)?;
+        let range = (wanted.start_secs, wanted.duration_secs);
+        let heard = std::mem::take(&mut wanted.heard);
+        let mut songs = Songs::open(&wanted.songs, heard, wanted.show_secs, range, watcher)?;
+        seconds.reading = reading.elapsed().as_secs_f64();
+        let preparing = Instant::now();
+        let mesh = Arc::clone(cast.mesh());
+        let (body, voices) = cast.prepare(wanted.harmonics, laplacian(wanted.paper), false, watcher)?;
+        let symmetry = watcher.watch("finding the mirror", |task| classes(&body, wanted.paper, task))?;
+        let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &stands)?;
+        seconds.preparing = preparing.elapsed().as_secs_f64();
+        let listening = Instant::now();
+        songs.track_beats(watcher)?;
+        seconds.beats = listening.elapsed().as_secs_f64();
+
+        let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;
+        let box_diagonal = dancer.box_diagonal;
+        let voices = voices.into_iter().map(|(_, term)| term).collect();
+        let ensemble = Ensemble::new(dancer).with_voices(voices)?;
+        let mut hearing = Hearing::from(wanted.start_secs);
+        songs.tell(&mut hearing);
+        hearing.know_clock(std::mem::take(&mut wanted.clock));
+        let stretches = songs.stretches().to_vec();
+        let (start_secs, rate) = (wanted.start_secs, wanted.output.rate);
+        let mut performance =
+            Performance::new((&body, stands), ensemble, hearing, begun, stretches, start_secs, rate)?;
+        if wanted.output.allow_flashes {
+            performance.allow_flashes();
+        }
+        if wanted.output.flash_fields {
+            performance.judge_fields();
+        }
+        if wanted.autopilot {
+            performance.pilot()?;
+        }
+        if wanted.output.titles {
+            performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), start_secs));
+        }
+        if wanted.output.shows_rest {
+            performance.show_rest();
+        }
+        Ok(Self { mesh, body, box_diagonal, songs, performance })
+    }
+
+    /// Draws `range` into a file or a pipe.
+    pub fn film(
+        &mut self,
+        wanted: &Film,
+        range: Range<u64>,
+        scenery: &Scenery,
+        seconds: &mut Seconds,
+        watcher: &impl Watcher,
+    ) -> Result<Done, Error> {
+        let output = &wanted.output;
+        let sound = output.film.as_deref().filter(|_| output.piece.is_none());
+        let sound = sound.map(|path| sound_for(path, &self.songs, watcher)).transpose()?.flatten();
+        let settings = FilmSettings {
+            width: output.width,
+            height: output.height,
+            rate: output.rate,
+            frames: range.end - range.start,
+            first: range.start,
+            audio: sound.as_ref().map(|file| file.path().to_owned()),
+        };
+        let film = match &output.film {
+            Some(path) => Reel::create(path, settings)?,
+            None => Reel::to_pipe(std::io::stdout(), output.pipe.unwrap_or_default(), settings)?,
+        };
+        let means = Means { draw: output.draw, samples: output.samples, synthesis: output.synthesis };
+        let scene = (&wanted.look, &wanted.viewpoint, scenery);
+        let recording = output.coefficients.is_some();
+        watcher.watch("filming", |task| self.performance.film(film, scene, means, recording, seconds, task))
+    }
+
+    /// Dances `range` without drawing it.
+    pub fn rehearse(
+        &mut self,
+        range: Range<u64>,
+        mut animation: Option<&mut Animation>,
+        seconds: &mut Seconds,
+        watcher: &impl Watcher,
+    ) -> Result<Done, Error> {
+        watcher.watch("dancing", |task| {
+            self.performance.rehearse(range, seconds, task, |form, items| {
+                match (&mut animation, items) {
+                    (Some(_), [_, _, ..]) => {
+                        return Err(Error::input("a GLB holds one dance, not a gallery of them"));
+                    }
+                    (Some(animation), [item]) => animation.push(form, item),
+                    _ => {}
+                }
+                Ok(())
+            })
+        })
+    }
+
+    /// Saves what is wanted besides the film.
+    pub fn save_beside(
+        &self,
+        output: &Output,
+        done: &Done,
+        animation: Option<&Animation>,
+        watcher: &impl Watcher,
+    ) -> Result<Option<Approximation>, Error> {
+        let approximation = match (&output.animation, animation) {
+            (Some(path), Some(animation)) => {
+                let approximation = watcher.watch("writing the morph targets", |_| {
+                    animation.write(path, &self.mesh, &self.body, output.rate, output.targets)
+                })?;
+                save_sound(&sound_beside(path), &self.songs)?;
+                Some(approximation)
+            }
+            _ => None,
+        };
+        if let Some(folder) = output.folder() {
+            save_sound(&folder.join("sound.wav"), &self.songs)?;
+        }
+        if let Some(path) = &output.coefficients {
+            done.recording.write(path).map_err(|error| Error::unwritten(path, error))?;
+        }
+        if let Some(folder) = &output.presets {
+            save_presets(folder, self.performance.instrument())?;
+        }
+        Ok(approximation)
+    }
+}
+
+/// Each item of the gallery as a preset, `item-01.toml` and so on.
+fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
+    for (i, item) in instrument.gallery().items().iter().enumerate() {
+        let path = folder.join(format!("item-{:02}.toml", i + 1));
+        Preset::of(instrument, item, Vec::new()).save(&path).map_err(Error::unsaved)?;
+    }
+    Ok(())
+}
+
+fn save_sound(path: &Path, songs: &Songs) -> Result<(), Error> {
+    write_wav(path, &songs.sound()?, WavSample::Int16).map_err(|error| Error::unwritten(path, error))
+}
+
+/// The sound that an MP4 is given, as a temporary file.
+fn sound_for(
+    film: &Path,
+    songs: &Songs,
+    watcher: &impl Watcher,
+) -> Result<Option<tempfile::NamedTempFile>, Error> {
+    if FilmFormat::of(film).map_err(Error::input)? != FilmFormat::Mp4 {
+        return Ok(None);
+    }
+    let file = tempfile::Builder::new().prefix("chladni-").suffix(".wav").tempfile().map_err(Error::other)?;
+    let sound = songs.sound()?;
+    watcher.watch("writing the sound", |_| write_wav(file.path(), &sound, WavSample::Int16))?;
+    Ok(Some(file))
+}
