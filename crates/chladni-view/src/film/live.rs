@@ -3,7 +3,6 @@
 
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -12,8 +11,9 @@ use std::thread::JoinHandle;
 use image::RgbaImage;
 use image::imageops::{FilterType, overlay, resize};
 
-use super::mp4::Mp4;
-use super::{Encode, FilmSettings, FrameRate, beside, ffmpeg_is_there, persist};
+use super::cut_off::RecordingFolder;
+use super::mp4::{Layout, Mp4};
+use super::{Encode, FilmSettings, FrameRate, ffmpeg_is_there};
 use crate::{Picture, ViewError};
 
 /// Pictures that may wait for the encoder.
@@ -23,9 +23,11 @@ const MOST_MESSAGES: usize = 4096;
 /// After a gap longer than this, silence is inserted.
 const LATE_SECS: f64 = 0.1;
 
-/// An MP4 with sound that is written while it happens. Dropped before it is finished, it leaves nothing behind.
+/// An MP4 with sound that is written while it happens. Dropped before it is finished, it leaves nothing behind; if it
+/// fails, its folder stays ([`CutOff`](super::CutOff)).
 #[derive(Debug)]
 pub struct LiveFilm {
+    folder: PathBuf,
     sender: Option<SyncSender<Message>>,
     waiting: Arc<AtomicUsize>,
     rate: FrameRate,
@@ -61,20 +63,16 @@ impl LiveFilm {
             return Err(ViewError::NoFfmpeg);
         }
         let failed = |source| ViewError::File { path: path.to_owned(), source };
-        let folder = match path.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        let folder = tempfile::Builder::new().prefix(".chladni-").tempdir_in(folder).map_err(failed)?;
-        let sound = std::fs::File::create(folder.path().join(SOUND)).map_err(failed)?;
-        let encoder = Mp4::create(&folder.path().join(PICTURE), &settings)?;
+        let folder = RecordingFolder::create(path, sound_hz).map_err(failed)?;
+        let sound = std::fs::File::create(folder.sound()).map_err(failed)?;
+        let encoder = Mp4::create(&folder.picture(), &settings, Layout::Pieces)?;
+        let place = folder.path().to_owned();
         let blank = RgbaImage::from_pixel(width, height, image::Rgba([0, 0, 0, 255]));
         let writer = Writer {
             path: path.to_owned(),
             folder,
             encoder,
             sound: BufWriter::new(sound),
-            sound_hz,
             rate,
             shown: Picture { width, height, rgba: blank.into_raw() },
             written: 0,
@@ -88,6 +86,7 @@ impl LiveFilm {
             .map_err(|error| ViewError::Film(format!("no thread to encode on: {error}")))?;
         let thread = Some(thread);
         Ok(Self {
+            folder: place,
             sender: Some(sender),
             waiting,
             rate,
@@ -97,6 +96,12 @@ impl LiveFilm {
             left_out: 0,
             thread,
         })
+    }
+
+    /// The folder in which it is made, beside its file. If the program ends before the film does, [`CutOff`](super::CutOff)
+    /// makes a film of what is there.
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Whether a picture is wanted at `at_secs` since it began.
@@ -171,16 +176,12 @@ impl LiveFilm {
     }
 }
 
-const PICTURE: &str = "picture.mp4";
-const SOUND: &str = "sound.raw";
-
 /// On a thread of its own.
 struct Writer {
     path: PathBuf,
-    folder: tempfile::TempDir,
+    folder: RecordingFolder,
     encoder: Mp4,
     sound: BufWriter<std::fs::File>,
-    sound_hz: u32,
     rate: FrameRate,
     shown: Picture,
     written: u64,
@@ -188,8 +189,21 @@ struct Writer {
 
 impl Writer {
     fn run(mut self, messages: &Receiver<Message>, waiting: &AtomicUsize) -> Result<u64, ViewError> {
-        let path = self.path.clone();
-        let failed = |source| ViewError::File { path: path.clone(), source };
+        match self.take(messages, waiting) {
+            Ok(true) => self.finish(),
+            // Dropped: nobody wants it.
+            Ok(false) => Ok(0),
+            Err(why) => {
+                // What there is of it can still become a film.
+                drop(self.encoder);
+                self.folder.keep();
+                Err(why)
+            }
+        }
+    }
+
+    /// Takes pictures and sound until it is finished, which is true, or dropped.
+    fn take(&mut self, messages: &Receiver<Message>, waiting: &AtomicUsize) -> Result<bool, ViewError> {
         for message in messages {
             match message {
                 Message::Frame(slot, picture) => {
@@ -200,17 +214,17 @@ impl Writer {
                 }
                 Message::Sound(samples) => {
                     for sample in samples {
-                        self.sound.write_all(&sample.to_le_bytes()).map_err(failed)?;
+                        let written = self.sound.write_all(&sample.to_le_bytes());
+                        written.map_err(|source| ViewError::File { path: self.path.clone(), source })?;
                     }
                 }
                 Message::Finish(slots) => {
                     self.hold(slots)?;
-                    return self.finish();
+                    return Ok(true);
                 }
             }
         }
-        // Dropped: nobody wants it.
-        Ok(0)
+        Ok(false)
     }
 
     /// Shows the last picture until `slot`.
@@ -223,23 +237,13 @@ impl Writer {
     }
 
     fn finish(self) -> Result<u64, ViewError> {
-        let Self { path, folder, encoder, mut sound, sound_hz, rate, written, .. } = self;
-        sound.flush().map_err(|source| ViewError::File { path: path.clone(), source })?;
-        Box::new(encoder).finish()?;
-        let file = beside(&path)?;
-        let mut command = Command::new("ffmpeg");
-        command.args(["-y", "-nostdin", "-loglevel", "error", "-i"]).arg(folder.path().join(PICTURE));
-        command.args(["-f", "f32le", "-ar", &sound_hz.to_string(), "-ac", "2", "-i"]);
-        command.arg(folder.path().join(SOUND));
-        command.args(["-map", "0:v", "-map", "1:a", "-c:v", "copy", "-c:a", "aac", "-b:a", "192k"]);
-        // Cut by hand: with copied pictures, -shortest would let the sound run on.
-        let secs = format!("{:.6}", rate.start_secs(written));
-        command.args(["-af", "apad", "-t", &secs, "-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
-        let said = command.stdin(Stdio::null()).output().map_err(|why| ViewError::Ffmpeg(why.to_string()))?;
-        if !said.status.success() {
-            return Err(ViewError::Ffmpeg(String::from_utf8_lossy(&said.stderr).trim().to_owned()));
+        let Self { path, folder, encoder, mut sound, rate, written, .. } = self;
+        let flushed = sound.flush().map_err(|source| ViewError::File { path, source });
+        if let Err(why) = flushed.and_then(|()| Box::new(encoder).finish()) {
+            folder.keep();
+            return Err(why);
         }
-        persist(file, &path)?;
+        folder.join(rate.start_secs(written))?;
         Ok(written)
     }
 }
@@ -264,6 +268,7 @@ pub(super) fn fit(picture: Picture, width: u32, height: u32) -> Picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::process::Command;
     use std::time::{Duration, Instant};
 
     fn flat(width: u32, height: u32, shade: u8) -> Picture {

@@ -1,6 +1,7 @@
 //! Films: frames in, one file (or a folder of frames) out, encoded while the next frames are drawn.
 
 mod camera;
+mod cut_off;
 mod feed;
 mod frames;
 mod gif;
@@ -19,6 +20,7 @@ use chladni_task::temporary_beside;
 use crate::{Picture, ViewError};
 
 pub use camera::{CameraTarget, HAS_SYPHON, LiveCamera, video_devices};
+pub use cut_off::CutOff;
 pub use frames::frame_path;
 pub use live::LiveFilm;
 pub use mp4::ffmpeg_is_there;
@@ -166,7 +168,7 @@ impl Film {
     pub fn create(path: &Path, settings: FilmSettings) -> Result<Self, ViewError> {
         settings.check()?;
         let encoder: Box<dyn Encode> = match FilmFormat::of(path)? {
-            FilmFormat::Mp4 => Box::new(mp4::Mp4::create(path, &settings)?),
+            FilmFormat::Mp4 => Box::new(mp4::Mp4::create(path, &settings, mp4::Layout::Whole)?),
             FilmFormat::Gif => Box::new(gif::Gif::create(path, &settings)?),
             FilmFormat::Apng => Box::new(frames::Apng::create(path, &settings)?),
             FilmFormat::Frames => Box::new(frames::Folder::create(path, settings.first)?),

@@ -19,17 +19,27 @@ pub fn ffmpeg_is_there() -> bool {
         .is_ok_and(|status| status.success())
 }
 
+/// How the file is laid out.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Layout {
+    /// With its index in front, which is written in the end.
+    Whole,
+    /// In pieces of a second, which can be read without those that follow.
+    Pieces,
+}
+
 /// Frames go into ffmpeg's standard input; it writes to a temporary file.
 pub(super) struct Mp4 {
     path: PathBuf,
     file: Option<tempfile::NamedTempFile>,
+    layout: Layout,
     feed: Feed,
     opaque: Vec<u8>,
     planes: Vec<u8>,
 }
 
 impl Mp4 {
-    pub(super) fn create(path: &Path, settings: &FilmSettings) -> Result<Self, ViewError> {
+    pub(super) fn create(path: &Path, settings: &FilmSettings, layout: Layout) -> Result<Self, ViewError> {
         if settings.width < 2 || settings.height < 2 {
             return Err(ViewError::Film("an MP4 needs at least 2×2 pixels".into()));
         }
@@ -61,12 +71,41 @@ impl Mp4 {
         // processor with drawing: these look like `fast` at 18 in a quarter of its time, a third larger.
         command.args(["-c:v", "h264", "-preset", "superfast", "-crf", "21"]);
         command.args(bt709);
-        command.args(["-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
+        command.args(match layout {
+            Layout::Whole => &["-movflags", "+faststart"][..],
+            Layout::Pieces => &[
+                "-movflags",
+                "+empty_moov+default_base_moof",
+                "-frag_duration",
+                "1000000",
+                "-flush_packets",
+                "1",
+            ],
+        });
+        command.args(["-f", "mp4"]).arg(file.path());
         let feed = Feed::start(&mut command).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => ViewError::NoFfmpeg,
             _ => ViewError::Ffmpeg(error.to_string()),
         })?;
-        Ok(Self { path: path.to_owned(), file: Some(file), feed, opaque: Vec::new(), planes: Vec::new() })
+        Ok(Self {
+            path: path.to_owned(),
+            file: Some(file),
+            layout,
+            feed,
+            opaque: Vec::new(),
+            planes: Vec::new(),
+        })
+    }
+}
+
+impl Drop for Mp4 {
+    fn drop(&mut self) {
+        if self.layout == Layout::Pieces
+            && let Some(file) = self.file.take()
+        {
+            // Its pieces can be read; the folder that it lies in goes where nobody wants them.
+            let _ = file.keep();
+        }
     }
 }
 

@@ -30,6 +30,7 @@ mod projection;
 mod recorder;
 mod recording;
 mod remote;
+mod salvage;
 mod shelf;
 mod show_bar;
 mod shows;
@@ -56,6 +57,7 @@ use self::leaning::Leaning;
 use self::listening::Listening;
 use self::loading::Ready;
 pub use self::preferences::Preferences;
+use self::salvage::Salvage;
 use self::shows::{MOST_HARMONICS, save_show, songs_of, the_show};
 use self::wish::Wish;
 use super::Trace;
@@ -104,6 +106,7 @@ pub struct MusicRoom {
     apart: bool,
     /// The time of the last frame, by the window's clock.
     recorded_secs: f64,
+    salvage: Salvage,
 }
 
 /// Bodies by the names that the command line knows them by.
@@ -208,6 +211,7 @@ impl Room for MusicRoom {
             self.fulfil(wish, shared);
         }
         self.recorded_secs = shared.ctx.input(|input| input.time);
+        self.salvage.follow(shared);
         self.follow_recording(shared);
         self.follow_camera(shared);
         if let Some(listening) = &mut self.listening {

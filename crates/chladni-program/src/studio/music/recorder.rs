@@ -8,6 +8,7 @@ use chladni_view::film::LiveFilm;
 
 use super::listening::HeardSound;
 use super::outgoing::RATE;
+use super::salvage::Note;
 use crate::work::Error;
 
 /// Of the film's sound.
@@ -20,6 +21,8 @@ pub struct Recorder {
     since_secs: f64,
     resampler: Option<(u32, StereoResampler)>,
     ends: bool,
+    /// Lets the next session find what this one may not finish.
+    note: Option<Note>,
 }
 
 impl Recorder {
@@ -29,7 +32,14 @@ impl Recorder {
         let [width, height] = size.map(|length| (length & !1).max(2));
         let film = LiveFilm::begin(path, (width, height), RATE, SOUND_HZ)?;
         let path = path.to_owned();
-        Ok(Self { film, path, since_secs: now_secs, resampler: None, ends: false })
+        Ok(Self { film, path, since_secs: now_secs, resampler: None, ends: false, note: None })
+    }
+
+    /// Notes it in the folder of recovery copies.
+    pub fn note(&mut self, recovery: &Path) -> Result<(), Error> {
+        let note = Note::write(recovery, self.film.folder());
+        self.note = Some(note.map_err(|why| Error::unwritten(recovery, why))?);
+        Ok(())
     }
 
     /// Its file.
@@ -79,13 +89,19 @@ impl Recorder {
         }
     }
 
-    /// How many frames it has, once its file is there, or why it is not.
+    /// How many frames it has, once its file is there, or why it is not; then its note stays.
     pub fn ended(&mut self) -> Option<Result<u64, Error>> {
-        self.film.ended().map(|ended| ended.map_err(Error::from))
+        let ended = self.film.ended()?;
+        if ended.is_err() {
+            self.note.take().into_iter().for_each(Note::leave);
+        }
+        Some(ended.map_err(Error::from))
     }
 
     /// As [`ended`](Self::ended), but waits: the window closes.
     pub fn wait(&mut self) {
-        self.film.wait();
+        if let Some(Err(_)) = self.film.wait() {
+            self.note.take().into_iter().for_each(Note::leave);
+        }
     }
 }

@@ -23,7 +23,12 @@ impl MusicRoom {
         let Some(path) = shared.chooser.save(&[("Films", &["mp4"])], Path::new("set.mp4")) else {
             return Ok(());
         };
-        let recorder = Recorder::begin(&path, concert.picture_size(), now_secs)?;
+        let mut recorder = Recorder::begin(&path, concert.picture_size(), now_secs)?;
+        if let Some(recovery) = &shared.folders.recovery
+            && let Err(why) = recorder.note(recovery)
+        {
+            shared.notices.warn(format!("A crash would lose the recording: {why}"));
+        }
         concert.outgoing.record(recorder, now_secs);
         listening.keep_sound(true);
         Ok(())
@@ -50,7 +55,10 @@ impl MusicRoom {
                     format!("Recorded {path}: {frames} frames, of which {left_out} repeat the one before");
                 shared.notices.warn(message);
             }
-            Err(why) => shared.notices.failed(why.of(path)),
+            Err(why) => {
+                shared.notices.failed(why.of(path));
+                self.salvage.look_again();
+            }
         }
     }
 

@@ -1,0 +1,176 @@
+//! The folder of a recording while it is made, and the recording of a program that ended first.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+use super::{beside, ffmpeg_is_there, persist};
+use crate::ViewError;
+
+/// How the folders are called, beside the films that are to be.
+const PREFIX: &str = ".chladni-";
+const PICTURE: &str = "picture.mp4";
+const SOUND: &str = "sound.raw";
+/// Says which film it is to be, and the rate of its sound; locked while it is recorded.
+const NOTE: &str = "recording.txt";
+/// No note is longer.
+const MOST_BYTES: u64 = 64 << 10;
+
+/// Where a recording is made. Dropped, it is gone.
+#[derive(Debug)]
+pub(super) struct RecordingFolder {
+    folder: TempDir,
+    film: PathBuf,
+    sound_hz: u32,
+    /// Holds the lock.
+    _note: File,
+}
+
+impl RecordingFolder {
+    /// Makes one beside `film`.
+    pub(super) fn create(film: &Path, sound_hz: u32) -> std::io::Result<Self> {
+        let beside = match film.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(beside)?;
+        let name = film.file_name().unwrap_or_default().to_string_lossy();
+        let mut note = File::create(folder.path().join(NOTE))?;
+        note.lock()?;
+        writeln!(note, "{sound_hz}\n{name}")?;
+        note.sync_all()?;
+        Ok(Self { folder, film: film.to_owned(), sound_hz, _note: note })
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The film without sound.
+    pub(super) fn picture(&self) -> PathBuf {
+        self.path().join(PICTURE)
+    }
+
+    /// Pairs of 32-bit floats.
+    pub(super) fn sound(&self) -> PathBuf {
+        self.path().join(SOUND)
+    }
+
+    /// Puts picture and sound together into the film, which lasts `secs`. If that fails, the folder stays.
+    pub(super) fn join(self, secs: f64) -> Result<(), ViewError> {
+        let joined = join((&self.picture(), &self.sound(), self.sound_hz), Some(secs), &self.film);
+        if joined.is_err() {
+            self.keep();
+        }
+        joined
+    }
+
+    /// It stays, for [`CutOff`].
+    pub(super) fn keep(self) {
+        let _ = self.folder.keep();
+    }
+}
+
+/// A recording whose program or encoder ended before it did, as its folder has it.
+#[derive(Debug)]
+pub struct CutOff {
+    folder: PathBuf,
+    film: PathBuf,
+    sound_hz: u32,
+    /// Holds the lock, so that nobody else takes it.
+    _note: File,
+}
+
+impl CutOff {
+    /// What [`LiveFilm::folder`](super::LiveFilm::folder) has left; `None` where it is gone, no such folder, or still
+    /// being recorded.
+    pub fn find(folder: &Path) -> Option<Self> {
+        if !folder.file_name()?.to_str()?.starts_with(PREFIX) || !folder.symlink_metadata().ok()?.is_dir() {
+            return None;
+        }
+        let note = File::open(folder.join(NOTE)).ok()?;
+        note.try_lock().ok()?;
+        let mut text = String::new();
+        (&note).take(MOST_BYTES).read_to_string(&mut text).ok()?;
+        let (sound_hz, name) = text.trim_end_matches('\n').split_once('\n')?;
+        // A name, not a way to another folder.
+        let name = Path::new(Path::new(name).file_name()?);
+        let film = folder.parent()?.join(name);
+        Some(Self { folder: folder.to_owned(), film, sound_hz: sound_hz.parse().ok()?, _note: note })
+    }
+
+    /// The film that it was to be.
+    pub fn film(&self) -> &Path {
+        &self.film
+    }
+
+    /// Makes a film of what was recorded, beside the one that it was to be, and removes the folder; where the film is.
+    /// The last second may be missing.
+    ///
+    /// # Errors
+    /// [`ViewError::NoFfmpeg`], [`ViewError::Film`] where it has no picture, [`ViewError::Ffmpeg`] and
+    /// [`ViewError::File`]. The folder stays.
+    pub fn save(self) -> Result<PathBuf, ViewError> {
+        if !ffmpeg_is_there() {
+            return Err(ViewError::NoFfmpeg);
+        }
+        let failed = |source| ViewError::File { path: self.folder.clone(), source };
+        let entries = std::fs::read_dir(&self.folder).map_err(failed)?;
+        let paths = entries.filter_map(Result::ok).map(|entry| entry.path());
+        // Until it is finished it has a name of its own.
+        let is_film = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "mp4");
+        let Some(picture) = paths.filter(is_film).find(|path| has_bytes(path)) else {
+            return Err(ViewError::Film("nothing was recorded".into()));
+        };
+        let film = self.free_name();
+        join((&picture, &self.folder.join(SOUND), self.sound_hz), None, &film)?;
+        std::fs::remove_dir_all(&self.folder).map_err(failed)?;
+        Ok(film)
+    }
+
+    /// `set.mp4` becomes `set (cut off).mp4`, or one with a number where there is such a film.
+    fn free_name(&self) -> PathBuf {
+        let stem = self.film.file_stem().unwrap_or_default().to_string_lossy();
+        let named = |number: u32| match number {
+            1 => self.film.with_file_name(format!("{stem} (cut off).mp4")),
+            _ => self.film.with_file_name(format!("{stem} (cut off {number}).mp4")),
+        };
+        let mut number = 1;
+        while named(number).symlink_metadata().is_ok() {
+            number += 1;
+        }
+        named(number)
+    }
+}
+
+fn has_bytes(path: &Path) -> bool {
+    path.metadata().is_ok_and(|file| file.len() > 0)
+}
+
+/// Puts a picture and its sound together, with silence up to `secs` where that is known.
+fn join(
+    (picture, sound, sound_hz): (&Path, &Path, u32),
+    secs: Option<f64>,
+    film: &Path,
+) -> Result<(), ViewError> {
+    let file = beside(film)?;
+    let mut command = Command::new("ffmpeg");
+    command.args(["-y", "-nostdin", "-loglevel", "error", "-i"]).arg(picture);
+    if has_bytes(sound) || secs.is_some() {
+        command.args(["-f", "f32le", "-ar", &sound_hz.to_string(), "-ac", "2", "-i"]).arg(sound);
+        command.args(["-map", "0:v", "-map", "1:a", "-c:a", "aac", "-b:a", "192k"]);
+    }
+    if let Some(secs) = secs {
+        // Cut by hand: with copied pictures, -shortest would let the sound run on.
+        command.args(["-af", "apad", "-t", &format!("{secs:.6}")]);
+    }
+    command.args(["-c:v", "copy", "-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
+    let said = command.stdin(Stdio::null()).output().map_err(|why| ViewError::Ffmpeg(why.to_string()))?;
+    if !said.status.success() {
+        return Err(ViewError::Ffmpeg(String::from_utf8_lossy(&said.stderr).trim().to_owned()));
+    }
+    persist(file, film)
+}
