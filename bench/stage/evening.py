@@ -1,5 +1,5 @@
-"""An evening on stage, for bench/stage/hour: plays it for so many seconds with the program and in the folder given,
-and writes the section of BENCHMARKS.md."""
+"""An evening on stage, for bench/stage/hour and bench/soak/run: plays it for so many minutes with the program and in the
+folder given, and writes the section of BENCHMARKS.md."""
 
 import json
 import os
@@ -17,11 +17,26 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "bench"))
 from section import machine, write_section  # noqa: E402
 
-MESSAGES_PER_HOUR = 2000
 PORT = 47_110
 SAMPLE_SECS = 5.0
 # What would stop the show, or needs a person to go on.
 LEFT_OUT = {"play", "hold-tempo"}
+
+
+class Plan:
+    """What happens how often: messages an hour, and from when to when the next song, size, loss and shape come."""
+
+    def __init__(self, section, heading, messages_per_hour, song_secs, size_secs, loss_secs, shape_secs):
+        self.section, self.heading, self.messages_per_hour = section, heading, messages_per_hour
+        self.song_secs, self.size_secs, self.loss_secs, self.shape_secs = song_secs, size_secs, loss_secs, shape_secs
+
+
+NEVER = float("inf")
+PLANS = {
+    "hour": Plan("hour", "An hour on stage", 2000, (40.0, 100.0), (30.0, 90.0), 300.0, NEVER),
+    # Eight hours of the other in one.
+    "soak": Plan("soak", "Eight hours in one", 16000, (5.0, 12.0), (8.0, 24.0), 150.0, 120.0),
+}
 
 
 def controls():
@@ -79,6 +94,22 @@ def resize(width, height):
         subprocess.run(["xdotool", "windowsize", window, str(width), str(height)])
 
 
+def open_shape(path):
+    """Another shape, through the window's own way to open files."""
+    main = subprocess.run(["xdotool", "search", "--name", "^Chladni$"], capture_output=True, text=True).stdout.split()
+    if not main:
+        return
+    subprocess.run(["xdotool", "windowfocus", "--sync", main[0], "key", "ctrl+o"], capture_output=True)
+    for _ in range(100):
+        found = subprocess.run(["xdotool", "search", "--onlyvisible", "--name", "^Open"], capture_output=True, text=True)
+        if found.stdout.split():
+            window = found.stdout.split()[0]
+            subprocess.run(["xdotool", "windowfocus", "--sync", window, "type", "--delay", "20", str(path)], capture_output=True)
+            subprocess.run(["xdotool", "key", "Return"], capture_output=True)
+            return
+        time.sleep(0.1)
+
+
 def standing(pid):
     """Resident megabytes, open files and threads of a process."""
     status = Path(f"/proc/{pid}/status").read_text()
@@ -86,7 +117,7 @@ def standing(pid):
     return number("VmRSS") / 1024, len(os.listdir(f"/proc/{pid}/fd")), number("Threads")
 
 
-def evening(folder, chladni, secs):
+def evening(folder, chladni, secs, plan):
     """Runs the show; the program's own report, and what was seen from outside."""
     songs = []
     for index, kind in enumerate(["pinknoise tremolo 2 40", "pluck C3 tremolo 1 60", "brownnoise tremolo 3 70"]):
@@ -96,10 +127,14 @@ def evening(folder, chladni, secs):
     with open(folder / "report.json", "wb") as report, open(folder / "errors", "wb") as errors:
         program = subprocess.Popen(command, stdout=report, stderr=errors)
     hand, table, rng = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), controls(), random.Random(2012)
-    gap_secs = 3600.0 / MESSAGES_PER_HOUR
+    gap_secs = 3600.0 / plan.messages_per_hour
+    shapes = [folder / f"{name}.ply" for name in ("jellyfish", "cat", "octopus")] if plan.shape_secs < NEVER else []
+    for shape in shapes:
+        layer = [f"sample:{shape.stem}", "ellipsoid", "--mu", "0", "-k", "32", "-o", shape]
+        subprocess.run([chladni, "caricature", *layer], check=True, capture_output=True)
     began = time.monotonic()
-    samples, sent, resized, unplugged = [], 0, 0, 0
-    next_sample, next_song, next_size, next_loss, plug_at = 0.0, 60.0, 45.0, 240.0, None
+    samples, sent, resized, unplugged, opened = [], 0, 0, 0, 0
+    next_sample, next_song, next_size, next_loss, next_shape, plug_at = 0.0, 60.0, 45.0, 240.0, plan.shape_secs, None
     while program.poll() is None:
         now = time.monotonic() - began
         if now >= sent * gap_secs:
@@ -114,13 +149,19 @@ def evening(folder, chladni, secs):
             next_sample += SAMPLE_SECS
         if now >= next_song:
             hand.sendto(packet("/chladni/song", float(rng.randint(1, len(songs)))), ("127.0.0.1", PORT))
-            next_song += rng.uniform(40.0, 100.0)
+            next_song += rng.uniform(*plan.song_secs)
         if now >= next_size:
             resize(rng.randint(900, 1500), rng.randint(620, 950))
-            resized, next_size = resized + 1, next_size + rng.uniform(30.0, 90.0)
+            resized, next_size = resized + 1, next_size + rng.uniform(*plan.size_secs)
         if now >= next_loss:
             unplug()
-            unplugged, plug_at, next_loss = unplugged + 1, now + 4.0, next_loss + 300.0
+            unplugged, plug_at, next_loss = unplugged + 1, now + 4.0, next_loss + plan.loss_secs
+        if now >= next_shape:
+            # On stage its keys are others.
+            hand.sendto(packet("/chladni/leave", None), ("127.0.0.1", PORT))
+            time.sleep(1.0)
+            open_shape(shapes[opened % len(shapes)])
+            opened, next_shape = opened + 1, now + plan.shape_secs
         if plug_at is not None and now >= plug_at:
             plug()
             plug_at = None
@@ -128,7 +169,7 @@ def evening(folder, chladni, secs):
     if program.wait():
         sys.exit((folder / "errors").read_text())
     report = json.loads((folder / "report.json").read_text())
-    report.update(messages=sent, resized=resized, unplugged=unplugged, samples=len(samples))
+    report.update(messages=sent, resized=resized, unplugged=unplugged, opened=opened, samples=len(samples))
     for index, name in enumerate(["resident_mb", "open_files", "threads"], start=1):
         # Once all is loaded and has been seen: from a sixth of the time on.
         later = [sample[index] for sample in samples[len(samples) // 6 :]]
@@ -137,28 +178,35 @@ def evening(folder, chladni, secs):
             "early": statistics.median(later[:tenth]),
             "late": statistics.median(later[-tenth:]),
             "most": max(later),
+            "twelfths": [
+                round(statistics.median(sample[index] for sample in part), 1)
+                for part in (samples[len(samples) * i // 12 : len(samples) * (i + 1) // 12] for i in range(12))
+                if part
+            ],
         }
     return report
 
 
 def main():
-    chladni, folder, minutes = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3])
+    chladni, folder, minutes, plan = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), PLANS[sys.argv[4]]
     (folder / "chladni").mkdir()
     (folder / "chladni" / "settings.toml").write_text(f"[music]\nosc_port = {PORT}\n")
-    report = evening(folder, chladni, 60.0 * minutes)
+    report = evening(folder, chladni, 60.0 * minutes, plan)
     print(json.dumps(report))
+    command = {"hour": "bench/stage/hour", "soak": "bench/soak/run"}[plan.section]
     grown = lambda name: f"{report[name]['early']:,.0f} → {report[name]['late']:,.0f} (most {report[name]['most']:,.0f})"  # noqa: E731
     write_section(
-        "hour",
-        f"""## An hour on stage
+        plan.section,
+        f"""## {plan.heading}
 
-{machine()}; Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Early is the first tenth of the time after a warm-up of a sixth, late the last. Made by `bench/stage/hour {minutes:g}`.
+{machine()}; Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Early is the first tenth of the time after a warm-up of a sixth, late the last. Made by `{command} {minutes:g}`.
 
 | what | measured |
 |---|---|
 | time | {report["secs"] / 60:.1f} min |
-| control messages, window resizes, sound devices lost | {report["messages"]}, {report["resized"]}, {report["unplugged"]} |
+| control messages, window resizes, sound devices lost, shapes opened | {report["messages"]}, {report["resized"]}, {report["unplugged"]}, {report["opened"]} |
 | resident memory, MB | {grown("resident_mb")} |
+| the same in each twelfth of the time | {", ".join(f"{mb:,.0f}" for mb in report["resident_mb"]["twelfths"])} |
 | open files | {grown("open_files")} |
 | threads | {grown("threads")} |
 | frames | {report["frames"]:,} ({report["frames"] / report["secs"]:.1f} a second) |

@@ -95,7 +95,7 @@ fn every_truncation_of_a_good_file_is_an_error_or_a_mesh() {
 
 #[test]
 fn errors_say_where_and_why() {
-    let cases: [(Format, &str, &[&str]); 19] = [
+    let cases: [(Format, &str, &[&str]); 20] = [
         (Format::Obj, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", &["line 4", "4", "3 vertices"]),
         (Format::Obj, "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", &["line 2", "NaN"]),
         (Format::Obj, "v 0 0 inf\n", &["line 1", "inf"]),
@@ -122,6 +122,11 @@ fn errors_say_where_and_why() {
              property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
              element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n5 5 5 1 2 3\n3 0 1 2\n",
             &["line 7", "'vertex'"],
+        ),
+        (
+            Format::Ply,
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float\nproperty float z\n",
+            &["line 6", "name"],
         ),
         (Format::Off, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n", &["line 6", "7", "3 vertices"]),
         (Format::Off, "OFF\n99999999999 1 0\n0 0 0\n", &["after 1 of 99999999999"]),

@@ -196,6 +196,9 @@ fn read_property<'a>(mut parts: impl Iterator<Item = &'a [u8]>, line: usize) -> 
     } else {
         (None, scalar(first)?)
     };
-    let name = String::from_utf8_lossy(parts.next().unwrap_or_default()).into_owned();
+    let Some(name) = parts.next() else {
+        return Err(Fault::line(line, "a property without a name"));
+    };
+    let name = String::from_utf8_lossy(name).into_owned();
     Ok(Property { name, list, scalar: kind })
 }
