@@ -6,7 +6,7 @@ impl Look {
     /// Black steel from which speed strikes sparks: blows shine before they are seen to move anything.
     pub const SPARK: Self = Self {
         material: Material { roughness: 0.34, metal: 0.35, edge: [20, 50, 110], ..Material::BARE },
-        answer: Some(Answer { travel: 0.15, haste: 3.2, spark: 3.0, ..answer_of(Palette::Abyss, 0.18) }),
+        answer: Some(Answer { travel: 0.15, haste: 1.15, spark: 0.6, ..answer_of(Palette::Abyss, 0.26) }),
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.75, 0.85, 1.0]),
