@@ -18,7 +18,10 @@ const SOUND_HZ: u32 = 48_000;
 pub struct Recorder {
     film: LiveFilm,
     path: PathBuf,
-    since_secs: f64,
+    /// When it was asked for.
+    asked_secs: f64,
+    /// When it began: in the first frame after that, as choosing its file may have taken any time.
+    since_secs: Option<f64>,
     resampler: Option<(u32, StereoResampler)>,
     ends: bool,
     /// Lets the next session find what this one may not finish.
@@ -26,13 +29,21 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Begins a film of `size` pixels at `now_secs` of the window.
+    /// A film of `size` pixels, which begins in the first frame after `now_secs` of the window.
     pub fn begin(path: &Path, size: [u32; 2], now_secs: f64) -> Result<Self, Error> {
         // H.264 wants even sides.
         let [width, height] = size.map(|length| (length & !1).max(2));
         let film = LiveFilm::begin(path, (width, height), RATE, SOUND_HZ)?;
         let path = path.to_owned();
-        Ok(Self { film, path, since_secs: now_secs, resampler: None, ends: false, note: None })
+        Ok(Self {
+            film,
+            path,
+            asked_secs: now_secs,
+            since_secs: None,
+            resampler: None,
+            ends: false,
+            note: None,
+        })
     }
 
     /// Notes it in the folder of recovery copies.
@@ -49,19 +60,37 @@ impl Recorder {
 
     /// How long it is, and how many pictures were left out.
     pub fn progress(&self, now_secs: f64) -> (f64, u64) {
-        (now_secs - self.since_secs, self.film.left_out())
+        (self.at_secs(now_secs), self.film.left_out())
+    }
+
+    fn at_secs(&self, now_secs: f64) -> f64 {
+        self.since_secs.map_or(0.0, |since_secs| (now_secs - since_secs).max(0.0))
+    }
+
+    /// It begins where it is to; whether it had begun before.
+    fn start(&mut self, now_secs: f64) -> bool {
+        let had_begun = self.since_secs.is_some();
+        if !had_begun && now_secs > self.asked_secs {
+            self.since_secs = Some(now_secs);
+        }
+        had_begun
     }
 
     /// Takes what was seen at `now_secs`.
     pub fn picture(&mut self, now_secs: f64, picture: Picture) {
-        if !self.ends {
-            self.film.picture(now_secs - self.since_secs, picture);
+        self.start(now_secs);
+        if !self.ends && self.since_secs.is_some() {
+            self.film.picture(self.at_secs(now_secs), picture);
         }
     }
 
     /// Takes what was heard up to now.
     pub fn sound(&mut self, now_secs: f64, heard: &HeardSound) -> Result<(), Error> {
-        let at_secs = now_secs - self.since_secs;
+        if !self.start(now_secs) {
+            // From before it began.
+            return Ok(());
+        }
+        let at_secs = self.at_secs(now_secs);
         if heard.rate_hz == SOUND_HZ || heard.left.is_empty() {
             self.film.sound(at_secs, &heard.left, &heard.right);
             return Ok(());
@@ -85,7 +114,7 @@ impl Recorder {
     /// It ends now; its file appears a little later.
     pub fn finish(&mut self, now_secs: f64) {
         if !std::mem::replace(&mut self.ends, true) {
-            self.film.finish(now_secs - self.since_secs);
+            self.film.finish(self.at_secs(now_secs));
         }
     }
 
@@ -103,5 +132,38 @@ impl Recorder {
         if let Some(Err(_)) = self.film.wait() {
             self.note.take().into_iter().for_each(Note::leave);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choosing_a_file_is_not_in_the_film() {
+        if !chladni_view::film::ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let mut recorder = Recorder::begin(&folder.path().join("set.mp4"), [64, 48], 10.0).unwrap();
+        let gray = || Picture { width: 64, height: 48, rgba: vec![128; 4 * 64 * 48] };
+        let mut tone = HeardSound::default();
+        (tone.rate_hz, tone.left, tone.right) = (SOUND_HZ, vec![0.5; 1600], vec![0.5; 1600]);
+        recorder.sound(10.0, &tone).unwrap();
+        // Somebody took five seconds.
+        for frame in 0..30 {
+            let now_secs = 15.0 + f64::from(frame) / 30.0;
+            recorder.sound(now_secs, &tone).unwrap();
+            recorder.picture(now_secs, gray());
+        }
+        assert!((recorder.progress(16.0).0 - 1.0).abs() < 1e-9);
+        recorder.finish(16.0);
+        let frames = loop {
+            if let Some(ended) = recorder.ended() {
+                break ended.unwrap();
+            }
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        };
+        assert_eq!(frames, 30);
     }
 }
