@@ -224,8 +224,14 @@ pub fn numbers_in(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
     numbers_of(member.map_err(|_| Error::other(format!("it has no array {name:?}")))?.take(MOST_BYTES))
 }
 
-fn numbers_of(file: impl Read) -> Result<Vec<f64>> {
-    let file = NpyFile::new(file)?;
+/// The longest header of an array, in bytes, and the most brackets in it: an array of numbers has two, and the time in which
+/// `npyz` reads nested ones doubles with each.
+const LONGEST_HEADER: u64 = 64 << 10;
+const MOST_BRACKETS: usize = 16;
+
+fn numbers_of(mut file: impl Read) -> Result<Vec<f64>> {
+    let header = header(&mut file)?;
+    let file = NpyFile::new(header.as_slice().chain(file))?;
     let DType::Plain(kind) = file.dtype() else { return Err(Error::other("it holds records, not numbers")) };
     match (kind.type_char(), kind.size_field()) {
         (TypeChar::Bool, _) => each(file, |x: bool| f64::from(u8::from(x))),
@@ -240,6 +246,27 @@ fn numbers_of(file: impl Read) -> Result<Vec<f64>> {
             Err(Error::other(format!("it holds {kind}, which is none of the kinds of number that are read")))
         }
     }
+}
+
+/// The beginning of a `.npy` file up to its numbers, if they are such as can be read.
+fn header(file: &mut impl Read) -> Result<Vec<u8>> {
+    let mut header = vec![0; 8];
+    file.read_exact(&mut header)?;
+    if !header.starts_with(b"\x93NUMPY") {
+        return Ok(header);
+    }
+    let width = if header[6] == 1 { 2 } else { 4 };
+    file.by_ref().take(width).read_to_end(&mut header)?;
+    let length = header[8..].iter().rev().fold(0, |length, byte| length << 8 | u64::from(*byte));
+    if length > LONGEST_HEADER {
+        return Err(Error::other(format!("its header has {length} bytes")));
+    }
+    file.by_ref().take(length).read_to_end(&mut header)?;
+    let text = header.iter().skip(8 + width as usize);
+    if text.filter(|byte| b"([{".contains(byte)).count() > MOST_BRACKETS {
+        return Err(Error::other("it holds records, not numbers, or its header is damaged"));
+    }
+    Ok(header)
 }
 
 /// Reads numbers one by one, because a damaged header may promise more than memory holds.
@@ -264,6 +291,18 @@ mod tests {
         header.push('\n');
         let length = (header.len() as u16).to_le_bytes();
         [b"\x93NUMPY\x01\x00", length.as_slice(), header.as_bytes(), bytes].concat()
+    }
+
+    #[test]
+    fn a_header_of_nested_brackets_is_refused_at_once() {
+        for nested in ["(".repeat(160), "{".repeat(160), "[(".repeat(80)] {
+            let header = format!("{{{nested}'descr': '<f8'\n");
+            let length = (header.len() as u16).to_le_bytes();
+            let bytes = [b"\x93NUMPY\x01\x00", length.as_slice(), header.as_bytes()].concat();
+            assert!(numbers_in(&bytes, "mask").unwrap_err().to_string().contains("damaged"));
+        }
+        let endless = [b"\x93NUMPY\x02\x00".as_slice(), &u32::MAX.to_le_bytes()].concat();
+        assert!(numbers_in(&endless, "mask").unwrap_err().to_string().contains("bytes"));
     }
 
     #[test]
