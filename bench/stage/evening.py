@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "bench"))
@@ -23,19 +24,24 @@ SAMPLE_SECS = 5.0
 LEFT_OUT = {"play", "hold-tempo"}
 
 
-class Plan:
-    """What happens how often: messages an hour, and from when to when the next song, size, loss and shape come."""
+class Plan(NamedTuple):
+    """What happens how often: messages an hour, and after how long the next song, size, loss and shape come."""
 
-    def __init__(self, section, heading, messages_per_hour, song_secs, size_secs, loss_secs, shape_secs):
-        self.section, self.heading, self.messages_per_hour = section, heading, messages_per_hour
-        self.song_secs, self.size_secs, self.loss_secs, self.shape_secs = song_secs, size_secs, loss_secs, shape_secs
+    command: str
+    heading: str
+    messages_per_hour: int
+    song_secs: tuple
+    size_secs: tuple
+    loss_secs: float
+    shape_secs: float
 
 
 NEVER = float("inf")
+# By the sections of BENCHMARKS.md.
 PLANS = {
-    "hour": Plan("hour", "An hour on stage", 2000, (40.0, 100.0), (30.0, 90.0), 300.0, NEVER),
+    "hour": Plan("bench/stage/hour", "An hour on stage", 2000, (40.0, 100.0), (30.0, 90.0), 300.0, NEVER),
     # Eight hours of the other in one.
-    "soak": Plan("soak", "Eight hours in one", 16000, (5.0, 12.0), (8.0, 24.0), 150.0, 120.0),
+    "soak": Plan("bench/soak/run", "Eight hours in one", 16000, (5.0, 12.0), (8.0, 24.0), 150.0, 120.0),
 }
 
 
@@ -87,27 +93,28 @@ def unplug():
     subprocess.run(["pactl", "unload-module", "module-null-sink"], capture_output=True)
 
 
+def xdotool(*arguments):
+    """What it prints, word by word."""
+    return subprocess.run(["xdotool", *map(str, arguments)], capture_output=True, text=True).stdout.split()
+
+
 def resize(width, height):
     """Gives the window another size."""
-    find = ["xdotool", "search", "--onlyvisible", "--name", "Chladni"]
-    for window in subprocess.run(find, capture_output=True, text=True).stdout.split()[:1]:
-        subprocess.run(["xdotool", "windowsize", window, str(width), str(height)])
+    for window in xdotool("search", "--onlyvisible", "--name", "Chladni")[:1]:
+        xdotool("windowsize", window, width, height)
 
 
 def open_shape(path):
-    """Another shape, through the window's own way to open files."""
-    main = subprocess.run(["xdotool", "search", "--name", "^Chladni$"], capture_output=True, text=True).stdout.split()
-    if not main:
-        return
-    subprocess.run(["xdotool", "windowfocus", "--sync", main[0], "key", "ctrl+o"], capture_output=True)
+    """Another shape, through the window's own way to open files; whether that came up."""
+    for window in xdotool("search", "--name", "^Chladni$")[:1]:
+        xdotool("windowfocus", "--sync", window, "key", "ctrl+o")
     for _ in range(100):
-        found = subprocess.run(["xdotool", "search", "--onlyvisible", "--name", "^Open"], capture_output=True, text=True)
-        if found.stdout.split():
-            window = found.stdout.split()[0]
-            subprocess.run(["xdotool", "windowfocus", "--sync", window, "type", "--delay", "20", str(path)], capture_output=True)
-            subprocess.run(["xdotool", "key", "Return"], capture_output=True)
-            return
+        for window in xdotool("search", "--onlyvisible", "--name", "^Open")[:1]:
+            xdotool("windowfocus", "--sync", window, "type", "--delay", 20, path)
+            xdotool("key", "Return")
+            return True
         time.sleep(0.1)
+    return False
 
 
 def standing(pid):
@@ -160,8 +167,8 @@ def evening(folder, chladni, secs, plan):
             # On stage its keys are others.
             hand.sendto(packet("/chladni/leave", None), ("127.0.0.1", PORT))
             time.sleep(1.0)
-            open_shape(shapes[opened % len(shapes)])
-            opened, next_shape = opened + 1, now + plan.shape_secs
+            opened += open_shape(shapes[opened % len(shapes)])
+            next_shape = now + plan.shape_secs
         if plug_at is not None and now >= plug_at:
             plug()
             plug_at = None
@@ -188,18 +195,18 @@ def evening(folder, chladni, secs, plan):
 
 
 def main():
-    chladni, folder, minutes, plan = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), PLANS[sys.argv[4]]
+    chladni, folder, minutes, section = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), sys.argv[4]
+    plan = PLANS[section]
     (folder / "chladni").mkdir()
     (folder / "chladni" / "settings.toml").write_text(f"[music]\nosc_port = {PORT}\n")
     report = evening(folder, chladni, 60.0 * minutes, plan)
     print(json.dumps(report))
-    command = {"hour": "bench/stage/hour", "soak": "bench/soak/run"}[plan.section]
     grown = lambda name: f"{report[name]['early']:,.0f} → {report[name]['late']:,.0f} (most {report[name]['most']:,.0f})"  # noqa: E731
     write_section(
-        plan.section,
+        section,
         f"""## {plan.heading}
 
-{machine()}; Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Early is the first tenth of the time after a warm-up of a sixth, late the last. Made by `{command} {minutes:g}`.
+{machine()}; Xvfb, drawn by the processor unless a card is there, sound into a PulseAudio null sink. Early is the first tenth of the time after a warm-up of a sixth, late the last. Made by `{plan.command} {minutes:g}`.
 
 | what | measured |
 |---|---|

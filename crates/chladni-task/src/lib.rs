@@ -26,7 +26,7 @@ mod atomic_file;
 mod progress;
 mod read_file;
 
-pub use atomic_file::{Draft, persist, temporary_beside, write_atomic, write_atomic_with};
+pub use atomic_file::{Draft, folder_of, persist, temporary_beside, write_atomic, write_atomic_with};
 pub use progress::{Cancelled, Progress, Stage, Task};
 pub use read_file::{open_file, read_file, read_text_file};
 

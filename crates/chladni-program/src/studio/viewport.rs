@@ -253,6 +253,12 @@ pub fn whole_pixels(ui: &egui::Ui) -> egui::Rect {
     ui.available_rect_before_wrap().round_to_pixels(ui.pixels_per_point())
 }
 
+/// The pixels of `rect`.
+pub fn area(ui: &egui::Ui, rect: egui::Rect) -> Rect {
+    let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
+    Rect::of_size(pixels(rect.width()), pixels(rect.height()))
+}
+
 /// A rectangle of the canvas as points of the window.
 pub fn to_points(ui: &egui::Ui, canvas: egui::Rect, cell: Rect) -> egui::Rect {
     let scale = 1.0 / ui.pixels_per_point();

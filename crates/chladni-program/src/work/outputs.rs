@@ -3,6 +3,8 @@
 
 use std::path::Path;
 
+use chladni_task::folder_of;
+
 use super::Error;
 
 /// Checks that a file can be written at `path`.
@@ -17,10 +19,7 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
     if path.exists() && !path.is_file() {
         return refused("is a device or a pipe; the name of a file is needed");
     }
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
+    let folder = folder_of(path);
     if !folder.is_dir() {
         return refused("its folder does not exist");
     }

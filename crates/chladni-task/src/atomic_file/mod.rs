@@ -116,7 +116,8 @@ fn where_it_leads(path: &Path) -> PathBuf {
     path.to_owned()
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder of `path`: its parent, or `.` for a bare name.
+pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use chladni_task::folder_of;
 use tempfile::TempDir;
 
 use super::{beside, ffmpeg_is_there, persist};
@@ -32,11 +33,7 @@ pub(super) struct RecordingFolder {
 impl RecordingFolder {
     /// Makes one beside `film`.
     pub(super) fn create(film: &Path, sound_hz: u32) -> std::io::Result<Self> {
-        let beside = match film.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(beside)?;
+        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder_of(film))?;
         let name = film.file_name().unwrap_or_default().to_string_lossy();
         let mut note = File::create(folder.path().join(NOTE))?;
         note.lock()?;
@@ -47,6 +44,11 @@ impl RecordingFolder {
 
     pub(super) fn path(&self) -> &Path {
         self.folder.path()
+    }
+
+    /// The film that it is to be.
+    pub(super) fn film(&self) -> &Path {
+        &self.film
     }
 
     /// The film without sound.
@@ -118,13 +120,10 @@ impl CutOff {
             return Err(ViewError::NoFfmpeg);
         }
         let failed = |source| ViewError::File { path: self.folder.clone(), source };
-        let entries = std::fs::read_dir(&self.folder).map_err(failed)?;
-        let paths = entries.filter_map(Result::ok).map(|entry| entry.path());
-        // Until it is finished it has a name of its own.
-        let is_film = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "mp4");
-        let Some(picture) = paths.filter(is_film).find(|path| has_bytes(path)) else {
+        let picture = self.folder.join(PICTURE);
+        if !has_bytes(&picture) {
             return Err(ViewError::Film("nothing was recorded".into()));
-        };
+        }
         let film = self.free_name();
         join((&picture, &self.folder.join(SOUND), self.sound_hz), None, &film)?;
         std::fs::remove_dir_all(&self.folder).map_err(failed)?;

@@ -69,7 +69,6 @@ impl LiveFilm {
         let place = folder.path().to_owned();
         let blank = RgbaImage::from_pixel(width, height, image::Rgba([0, 0, 0, 255]));
         let writer = Writer {
-            path: path.to_owned(),
             folder,
             encoder,
             sound: BufWriter::new(sound),
@@ -178,7 +177,6 @@ impl LiveFilm {
 
 /// On a thread of its own.
 struct Writer {
-    path: PathBuf,
     folder: RecordingFolder,
     encoder: Mp4,
     sound: BufWriter<std::fs::File>,
@@ -215,7 +213,7 @@ impl Writer {
                 Message::Sound(samples) => {
                     for sample in samples {
                         let written = self.sound.write_all(&sample.to_le_bytes());
-                        written.map_err(|source| ViewError::File { path: self.path.clone(), source })?;
+                        written.map_err(|source| self.unwritten(source))?;
                     }
                 }
                 Message::Finish(slots) => {
@@ -227,6 +225,10 @@ impl Writer {
         Ok(false)
     }
 
+    fn unwritten(&self, source: std::io::Error) -> ViewError {
+        ViewError::File { path: self.folder.film().to_owned(), source }
+    }
+
     /// Shows the last picture until `slot`.
     fn hold(&mut self, slot: u64) -> Result<(), ViewError> {
         while self.written < slot {
@@ -236,9 +238,9 @@ impl Writer {
         Ok(())
     }
 
-    fn finish(self) -> Result<u64, ViewError> {
-        let Self { path, folder, encoder, mut sound, rate, written, .. } = self;
-        let flushed = sound.flush().map_err(|source| ViewError::File { path, source });
+    fn finish(mut self) -> Result<u64, ViewError> {
+        let flushed = self.sound.flush().map_err(|source| self.unwritten(source));
+        let Self { folder, encoder, rate, written, .. } = self;
         if let Err(why) = flushed.and_then(|()| Box::new(encoder).finish()) {
             folder.keep();
             return Err(why);

@@ -20,19 +20,17 @@ pub fn ffmpeg_is_there() -> bool {
 }
 
 /// How the file is laid out.
-#[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Layout {
-    /// With its index in front, which is written in the end.
+    /// With its index in front, which is written in the end: the file appears when it is complete.
     Whole,
-    /// In pieces of a second, which can be read without those that follow.
+    /// In pieces of a second, which can be read without those that follow, and while they do.
     Pieces,
 }
 
-/// Frames go into ffmpeg's standard input; it writes to a temporary file.
+/// Frames go into ffmpeg's standard input; it writes to a temporary file, or in pieces to the file itself.
 pub(super) struct Mp4 {
     path: PathBuf,
     file: Option<tempfile::NamedTempFile>,
-    layout: Layout,
     feed: Feed,
     opaque: Vec<u8>,
     planes: Vec<u8>,
@@ -43,7 +41,11 @@ impl Mp4 {
         if settings.width < 2 || settings.height < 2 {
             return Err(ViewError::Film("an MP4 needs at least 2×2 pixels".into()));
         }
-        let file = beside(path)?;
+        let file = match layout {
+            Layout::Whole => Some(beside(path)?),
+            Layout::Pieces => None,
+        };
+        let written = file.as_ref().map_or(path, |file| file.path());
         let mut command = Command::new("ffmpeg");
         // H.264 with halved chroma needs even sides; BT.709 is what players take it for.
         let bt709 = [
@@ -82,30 +84,12 @@ impl Mp4 {
                 "1",
             ],
         });
-        command.args(["-f", "mp4"]).arg(file.path());
+        command.args(["-f", "mp4"]).arg(written);
         let feed = Feed::start(&mut command).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => ViewError::NoFfmpeg,
             _ => ViewError::Ffmpeg(error.to_string()),
         })?;
-        Ok(Self {
-            path: path.to_owned(),
-            file: Some(file),
-            layout,
-            feed,
-            opaque: Vec::new(),
-            planes: Vec::new(),
-        })
-    }
-}
-
-impl Drop for Mp4 {
-    fn drop(&mut self) {
-        if self.layout == Layout::Pieces
-            && let Some(file) = self.file.take()
-        {
-            // Its pieces can be read; the folder that it lies in goes where nobody wants them.
-            let _ = file.keep();
-        }
+        Ok(Self { path: path.to_owned(), file, feed, opaque: Vec::new(), planes: Vec::new() })
     }
 }
 
@@ -118,9 +102,6 @@ impl Encode for Mp4 {
 
     fn finish(mut self: Box<Self>) -> Result<(), ViewError> {
         self.feed.finish().map_err(ViewError::Ffmpeg)?;
-        match self.file.take() {
-            Some(file) => persist(file, &self.path),
-            None => Err(ViewError::Film("finished twice".into())),
-        }
+        self.file.map_or(Ok(()), |file| persist(file, &self.path))
     }
 }

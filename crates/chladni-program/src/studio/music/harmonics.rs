@@ -101,8 +101,7 @@ impl Harmonics {
             self.drawn = Some(self.prepare(viewport, first, shown)?);
         }
         let Some(drawn) = &self.drawn else { return Ok(false) };
-        let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-        let area = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
+        let area = viewport::area(ui, rect);
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, shown, 1.0);
         let cells = layout::grid(area, rows, columns, 6, shown);
         let mut fitted = camera;

@@ -24,7 +24,7 @@ pub struct Recorder {
     since_secs: Option<f64>,
     resampler: Option<(u32, StereoResampler)>,
     ends: bool,
-    /// Lets the next session find what this one may not finish.
+    /// Lets the next start find what this one may not finish.
     note: Option<Note>,
 }
 
@@ -121,15 +121,20 @@ impl Recorder {
     /// How many frames it has, once its file is there, or why it is not; then its note stays.
     pub fn ended(&mut self) -> Option<Result<u64, Error>> {
         let ended = self.film.ended()?;
-        if ended.is_err() {
-            self.note.take().into_iter().for_each(Note::leave);
-        }
+        self.settle(&ended);
         Some(ended.map_err(Error::from))
     }
 
     /// As [`ended`](Self::ended), but waits: the window closes.
     pub fn wait(&mut self) {
-        if let Some(Err(_)) = self.film.wait() {
+        if let Some(ended) = self.film.wait() {
+            self.settle(&ended);
+        }
+    }
+
+    /// What there is of a film that failed is found by its note.
+    fn settle<T, E>(&mut self, ended: &Result<T, E>) {
+        if ended.is_err() {
             self.note.take().into_iter().for_each(Note::leave);
         }
     }

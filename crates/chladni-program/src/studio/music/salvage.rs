@@ -1,5 +1,5 @@
 //! Recordings of the stage that a crash cut off: each is noted while it is made, and those whose program is gone are made
-//! into films when the next session begins.
+//! into films at the next start.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ impl Note {
 
 impl Drop for Note {
     fn drop(&mut self) {
-        // One that stays names a folder that is gone, and is removed when the next session begins.
+        // One that stays names a folder that is gone, and is removed at the next start.
         let _ = std::fs::remove_file(&self.0);
     }
 }

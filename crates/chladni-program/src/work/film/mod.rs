@@ -4,7 +4,7 @@ mod animation;
 mod beginning;
 mod output;
 mod performance;
-mod ready;
+mod prepared;
 mod record;
 mod report;
 mod songs;
@@ -24,7 +24,7 @@ pub use animation::Approximation;
 pub use beginning::Beginning;
 pub use output::{Output, TARGETS};
 use performance::Done;
-use ready::Ready;
+use prepared::Prepared;
 pub use report::{Report, Seconds};
 
 /// A film that is wanted.
@@ -123,32 +123,32 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let (began, mut seconds) = (Instant::now(), Seconds::default());
     wanted.check()?;
     let scenery = Scenery::open(&wanted.picture, &wanted.panorama)?;
-    let mut ready = Ready::prepare(&mut wanted, &mut seconds, watcher)?;
+    let mut prepared = Prepared::prepare(&mut wanted, &mut seconds, watcher)?;
     let (rate, output) = (wanted.output.rate, &wanted.output);
-    let frames = rate.frames_in(ready.songs.film_secs());
+    let frames = rate.frames_in(prepared.songs.film_secs());
     let range = output.range(frames)?;
     // Only now: a mesh or song that cannot be read leaves no empty folder behind.
     if let Some(folder) = output.folder() {
         std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
     }
-    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, ready.box_diagonal));
+    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, prepared.box_diagonal));
     let done = if range.is_empty() {
         Done::default()
     } else if output.film.is_some() || output.pipe.is_some() {
-        ready.film(&wanted, range.clone(), &scenery, &mut seconds, watcher)?
+        prepared.film(&wanted, range.clone(), &scenery, &mut seconds, watcher)?
     } else {
-        ready.rehearse(range.clone(), animation.as_mut(), &mut seconds, watcher)?
+        prepared.rehearse(range.clone(), animation.as_mut(), &mut seconds, watcher)?
     };
-    let approximation = ready.save_beside(output, &done, animation.as_ref(), watcher)?;
+    let approximation = prepared.save_beside(output, &done, animation.as_ref(), watcher)?;
     for message in &done.warnings {
         watcher.warn(Warning::Plain(message.clone()));
     }
     seconds.total = began.elapsed().as_secs_f64();
-    let (tempo_bpm, beat_confidence) = ready.songs.tempo();
+    let (tempo_bpm, beat_confidence) = prepared.songs.tempo();
     let film_secs = rate.start_secs(frames);
     Ok(Report {
-        vertices: ready.body.positions.len(),
-        harmonics: ready.body.basis.harmonics(),
+        vertices: prepared.body.positions.len(),
+        harmonics: prepared.body.basis.harmonics(),
         frames: range.end - range.start,
         film_secs,
         times_real_time: film_secs / seconds.total,

@@ -11,7 +11,6 @@ use egui::{Align2, Color32, RichText, Sense, Stroke, Ui, vec2};
 use super::edits::Edits;
 use super::look::Portrayal;
 use super::session::Session;
-use super::stage;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::{self, Job};
@@ -212,7 +211,7 @@ impl GalleryView {
         let Some(shown) = &mut self.shown else { return Ok(true) };
         let count = shown.portraits.len();
         let scale = ui.pixels_per_point();
-        let canvas = stage::canvas(ui, rect);
+        let canvas = viewport::area(ui, rect);
         let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, count, 0.9);
         let cells = layout::grid(canvas, rows, columns, 2, count);
         let response = ui.allocate_rect(rect, Sense::click_and_drag());

@@ -5,6 +5,7 @@ use egui::Ui;
 
 use super::super::look::Show;
 use super::Stage;
+use crate::studio::viewport;
 
 /// Figures that the stage holds room for: the result, the three models, the original, and the template.
 pub const FIGURES: usize = 6;
@@ -20,7 +21,7 @@ pub const TEMPLATE: usize = 5;
 impl Stage {
     /// The figures that are shown and their cells on the canvas that fills `rect`.
     pub(super) fn arranged(&self, ui: &Ui, rect: egui::Rect, show: Show) -> (&'static [usize], Vec<Rect>) {
-        let (figures, canvas) = (self.figures(show), canvas(ui, rect));
+        let (figures, canvas) = (self.figures(show), viewport::area(ui, rect));
         let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
         (figures, layout::grid(canvas, rows, columns, 2, figures.len()))
     }
@@ -35,10 +36,4 @@ impl Stage {
             Show::Original => &[ORIGINAL],
         }
     }
-}
-
-/// The pixels of `rect`.
-pub fn canvas(ui: &Ui, rect: egui::Rect) -> Rect {
-    let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-    Rect::of_size(pixels(rect.width()), pixels(rect.height()))
 }

@@ -6,7 +6,7 @@ mod inked;
 mod linked;
 mod pointing;
 
-pub use figures::{FIGURES, MODELS, ORIGINAL, RESULT, canvas};
+pub use figures::{FIGURES, MODELS, ORIGINAL, RESULT};
 pub use pointing::{BrushInHand, Press};
 
 use figures::TEMPLATE;
@@ -286,7 +286,7 @@ impl Stage {
         brush: Option<BrushInHand<'_>>,
     ) -> Result<StageResponse, Error> {
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        let canvas = canvas(ui, rect);
+        let canvas = viewport::area(ui, rect);
         let (figures, cells) = self.arranged(ui, rect, look.show);
         if let Some(cell) = cells.first() {
             self.frame(figures, cell.aspect());

@@ -9,7 +9,7 @@ use super::super::preferences::Screen;
 use super::super::stillness;
 use super::super::wish::Wish;
 use super::Concert;
-use super::frame::{Frame, area};
+use super::frame::Frame;
 use super::pane::Pane;
 use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, MARK_LEFT, MARK_RIGHT};
 use crate::studio::room::Shared;
@@ -108,7 +108,7 @@ impl Concert {
             }
             self.deformed.synthesize(&apart.items, &settings)?;
             self.seen.clear();
-            let area = area(ui, rect);
+            let area = viewport::area(ui, rect);
             let (cells, _) = Staging::cells(area, apart.count);
             self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
             self.song_title.show(ui, rect, ui.input(|input| input.time));

@@ -220,7 +220,7 @@ impl Concert {
         };
         let (rect, bench) = if close_up.is_some() { close_up::split(whole) } else { (whole, whole) };
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        let area = area(ui, rect);
+        let area = viewport::area(ui, rect);
         let (cells, columns) = Staging::cells(area, count);
         self.columns = columns;
         let framing = self.navigate(ui, &response, listening, frame, (area, &cells));
@@ -253,7 +253,10 @@ impl Concert {
         let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
         let before = self.viewpoint;
         navigate(ui, response, &mut self.viewpoint, cells_high);
-        let chosen = frame.framing(&self.instrument, listening).filter(|_| frame.shows_stage())?;
+        if !frame.shows_stage() {
+            return None;
+        }
+        let chosen = frame.framing(&self.instrument, listening)?;
         Some(self.hand.over(self.seconds, (before, touches(ui)), &mut self.viewpoint, chosen))
     }
 
@@ -277,12 +280,6 @@ impl Concert {
         let mapping = self.draft.as_ref().map_or(&item.genome, |draft| &draft.mapping);
         Some((mapping.clone(), Settings::default()))
     }
-}
-
-/// The pixels of a rectangle.
-pub(super) fn area(ui: &Ui, rect: egui::Rect) -> Rect {
-    let pixels = |points: f32| ((points * ui.pixels_per_point()).round() as u32).max(1);
-    Rect::of_size(pixels(rect.width()), pixels(rect.height()))
 }
 
 /// What tests compare with films.

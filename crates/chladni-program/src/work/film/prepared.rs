@@ -23,7 +23,7 @@ use crate::work::dancer::{Dancing, classes};
 use crate::work::{Cast, Error, Hearing, Scenery, Watcher, is_flat};
 
 /// All that is needed before the first frame.
-pub(super) struct Ready {
+pub(super) struct Prepared {
     mesh: Arc<TriMesh>,
     pub body: Body,
     pub box_diagonal: f32,
@@ -31,7 +31,7 @@ pub(super) struct Ready {
     performance: Performance,
 }
 
-impl Ready {
+impl Prepared {
     /// Opens and prepares body and songs, and sets what is wanted up.
     pub fn prepare(wanted: &mut Film, seconds: &mut Seconds, watcher: &impl Watcher) -> Result<Self, Error> {
         let reading = Instant::now();
