@@ -65,7 +65,7 @@ pub(crate) fn limbs(mesh: &TriMesh) -> Vec<u8> {
     let limb = |p: &Vec3| {
         let [x, y, z] = *p;
         let sides = [[x, y, z], [-x, y, z]];
-        let all = arms.iter().flat_map(|arm| sides.map(|p| arm.distance(p)));
+        let all = arms.iter().flat_map(|arm| sides.map(|p| arm.distance(p, f64::INFINITY)));
         let body = sides.map(body).into_iter().fold(f64::INFINITY, f64::min);
         let nearest = all.zip(1..).fold((body, 0), |least, arm| if arm.0 < least.0 { arm } else { least });
         nearest.1
@@ -86,9 +86,7 @@ fn solid(p: Vec3, arms: &[Arm; 4]) -> f64 {
     let mut d = body(p);
     for (arm, p) in arms.iter().flat_map(|arm| [(arm, p), (arm, mirrored)]) {
         // A seam ends where the arm is this much farther away.
-        if arm.whole.distance(p) < d + SEAM {
-            d = join(d, arm.distance(p), SEAM);
-        }
+        d = join(d, arm.distance(p, d + SEAM), SEAM);
     }
     // Pupils: hollows in the eyes.
     carve(d, sphere(p, [0.36, 0.335, 0.57], 0.08), 0.04)
@@ -113,13 +111,17 @@ fn arm(heading: f64, long: f64, sway: f64) -> Arm {
 }
 
 impl Arm {
-    fn distance(&self, p: Vec3) -> f64 {
+    /// Or `most`, where the arm is farther away.
+    fn distance(&self, p: Vec3, most: f64) -> f64 {
         // Far away the ball around the arm is near enough.
         let outside = self.whole.distance(p);
+        if outside >= most {
+            return most;
+        }
         if outside > 0.2 {
             return outside;
         }
-        let mut nearest = f64::INFINITY;
+        let mut nearest = most;
         for (i, ball) in self.stretches.iter().enumerate() {
             if ball.distance(p) < nearest {
                 let rods = self.joints[i * STRETCH..=(i + 1) * STRETCH].windows(2);

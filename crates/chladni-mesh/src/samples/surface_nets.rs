@@ -75,20 +75,28 @@ impl Samples {
         let mut values = vec![0.0; nx * ny * nz];
         values.par_chunks_mut(nx * ny * BLOCK).enumerate().for_each(|(slab, values)| {
             let zs = slab * BLOCK..(slab * BLOCK + BLOCK).min(nz);
+            let mut is_near = vec![false; nx.div_ceil(BLOCK)];
             for y in (0..ny).step_by(BLOCK) {
-                for x in (0..nx).step_by(BLOCK) {
+                for x in (0..nx).step_by(BLOCK).rev() {
                     let ranges = [x..(x + BLOCK).min(nx), y..(y + BLOCK).min(ny), zs.clone()];
                     let ends = [0, 1, 2].map(|a| [axes[a][ranges[a].start], axes[a][ranges[a].end - 1]]);
                     let middle = ends.map(|[low, high]| 0.5 * (low + high));
                     let radius = 0.5 * length(ends.map(|[low, high]| high - low));
                     let far = field(middle);
-                    let near = far.abs() <= 2.0 * radius;
+                    is_near[x / BLOCK] = far.abs() <= 2.0 * radius;
                     for k in ranges[2].clone() {
                         for j in ranges[1].clone() {
-                            for i in ranges[0].clone() {
-                                let p = [axes[0][i], axes[1][j], axes[2][k]];
-                                let value = if near { field(p) } else { far };
-                                values[((k - slab * BLOCK) * ny + j) * nx + i] = value;
+                            let row = &mut values[((k - slab * BLOCK) * ny + j) * nx..][..nx];
+                            for i in ranges[0].clone().rev() {
+                                let mirrored = nx - 1 - i;
+                                let is_known = i < mirrored
+                                    && is_near[mirrored / BLOCK]
+                                    && axes[0][i] == -axes[0][mirrored];
+                                row[i] = match (is_near[x / BLOCK], is_known) {
+                                    (false, _) => far,
+                                    (true, true) => row[mirrored],
+                                    (true, false) => field([axes[0][i], axes[1][j], axes[2][k]]),
+                                };
                             }
                         }
                     }
@@ -123,12 +131,31 @@ impl Samples {
         inner.then(|| std::array::from_fn(|bits| self.at(std::array::from_fn(|a| base[a] + (bits >> a & 1)))))
     }
 
+    /// The cells that the surface crosses, in order.
+    fn crossed(&self) -> Vec<usize> {
+        let [nx, ny, nz] = self.size();
+        let of_row = |row: usize| {
+            let is_inner = row % ny + 1 < ny && row / ny + 1 < nz;
+            let first = row * nx;
+            let columns = if is_inner { nx - 1 } else { 0 };
+            // The four corners on one side are those on the other side of the next cell.
+            let inside =
+                move |n: usize| [n, n + nx, n + nx * ny, n + nx * (ny + 1)].map(|c| self.values[c] < 0.0);
+            (first..first + columns).filter(move |n| {
+                let (low, high) = (inside(*n), inside(n + 1));
+                low.iter().chain(&high).any(|is_inside| *is_inside != low[0])
+            })
+        };
+        (0..ny * nz).into_par_iter().flat_map_iter(of_row).collect()
+    }
+
     /// Fills the corners that make the surface pass a cell in more than one sheet, which one
     /// vertex cannot hold, until there are none. The vertices go to the true surface later.
     fn simplify(&mut self) {
+        let mut doubtful = self.crossed();
         for _ in 0..32 {
             let mut filled = Vec::new();
-            for n in 0..self.values.len() {
+            for n in doubtful {
                 let Some(corners) = self.cell(n) else { continue };
                 let inside = corners.map(|c| self.values[c] < 0.0);
                 if is_simple(inside) {
@@ -141,32 +168,43 @@ impl Samples {
                 let near = |i: &usize| self.values[corners[*i]] <= nearest * (1.0 + 1e-9);
                 filled.extend((0..8).filter(outside).filter(near).map(|i| corners[i]));
             }
-            for &n in &filled {
-                self.values[n] = -self.values[n].abs().max(1e-9);
-            }
             if filled.is_empty() {
                 return;
             }
+            for &n in &filled {
+                self.values[n] = -self.values[n].abs().max(1e-9);
+            }
+            // Only the cells around a filled corner have changed.
+            doubtful = filled.into_iter().flat_map(|n| self.cells_around(n)).collect();
+            doubtful.sort_unstable();
+            doubtful.dedup();
         }
+    }
+
+    /// The cells that have the value at `n` at a corner.
+    fn cells_around(&self, n: usize) -> impl Iterator<Item = usize> + use<> {
+        let (at, [nx, ny, _]) = (self.index(n), self.size());
+        let inner = move |bits: &usize| (0..3).all(|a| at[a] >= bits >> a & 1);
+        (0..8).filter(inner).map(move |bits| n - (bits & 1) - nx * (bits >> 1 & 1) - nx * ny * (bits >> 2))
     }
 
     /// Vertices and quadrilaterals, counter-clockwise seen from outside.
     fn nets(&self) -> (Vec<Vec3>, Vec<[u32; 4]>) {
         let mut vertex = vec![u32::MAX; self.values.len()];
         let mut positions = Vec::new();
-        for n in 0..self.values.len() {
+        let crossed = self.crossed();
+        for &n in &crossed {
             if let Some(position) = self.cell(n).and_then(|corners| self.cell_vertex(corners)) {
                 vertex[n] = positions.len() as u32;
                 positions.push(position);
             }
         }
-        let size = self.size();
         let mut quads = Vec::new();
-        for n in 0..self.values.len() {
+        for n in crossed {
             let base = self.index(n);
             for axis in 0..3 {
                 let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-                if base[axis] + 1 >= size[axis] || base[u] == 0 || base[v] == 0 {
+                if base[u] == 0 || base[v] == 0 {
                     continue;
                 }
                 let mut end = base;
