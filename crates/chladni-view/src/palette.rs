@@ -1,5 +1,11 @@
 //! Our own palettes, made in OKLab, and how they color a moving surface.
 
+mod answer;
+mod points;
+
+pub use self::answer::{Answer, NodalLines};
+use self::points::Point;
+
 /// Colors in a row: lightness rises steadily, or the row closes into a circle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Palette {
@@ -33,9 +39,6 @@ pub enum Palette {
     /// A bright line on the dark, turquoise to either side; a circle. Along a shape it draws contours.
     Contour,
 }
-
-/// Lightness, chroma and hue in degrees (Ottosson, "A perceptual color space for image processing", 2020).
-type Point = [f32; 3];
 
 impl Palette {
     /// All of them, in the order of the rows of the renderer's lookup texture, after the color maps.
@@ -91,126 +94,6 @@ impl Palette {
         if self.is_circle() { 1.0 } else { 2.0 }
     }
 
-    /// Equidistant points; colors between two lie on a straight line in OKLab.
-    fn points(self) -> &'static [Point] {
-        match self {
-            Self::Aurora => &[
-                [0.20, 0.09, 285.0],
-                [0.38, 0.14, 262.0],
-                [0.56, 0.13, 200.0],
-                [0.74, 0.18, 152.0],
-                [0.91, 0.16, 126.0],
-            ],
-            Self::Ember => &[
-                [0.14, 0.04, 15.0],
-                [0.34, 0.13, 25.0],
-                [0.54, 0.20, 33.0],
-                [0.73, 0.18, 58.0],
-                [0.92, 0.12, 95.0],
-            ],
-            Self::Abyss => &[
-                [0.15, 0.06, 270.0],
-                [0.34, 0.13, 258.0],
-                [0.54, 0.13, 235.0],
-                [0.74, 0.13, 205.0],
-                [0.94, 0.07, 185.0],
-            ],
-            Self::Orchid => &[
-                [0.20, 0.10, 295.0],
-                [0.38, 0.19, 310.0],
-                [0.56, 0.23, 345.0],
-                [0.74, 0.17, 20.0],
-                [0.93, 0.07, 75.0],
-            ],
-            Self::Gold => &[
-                [0.17, 0.04, 50.0],
-                [0.37, 0.09, 58.0],
-                [0.57, 0.13, 70.0],
-                [0.77, 0.16, 85.0],
-                [0.95, 0.10, 100.0],
-            ],
-            Self::Moss => &[
-                [0.18, 0.05, 165.0],
-                [0.38, 0.10, 150.0],
-                [0.57, 0.15, 138.0],
-                [0.77, 0.18, 122.0],
-                [0.95, 0.11, 108.0],
-            ],
-            Self::Patina => &[
-                [0.24, 0.05, 195.0],
-                [0.41, 0.085, 182.0],
-                [0.57, 0.075, 165.0],
-                [0.73, 0.11, 66.0],
-                [0.90, 0.10, 78.0],
-            ],
-            Self::Ink => &[[0.10, 0.01, 265.0], [0.97, 0.01, 90.0]],
-            Self::Nodes => &[
-                [0.30, 0.12, 160.0],
-                [0.46, 0.14, 185.0],
-                [0.95, 0.01, 100.0],
-                [0.46, 0.20, 350.0],
-                [0.30, 0.15, 315.0],
-            ],
-            Self::Prism => &[
-                [0.74, 0.16, 0.0],
-                [0.74, 0.16, 30.0],
-                [0.74, 0.16, 60.0],
-                [0.74, 0.16, 90.0],
-                [0.74, 0.16, 120.0],
-                [0.74, 0.16, 150.0],
-                [0.74, 0.16, 180.0],
-                [0.74, 0.16, 210.0],
-                [0.74, 0.16, 240.0],
-                [0.74, 0.16, 270.0],
-                [0.74, 0.16, 300.0],
-                [0.74, 0.16, 330.0],
-                [0.74, 0.16, 0.0],
-            ],
-            Self::Neon => &[
-                [0.66, 0.27, 355.0],
-                [0.56, 0.27, 312.0],
-                [0.58, 0.21, 268.0],
-                [0.72, 0.15, 225.0],
-                [0.86, 0.14, 195.0],
-                [0.72, 0.15, 225.0],
-                [0.58, 0.21, 268.0],
-                [0.56, 0.27, 312.0],
-                [0.66, 0.27, 355.0],
-            ],
-            Self::Dusk => &[
-                [0.28, 0.14, 282.0],
-                [0.45, 0.19, 320.0],
-                [0.64, 0.20, 10.0],
-                [0.80, 0.16, 65.0],
-                [0.92, 0.12, 95.0],
-                [0.80, 0.16, 65.0],
-                [0.64, 0.20, 10.0],
-                [0.45, 0.19, 320.0],
-                [0.28, 0.14, 282.0],
-            ],
-            Self::Contour => &[
-                [0.16, 0.04, 265.0],
-                [0.16, 0.05, 260.0],
-                [0.18, 0.06, 255.0],
-                [0.50, 0.13, 235.0],
-                [0.95, 0.06, 190.0],
-                [0.50, 0.13, 190.0],
-                [0.18, 0.06, 255.0],
-                [0.16, 0.05, 260.0],
-                [0.16, 0.04, 265.0],
-            ],
-            Self::Candy => &[
-                [0.78, 0.14, 0.0],
-                [0.83, 0.12, 55.0],
-                [0.88, 0.11, 110.0],
-                [0.85, 0.10, 180.0],
-                [0.78, 0.11, 250.0],
-                [0.75, 0.14, 310.0],
-                [0.78, 0.14, 0.0],
-            ],
-        }
-    }
-
     /// The sRGB color of `t`; `t` outside [0, 1] is clamped, NaN gives the first.
     pub fn color(self, t: f32) -> [u8; 3] {
         let points = self.points();
@@ -253,85 +136,6 @@ fn linear_of([lightness, a, b]: [f32; 3]) -> [f32; 3] {
         -1.268_438 * l + 2.609_757_4 * m - 0.341_319_4 * s,
         -0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s,
     ]
-}
-
-/// How a surface is colored by what it does. A place of the palette is the sum
-/// offset + span · along + crease · bend + swing · (d · n) + travel · |d| + haste · |v|, with d the way from the place's
-/// rest, n the normal there, v what it lags behind itself (its speed, where the figure knows it), and `along` and
-/// `bend` the numbers that its [`RestShape`](crate::RestShape) has for it. Palettes that are no circle run there and back.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
-    /// Which colors.
-    pub palette: Palette,
-    /// Where the palette begins.
-    pub offset: f32,
-    /// How much of it lies along the shape.
-    pub span: f32,
-    /// How much of it lies between what is flat and the sharpest ridge; hollows are as far on the other side.
-    pub crease: f32,
-    /// How much of it a unit of length outward is.
-    pub swing: f32,
-    /// How much of it a unit of length in any direction is.
-    pub travel: f32,
-    /// How much of it a unit of [lag](crate::Figure::lag) is: speed.
-    pub haste: f32,
-    /// How often the palette goes around in one vibration: the angle of (d · n, v · n). A whole number, lest colors jump.
-    pub phase: f32,
-    /// Glow that a unit of length adds to the material's own.
-    pub glow: f32,
-    /// Glow that a unit of lag adds.
-    pub spark: f32,
-    /// How strong the colors are: 0 is gray, 1 the palette's own.
-    pub saturation: f32,
-    /// Lines where the surface vibrates and does not move.
-    pub lines: NodalLines,
-    /// How far the surface may go, in the coordinates of its item: what is far smaller has neither phase nor lines.
-    pub farthest: f32,
-}
-
-/// Lines on a surface where what sounds now leaves it where it rests, along its normal: Chladni's figures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NodalLines {
-    /// sRGB.
-    pub color: [u8; 3],
-    /// In [0, 1]; 0 draws none.
-    pub opacity: f32,
-    /// Half their width, where the picture is 720 high.
-    pub width: f32,
-}
-
-impl NodalLines {
-    /// No lines.
-    pub const NONE: Self = Self { color: [255; 3], opacity: 0.0, width: 1.0 };
-}
-
-impl Answer {
-    /// From the palette's beginning at rest to its end a unit away.
-    pub const MOVED: Self = Self {
-        palette: Palette::Aurora,
-        offset: 0.0,
-        span: 0.0,
-        crease: 0.0,
-        swing: 0.0,
-        travel: 1.0,
-        haste: 0.0,
-        phase: 0.0,
-        glow: 0.0,
-        spark: 0.0,
-        saturation: 1.0,
-        lines: NodalLines::NONE,
-        farthest: 1.0,
-    };
-
-    /// Whether it asks for the figure's [lag](crate::Figure::lag).
-    pub fn feels_speed(&self) -> bool {
-        [self.haste, self.phase, self.spark].iter().any(|share| *share != 0.0)
-    }
-
-    /// Whether it looks at more of a vertex than its way from the rest.
-    pub(crate) fn is_figured(&self) -> bool {
-        self.feels_speed() || self.lines.opacity > 0.0
-    }
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ pub(super) struct Batch {
     /// In a panorama: light from all around, and what is mirrored.
     ambient: [Places; 3],
     mirror: [Places; 3],
-    /// Own light, as a share of the colour.
+    /// Own light, as a share of the color.
     pub(super) glow: Places,
     /// Linear light; then sRGB-encoded.
     pub(super) color: [Places; 3],
@@ -224,7 +224,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
     }
 }
 
-/// From what a palette answers with to colours, linear light.
+/// From what a palette answers with to colors, linear light.
 pub(super) struct Answered<'a, 'b> {
     pub(super) figure: &'a FigureUniform,
     pub(super) map: &'a [[f32; 3]; 256],
@@ -253,8 +253,8 @@ impl Kernel for Answered<'_, '_> {
         }
         for i in 0..b.padded() {
             let c = at(&b.color, i);
-            let grey = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
-            let c = c.to_array().map(|c| max(mix(grey, c, saturation), 0.0));
+            let gray = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+            let c = c.to_array().map(|c| max(mix(gray, c, saturation), 0.0));
             set(&mut b.color, i, c.into());
             b.glow[i] = glow + own[i];
         }
@@ -268,7 +268,7 @@ fn palette_place(at: f32, circle: bool) -> f32 {
     if circle { around } else { back }
 }
 
-/// From places to colours. `FILM`: with the hues of thin films. `AROUND`: in a panorama.
+/// From places to colors. `FILM`: with the hues of thin films. `AROUND`: in a panorama.
 pub(super) struct Light<'a, 'b, const FILM: bool, const AROUND: bool>(
     pub(super) &'b Setting<'a>,
     pub(super) &'b mut Batch,
@@ -289,7 +289,7 @@ impl<const FILM: bool, const AROUND: bool> Kernel for Light<'_, '_, FILM, AROUND
     }
 }
 
-/// From places of a heat map to colours.
+/// From places of a heat map to colors.
 pub(super) struct LightMap<'a, 'b>(pub(super) &'b Setting<'a>, pub(super) &'b mut Batch);
 
 impl Kernel for LightMap<'_, '_> {
@@ -305,7 +305,7 @@ impl Kernel for LightMap<'_, '_> {
     }
 }
 
-/// From colours to what is added to pixels.
+/// From colors to what is added to pixels.
 pub(super) struct Pack<'b> {
     pub(super) opacity: f32,
     pub(super) batch: &'b mut Batch,

@@ -1,4 +1,4 @@
-//! Pixels as films take them: brightness of each, and two differences of colour of each square of four.
+//! Pixels as films take them: brightness of each, and two differences of color of each square of four.
 
 use super::instructions::{Instructions, Kernel};
 

@@ -55,7 +55,7 @@ impl Finishing {
         let shrink = uniform.trail[1];
         self.columns.clear();
         self.columns
-            .extend((0..width).map(|x| neighbours(grown(x as f32 + 0.5, width as f32, shrink), width)));
+            .extend((0..width).map(|x| neighbors(grown(x as f32 + 0.5, width as f32, shrink), width)));
         let columns = &self.columns;
         pixels.par_chunks_mut(4 * width).enumerate().for_each_init(
             Beside::default,
@@ -196,7 +196,7 @@ impl Small {
 
     /// The row at this height, between two.
     fn row(&self, y: f32, row: &mut Vec<[f32; 3]>) {
-        let (above, below, share) = neighbours(y, self.height);
+        let (above, below, share) = neighbors(y, self.height);
         let at = |y: usize| self.pixels[self.width * y..self.width * (y + 1)].iter();
         row.extend(at(above).zip(at(below)).map(|(a, b)| blend(*a, *b, share)));
     }
@@ -214,7 +214,7 @@ fn blend(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
 
 /// The two of `count` pixels around a place, and how near it is to the second.
 #[inline(always)]
-pub(super) fn neighbours(at: f32, count: usize) -> (usize, usize, f32) {
+pub(super) fn neighbors(at: f32, count: usize) -> (usize, usize, f32) {
     let last = count as f32 - 1.0;
     let at = clamp(at - 0.5, 0.0, last);
     let first = at as usize;
@@ -223,7 +223,7 @@ pub(super) fn neighbours(at: f32, count: usize) -> (usize, usize, f32) {
 
 #[inline(always)]
 fn between(row: &[[f32; 3]], at: f32) -> [f32; 3] {
-    let (left, right, share) = neighbours(at, row.len());
+    let (left, right, share) = neighbors(at, row.len());
     blend(row[left], row[right], share)
 }
 
@@ -242,7 +242,7 @@ struct Light<'a> {
 impl<'a> Light<'a> {
     /// At this height of `rows` rows.
     fn new(wide: &'a [f32], rows: usize, at: f32) -> Self {
-        let (above, below, share) = neighbours(at, rows);
+        let (above, below, share) = neighbors(at, rows);
         let length = wide.len() / rows;
         let row = |y: usize| &wide[length * y..length * (y + 1)];
         Self { above: row(above), below: row(below), share }
@@ -269,7 +269,7 @@ impl Beside {
     fn trail(&mut self, last: &[u8], y: usize, columns: &[(usize, usize, f32)], uniform: &FinishUniform) {
         let [_, height] = uniform.size;
         let [left, shrink] = uniform.trail;
-        let (above, below, share) = neighbours(grown(y as f32 + 0.5, height, shrink), height as usize);
+        let (above, below, share) = neighbors(grown(y as f32 + 0.5, height, shrink), height as usize);
         let row = |y: usize| &last[4 * columns.len() * y..4 * columns.len() * (y + 1)];
         let both = row(above).iter().zip(row(below));
         let kept = |(a, b): (&u8, &u8)| (mix(f32::from(*a), f32::from(*b), share) * left - 0.7) / 255.0;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use self::compose::{Compose, Widen};
 use self::gather::{Even, Gather};
 use super::curves::{max, min};
-use super::finishing::neighbours;
+use super::finishing::neighbors;
 use super::instructions::Instructions;
 use crate::focus::{Spread, most};
 
@@ -79,7 +79,7 @@ impl Focusing {
         rows.for_each_init(
             Default::default,
             |(between, wide): &mut (Vec<_>, Vec<_>), (y, (pixels, circles))| {
-                let (above, below, share) = neighbours((y as f32 + 0.5) / step as f32, small.height);
+                let (above, below, share) = neighbors((y as f32 + 0.5) / step as f32, small.height);
                 let part = |y: usize| &even[row * y..row * (y + 1)];
                 let (above, below, small) = (part(above), part(below), small.width);
                 // Whole squares, and whole blocks.

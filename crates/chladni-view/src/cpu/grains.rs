@@ -80,7 +80,7 @@ impl GrainDiscs {
         self.discs.is_empty() || self.starts[tile] == self.starts[tile + 1]
     }
 
-    /// Those of a tile, in their order: `lay` gets pixel and premultiplied colour of each that lies between
+    /// Those of a tile, in their order: `lay` gets pixel and premultiplied color of each that lies between
     /// `low` and `high`, whose samples' depths `depths` tells.
     pub(super) fn draw(
         &self,

@@ -44,7 +44,7 @@ impl Disc {
         [(self.center[axis] - grown).floor() as i32, (self.center[axis] + grown).ceil() as i32]
     }
 
-    /// Premultiplied colour at the middle of a pixel before samples of these depths, the visible and the
+    /// Premultiplied color at the middle of a pixel before samples of these depths, the visible and the
     /// hidden disc one over the other.
     pub(super) fn color(&self, x: i32, y: i32, depths: [f32; 4]) -> [f32; 4] {
         let r = (x as f32 + 0.5 - self.center[0]).hypot(y as f32 + 0.5 - self.center[1]);

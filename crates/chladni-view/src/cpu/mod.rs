@@ -68,7 +68,7 @@ pub(crate) struct Renderer {
     finishing: Finishing,
     focusing: Focusing,
     surroundings: Surroundings,
-    /// Linear light of the colour maps, then of the palettes, one a row.
+    /// Linear light of the color maps, then of the palettes, one a row.
     maps: Vec<[[f32; 3]; 256]>,
     /// For the threads to take.
     scratch: Mutex<Vec<Scratch>>,

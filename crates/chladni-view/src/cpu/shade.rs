@@ -57,16 +57,16 @@ fn toned(linear: Vec3) -> Vec3 {
     vec3(pick(c.x, held.x), pick(c.y, held.y), pick(c.z, held.z))
 }
 
-/// A pixel's colour of light.
+/// A pixel's color of light.
 pub(super) fn finished(c: Vec3) -> Vec3 {
     encoded(toned(c))
 }
 
 #[inline(always)]
 fn filmed(linear: Vec3) -> Vec3 {
-    let grey = 0.2126 * linear.x + 0.7152 * linear.y + 0.0722 * linear.z;
+    let gray = 0.2126 * linear.x + 0.7152 * linear.y + 0.0722 * linear.z;
     each(linear, |c| {
-        let x = mix(c, grey, 0.06) * 0.6;
+        let x = mix(c, gray, 0.06) * 0.6;
         (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14)
     })
 }
@@ -208,7 +208,7 @@ fn base_of(figure: &FigureUniform, color: Vec3, front: bool) -> Vec3 {
     vec3(pick(color.x, tinted.x), pick(color.y, tinted.y), pick(color.z, tinted.z))
 }
 
-/// A surface of its own colour under the lamps, sRGB-encoded. `FILM`: with the hues of thin films. `light`: share of
+/// A surface of its own color under the lamps, sRGB-encoded. `FILM`: with the hues of thin films. `light`: share of
 /// the key light, own light, and in a panorama what comes from all around and what is mirrored.
 #[inline(always)]
 pub(super) fn modelled<const FILM: bool>(

@@ -114,14 +114,14 @@ pub(super) struct Subject<'a> {
     pub(super) positions: &'a [[f32; 3]],
     pub(super) normals: &'a [[f32; 3]],
     pub(super) coat: Coat<'a>,
-    /// Triangles of a brush's ring, and how far each vertex is from its centre.
+    /// Triangles of a brush's ring, and how far each vertex is from its center.
     pub(super) ring: Option<Ring<'a>>,
     pub(super) opacity: f32,
 }
 
 type Ring<'a> = (&'a [[u32; 3]], &'a [[u8; 4]]);
 
-/// Where a figure's colour comes from.
+/// Where a figure's color comes from.
 pub(super) enum Coat<'a> {
     Material,
     Values(&'a [[u8; 4]]),

@@ -1,15 +1,16 @@
-//! A tile of a picture: what is seen in it, layer after layer, and its colours.
+//! A tile of a picture: what is seen in it, layer after layer, and its colors.
 
 mod circles;
 mod colors;
+mod ring;
+mod shading;
 
 use std::ops::Range;
 
-use super::batch::{Batch, Light, LightMap, PLACES, Pack, Place, Setting};
-use super::curves::{clamp, max, min, smoothstep};
-use super::fill::{Bias, Farthest, Fill, FillOne, MARGIN, NONE, Target, Triangles};
-use super::shadow::AskKey;
-use super::stage::{Coat, Stage, StagedCell, StagedFigure, Subject};
+use super::batch::Batch;
+use super::curves::clamp;
+use super::fill::{Bias, Farthest, Fill, MARGIN, NONE, Target, Triangles};
+use super::stage::{Stage, StagedCell, StagedFigure, Subject};
 use super::{Instructions, Pyramid};
 use crate::focus::Circle;
 
@@ -22,9 +23,6 @@ const STRIDE: usize = WIDTH + MARGIN;
 
 /// Samples a pixel.
 const SAMPLES: usize = 4;
-
-/// A brush's ring lies on a surface that is there already, as the graphics device's pipeline has it.
-const RING: Bias = Bias { units: -2.0, slope: -1.0 };
 
 /// What one thread works with.
 #[derive(Debug)]
@@ -288,199 +286,6 @@ impl Tile<'_, '_> {
         self.scratch.seen = all;
     }
 
-    /// Shades what is seen of a figure, whose triangles are `ids`.
-    fn surface(&mut self, figure: usize, ids: Range<u32>) {
-        let (all, depth) = (std::mem::take(&mut self.scratch.seen), std::mem::take(&mut self.scratch.depth));
-        for y in self.low[1]..=self.high[1] {
-            let row = self.row(&all, y).zip(self.row(&depth, y));
-            for ((x, seen), (_, depths)) in row.filter(|((_, seen), _)| **seen != [NONE; SAMPLES]) {
-                // Most pixels show nothing but one triangle.
-                if *seen == [seen[0]; SAMPLES] {
-                    if ids.contains(&seen[0]) {
-                        self.place(figure, seen[0] - ids.start, [x, y], SAMPLES);
-                    }
-                    continue;
-                }
-                let (mut low, mut high, mut count, mut first) = (f32::INFINITY, f32::NEG_INFINITY, 0, NONE);
-                for (id, depth) in seen.iter().zip(depths) {
-                    let mine = ids.contains(id);
-                    low = if mine { min(low, *depth) } else { low };
-                    high = if mine { max(high, *depth) } else { high };
-                    count += usize::from(mine);
-                    first = if mine && first == NONE { *id } else { first };
-                }
-                if count == 0 {
-                    continue;
-                }
-                // One surface is shaded once, though its triangles are many; others each for itself.
-                if high - low <= self.cell.one_surface {
-                    self.place(figure, first - ids.start, [x, y], count);
-                    continue;
-                }
-                for (s, id) in seen.iter().enumerate().filter(|(_, id)| ids.contains(*id)) {
-                    if !seen[..s].contains(id) {
-                        let count = seen.iter().filter(|other| *other == id).count();
-                        self.place(figure, id - ids.start, [x, y], count);
-                    }
-                }
-            }
-        }
-        (self.scratch.seen, self.scratch.depth) = (all, depth);
-        self.shade(figure);
-    }
-
-    /// Puts a triangle's share of a pixel into the batch.
-    fn place(&mut self, figure: usize, triangle: u32, [x, y]: [i32; 2], samples: usize) {
-        if self.scratch.batch.count == PLACES {
-            self.shade(figure);
-        }
-        self.put(triangle, [x, y], samples);
-    }
-
-    fn put(&mut self, triangle: u32, [x, y]: [i32; 2], samples: usize) {
-        let pixel = self.pixel(x, y) as u32;
-        let batch = &mut *self.scratch.batch;
-        let i = batch.count;
-        batch.pixel[i] = pixel;
-        batch.triangle[i] = triangle;
-        batch.share[i] = samples as f32 / SAMPLES as f32;
-        (batch.screen[0][i], batch.screen[1][i]) = (x as f32, y as f32);
-        batch.count += 1;
-    }
-
-    /// Fetches the corners of the batch's triangles and finds the places on them.
-    fn locate<const EDGES: bool>(&mut self, figure: usize, triangles: &[[u32; 3]]) {
-        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
-        let setting = self.setting(staged);
-        let batch = &mut *self.scratch.batch;
-        for i in 0..batch.count {
-            for (corner, v) in triangles[batch.triangle[i] as usize].into_iter().enumerate() {
-                let (p, n) = (subject.positions[v as usize], subject.normals[v as usize]);
-                for k in 0..3 {
-                    batch.positions[corner][k][i] = p[k];
-                    batch.normals[corner][k][i] = n[k];
-                }
-            }
-        }
-        self.picture.instructions.run(Place::<EDGES>(&setting, batch));
-    }
-
-    fn setting<'s>(&self, figure: &'s StagedFigure) -> Setting<'s>
-    where
-        Self: 's,
-    {
-        Setting {
-            cell: &self.cell.uniform,
-            figure: &figure.uniform,
-            clip: figure.clip,
-            view: figure.view,
-            map: figure.map,
-            shadows: self.cell.shadows,
-        }
-    }
-
-    /// Shades the batch and empties it.
-    fn shade(&mut self, figure: usize) {
-        if self.scratch.batch.count == 0 {
-            return;
-        }
-        let subject = &self.picture.subjects[figure];
-        let staged = &self.picture.stage.figures[figure];
-        let wired = staged.uniform.wire_width[0] > 0.0;
-        let lined = matches!(subject.coat, Coat::Answer(..)) && staged.uniform.lines[3] > 0.0;
-        if wired || lined || matches!(subject.coat, Coat::Skin(_)) {
-            self.locate::<true>(figure, subject.triangles);
-        } else {
-            self.locate::<false>(figure, subject.triangles);
-        }
-        self.colors(figure);
-        let setting = self.setting(staged);
-        let (instructions, cell) = (self.picture.instructions, self.cell);
-        let batch = &mut *self.scratch.batch;
-        if matches!(subject.coat, Coat::Values(_)) {
-            instructions.run(LightMap(&setting, batch));
-        } else {
-            batch.key.fill(1.0);
-            if cell.shadows {
-                instructions.run(AskKey { map: &cell.map, strength: cell.uniform.shadow_map[0], batch });
-            }
-            if let Some(around) = self.picture.around {
-                batch.surround(&cell.uniform, around, staged.uniform.material[0]);
-            }
-            match (staged.uniform.material[3] > 0.0, self.picture.around.is_some()) {
-                (false, false) => instructions.run(Light::<false, false>(&setting, batch)),
-                (true, false) => instructions.run(Light::<true, false>(&setting, batch)),
-                (false, true) => instructions.run(Light::<false, true>(&setting, batch)),
-                (true, true) => instructions.run(Light::<true, true>(&setting, batch)),
-            }
-        }
-        if lined {
-            self.nodal_lines(figure);
-        }
-        if wired {
-            self.wire(&staged.uniform.wire, staged.uniform.wire_width[0]);
-        }
-        self.lay(clamp(subject.opacity, 0.0, 1.0));
-    }
-
-    /// Adds the batch's colours to their pixels.
-    fn lay(&mut self, opacity: f32) {
-        let batch = &mut *self.scratch.batch;
-        self.picture.instructions.run(Pack { opacity, batch });
-        for i in 0..batch.count {
-            let at = batch.pixel[i] as usize;
-            for (channel, c) in self.pixels[at..at + 4].iter_mut().zip(batch.packed[i]) {
-                *channel = channel.saturating_add(c);
-            }
-        }
-        batch.count = 0;
-    }
-
-    /// Lays a brush's ring, and a breath of its colour, over a figure that is there.
-    fn ring(&mut self, figure: usize) {
-        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
-        let Some((triangles, reach)) = subject.ring else { return };
-        let instructions = self.picture.instructions;
-        for (id, triangle) in (0..).zip(triangles) {
-            for corners in staged.projected.pieces(&staged.lens, subject.positions, *triangle) {
-                let mut target = self.target();
-                instructions.run(FillOne { target: &mut target, corners, id, bias: RING });
-            }
-        }
-        let [r, g, b, radius] = staged.uniform.brush;
-        let lay = |tile: &mut Self| {
-            tile.locate::<true>(figure, triangles);
-            let batch = &mut *tile.scratch.batch;
-            for i in 0..batch.count {
-                let corners =
-                    triangles[batch.triangle[i] as usize].map(|v| f32::from_ne_bytes(reach[v as usize]));
-                let at =
-                    |weights: &[[f32; PLACES]; 3]| (0..3).map(|k| weights[k][i] * corners[k]).sum::<f32>();
-                let here = at(&batch.weights);
-                let step = (at(&batch.right) - here).abs() + (at(&batch.below) - here).abs();
-                let ring = 1.0 - smoothstep(0.7, 1.7, (here - radius).abs() / max(step, 1e-9));
-                let inside = if here < radius { 0.13 } else { 0.0 };
-                let alpha = max(ring, inside) * batch.share[i];
-                over(&mut tile.pixels[batch.pixel[i] as usize..], [r * alpha, g * alpha, b * alpha, alpha]);
-            }
-            batch.count = 0;
-        };
-        let all = std::mem::take(&mut self.scratch.seen);
-        for y in self.low[1]..=self.high[1] {
-            for (x, seen) in self.row(&all, y) {
-                let samples = seen.iter().filter(|id| **id != NONE).count();
-                if let Some(triangle) = seen.iter().copied().find(|id| *id != NONE) {
-                    if self.scratch.batch.count == PLACES {
-                        lay(self);
-                    }
-                    self.put(triangle, [x, y], samples);
-                }
-            }
-        }
-        self.scratch.seen = all;
-        lay(self);
-    }
-
     fn grains(&mut self) {
         let (cell, tile, bounds) = (self.cell, self.index, (self.low, self.high));
         let [x, y, ..] = cell.uniform.lights[0][0];
@@ -509,7 +314,7 @@ impl Tile<'_, '_> {
     }
 }
 
-/// Lays a premultiplied colour over the pixel that begins here.
+/// Lays a premultiplied color over the pixel that begins here.
 fn over(pixel: &mut [u8], color: [f32; 4]) {
     for (channel, c) in pixel.iter_mut().zip(color) {
         *channel = (f32::from(*channel) * (1.0 - color[3]) + 255.0 * c + 0.5) as u8;

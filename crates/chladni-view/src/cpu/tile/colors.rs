@@ -6,7 +6,7 @@ use super::super::stage::Coat;
 use super::Tile;
 
 impl Tile<'_, '_> {
-    /// The bare colours of the batch, linear light.
+    /// The bare colors of the batch, linear light.
     pub(super) fn colors(&mut self, figure: usize) {
         let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
         let batch = &mut *self.scratch.batch;
@@ -85,7 +85,7 @@ impl Tile<'_, '_> {
         }
     }
 
-    /// Lays wires over the batch's colours.
+    /// Lays wires over the batch's colors.
     pub(super) fn wire(&mut self, color: &[f32; 4], width: f32) {
         let batch = &mut *self.scratch.batch;
         for i in 0..batch.count {
@@ -102,7 +102,7 @@ impl Tile<'_, '_> {
         }
     }
 
-    /// Lays nodal lines over the batch's colours.
+    /// Lays nodal lines over the batch's colors.
     pub(super) fn nodal_lines(&mut self, figure: usize) {
         let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
         let [width, farthest, ..] = staged.uniform.line;
@@ -137,7 +137,7 @@ fn turns_of(x: f32, y: f32, whole: f32) -> f32 {
     0.25 * if x >= 0.0 { p } else { 2.0 - p } * min(size / whole, 1.0)
 }
 
-/// The colour of `t` in [0, 1], between the map's 256.
+/// The color of `t` in [0, 1], between the map's 256.
 fn map_color(map: &[[f32; 3]; 256], t: f32) -> [f32; 3] {
     let at = clamp(t, 0.0, 1.0) * 255.0;
     let left = (at as usize).min(254);

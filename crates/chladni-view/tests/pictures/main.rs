@@ -5,12 +5,15 @@
     reason = "a panic is how a test fails, and a skipped one says so"
 )]
 
+mod marks;
+mod one_sample;
+#[path = "../shapes/mod.rs"]
 mod shapes;
 
 use chladni_view::{
-    Background, BrushRing, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material,
-    Paint, Picture, PictureRequest, PictureShape, Rect, Renderer, Samples, Scale, Skin, Style, Topology,
-    VertexPaint, View, ViewError, Wire, render_picture, render_picture_with, render_placed, smooth_normals,
+    Background, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Picture, PictureRequest,
+    PictureShape, Rect, Renderer, Samples, Scale, Style, Topology, View, ViewError, render_picture,
+    render_picture_with, render_placed, smooth_normals,
 };
 use shapes::{gpu, sphere};
 
@@ -179,105 +182,6 @@ fn a_ghost_is_seen_through() {
 }
 
 #[test]
-fn wires_skins_colors_brushes_and_markers_leave_their_marks() {
-    let Some(gpu) = gpu() else { return };
-    let (positions, triangles) = sphere(10);
-    let n = positions.len();
-    let uvs: Vec<[f32; 2]> = triangles
-        .iter()
-        .flatten()
-        .map(|v| positions[*v as usize])
-        .map(|p| [0.5 + 0.5 * p[0], 0.5 + 0.5 * p[1]])
-        .collect();
-    let topology = Topology::with_uvs(&gpu, n, &triangles, &uvs).unwrap();
-    let buffers = ItemBuffers::new(&gpu, n, 2);
-    // Item 1 is the one drawn: offsets count in every path.
-    buffers.write(&gpu, 1, &positions, &smooth_normals(&positions, &triangles)).unwrap();
-    let colors = VertexPaint::new(&gpu, n);
-    colors.write_colors(&gpu, &vec![[0, 255, 0, 255]; n]).unwrap();
-    // Red above, blue below.
-    let mut pixels = [[255, 0, 0, 255]; 64];
-    pixels[32..].fill([0, 0, 255, 255]);
-    let skin = Skin::new(&gpu, 8, 8, pixels.as_flattened()).unwrap();
-    let mut camera = Camera::default();
-    camera.fit(positions.iter().copied(), 1.0, 0.9);
-    let mut renderer = Renderer::new(&gpu);
-    let canvas = Canvas::new(&gpu, 120, 120).unwrap();
-    let mut draw = |figure: Figure<'_>, markers: &[Marker]| {
-        let cell = Cell {
-            viewport: Rect::of_size(120, 120),
-            camera,
-            lights: Lights::SOFT,
-            background: Background::TRANSPARENT,
-            figures: &[figure],
-            markers,
-        };
-        renderer.draw(&canvas, &[cell]).unwrap();
-        canvas.read(&gpu).unwrap()
-    };
-    let plain = Figure { material: Material::PORCELAIN, ..Figure::new(&topology, &buffers, 1) };
-    let bare = draw(plain, &[]);
-    let differing = |a: &Picture, b: &Picture| {
-        a.rgba
-            .chunks(4)
-            .zip(b.rgba.chunks(4))
-            .filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 20))
-            .count()
-    };
-    let wired = draw(Figure { wire: Some(Wire { opacity: 1.0, ..Wire::default() }), ..plain }, &[]);
-    assert!(differing(&bare, &wired) > 400);
-    assert!(differing(&bare, &wired) < 8000, "a wire is not a fill");
-
-    let green = draw(Figure { paint: Paint::Colors(&colors), ..plain }, &[]).pixel(60, 60).unwrap();
-    assert!(green[1] > 2 * green[0] && green[1] > 2 * green[2], "{green:?}");
-    let both = Figure {
-        paint: Paint::Colors(&colors),
-        wire: Some(Wire { width_px: 0.1, ..Wire::default() }),
-        ..plain
-    };
-    let green = draw(both, &[]).pixel(62, 57).unwrap();
-    assert!(green[1] > 2 * green[0] && green[1] > 2 * green[2], "{green:?}");
-
-    let skinned = draw(Figure { paint: Paint::Skin(&skin), ..plain }, &[]);
-    let (above, below) = (skinned.pixel(60, 35).unwrap(), skinned.pixel(60, 85).unwrap());
-    assert!(above[0] > 2 * above[2] && below[2] > 2 * below[0], "{above:?} {below:?}");
-
-    // A ring lies on the triangles that it is laid on, on their near side, and nowhere else.
-    let mut ring = BrushRing::new(&gpu, n, [255, 0, 255]);
-    let reach = |v: usize| {
-        let [x, y, z] = positions[v];
-        (v as u32, (x * x + y * y + (z - 1.0) * (z - 1.0)).sqrt())
-    };
-    let half: Vec<[u32; 3]> =
-        triangles.iter().copied().filter(|t| t.iter().any(|v| reach(*v as usize).1 < 0.4)).collect();
-    ring.lay(&gpu, 0.4, (0..n).map(reach), &half).unwrap();
-    let brushed = draw(Figure { brush: Some(&ring), ..plain }, &[]);
-    assert!((30..2500).contains(&differing(&bare, &brushed)));
-    let pink = |picture: &Picture, x, y| {
-        let [r, g, b, _] = picture.pixel(x, y).unwrap();
-        i32::from(r) + i32::from(b) - 2 * i32::from(g)
-    };
-    // 0.4 of the sphere's radius from its middle, of 0.9 of half the picture.
-    let along: Vec<i32> = (60..120).map(|x| pink(&brushed, x, 60)).collect();
-    let strongest = (0..60).max_by_key(|i| along[*i]).unwrap();
-    assert!((18..27).contains(&strongest), "the ring is {strongest} pixels from the middle");
-    let far_side: Vec<[u32; 3]> =
-        triangles.iter().copied().filter(|t| t.iter().all(|v| positions[*v as usize][2] < 0.0)).collect();
-    ring.lay(&gpu, 0.4, (0..n).map(reach), &far_side).unwrap();
-    assert_eq!(differing(&bare, &draw(Figure { brush: Some(&ring), ..plain }, &[])), 0);
-    ring.lift();
-    assert_eq!(differing(&bare, &draw(Figure { brush: Some(&ring), ..plain }, &[])), 0);
-    assert!(ring.lay(&gpu, 0.4, [(n as u32, 0.0)].into_iter(), &[]).is_err());
-    assert!(ring.lay(&gpu, 0.4, [].into_iter(), &[[0, 1, n as u32]]).is_err());
-
-    let marker = |z| Marker { position: [0.0, 0.0, z], radius_px: 6.0, color: [255, 0, 0, 255] };
-    let in_front = draw(plain, &[marker(1.0)]).pixel(60, 60).unwrap();
-    assert!(in_front[0] > 200 && in_front[1] < 60, "{in_front:?}");
-    let behind = draw(plain, &[marker(-1.0)]).pixel(60, 60).unwrap();
-    assert!(behind[1] > 100 && behind[0] > behind[1], "{behind:?}");
-}
-
-#[test]
 fn every_target_format_shows_the_same_colors() {
     let Some(gpu) = gpu() else { return };
     let (positions, triangles) = sphere(16);
@@ -384,98 +288,4 @@ fn pasting_cuts_off_what_hangs_over_and_respects_alpha() {
     assert_eq!(sheet.pixel(3, 3), Some([128, 128, 128, 255]));
     sheet.paste(&Picture::filled(1, 1, [9; 4]), 9, 9);
     assert_eq!(sheet.halved().pixel(1, 1), Some([64, 64, 64, 255]));
-}
-
-/// One sample a pixel is a quicker drawing of the same picture.
-#[test]
-fn one_sample_looks_like_four_and_its_edges_are_smooth() {
-    let Some(gpu) = gpu() else { return };
-    let (positions, triangles) = sphere(24);
-    let topology = Topology::new(&gpu, positions.len(), &triangles).unwrap();
-    let buffers = ItemBuffers::new(&gpu, positions.len(), 1);
-    buffers.write(&gpu, 0, &positions, &smooth_normals(&positions, &triangles)).unwrap();
-    let mut camera = Camera::default();
-    camera.fit(positions.iter().copied(), 1.0, 0.8);
-    let figure = Figure::new(&topology, &buffers, 0);
-    let cell = Cell {
-        viewport: Rect::of_size(200, 200),
-        camera,
-        lights: Lights::STAGE,
-        background: Background::NIGHT,
-        figures: &[figure],
-        markers: &[],
-    };
-    let mut renderer = Renderer::new(&gpu);
-    let [four, one] = [Samples::Four, Samples::One].map(|samples| {
-        let canvas = Canvas::with_samples(&gpu, 200, 200, samples).unwrap();
-        renderer.draw(&canvas, &[cell]).unwrap();
-        canvas.read(&gpu).unwrap()
-    });
-    let apart = |a: &[u8], b: &[u8]| (0..4).map(|i| a[i].abs_diff(b[i])).max().unwrap();
-    let differ =
-        |limit| four.rgba.chunks(4).zip(one.rgba.chunks(4)).filter(|(a, b)| apart(a, b) > limit).count();
-    // The outline has about 500 pixels, of which no smoothing guesses every shade.
-    assert!(differ(12) < 500 && differ(90) < 25, "{} {}", differ(12), differ(90));
-    // Between night and the lit side there are pixels of neither.
-    let row: Vec<u8> = (0..200).map(|x| one.pixel(x, 40).unwrap()[0]).collect();
-    let lit = row.iter().copied().max().unwrap();
-    assert!(row.iter().any(|c| (lit / 4..lit / 4 * 3).contains(c)), "{row:?}");
-}
-
-/// Closed, open, inside out and half turned over: with one sample the same walls are in front.
-#[test]
-fn one_sample_shows_the_sides_that_four_show() {
-    let Some(gpu) = gpu() else { return };
-    let (positions, triangles) = closed_sphere(16);
-    // Without its front half (z > 0), only the inside of the other half is seen.
-    let half: Vec<[u32; 3]> = triangles
-        .iter()
-        .copied()
-        .filter(|t| t.iter().map(|v| positions[*v as usize][2]).sum::<f32>() < 0.0)
-        .collect();
-    let inverted: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    // As a large exaggeration does: one half goes through the other, and farther.
-    let turned: Vec<[f32; 3]> =
-        positions.iter().map(|p| if p[2] > 0.0 { *p } else { [p[0], p[1], -1.5 * p[2]] }).collect();
-    let mut camera = Camera::default();
-    camera.fit(positions.iter().copied(), 1.0, 0.6);
-    for (what, positions, triangles) in [
-        ("closed", &positions, &triangles),
-        ("open", &positions, &half),
-        ("inside out", &positions, &inverted),
-        ("turned over", &turned, &triangles),
-    ] {
-        let topology = Topology::new(&gpu, positions.len(), triangles).unwrap();
-        let buffers = ItemBuffers::new(&gpu, positions.len(), 1);
-        buffers.write(&gpu, 0, positions, &smooth_normals(positions, triangles)).unwrap();
-        // Of bare colors: lights of one side only, and no shadows, whose edges differ.
-        let cell = Cell {
-            viewport: Rect::of_size(100, 100),
-            camera,
-            lights: Lights { shadow: 0.0, ..Lights::STUDIO },
-            background: Background::TRANSPARENT,
-            figures: &[Figure::new(&topology, &buffers, 0)],
-            markers: &[],
-        };
-        let mut renderer = Renderer::new(&gpu);
-        let [four, one] = [Samples::Four, Samples::One].map(|samples| {
-            let canvas = Canvas::with_samples(&gpu, 100, 100, samples).unwrap();
-            renderer.draw(&canvas, &[cell]).unwrap();
-            canvas.read(&gpu).unwrap().rgba
-        });
-        let covered = four.chunks(4).filter(|p| p[3] > 127).count();
-        let apart = |(a, b): (&[u8], &[u8])| (0..4).any(|i| a[i].abs_diff(b[i]) > 24);
-        let differ = four.chunks(4).zip(one.chunks(4)).filter(|pair| apart(*pair)).count();
-        assert!(covered > 2000 && differ < covered / 12, "{what}: {differ} of {covered}");
-    }
-}
-
-/// The sphere with one vertex a pole, so that every edge belongs to two triangles.
-fn closed_sphere(rings: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
-    let (positions, triangles) = sphere(rings);
-    let (columns, last) = (2 * rings, 2 * rings * rings);
-    let merged = |v: u32| if v < columns { 0 } else { v.min(last) };
-    let mut triangles: Vec<[u32; 3]> = triangles.into_iter().map(|t| t.map(merged)).collect();
-    triangles.retain(|[a, b, c]| a != b && b != c && c != a);
-    (positions, triangles)
 }

@@ -1,0 +1,103 @@
+//! Positions and normals where they are drawn.
+
+use std::sync::{Arc, PoisonError, RwLock};
+
+use chladni_synth::{CpuSynthesizer, Synthesizer};
+
+use super::{Held, Shared};
+use crate::gpu::{self, Use};
+use crate::{Device, ViewError};
+
+/// Positions and normals of S items of N vertices: item s at vertex offset s·N, three packed
+/// f32 a vertex.
+#[derive(Clone, Debug)]
+pub struct ItemBuffers {
+    pub(crate) vertices: usize,
+    pub(crate) items: usize,
+    pub(crate) held: Held<Shared<HostItems>, DeviceItems>,
+}
+
+#[derive(Debug)]
+pub(crate) struct HostItems {
+    pub(crate) positions: Vec<[f32; 3]>,
+    pub(crate) normals: Vec<[f32; 3]>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct DeviceItems {
+    pub(crate) positions: gpu::Buffer,
+    pub(crate) normals: gpu::Buffer,
+}
+
+impl ItemBuffers {
+    /// Space for `items` items of `vertices` vertices, to be filled with [`write`](Self::write).
+    pub fn new(on: impl Into<Device>, vertices: usize, items: usize) -> Self {
+        let held = match on.into() {
+            Device::Processor => {
+                let room = vec![[0.0; 3]; vertices * items];
+                Held::Cpu(Arc::new(RwLock::new(HostItems { positions: room.clone(), normals: room })))
+            }
+            Device::Graphics(gpu) => {
+                let bytes = (vertices * items * 12).max(12);
+                let room = |label| gpu::room(&gpu, label, bytes, Use::Vertices);
+                Held::Gpu(DeviceItems { positions: room("positions"), normals: room("normals") })
+            }
+        };
+        Self { vertices, items, held }
+    }
+
+    /// Number of items.
+    pub fn items(&self) -> usize {
+        self.items
+    }
+
+    /// Number of vertices of each item.
+    pub fn vertices(&self) -> usize {
+        self.vertices
+    }
+
+    /// Writes positions and normals of the items from `item` on; each slice holds a multiple of N. A
+    /// graphics device queues them.
+    ///
+    /// # Errors
+    /// [`ViewError::Shape`] where they do not fit, or another device holds the buffers.
+    pub fn write(
+        &self,
+        on: impl Into<Device>,
+        item: usize,
+        positions: &[[f32; 3]],
+        normals: &[[f32; 3]],
+    ) -> Result<(), ViewError> {
+        let room = self.items.saturating_sub(item) * self.vertices;
+        if positions.len() != normals.len() || positions.len() > room {
+            let (p, n) = (positions.len(), normals.len());
+            return Err(ViewError::Shape(format!("{p} positions and {n} normals where {room} have room")));
+        }
+        let first = item * self.vertices;
+        match on.into() {
+            Device::Processor => {
+                let mut items = self.held.cpu()?.write().unwrap_or_else(PoisonError::into_inner);
+                items.positions[first..first + positions.len()].copy_from_slice(positions);
+                items.normals[first..first + normals.len()].copy_from_slice(normals);
+            }
+            Device::Graphics(gpu) => {
+                let (items, offset) = (self.held.gpu()?, first as u64 * 12);
+                gpu::write(&gpu, &items.positions, offset, bytemuck::cast_slice(positions));
+                gpu::write(&gpu, &items.normals, offset, bytemuck::cast_slice(normals));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the frame that the processor has made, and as many items as it has.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn take_frame(&mut self, on: impl Into<Device>, frame: &CpuSynthesizer) -> Result<(), ViewError> {
+        let device = on.into();
+        if self.items != frame.items() {
+            *self = Self::new(&device, self.vertices, frame.items());
+        }
+        self.write(&device, 0, frame.all_positions(), frame.all_normals())
+    }
+}

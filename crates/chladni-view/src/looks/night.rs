@@ -1,0 +1,149 @@
+//! Looks that shine in the dark.
+
+use super::*;
+
+impl Look {
+    /// Northern lights: what moves turns from night blue to green and yellow, and glows.
+    pub const AURORA: Self = Self {
+        material: Material {
+            roughness: 0.32,
+            softness: 0.5,
+            glow: 0.02,
+            edge: [40, 90, 190],
+            ..Material::BARE
+        },
+        answer: answer(Palette::Aurora, 0.4, 0.0, 0.55, 0.1),
+        lights: Lights {
+            lights: [
+                lamp(LEFT, [0.75, 0.95, 1.1]),
+                lamp(RIGHT, [0.75, 0.18, 0.7]),
+                lamp(BEHIND, [0.35, 0.85, 1.3]),
+            ],
+            sky: [0.14, 0.2, 0.34],
+            ground: [0.12, 0.03, 0.14],
+            shadow: 0.7,
+            horizon: [0.1, 0.3, 0.35],
+            curve: Curve::Filmic,
+            ..Lights::BARE
+        },
+        background: halo([15, 36, 80], [5, 6, 20]),
+        finish: Finish { bloom: 0.7, bloom_from: 0.65, vignette: 0.35, ..Finish::NOTHING },
+        response: Response {
+            flow: 0.04,
+            timbre: 0.2,
+            sides: 0.1,
+            key: 0.0,
+            glow: 0.18,
+            light: 0.6,
+            halo: 0.9,
+            saturation: 0.0,
+            rim: 0.7,
+        },
+    };
+
+    /// Coal under which embers glow wherever it moves.
+    pub const EMBER: Self = Self {
+        material: Material {
+            roughness: 0.6,
+            softness: 0.1,
+            glow: 0.02,
+            edge: [120, 24, 6],
+            ..Material::BARE
+        },
+        answer: answer(Palette::Ember, 0.1, 0.0, 0.8, 1.1),
+        lights: Lights {
+            lights: [
+                lamp(LEFT, [0.5, 0.34, 0.26]),
+                lamp([0.5, -0.8, 0.4], [0.7, 0.2, 0.04]),
+                lamp(BEHIND, [1.3, 0.5, 0.15]),
+            ],
+            sky: [0.04, 0.035, 0.04],
+            ground: [0.16, 0.05, 0.015],
+            shadow: 0.7,
+            curve: Curve::Filmic,
+            ..Lights::BARE
+        },
+        background: halo([92, 30, 8], [9, 5, 5]),
+        finish: Finish {
+            bloom: 0.9,
+            bloom_from: 0.55,
+            vignette: 0.4,
+            trail_secs: 0.12,
+            trail_growth: 0.12,
+            ..Finish::NOTHING
+        },
+        response: Response {
+            glow: 0.12,
+            light: 0.6,
+            halo: 0.95,
+            timbre: 0.15,
+            rim: 1.0,
+            ..Self::AURORA.response
+        },
+    };
+
+    /// The deep sea: dark skin whose edges and movements shine by themselves.
+    pub const ABYSS: Self = Self {
+        material: Material {
+            roughness: 0.24,
+            softness: 0.7,
+            glow: 0.03,
+            edge: [40, 190, 220],
+            ..Material::BARE
+        },
+        answer: answer(Palette::Abyss, 0.15, 0.0, 0.6, 0.45),
+        lights: Lights {
+            lights: [
+                lamp(ABOVE, [0.22, 0.5, 0.62]),
+                lamp(RIGHT, [0.03, 0.1, 0.28]),
+                lamp(BEHIND, [0.15, 0.6, 0.75]),
+            ],
+            sky: [0.05, 0.16, 0.22],
+            ground: [0.0, 0.015, 0.05],
+            shadow: 0.6,
+            curve: Curve::Filmic,
+            ..Lights::BARE
+        },
+        background: Background {
+            gradient: Gradient::Upright,
+            ..Background::between([1, 5, 20], [6, 62, 92])
+        },
+        finish: Finish { bloom: 1.0, bloom_from: 0.58, vignette: 0.45, ..Finish::NOTHING },
+        response: Response { glow: 0.12, sides: 0.15, ..Self::AURORA.response },
+    };
+
+    /// Two signs of light on glossy black, and a trail of what was.
+    pub const NEON: Self = Self {
+        material: Material {
+            roughness: 0.2,
+            softness: 0.0,
+            glow: 0.3,
+            edge: [255, 30, 160],
+            ..Material::BARE
+        },
+        answer: answer(Palette::Neon, 0.8, 0.0, 0.4, 0.25),
+        lights: Lights {
+            lights: [
+                lamp(LEFT, [0.05, 0.65, 0.95]),
+                lamp(RIGHT, [1.1, 0.08, 0.7]),
+                lamp(BEHIND, [0.6, 0.2, 1.3]),
+            ],
+            sky: [0.03, 0.03, 0.1],
+            ground: [0.1, 0.0, 0.08],
+            shadow: 0.5,
+            horizon: [0.9, 0.1, 0.7],
+            curve: Curve::Filmic,
+            ..Lights::BARE
+        },
+        background: halo([84, 10, 110], [6, 3, 16]),
+        finish: Finish {
+            bloom: 0.8,
+            bloom_from: 0.55,
+            vignette: 0.35,
+            trail_secs: 0.22,
+            trail_growth: 0.25,
+            ..Finish::NOTHING
+        },
+        response: Response { flow: 0.125, glow: 0.2, ..Self::AURORA.response },
+    };
+}
