@@ -1,21 +1,20 @@
 //! A gallery of items and its generations.
 
+mod candidates;
+
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
+pub use self::candidates::CANDIDATES;
 use crate::BreedingError;
 use crate::item::{GalleryItem, Generation, Genome, ItemId, Origin};
 
 /// The sizes S that a gallery may have.
 pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
-/// The number of children from which a suggested generation is chosen.
-pub const CANDIDATES: usize = 200;
-/// The largest mutation of a candidate, as a share of each number's range.
-const CANDIDATE_MUTATION: f32 = 0.4;
 
 /// How many numbers all generations together may hold: half a gigabyte. Breeding by hand takes weeks to get
-/// there, but a session file or a controller breeds faster.
+/// there, but a show file or a controller breeds faster.
 const MOST_GENES: usize = 1 << 27;
 
 /// All generations of one seed. Each random draw depends only on the seed and on the number of draws made
@@ -37,7 +36,7 @@ impl<G: Genome> Gallery<G> {
     /// A gallery of `size` ∈ [`GALLERY_SIZES`] items, which `initial` creates.
     ///
     /// # Errors
-    /// Another size; a seed above 2⁶³ − 1, the largest number that session files can hold; a number of
+    /// Another size; a seed above 2⁶³ − 1, the largest number that show files can hold; a number of
     /// items from `initial` that is not `size`.
     pub fn new(
         seed: u64,
@@ -177,65 +176,6 @@ impl<G: Genome> Gallery<G> {
     fn parents(&self, least: usize) -> Result<Vec<GalleryItem<G>>, BreedingError> {
         let parents: Vec<GalleryItem<G>> = self.items().iter().filter(|i| i.chosen).cloned().collect();
         if parents.len() < least { Err(BreedingError::NotEnoughParents(parents.len())) } else { Ok(parents) }
-    }
-
-    /// The [`CANDIDATES`] from which the next generation may be chosen. With several chosen items they are
-    /// children of these, half of them mutated; with a single one they are its mutants. Each candidate can
-    /// be computed without the others.
-    ///
-    /// # Errors
-    /// [`BreedingError::NotEnoughParents`] if nothing is chosen.
-    pub fn candidates(&self) -> Result<Vec<G>, BreedingError> {
-        let parents = self.parents(1)?;
-        Ok((0..CANDIDATES).map(|number| self.candidate(&parents, number).0).collect())
-    }
-
-    fn candidate(&self, parents: &[GalleryItem<G>], number: usize) -> (G, Origin) {
-        let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-        rng.set_stream(((number as u64 + 1) << 40) | self.draws);
-        let (genome, origin) = match parents {
-            [alone] => (alone.genome.clone(), Origin::Mutated { parent: alone.id }),
-            parents => {
-                let (child, parents) = child(parents, &mut rng);
-                (child, Origin::Bred { parents })
-            }
-        };
-        if parents.len() > 1 && rng.random_bool(0.5) {
-            return (genome, origin);
-        }
-        let amount = CANDIDATE_MUTATION * rng.random::<f32>();
-        let mutant = genome.mutant(amount, &mut rng);
-        (if mutant.is_viable() { mutant } else { genome }, origin)
-    }
-
-    /// Appends a generation and shows it: each place gets the candidate with the given number, except that
-    /// locked items stay.
-    ///
-    /// # Errors
-    /// No chosen item, no room for more generations, a number of candidates that is not that of the items,
-    /// or a candidate that does not exist.
-    pub fn breed_from(&mut self, candidates: &[u16]) -> Result<(), BreedingError> {
-        self.check_room()?;
-        let (found, expected) = (candidates.len(), self.items().len());
-        if found != expected {
-            return Err(BreedingError::Size { what: "candidates", found, expected });
-        }
-        if let Some(&number) = candidates.iter().find(|number| usize::from(**number) >= CANDIDATES) {
-            return Err(BreedingError::NoSuch { what: "candidate", index: number.into(), count: CANDIDATES });
-        }
-        let parents = self.parents(1)?;
-        let born: Vec<(G, Origin)> =
-            candidates.iter().map(|&number| self.candidate(&parents, number.into())).collect();
-        self.draws += 1;
-        let places = self.items().to_vec().into_iter().zip(born);
-        let items = places
-            .map(|(item, (genome, origin))| match item.locked {
-                true => GalleryItem { chosen: false, ..item },
-                false => self.item(genome, origin),
-            })
-            .collect();
-        self.show_new(items);
-        Ok(())
     }
 
     /// Makes all choices so far count no longer as a preference.

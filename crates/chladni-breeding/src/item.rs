@@ -20,7 +20,7 @@ pub trait Genome: Clone + Send + Sync {
     }
 }
 
-/// Identifies one item permanently: no two items of a session share an id.
+/// Identifies one item permanently: no two items of a show share an id.
 pub type ItemId = u32;
 
 /// Where an item comes from.

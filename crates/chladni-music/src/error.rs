@@ -47,20 +47,20 @@ pub enum MusicError {
         /// What is allowed.
         range: String,
     },
-    /// A preset or session file of a newer format.
+    /// A preset or show file of a newer format.
     #[error("{kind} format version {found} is newer than {known}, the newest this program reads")]
     Version {
-        /// `preset` or `session`.
+        /// `preset` or `show`.
         kind: &'static str,
         /// The version in the file.
         found: u32,
         /// The newest version that is understood.
         known: u32,
     },
-    /// A preset or session that is not the text it should be.
+    /// A preset or show that is not the text it should be.
     #[error("{kind}: {why}")]
     Parse {
-        /// `preset` or `session`.
+        /// `preset` or `show`; `session` where a show is one of version 1.
         kind: &'static str,
         /// Line and reason, from the TOML reader.
         why: String,

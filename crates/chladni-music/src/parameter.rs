@@ -98,7 +98,7 @@ impl Parameter {
         Self::Hold,
     ];
 
-    /// The name in session files, MIDI maps and OSC addresses.
+    /// The name in show files, MIDI maps and OSC addresses.
     pub fn name(self) -> &'static str {
         self.row().0
     }
@@ -210,7 +210,7 @@ impl Switch {
     /// The switches that change how one dance looks, on any stage.
     const OF_A_DANCE: [Self; 4] = [Self::FlipSides, Self::LogBands, Self::OwnMu, Self::Resonate];
 
-    /// The name in session files and OSC addresses.
+    /// The name in show files and OSC addresses.
     pub fn name(self) -> &'static str {
         match self {
             Self::BeatTurns => "beat-turns",

@@ -163,7 +163,7 @@ impl Stage {
                 if count == 0 {
                     return None;
                 }
-                // A session file may hold any beat; a sum of remainders cannot overflow.
+                // A show file may hold any beat; a sum of remainders cannot overflow.
                 let at = |step: usize| favorites.get((first % count + step % count) % count).map(|i| i.id);
                 let per_step = f64::from(parameters.get(Parameter::BeatsPerStep).round()).max(1.0);
                 let step = if parameters.is_on(Switch::BeatSteps) { (gone / per_step).floor() } else { 0.0 };
