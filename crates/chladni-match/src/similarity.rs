@@ -112,66 +112,6 @@ impl Similarity {
             });
         fit_pairs(pairs, scaling)
     }
-
-    /// A [`fit`](Self::fit) that is robust against wrong pairs, of which there may be up to a half:
-    /// iteratively reweighted least squares with Tukey's biweight on a scale estimated from the median
-    /// residual. It starts from the best of the fits to random triples (`seed`).
-    ///
-    /// # Errors
-    /// Those of [`fit`](Self::fit).
-    pub fn fit_robust(
-        from: &[[f64; 3]],
-        to: &[[f64; 3]],
-        scaling: Scaling,
-        seed: u64,
-    ) -> Result<Self, MatchError> {
-        use rand::{RngExt, SeedableRng};
-        let mut best = Self::fit(from, to, None, scaling)?;
-        let n = from.len();
-        let residuals = |s: &Self| -> Vec<f64> {
-            from.iter()
-                .zip(to)
-                .map(|(a, b)| s.at(DVec3::from_array(*a)).distance(DVec3::from_array(*b)))
-                .collect()
-        };
-        let mut best_median = median(&mut residuals(&best));
-        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
-        for _ in 0..200 {
-            let triple: [usize; 3] = std::array::from_fn(|_| rng.random_range(0..n));
-            let (a, b) = (triple.map(|i| from[i]), triple.map(|i| to[i]));
-            // A collinear triple has no fit: skip it.
-            let Ok(candidate) = Self::fit(&a, &b, None, scaling) else { continue };
-            let median = median(&mut residuals(&candidate));
-            if median < best_median {
-                (best, best_median) = (candidate, median);
-            }
-        }
-        for _ in 0..20 {
-            let r = residuals(&best);
-            // 1.4826 turns a median of absolute residuals into σ; 4.685 σ is Tukey's constant.
-            let reach = 4.685 * 1.4826 * median(&mut r.clone());
-            if !(reach > 0.0) {
-                break;
-            }
-            let w: Vec<f64> = r
-                .iter()
-                .map(|r| if *r < reach { (1.0 - (r / reach).powi(2)).powi(2) } else { 0.0 })
-                .collect();
-            match Self::fit(from, to, Some(&w), scaling) {
-                Ok(next) => best = next,
-                Err(_) => break, // the inliers have shrunk to a line: the last fit stands
-            }
-        }
-        Ok(best)
-    }
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// [`Similarity::fit`] for pairs given as (from, to, weight).
@@ -278,21 +218,6 @@ mod tests {
                 prop_assert!(s.scale > 0.0);
             }
         }
-    }
-
-    #[test]
-    fn a_third_of_wrong_pairs_does_not_move_the_robust_fit() {
-        let points: Vec<[f64; 3]> =
-            (0..30).map(|i| [(i as f64).sin(), (2.1 * i as f64).cos(), (0.7 * i as f64).sin()]).collect();
-        let truth = Similarity::new(2.0, DMat3::from_rotation_y(1.0), DVec3::new(1.0, 2.0, 3.0));
-        let mut moved: Vec<_> = points.iter().map(|p| truth.apply(*p)).collect();
-        for p in moved.iter_mut().step_by(3) {
-            *p = [p[1] + 3.0, -p[0], p[2] * 5.0];
-        }
-        let found = Similarity::fit_robust(&points, &moved, Scaling::Free, 1).unwrap();
-        assert!((found.scale - 2.0).abs() < 1e-9, "{found:?}");
-        let plain = Similarity::fit(&points, &moved, None, Scaling::Free).unwrap();
-        assert!((plain.scale - 2.0).abs() > 1e-2);
     }
 
     #[test]
