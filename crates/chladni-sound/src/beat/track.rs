@@ -84,30 +84,21 @@ pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
 pub fn track_beats_causally(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let mut follower = BeatFollower::new(song.rate_hz)?;
     let block = (song.rate_hz / 100) as usize;
-    let stage = task.stage("following the beat", song.frames() as u64);
     let (mut beats_secs, mut bars) = (Vec::new(), Vec::new());
-    for (left, right) in song.left.chunks(block).zip(song.right.chunks(block)) {
-        task.check()?;
+    song.in_blocks(block, "following the beat", task, |left, right| {
         follower.push(left, right);
         beats_secs.extend(follower.take_beat());
         bars.extend(follower.take_bar());
-        stage.advance(left.len() as u64);
-    }
+    })?;
     let confidence = follower.moment().confidence;
     Ok(Beats::new(beats_secs, confidence).with_heard(&bars, song.duration_secs()))
 }
 
 fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {
     let mut detector = OnsetDetector::new(song.rate_hz)?;
-    let stage = task.stage("finding onsets", song.frames() as u64);
     let mut onsets = Vec::new();
-    for (left, right) in song.left.chunks(1 << 16).zip(song.right.chunks(1 << 16)) {
-        task.check()?;
-        detector.push(left, right, &mut onsets);
-        stage.advance(left.len() as u64);
-    }
-    // Silence after the end completes the windows of the last values.
-    let silence = vec![0.0; (detector.latency_secs() * f64::from(song.rate_hz)) as usize + 1];
+    song.in_blocks(1 << 16, "finding onsets", task, |left, right| detector.push(left, right, &mut onsets))?;
+    let silence = song.silence_after(detector.latency_secs());
     detector.push(&silence, &silence, &mut onsets);
     Ok(onsets)
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use chladni_task::Task;
+use chladni_task::{Cancelled, Task};
 
 use super::{SongReader, StereoResampler};
 use crate::SoundError;
@@ -118,6 +118,28 @@ impl Song {
                 *sample = at.and_then(|at| channel.get(at)).copied().unwrap_or(0.0);
             }
         }
+    }
+
+    /// Gives all of it to `hear`, `block` frames at a time; `task` is told how far that is and may end it.
+    pub(crate) fn in_blocks(
+        &self,
+        block: usize,
+        stage: &str,
+        task: &Task,
+        mut hear: impl FnMut(&[f32], &[f32]),
+    ) -> Result<(), Cancelled> {
+        let stage = task.stage(stage, self.frames() as u64);
+        for (left, right) in self.left.chunks(block).zip(self.right.chunks(block)) {
+            task.check()?;
+            hear(left, right);
+            stage.advance(left.len() as u64);
+        }
+        Ok(())
+    }
+
+    /// As much silence as completes the windows of what hears the end of the song `secs` later.
+    pub(crate) fn silence_after(&self, secs: f64) -> Vec<f32> {
+        vec![0.0; (secs * f64::from(self.rate_hz)) as usize + 1]
     }
 
     fn append(&mut self, stereo: &[f32]) {

@@ -52,14 +52,11 @@ pub(crate) fn structure(
     task: &Task,
 ) -> Result<Structure, SoundError> {
     let mut reader = FrameReader::new(song.rate_hz)?;
-    let stage = task.stage("hearing bars and sections", song.frames() as u64);
     let mut frames = Vec::new();
-    for (left, right) in song.left.chunks(1 << 16).zip(song.right.chunks(1 << 16)) {
-        task.check()?;
+    song.in_blocks(1 << 16, "hearing bars and sections", task, |left, right| {
         reader.push(left, right, &mut frames);
-        stage.advance(left.len() as u64);
-    }
-    let silence = vec![0.0; (reader.latency_secs() * f64::from(song.rate_hz)) as usize + 1];
+    })?;
+    let silence = song.silence_after(reader.latency_secs());
     reader.push(&silence, &silence, &mut frames);
     let energy = energy::energy(&frames, onsets);
     // The last beat is assumed to last as long as the one before it.
