@@ -5,22 +5,18 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_caricature::{
-    Base, Brush, Dab, Difference, History, Layer, MatchRequest, PaintEdit, Painted, Project, Seen,
-    ShapeSource, Stack, SurfacePoint, Target, Template,
+    Base, Difference, Layer, MatchRequest, Project, ShapeSource, Stack, Target, Template,
 };
-use chladni_synth::{Item, SynthModel};
-use chladni_view::PickTree;
+use chladni_synth::SynthModel;
 use serde::Serialize;
 
-use super::frame::{Easel, Projector, Secs};
+use super::frame::{Easel, Projector};
+use super::stroke::Stroke;
 use super::{BenchTables, median_ms};
 use chladni_program::cli::Terminal;
 use chladni_program::work::body::laplacian;
 use chladni_program::work::{Error, Watcher};
 use chladni_program::work::{source, template_mesh};
-
-/// Radius of the brush in the working frame, where a shape is 2 wide.
-const BRUSH: f64 = 0.15;
 
 #[derive(Serialize)]
 pub struct Row {
@@ -58,9 +54,7 @@ impl BenchTables {
     ) -> Result<Row, Error> {
         let mesh = source::mesh(shape, terminal)?;
         let (body, harmonics_secs) = self.solve(shape, &mesh, self.harmonics, terminal)?;
-        let triangles = body.triangles.clone();
-        let model = SynthModel::new(&body)?;
-        let mut projector = Projector::new(easel, &model, &triangles)?;
+        let projector = Projector::new(easel, &SynthModel::new(&body)?, &body.triangles)?;
         let mut stack = Stack::new(Arc::new(body))?;
         let source: ShapeSource = shape.parse()?;
         let mut project = Project::new(source, self.harmonics);
@@ -87,64 +81,15 @@ impl BenchTables {
             difference_secs = start.elapsed().as_secs_f64();
             stack.install(request, Ok(matched));
         }
-        let mut history = History::new(project);
-        let surface = stack.surface().clone();
-        let mut shown = single(&stack.body().positions);
-        let mut tree = PickTree::new(&shown, &triangles);
-        let mut painted = Painted::Vertices(vec![0.0; shown.len()].into());
+        let mut stroke = Stroke::new(id, smoothing, projector, stack, project);
+        // The first frame warms up.
+        stroke.frame(0, easel)?;
         let mut parts: [Vec<f64>; 8] = std::array::from_fn(|_| Vec::new());
-        for frame in 0..=self.frames.max(1) {
-            let (camera, viewport) = projector.view(3);
-            let start = Instant::now();
-            tree.refit(&shown, &triangles);
-            let turn = frame as f32;
-            let middle = [viewport.width as f32 * 0.5, viewport.height as f32 * 0.5];
-            let (x, y) = (middle[0] * (1.0 + 0.2 * turn.sin()), middle[1] * (1.0 + 0.2 * turn.cos()));
-            let ray = camera.ray(x, y, chladni_view::Rect { x: 0, y: 0, ..viewport });
-            let hit = tree.pick(&ray, &shown, &triangles);
-            let picked = start.elapsed().as_secs_f64();
-            if let Some(hit) = hit {
-                let at = SurfacePoint { triangle: hit.triangle, weights: hit.barycentric.map(f64::from) };
-                let eye = Some(ray.origin.map(f64::from));
-                let blocked = |eye, point| tree.blocks(eye, point, &shown, &triangles);
-                let seen = Seen { surface: &surface, positions: &shown, eye, blocked: Some(&blocked) };
-                let reach = Brush { radius: BRUSH, mirror: None }.reach(&seen, &at);
-                let dab = PaintEdit::Dab(Dab::of(&reach, 1.0, false));
-                painted = dab.apply(&painted, &surface)?;
-            }
-            let dabbed = start.elapsed().as_secs_f64();
-            let to = PaintEdit::Set(painted.clone());
-            let action = chladni_caricature::Action::Paint { layer: id, edit: to };
-            history.apply_live(&action, Some(&surface))?;
-            let terms = stack.terms(history.project(), id);
-            let terms = terms.ok_or_else(|| Error::other("the layer does not act"))?;
-            let items = terms.map(|term| Item { terms: vec![term] });
-            let filtered = start.elapsed().as_secs_f64();
-            let secs = projector.show(easel, &items)?;
-            let total = start.elapsed().as_secs_f64();
-            shown = single(&stack.evaluate(history.project()).result.positions);
-            // The same once more, beside the frame, to tell its share of the filters.
-            let start = Instant::now();
-            if let Painted::Vertices(values) = &painted {
-                std::hint::black_box(smoothing.apply(stack.body(), values)?);
-            }
-            let smoothing = start.elapsed().as_secs_f64();
-            if frame > 0 {
-                let Secs { synthesis, normals, drawing } = secs;
-                let measured = [
-                    picked,
-                    dabbed - picked,
-                    smoothing,
-                    filtered - dabbed,
-                    synthesis,
-                    normals,
-                    drawing,
-                    total,
-                ];
-                parts.iter_mut().zip(measured).for_each(|(part, secs)| part.push(secs));
-            }
+        for frame in 1..=self.frames.max(1) {
+            let measured = stroke.frame(frame, easel)?;
+            parts.iter_mut().zip(measured).for_each(|(part, secs)| part.push(secs));
         }
-        let basis = &stack.body().basis;
+        let basis = &stroke.stack().body().basis;
         let [
             picking_ms,
             painting_ms,
@@ -173,8 +118,4 @@ impl BenchTables {
             fps: 1e3 / total_ms,
         })
     }
-}
-
-fn single(positions: &[[f64; 3]]) -> Vec<[f32; 3]> {
-    positions.iter().map(|p| p.map(|c| c as f32)).collect()
 }

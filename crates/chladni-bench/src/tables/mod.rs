@@ -4,6 +4,7 @@
 mod caricature;
 mod frame;
 mod music;
+mod stroke;
 
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::TriMesh;
