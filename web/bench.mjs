@@ -1,8 +1,9 @@
-// What a page costs: sizes, the first picture, pictures a second, a caricature, a solve. node web/bench.mjs PAGE OUT
-import { readFileSync, readdirSync, writeFileSync } from "node:fs";
+// What a page costs: sizes, the first picture, pictures a second, a caricature, a solve. node web/bench.mjs PAGE OUT [solves]
+import { execFileSync } from "node:child_process";
+import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
-import { launch, serve, torus } from "./browser.mjs";
+import { ISOLATED, launch, serve, torus } from "./browser.mjs";
 
 const [folder, out] = process.argv.slice(2).map((path) => resolve(path));
 const mb = (bytes) => `${(bytes / 1e6).toFixed(2)} MB`;
@@ -12,8 +13,11 @@ const sizes = (names) => {
   const sum = (of) => mb(all.reduce((total, bytes) => total + of(bytes).length, 0));
   return `${sum((bytes) => bytes)}, gzip ${sum((bytes) => gzipSync(bytes))}, brotli ${sum((bytes) => brotliCompressSync(bytes))}`;
 };
-console.log(`module and page: ${sizes(files("."))}`);
-console.log(`for the first picture, with the plate: ${sizes([...files("."), "bodies/plate.body"])}`);
+const threads = ["thread.js", "chladni_threads.js", "chladni_threads_bg.wasm"].filter((name) => files(".").includes(name));
+const first = files(".").filter((name) => !threads.includes(name));
+console.log(`module and page: ${sizes(first)}`);
+console.log(`for the first picture, with the plate: ${sizes([...first, "bodies/plate.body"])}`);
+console.log(`for threads, once something is solved: ${sizes(threads)}`);
 console.log(`octopus: ${sizes(["bodies/octopus.body"])}`);
 
 const { address, stop } = await serve(folder);
@@ -42,14 +46,18 @@ const gallery = async (page) => {
   await page.click("#enter");
   await page.waitForFunction(() => window.chladni.state.body === "sample:octopus", null, { timeout: 180_000 });
 };
-await (await measured("front page, 1440×900", laptop)).close();
-await (await measured("gallery of twelve, 1440×900", laptop, gallery)).close();
-await (await measured("gallery of six, 390×844", { width: 390, height: 844 }, gallery)).close();
-const page = await measured("one dance on stage, 1440×900", laptop, async (page) => {
-  await gallery(page);
-  await page.hover(".cell:nth-child(5)");
-  await page.click(".cell:nth-child(5) .stage");
-});
+
+async function music() {
+  await (await measured("front page, 1440×900", laptop)).close();
+  await (await measured("gallery of twelve, 1440×900", laptop, gallery)).close();
+  await (await measured("gallery of six, 390×844", { width: 390, height: 844 }, gallery)).close();
+  const stage = await measured("one dance on stage, 1440×900", laptop, async (page) => {
+    await gallery(page);
+    await page.hover(".cell:nth-child(5)");
+    await page.click(".cell:nth-child(5) .stage");
+  });
+  await stage.close();
+}
 
 async function caricature() {
   const page = await (await browser.newContext({ viewport: laptop })).newPage();
@@ -87,16 +95,53 @@ async function caricature() {
   console.log(`μ follows a slider with ${found.fps.toFixed(1)} pictures a second, ${found.drawMs.toFixed(0)} ms to draw`);
   await page.close();
 }
-await caricature();
 
-const mesh = torus(173, 87);
-writeFileSync(join(out, "torus-15k.obj"), mesh);
-const secs = await page.evaluate(async (text) => {
-  const { ask } = await import("./work.js");
-  const bytes = new TextEncoder().encode(text);
-  const { secs } = await ask({ work: "prepare", name: "torus.obj", bytes, harmonics: 256 });
-  return secs;
-}, mesh.toString());
-console.log(`a body of 15,051 vertices and 256 harmonics made ready in ${secs.toFixed(1)} s (${join(out, "torus-15k.obj")})`);
+/** 15,051 vertices, 256 harmonics, in turn: in the worker on one thread and on all, and by the desktop's command on as many.
+ * The medians of five. */
+async function solves() {
+  const path = join(out, "torus-15k.obj");
+  const mesh = torus(173, 87);
+  writeFileSync(path, mesh);
+  // A document in which nothing is drawn beside the solve, as the command draws nothing.
+  const quiet = async (at) => {
+    const page = await (await browser.newContext()).newPage();
+    await page.goto(`${at}style.css`);
+    return page;
+  };
+  const isolated = await serve(folder, ISOLATED);
+  const pages = [await quiet(address), await quiet(isolated.address)];
+  const within = (page) => page.evaluate(async (text) => {
+    const { ask } = await import("/work.js");
+    const bytes = new TextEncoder().encode(text);
+    const { secs, threads } = await ask({ work: "solve", name: "torus.obj", bytes, harmonics: 256, laplacian: "delaunay" });
+    return [secs, threads];
+  }, mesh.toString());
+  const chladni = process.env.CHLADNI ?? join(out, "../release/chladni");
+  const desktop = (threads) => {
+    const from = performance.now();
+    const options = ["--no-cache", "--quiet", "-k", "256", "--threads", threads];
+    execFileSync(chladni, ["basis", path, ...options], { stdio: "pipe" });
+    return (performance.now() - from) / 1000;
+  };
+  const found = new Map();
+  const note = (what, secs) => found.set(what, [...found.get(what) ?? [], secs].sort((a, b) => a - b));
+  for (let run = 0; run < 5; run++) {
+    for (const page of pages) {
+      const [secs, threads] = await within(page);
+      note(`the page, threads: ${threads}`, secs);
+      if (existsSync(chladni)) note(`the desktop, threads: ${threads}`, desktop(threads));
+    }
+  }
+  const told = [...found].map(([what, secs]) => `${what}: ${secs[2].toFixed(2)} s (${secs[0].toFixed(2)} to ${secs.at(-1).toFixed(2)})`);
+  console.log(`15,051 vertices, 256 harmonics, median of 5. ${told.join("; ")}`);
+  isolated.stop();
+}
+
+const only = process.argv[4];
+if (!only) {
+  await music();
+  await caricature();
+}
+await solves();
 await browser.close();
 stop();

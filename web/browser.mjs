@@ -8,12 +8,15 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
 const FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync"];
 
-/** Serves a folder; resolves to its address. */
-export function serve(folder) {
+/** Headers with which browsers lend a page memory that its workers share. */
+export const ISOLATED = { "cross-origin-opener-policy": "same-origin", "cross-origin-embedder-policy": "require-corp" };
+
+/** Serves a folder, as any file server does, or with these headers; resolves to its address. */
+export function serve(folder, headers = {}) {
   const server = createServer((request, response) => {
     const path = join(folder, new URL(request.url, "http://x").pathname.replace(/\/$/, "/index.html"));
     if (!path.startsWith(folder) || !existsSync(path)) return response.writeHead(404).end();
-    response.writeHead(200, { "content-type": TYPES[extname(path)] ?? "application/octet-stream" });
+    response.writeHead(200, { "content-type": TYPES[extname(path)] ?? "application/octet-stream", ...headers });
     response.end(readFileSync(path));
   });
   return new Promise((done) => server.listen(0, "localhost", () =>

@@ -1,5 +1,5 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|shows|microphone|caricature|tools|card|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|shows|microphone|caricature|tools|card|threads|offline|firefox]; pictures of it go into OUT/screens.
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import * as caricature from "./tests/caricature.mjs";
@@ -8,6 +8,7 @@ import * as microphone from "./tests/microphone.mjs";
 import * as music from "./tests/music.mjs";
 import { offline } from "./tests/offline.mjs";
 import * as shows from "./tests/shows.mjs";
+import { threads } from "./tests/threads.mjs";
 import * as tools from "./tests/tools.mjs";
 
 const only = process.argv[4];
@@ -18,6 +19,7 @@ const rooms = {
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
   card: [card.pictures, card.loss],
+  threads: [threads],
   offline: [offline],
   firefox: [firefox],
 };

@@ -5,6 +5,7 @@ import { openCard } from "./card.js";
 import { hands } from "./hands.js";
 import { attempt, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
+import { tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
 import * as caricature from "./caricature.js";
 
@@ -69,10 +70,11 @@ function listen() {
 }
 
 const start = attempt(async () => {
-  const tune = ask({ work: "decode", name: "sample:tune" });
+  const tune = ask({ work: "decode", name: "sample:tune" }, undefined, "song");
   tune.catch(() => {});
   const { memory } = await init({ module_or_path: await compiled });
   await openCard();
+  tellCores();
   listen();
   draw(memory);
   await music.front();
@@ -84,6 +86,6 @@ start();
 // What was loaded once opens without a connection, too.
 navigator.serviceWorker?.register("offline.js").then(() => navigator.serviceWorker.ready).then(({ active }) => {
   const loaded = performance.getEntriesByType("resource").map(({ name }) => name);
-  const later = ["worker.js", "capture.js"].map((name) => new URL(name, location).href);
+  const later = ["worker.js", "capture.js", ...threadFiles].map((name) => new URL(name, location).href);
   active.postMessage([location.href, ...later, ...loaded]);
 }).catch(() => { /* Not every browser lets a page be kept. */ });

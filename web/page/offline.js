@@ -1,4 +1,5 @@
-// Keeps what the page has loaded, for when there is no connection. With one, what is there now is shown.
+// Keeps what the page has loaded, for when there is no connection. With one, what is there now is shown. And isolates the
+// page from all others, as servers that send such headers do: memory that workers share is lent only to pages like that.
 const CACHE = "chladni";
 
 /** Asks for a file, and keeps what comes. */
@@ -11,6 +12,20 @@ async function fresh(request) {
   return response;
 }
 
+/** What needs the headers: the page itself, and its workers. */
+const ISOLATED = ["document", "worker"];
+
+/** The same, isolated. */
+function isolated(response) {
+  // A redirection, for one, is none of ours.
+  if (response.type !== "basic" && response.type !== "default") return response;
+  const { body, status, statusText } = response;
+  const headers = new Headers(response.headers);
+  headers.set("Cross-Origin-Opener-Policy", "same-origin");
+  headers.set("Cross-Origin-Embedder-Policy", "require-corp");
+  return new Response(body, { status, statusText, headers });
+}
+
 const isOurs = (url) => url.startsWith(self.registration.scope);
 
 self.addEventListener("activate", (event) => event.waitUntil(self.clients.claim()));
@@ -21,9 +36,10 @@ self.addEventListener("message", (event) => {
 
 self.addEventListener("fetch", (event) => {
   if (event.request.method !== "GET" || !isOurs(event.request.url)) return;
-  event.respondWith(fresh(event.request).catch(async (gone) => {
+  const found = fresh(event.request).catch(async (gone) => {
     const kept = await caches.match(event.request, { ignoreVary: true });
     if (kept) return kept;
     throw gone;
-  }));
+  });
+  event.respondWith(ISOLATED.includes(event.request.destination) ? found.then(isolated) : found);
 });

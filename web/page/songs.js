@@ -43,7 +43,7 @@ export function strike(song) {
   return list[index];
 }
 
-async function decode(song, report, worker) {
+async function decode(song, report, worker = "song") {
   const bytes = song.file && new Uint8Array(await song.file.arrayBuffer());
   return ask({ work: "decode", name: song.name, bytes }, report, worker);
 }

@@ -1,36 +1,62 @@
 // Asks a worker. There may be several, each of which does one thing at a time; what is asked can be given up.
+import { compile, cores, shared } from "./threads.js";
 
-const MODULE = "chladni_web_bg.wasm";
-
-/** The module, compiled once for the page and all workers. Not every server says what it is. */
-export const compiled = WebAssembly.compileStreaming(fetch(MODULE))
-  .catch(async () => WebAssembly.compile(await (await fetch(MODULE)).arrayBuffer()));
+/** The module, compiled once for the page and all workers of one thread. */
+export const compiled = compile("chladni_web_bg.wasm");
 compiled.catch(() => { /* Whoever waits for it says so. */ });
 
-/** Those that have been started, by their names. */
+/** Workers that have one thread in any case: a song is decoded from its beginning to its end, and ink is drawn while the
+ * page draws, too. */
+const ALONE = ["song", "ahead", "ink"];
+/** Bytes of a thread's stack, as on the desktop. */
+const STACK = 2 << 20;
+
+/** Those that have been started, each with its threads, by their names. */
 const workers = new Map();
 const waiting = new Map();
 let next = 0;
 
-function start(name) {
-  const worker = new Worker("worker.js", { type: "module", name });
+/** A worker, or a thread of it. */
+function open(file, name) {
+  const worker = new Worker(file, { type: "module", name });
+  const stopped = (why) => giveUp(new Error(`The work stopped: ${why ?? "not enough memory?"}`), [name]);
   worker.onmessage = ({ data }) => {
+    if (data.kind === "broken") return workers.get(name)?.includes(worker) && stopped(data.text);
     const asked = waiting.get(data.id);
     if (!asked) return;
     if (data.kind === "done") { waiting.delete(data.id); asked.resolve(data); }
     else if (data.kind === "failed") { waiting.delete(data.id); asked.reject(new Error(data.text)); }
     else asked.report(data.kind, data.text);
   };
-  worker.onerror = (event) => giveUp(new Error(`The work stopped: ${event.message ?? "not enough memory?"}`), [name]);
-  compiled.then((module) => worker.postMessage({ module }));
-  workers.set(name, worker);
+  worker.onerror = (event) => stopped(event.message);
   return worker;
+}
+
+/** Has a worker begin, beside it as many threads as there are cores. */
+async function begin(name, group) {
+  const [worker] = group;
+  const together = cores > 1 && !ALONE.includes(name) && await shared();
+  if (!together) return worker.postMessage({ start: { module_or_path: await compiled, threads: 1 } });
+  // It was given up meanwhile.
+  if (workers.get(name) !== group) return undefined;
+  const start = { module_or_path: together.module, memory: together.memory, thread_stack_size: STACK };
+  worker.postMessage({ start: { ...start, threads: cores } });
+  while (group.length < cores) group.push(open("thread.js", name));
+  for (const thread of group.slice(1)) thread.postMessage(start);
+  return undefined;
+}
+
+function start(name) {
+  const group = [open("worker.js", name)];
+  workers.set(name, group);
+  begin(name, group).catch((error) => giveUp(error, [name]));
+  return group;
 }
 
 /** Ends what the workers of these names, or all of them, work on; whoever waits for it gets `why`. */
 export function giveUp(why = new DOMException("Cancelled", "AbortError"), names = [...workers.keys()]) {
   for (const name of names) {
-    workers.get(name)?.terminate();
+    workers.get(name)?.forEach((worker) => worker.terminate());
     workers.delete(name);
   }
   for (const [id, asked] of [...waiting].filter(([, asked]) => names.includes(asked.name))) {
@@ -41,7 +67,7 @@ export function giveUp(why = new DOMException("Cancelled", "AbortError"), names 
 
 /** `report` gets ("step" or "warning", text). `bytes` are given away. Workers of other names work beside each other. */
 export function ask(request, report = () => {}, name = "work") {
-  const worker = workers.get(name) ?? start(name);
+  const [worker] = workers.get(name) ?? start(name);
   const id = next++;
   return new Promise((resolve, reject) => {
     waiting.set(id, { resolve, reject, report, name });

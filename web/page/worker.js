@@ -1,9 +1,17 @@
 // The slow part beside the page: shapes are solved and matched and songs decoded here. Whoever wants it to stop ends
 // the worker.
-import init, { Inker, Wall, decode, match_template, parts_of_head, prepare, solve } from "./chladni_web.js";
 
-let begin;
-const ready = new Promise((done) => { begin = done; });
+/** The module: that of one thread, or the one whose threads (thread.js) share its memory. */
+let engine;
+
+let began;
+const ready = new Promise((done) => { began = done; });
+
+async function begin({ threads, ...start }) {
+  engine = await import(threads > 1 ? "./chladni_threads.js" : "./chladni_web.js");
+  await engine.default(start);
+  if (threads > 1) engine.open_pool(threads);
+}
 
 /** The figure that is drawn in ink, and the gallery: each worker has at most one. */
 let inker;
@@ -13,7 +21,7 @@ let wall;
 function takeFigure({ positions, corners }) {
   if (!positions) return;
   inker?.free();
-  inker = new Inker(positions, corners);
+  inker = new engine.Inker(positions, corners);
 }
 
 const hung = (withPositions) => {
@@ -25,15 +33,15 @@ const hung = (withPositions) => {
 /** Each gives what is sent, and what of it is given away. */
 const works = {
   prepare: ({ name, bytes, harmonics }, tell) => {
-    const body = prepare(name, bytes, harmonics, tell);
+    const body = engine.prepare(name, bytes, harmonics, tell);
     return [{ body }, [body.buffer]];
   },
   solve: ({ name, bytes, harmonics, laplacian }, tell) => {
-    const basis = solve(name, bytes, harmonics, laplacian, tell);
+    const basis = engine.solve(name, bytes, harmonics, laplacian, tell);
     return [{ basis }, [basis.buffer]];
   },
-  match: ({ name, bytes, request, template }, tell) => [{ found: match_template(name, bytes, request, template, tell) }],
-  parts: ({ name, bytes }, tell) => [{ parts: parts_of_head(name, bytes, tell) }],
+  match: ({ name, bytes, request, template }, tell) => [{ found: engine.match_template(name, bytes, request, template, tell) }],
+  parts: ({ name, bytes }, tell) => [{ parts: engine.parts_of_head(name, bytes, tell) }],
   ink: ({ viewer, tones, shade, width, height, ...figure }) => {
     takeFigure(figure);
     const pixels = inker.pixels(viewer, tones, shade, width, height);
@@ -46,7 +54,7 @@ const works = {
   openWall: ({ name, bytes, basis, project, matches }, tell) => {
     wall?.free();
     wall = undefined;
-    wall = new Wall(name, bytes, basis, project, matches, tell);
+    wall = new engine.Wall(name, bytes, basis, project, matches, tell);
     return hung(true);
   },
   wall: ({ call, args }) => {
@@ -55,7 +63,7 @@ const works = {
   },
   decode: ({ name, bytes }, tell) => {
     tell("step", "decoding, and finding the beats");
-    const song = decode(name, bytes);
+    const song = engine.decode(name, bytes);
     const [left, right] = [song.take_left(), song.take_right()];
     const { rate_hz, beats, loud, damage } = song;
     song.free();
@@ -64,15 +72,19 @@ const works = {
   },
 };
 
-onmessage = async ({ data: { module, id, work, ...request } }) => {
-  if (module) return begin(init({ module_or_path: module }));
+onmessage = async ({ data: { start, id, work, ...request } }) => {
+  if (start) return began(begin(start));
   const tell = (kind, text) => postMessage({ id, kind, text });
   try {
     await ready;
-    const began = performance.now();
+    const from = performance.now();
     const [done, given] = works[work](request, tell);
-    postMessage({ id, kind: "done", secs: (performance.now() - began) / 1000, ...done }, given ?? []);
+    const secs = (performance.now() - from) / 1000;
+    postMessage({ id, kind: "done", secs, threads: engine.threads?.() ?? 1, ...done }, given ?? []);
   } catch (error) {
-    postMessage({ id, kind: "failed", text: error.message ?? String(error) });
+    const text = error.message ?? String(error);
+    postMessage({ id, kind: "failed", text });
+    // Whoever stopped in the middle of a module may hold what others wait for.
+    if (error instanceof WebAssembly.RuntimeError) postMessage({ kind: "broken", text });
   }
 };

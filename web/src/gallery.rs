@@ -11,8 +11,7 @@ use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use crate::reporter::{Reporter, shape};
-use crate::sitting::PROJECT;
-use crate::solve;
+use crate::{PROJECT, solve};
 
 /// A gallery in the hands of a page.
 #[wasm_bindgen]

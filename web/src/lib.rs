@@ -4,31 +4,49 @@
 //! caricatured ([`solve`]), which takes seconds; the page holds a [`Concert`] or a [`Sitting`] and asks it for one
 //! picture after the other. What a worker hands to a concert is a [`Parcel`](parcel::Parcel). Neither half has a formula
 //! of its own.
+//!
+//! The module is built twice. That with the feature `page` is all of it, for one thread; the other, with `threads`, has
+//! only the worker's half, for browsers that share memory between workers (`pool.rs`).
+
+#![cfg_attr(not(feature = "page"), allow(dead_code, reason = "the page reads what the worker's half writes"))]
 
 use std::path::Path;
 
-mod coarse;
-mod concert;
 mod decode;
 mod gallery;
 mod ink;
 mod numbers;
 mod parcel;
+#[cfg(feature = "threads")]
+mod pool;
 mod prepare;
 mod reporter;
-mod screen;
-mod sitting;
 mod solve;
 
+#[cfg(feature = "page")]
+mod coarse;
+#[cfg(feature = "page")]
+mod concert;
+#[cfg(feature = "page")]
+mod screen;
+#[cfg(feature = "page")]
+mod sitting;
+
 use chladni_program::work::formats;
+#[cfg(feature = "page")]
 pub use concert::Concert;
 pub use decode::{DecodedSong, decode};
 pub use gallery::Wall;
 pub use ink::Inker;
 pub use prepare::prepare;
+#[cfg(feature = "page")]
 pub use screen::{close_card, open_card};
+#[cfg(feature = "page")]
 pub use sitting::{Sitting, color_maps, quantities};
 use wasm_bindgen::prelude::*;
+
+/// A project as the page has it: in no folder.
+const PROJECT: &str = "project.chladni";
 
 #[wasm_bindgen]
 extern "C" {

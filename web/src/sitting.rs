@@ -22,7 +22,6 @@ use chladni_program::work::{Aside, Error, OwnLook, Subject, settled, source};
 use chladni_task::Task;
 use wasm_bindgen::prelude::*;
 
-pub use self::files::PROJECT;
 use self::hanging::Hanging;
 use self::landmarks::Landmarks;
 use self::parts::Parts;
@@ -31,7 +30,7 @@ use self::seeing::Heat;
 pub use self::seeing::{color_maps, quantities};
 use self::stage::Stage;
 use crate::reporter::shape;
-use crate::solve;
+use crate::{PROJECT, solve};
 
 /// A project on its shape, and the picture of it.
 #[wasm_bindgen]
@@ -80,7 +79,7 @@ impl Sitting {
         let task = Task::new();
         let aside = Aside::new(&task);
         let mut project = match project {
-            Some(text) => source::project_in(Path::new(files::PROJECT), &text, &aside)?,
+            Some(text) => source::project_in(Path::new(PROJECT), &text, &aside)?,
             None => Project::new(ShapeSource::named(name), harmonics),
         };
         let mesh = Subject::of_mesh(shape(name, file.as_deref(), &aside)?, &mut project, &aside)?.mesh;

@@ -12,7 +12,7 @@ export const browser = await launch(out);
 const WAIT = { timeout: 180_000 };
 export const step = (text) => console.log(`web: ${text}`);
 
-export async function opened(viewport, touch, { within = browser, query = "", prepare } = {}) {
+export async function opened(viewport, touch, { within = browser, at = address, query = "", prepare } = {}) {
   const context = await within.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
   const page = await context.newPage();
   const wrong = [];
@@ -21,11 +21,11 @@ export async function opened(viewport, touch, { within = browser, query = "", pr
   page.on("pageerror", (error) => wrong.push(error.message));
   page.on("request", (request) => {
     const { url } = { url: request.url() };
-    if (!url.startsWith(address) && !url.startsWith("blob:") && !url.startsWith("data:")) elsewhere.push(url);
+    if (!url.startsWith(at) && !url.startsWith("blob:") && !url.startsWith("data:")) elsewhere.push(url);
     assert.equal(request.method(), "GET", "nothing is uploaded");
   });
   if (prepare) await page.addInitScript(prepare);
-  await page.goto(address + query);
+  await page.goto(at + query);
   await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, WAIT);
   return { page, wrong, elsewhere, shot: (name) => page.screenshot({ path: join(screens, `${name}.png`) }) };
 }

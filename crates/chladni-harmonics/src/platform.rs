@@ -1,10 +1,11 @@
-//! Differences between an operating system and a web page: the clock, and whether there are threads.
+//! Differences between an operating system and a web page: the clock, and who starts threads.
 
 use faer::Par;
 
 pub(crate) use web_time::Instant;
 
-/// Whether threads can be started. A web page has only the thread on which it is called.
+/// Whether threads can be started. In a web page its JavaScript does that, before anything is asked for: there is the pool
+/// from which we are called, or that one thread.
 pub(crate) const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
 /// How dense products and factorizations are split: into the same number of parts for any number of

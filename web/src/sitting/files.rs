@@ -9,9 +9,7 @@ use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
-
-/// A project as the page has it: in no folder.
-pub const PROJECT: &str = "project.chladni";
+use crate::PROJECT;
 
 /// What a project is made of that the page has to find by itself.
 #[derive(Serialize)]
