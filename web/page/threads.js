@@ -6,8 +6,8 @@ import { say } from "./page.js";
 
 const FILES = ["thread.js", "chladni_threads.js", "chladni_threads_bg.wasm"];
 const PAGE_BYTES = 65536;
-/** That of the module (scripts/web). */
-const FIRST_PAGES = (32 << 20) / PAGE_BYTES;
+/** More than the module asks for at first (scripts/web). */
+const FIRST_PAGES = (64 << 20) / PAGE_BYTES;
 /** The most that a module can address, and less, for browsers that set all of it aside at once. */
 const MOST_PAGES = [65536, 32768, 16384];
 
