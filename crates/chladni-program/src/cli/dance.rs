@@ -207,84 +207,15 @@ impl Dance {
         Ok(())
     }
 
+    /// The film that is meant by the arguments.
     fn film(self, terminal: &Terminal) -> Result<Film, Error> {
-        let changes = self.changes()?;
-        let (pipe, file) = match self.output.clone() {
-            Some(path) if path == Path::new("-") => (Some(self.format), None),
-            file => (None, file),
-        };
-        if pipe.is_some() && self.json {
-            return Err(Error::input("-o - and --json would both write to standard output"));
-        }
-        let to = file.map_or_else(Output::nowhere, Output::to);
-        let output = Output {
-            piece: self.piece.clone(),
-            resume: self.resume,
-            pipe,
-            film: to.film.or_else(|| self.frames.clone()),
-            animation: to.animation,
-            targets: self.targets,
-            is_folder: self.frames.is_some(),
-            coefficients: self.coefficients.clone(),
-            presets: self.presets.clone(),
-            shows_rest: self.rest,
-            width: self.size.width,
-            height: self.size.height,
-            rate: self.fps.0,
-            draw: terminal.draw(),
-            samples: self.samples,
-            synthesis: self.synthesis,
-            allow_flashes: self.allow_flashes,
-            flash_fields: self.flash_fields,
-            titles: self.titles,
-        };
-        let mut film = match &self.show {
-            Some(path) => {
-                let show = Show::load(path).map_err(|error| in_file(path, error))?;
-                for caution in cautions(&show) {
-                    terminal.note(format_args!("{}: {caution}", path.display()));
-                }
-                let folder = path.parent();
-                let file = |file: &chladni_music::FileRef| -> Result<String, Error> {
-                    let (found, warning) = resolve(file, folder)?;
-                    if let Some(warning) = warning {
-                        terminal.warn(warning);
-                    }
-                    Ok(found.to_string_lossy().into_owned())
-                };
-                let missing = |what: &str| {
-                    let path = path.display();
-                    Error::Input(format!("{path}: names no {what}: give one on the command line"))
-                };
-                let body = match (&self.mesh, &show.body) {
-                    (Some(mesh), _) => mesh.clone(),
-                    (None, Some(body)) => file(body)?,
-                    (None, None) => return Err(missing("shape")),
-                };
-                let mut show = show;
-                let songs = match &self.song {
-                    Some(song) => {
-                        show = show.unheard();
-                        vec![(song.clone(), BeatReading::default())]
-                    }
-                    None => {
-                        let songs = show.songs.iter();
-                        songs
-                            .map(|song| Ok((file(&song.file())?, song.reading)))
-                            .collect::<Result<_, Error>>()?
-                    }
-                };
-                if songs.is_empty() {
-                    return Err(missing("song"));
-                }
-                Film::of_show(show, body, songs, output)
+        let (changes, output) = (self.changes()?, self.output(terminal)?);
+        let mut film = match (&self.show, &self.mesh, &self.song) {
+            (Some(path), ..) => self.film_of_show(path, output, terminal)?,
+            (None, Some(body), Some(song)) => {
+                Film::new(body.clone(), song.clone(), self.beginning()?, output)
             }
-            None => {
-                let (Some(body), Some(song)) = (self.mesh.clone(), self.song.clone()) else {
-                    return Err(Error::input("a shape and a song, or --show, are needed"));
-                };
-                Film::new(body, song, self.beginning()?, output)
-            }
+            _ => return Err(Error::input("a shape and a song, or --show, are needed")),
         };
         film.harmonics = self.harmonics.unwrap_or(film.harmonics);
         film.stance = self.stance.into();
@@ -305,6 +236,79 @@ impl Dance {
         film.beginning.sand = (self.sand || moves_itself).then_some(self.sand);
         film.beginning.changes = changes;
         Ok(film)
+    }
+
+    /// What is to be written, and how.
+    fn output(&self, terminal: &Terminal) -> Result<Output, Error> {
+        let (pipe, file) = match self.output.clone() {
+            Some(path) if path == Path::new("-") => (Some(self.format), None),
+            file => (None, file),
+        };
+        if pipe.is_some() && self.json {
+            return Err(Error::input("-o - and --json would both write to standard output"));
+        }
+        let to = file.map_or_else(Output::nowhere, Output::to);
+        Ok(Output {
+            piece: self.piece.clone(),
+            resume: self.resume,
+            pipe,
+            film: to.film.or_else(|| self.frames.clone()),
+            animation: to.animation,
+            targets: self.targets,
+            is_folder: self.frames.is_some(),
+            coefficients: self.coefficients.clone(),
+            presets: self.presets.clone(),
+            shows_rest: self.rest,
+            width: self.size.width,
+            height: self.size.height,
+            rate: self.fps.0,
+            draw: terminal.draw(),
+            samples: self.samples,
+            synthesis: self.synthesis,
+            allow_flashes: self.allow_flashes,
+            flash_fields: self.flash_fields,
+            titles: self.titles,
+        })
+    }
+
+    /// The film of the show at `path`, with the shape and the song of the arguments in the place of its own where they are
+    /// given.
+    fn film_of_show(&self, path: &Path, output: Output, terminal: &Terminal) -> Result<Film, Error> {
+        let mut show = Show::load(path).map_err(|error| in_file(path, error))?;
+        for caution in cautions(&show) {
+            terminal.note(format_args!("{}: {caution}", path.display()));
+        }
+        let folder = path.parent();
+        let file = |file: &chladni_music::FileRef| -> Result<String, Error> {
+            let (found, warning) = resolve(file, folder)?;
+            if let Some(warning) = warning {
+                terminal.warn(warning);
+            }
+            Ok(found.to_string_lossy().into_owned())
+        };
+        let missing = |what: &str| {
+            let path = path.display();
+            Error::Input(format!("{path}: names no {what}: give one on the command line"))
+        };
+        let body = match (&self.mesh, &show.body) {
+            (Some(mesh), _) => mesh.clone(),
+            (None, Some(body)) => file(body)?,
+            (None, None) => return Err(missing("shape")),
+        };
+        let songs = match &self.song {
+            Some(song) => {
+                show = show.unheard();
+                vec![(song.clone(), BeatReading::default())]
+            }
+            None => {
+                let songs = show.songs.iter();
+                songs.map(|song| Ok((file(&song.file())?, song.reading))).collect::<Result<_, Error>>()?
+            }
+        };
+        if songs.is_empty() {
+            return Err(missing("song"));
+        }
+        Ok(Film::of_show(show, body, songs, output))
     }
 
     /// Whether the arguments name parts of a scene, which a whole one may not suit.

@@ -60,88 +60,11 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     window.run_steps(10);
     screenshot(&mut window, "window-music.png");
 
-    click(&mut window, "dance/2");
-    click(&mut window, "dance/5");
-    assert!(is_chosen(&window, "dance/5") && !is_chosen(&window, "dance/1"));
-    click(&mut window, "breed");
-    assert!(shows(&window, "2 / 2"));
-    for dance in ["dance/1", "dance/3", "dance/8"] {
-        click(&mut window, dance);
-    }
-    window.key_press(Key::Enter);
-    window.run_steps(2);
-    assert!(shows(&window, "3 / 3"));
-
-    // Back to any generation, and forth again.
-    click(&mut window, "generations");
-    click(&mut window, "generation/1");
-    assert!(shows(&window, "1 / 3") && is_chosen(&window, "dance/5"));
-    click(&mut window, "generations");
-    click(&mut window, "generation/3");
-    assert!(shows(&window, "3 / 3") && !is_chosen(&window, "dance/5"));
-
-    // By keys alone: the mark goes right and down, what is marked is chosen, locked and changed.
-    window.hover_at(Pos2::new(500.0, 60.0));
-    window.run_steps(2);
-    for key in [Key::ArrowRight, Key::ArrowRight, Key::ArrowDown, Key::C, Key::L] {
-        window.key_press(key);
-        window.run_steps(1);
-    }
-    assert!(is_chosen(&window, "dance/6") && !is_chosen(&window, "dance/5"));
-    for key in [Key::C, Key::M] {
-        window.key_press(key);
-        window.run_steps(1);
-    }
-    assert!(shows(&window, "4 / 4") && !is_chosen(&window, "dance/6"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    window.run_steps(2);
-    assert!(shows(&window, "3 / 4"));
-    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    window.run_steps(2);
-    assert!(shows(&window, "4 / 4"));
-
-    // Name one and draw its a by hand: full to the left of the middle, still to the right.
-    point_at(&mut window, "dance/4");
-    window.key_press(Key::E);
-    window.run_steps(3);
-    assert!(!shows(&window, "Dance 5"));
-    write(&mut window, "name", "Squid");
-    let plot = control(&window, "curve/a").rect();
-    let at = |x: f32, y: f32| plot.lerp_inside([x, y]);
-    drag(&mut window, &[at(0.01, 0.05), at(0.3, 0.05), at(0.5, 0.05), at(0.5, 0.547), at(0.99, 0.547)]);
-    screenshot(&mut window, "window-music-curves.png");
-    click(&mut window, "favorite");
-    click(&mut window, "lineage");
-    assert!(shows(&window, "Squid: bred from") && shows(&window, "of generation 2: bred from"));
-    assert!(shows(&window, "of generation 1: from seed 2012"));
-    screenshot(&mut window, "window-music-lineage.png");
-    window.key_press(Key::Escape);
-    window.run_steps(2);
-
-    click(&mut window, "keep");
-    write(&mut window, "shelf/tags", "slow, sea");
-    screenshot(&mut window, "window-music-shelf.png");
-    click(&mut window, "shelf/keep");
-    let kept: Vec<_> = std::fs::read_dir(folder.path().join("dances")).unwrap().collect();
-    let preset = Preset::load(&kept[0].as_ref().unwrap().path()).unwrap();
-    assert_eq!((kept.len(), preset.name.as_str()), (1, "Squid"));
-    assert_eq!(preset.tags, ["slow", "sea"]);
-    assert!(preset.lineage.len() > 3 && preset.lineage[0].edited);
-    let a = &preset.mapping.amplification;
-    let (low, high) = a.split_at(a.len() / 2);
-    assert!(low[3..low.len() - 3].iter().all(|a| *a > 0.95), "{low:?}");
-    assert!(high[3..].iter().all(|a| a.abs() < 0.1), "{high:?}");
-
-    // The stage hides everything; Escape comes back.
-    control(&window, "back-to-gallery").click();
-    window.run_steps(2);
-    control(&window, "perform-favorites").click();
-    window.run_steps(4);
-    assert!(!shows(&window, "12 items") && !shows(&window, "Chladni"));
-    screenshot(&mut window, "window-music-stage.png");
-    window.key_press(Key::Escape);
-    window.run_steps(3);
-    assert!(shows(&window, "12 items"));
+    breed_twice_and_travel(&mut window);
+    breed_by_keys(&mut window);
+    name_and_draw(&mut window);
+    keep_on_the_shelf(&mut window, folder.path());
+    go_on_stage_and_back(&mut window);
     let session = folder.path().join("evening.toml");
     answers.add(session.clone());
     click(&mut window, "file");
@@ -165,27 +88,125 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     // The next evening: the shelf is as it was, and the session goes on.
     let mut window = enter(Opening { folders, files: vec![session.clone()], ..Opening::default() });
     wait(&mut window, "the show", |w| shows(w, "4 / 4"));
+    resize_and_take_from_the_shelf(&mut window);
+}
+
+fn breed_twice_and_travel(window: &mut Window) {
+    click(window, "dance/2");
+    click(window, "dance/5");
+    assert!(is_chosen(window, "dance/5") && !is_chosen(window, "dance/1"));
+    click(window, "breed");
+    assert!(shows(window, "2 / 2"));
+    for dance in ["dance/1", "dance/3", "dance/8"] {
+        click(window, dance);
+    }
+    window.key_press(Key::Enter);
+    window.run_steps(2);
+    assert!(shows(window, "3 / 3"));
+
+    // Back to any generation, and forth again.
+    click(window, "generations");
+    click(window, "generation/1");
+    assert!(shows(window, "1 / 3") && is_chosen(window, "dance/5"));
+    click(window, "generations");
+    click(window, "generation/3");
+    assert!(shows(window, "3 / 3") && !is_chosen(window, "dance/5"));
+}
+
+/// By keys alone: the mark goes right and down, what is marked is chosen, locked and changed.
+fn breed_by_keys(window: &mut Window) {
+    window.hover_at(Pos2::new(500.0, 60.0));
+    window.run_steps(2);
+    for key in [Key::ArrowRight, Key::ArrowRight, Key::ArrowDown, Key::C, Key::L] {
+        window.key_press(key);
+        window.run_steps(1);
+    }
+    assert!(is_chosen(window, "dance/6") && !is_chosen(window, "dance/5"));
+    for key in [Key::C, Key::M] {
+        window.key_press(key);
+        window.run_steps(1);
+    }
+    assert!(shows(window, "4 / 4") && !is_chosen(window, "dance/6"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(2);
+    assert!(shows(window, "3 / 4"));
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    window.run_steps(2);
+    assert!(shows(window, "4 / 4"));
+}
+
+/// Names a dance and draws its a by hand: full to the left of the middle, still to the right.
+fn name_and_draw(window: &mut Window) {
+    point_at(window, "dance/4");
+    window.key_press(Key::E);
+    window.run_steps(3);
+    assert!(!shows(window, "Dance 5"));
+    write(window, "name", "Squid");
+    let plot = control(window, "curve/a").rect();
+    let at = |x: f32, y: f32| plot.lerp_inside([x, y]);
+    drag(window, &[at(0.01, 0.05), at(0.3, 0.05), at(0.5, 0.05), at(0.5, 0.547), at(0.99, 0.547)]);
+    screenshot(window, "window-music-curves.png");
+    click(window, "favorite");
+    click(window, "lineage");
+    assert!(shows(window, "Squid: bred from") && shows(window, "of generation 2: bred from"));
+    assert!(shows(window, "of generation 1: from seed 2012"));
+    screenshot(window, "window-music-lineage.png");
+    window.key_press(Key::Escape);
+    window.run_steps(2);
+}
+
+fn keep_on_the_shelf(window: &mut Window, folder: &Path) {
+    click(window, "keep");
+    write(window, "shelf/tags", "slow, sea");
+    screenshot(window, "window-music-shelf.png");
+    click(window, "shelf/keep");
+    let kept: Vec<_> = std::fs::read_dir(folder.join("dances")).unwrap().collect();
+    let preset = Preset::load(&kept[0].as_ref().unwrap().path()).unwrap();
+    assert_eq!((kept.len(), preset.name.as_str()), (1, "Squid"));
+    assert_eq!(preset.tags, ["slow", "sea"]);
+    assert!(preset.lineage.len() > 3 && preset.lineage[0].edited);
+    let a = &preset.mapping.amplification;
+    let (low, high) = a.split_at(a.len() / 2);
+    assert!(low[3..low.len() - 3].iter().all(|a| *a > 0.95), "{low:?}");
+    assert!(high[3..].iter().all(|a| a.abs() < 0.1), "{high:?}");
+}
+
+/// The stage hides everything; Escape comes back.
+fn go_on_stage_and_back(window: &mut Window) {
+    control(window, "back-to-gallery").click();
+    window.run_steps(2);
+    control(window, "perform-favorites").click();
+    window.run_steps(4);
+    assert!(!shows(window, "12 items") && !shows(window, "Chladni"));
+    screenshot(window, "window-music-stage.png");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(shows(window, "12 items"));
+}
+
+/// What the shelf keeps is tried out where the gallery was.
+fn resize_and_take_from_the_shelf(window: &mut Window) {
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     for (size, next) in [(12, 16), (16, 9), (9, 6)] {
-        assert!(shows(&window, &format!("{size} items, seed 2012")));
-        click(&mut window, "gallery");
-        click(&mut window, &format!("gallery/{next}"));
-        assert!(shows(&window, &format!("{next} items, seed 2012")) && shows(&window, "1 / 1"));
-        assert!(is_there(&window, &format!("dance/{next}")));
-        assert!(!is_there(&window, &format!("dance/{}", next + 1)));
+        assert!(shows(window, &format!("{size} items, seed 2012")));
+        click(window, "gallery");
+        click(window, &format!("gallery/{next}"));
+        assert!(shows(window, &format!("{next} items, seed 2012")) && shows(window, "1 / 1"));
+        assert!(is_there(window, &format!("dance/{next}")));
+        assert!(!is_there(window, &format!("dance/{}", next + 1)));
     }
-    click(&mut window, "drawer/shelf");
+    click(window, "drawer/shelf");
     let kept = |window: &Window| control(window, "preset/Squid").rect().center();
-    window.hover_at(kept(&window));
+    window.hover_at(kept(window));
     window.run_steps(2);
     // It is tried out where the gallery was.
-    assert!(!is_there(&window, "dance/5"));
-    click(&mut window, "preset/Squid");
+    assert!(!is_there(window, "dance/5"));
+    click(window, "preset/Squid");
     window.hover_at(Pos2::new(300.0, 300.0));
     window.run_steps(2);
-    assert!(shows(&window, "2 / 2"));
+    assert!(shows(window, "2 / 2"));
     window.get_by_role_and_label(Role::CheckBox, "Squid");
-    screenshot(&mut window, "window-music-reopened.png");
+    screenshot(window, "window-music-reopened.png");
 }
 
 #[test]

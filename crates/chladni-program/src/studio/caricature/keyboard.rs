@@ -23,18 +23,7 @@ impl CaricatureRoom {
     /// Does what was pressed.
     pub(super) fn handle_keys(&mut self, shared: &mut Shared<'_>, edits: &mut Edits) {
         let ctx = shared.ctx.clone();
-        if OPEN.pressed(&ctx) {
-            self.choose_file(shared);
-        }
-        // The longer chord first: egui matches Ctrl+S inside Ctrl+Shift+S.
-        if SAVE_AS.pressed(&ctx) {
-            self.save(true, shared);
-        } else if SAVE.pressed(&ctx) {
-            self.save(false, shared);
-        }
-        if EXPORT.pressed(&ctx) {
-            self.export();
-        }
+        self.file_keys(&ctx, shared);
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         // The gallery has keys of its own.
         if self.gallery.is_some() {
@@ -55,65 +44,18 @@ impl CaricatureRoom {
                 as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);
             }
         }
-        let place = session.project().layers().iter().position(|(id, _)| Some(*id) == session.selected);
-        let last = session.project().layers().len().saturating_sub(1);
-        for (shortcut, step) in [(RAISE, 1), (LOWER, -1)] {
-            let next = place.and_then(|place| place.checked_add_signed(step)).filter(|&next| next <= last);
-            if shortcut.pressed(&ctx)
-                && let (Some(layer), Some(index)) = (session.selected, next)
-            {
-                edits.once(Action::Move { layer, index });
-            }
-        }
-        for (shortcut, step) in [(ABOVE, 1), (BELOW, -1)] {
-            let next = place.and_then(|place| place.checked_add_signed(step));
-            if shortcut.pressed(&ctx)
-                && let Some((id, _)) = next.and_then(|next| session.project().layers().get(next))
-            {
-                session.selected = Some(*id);
-                self.stale = true;
-            }
-        }
+        self.stale |= list_keys(&ctx, session, edits);
         let selected = session.selected;
         if let Some((id, layer)) = selected.and_then(|id| Some((id, session.project().layer(id)?)))
             && RENAME.pressed(&ctx)
         {
             self.layers.rename(id, layer);
         }
-        if BRUSH.pressed(&ctx) {
-            self.brush.active = !self.brush.active;
-        }
-        if ERASE.pressed(&ctx) {
-            self.brush.erase = !self.brush.erase;
-        }
-        if SMALLER.pressed(&ctx) {
-            self.brush.resize(1.0 / 1.15);
-        }
-        if LARGER.pressed(&ctx) {
-            self.brush.resize(1.15);
-        }
-        if NEXT_SHOW.pressed(&ctx) {
-            self.look.show = match self.look.show {
-                Show::Result => Show::Models,
-                Show::Models => Show::BeforeAfter,
-                Show::BeforeAfter => Show::Template,
-                Show::Template | Show::Original => Show::Result,
-            };
-            self.stale = true;
-        }
-        if self.picking.is_none()
-            && FIT.pressed(&ctx)
-            && let Some(stage) = &mut self.stage
+        self.brush_keys(&ctx);
+        self.look_keys(&ctx);
+        if LANDMARKS.pressed(&ctx)
+            && let Some(session) = &self.session
         {
-            stage.fit();
-        }
-        if WIRE.pressed(&ctx) {
-            self.look.wire = !self.look.wire;
-        }
-        if INK.pressed(&ctx) {
-            self.look.ink = !self.look.ink;
-        }
-        if LANDMARKS.pressed(&ctx) {
             toggle_picking(&mut self.picking, session, shared);
         }
         if (self.picking.is_some() || self.brush.active) && LEAVE.pressed(&ctx) {
@@ -126,6 +68,86 @@ impl CaricatureRoom {
             self.choose_template(shared);
         }
     }
+
+    fn file_keys(&mut self, ctx: &Context, shared: &mut Shared<'_>) {
+        if OPEN.pressed(ctx) {
+            self.choose_file(shared);
+        }
+        // The longer chord first: egui matches Ctrl+S inside Ctrl+Shift+S.
+        if SAVE_AS.pressed(ctx) {
+            self.save(true, shared);
+        } else if SAVE.pressed(ctx) {
+            self.save(false, shared);
+        }
+        if EXPORT.pressed(ctx) {
+            self.export();
+        }
+    }
+
+    fn brush_keys(&mut self, ctx: &Context) {
+        if BRUSH.pressed(ctx) {
+            self.brush.active = !self.brush.active;
+        }
+        if ERASE.pressed(ctx) {
+            self.brush.erase = !self.brush.erase;
+        }
+        if SMALLER.pressed(ctx) {
+            self.brush.resize(1.0 / 1.15);
+        }
+        if LARGER.pressed(ctx) {
+            self.brush.resize(1.15);
+        }
+    }
+
+    fn look_keys(&mut self, ctx: &Context) {
+        if NEXT_SHOW.pressed(ctx) {
+            self.look.show = match self.look.show {
+                Show::Result => Show::Models,
+                Show::Models => Show::BeforeAfter,
+                Show::BeforeAfter => Show::Template,
+                Show::Template | Show::Original => Show::Result,
+            };
+            self.stale = true;
+        }
+        if self.picking.is_none()
+            && FIT.pressed(ctx)
+            && let Some(stage) = &mut self.stage
+        {
+            stage.fit();
+        }
+        if WIRE.pressed(ctx) {
+            self.look.wire = !self.look.wire;
+        }
+        if INK.pressed(ctx) {
+            self.look.ink = !self.look.ink;
+        }
+    }
+}
+
+/// The keys that move the selected layer in the list, and those that select the one above or below; true where another one
+/// is selected.
+fn list_keys(ctx: &Context, session: &mut Session, edits: &mut Edits) -> bool {
+    let place = session.project().layers().iter().position(|(id, _)| Some(*id) == session.selected);
+    let last = session.project().layers().len().saturating_sub(1);
+    for (shortcut, step) in [(RAISE, 1), (LOWER, -1)] {
+        let next = place.and_then(|place| place.checked_add_signed(step)).filter(|&next| next <= last);
+        if shortcut.pressed(ctx)
+            && let (Some(layer), Some(index)) = (session.selected, next)
+        {
+            edits.once(Action::Move { layer, index });
+        }
+    }
+    let mut moved = false;
+    for (shortcut, step) in [(ABOVE, 1), (BELOW, -1)] {
+        let next = place.and_then(|place| place.checked_add_signed(step));
+        if shortcut.pressed(ctx)
+            && let Some((id, _)) = next.and_then(|next| session.project().layers().get(next))
+        {
+            session.selected = Some(*id);
+            moved = true;
+        }
+    }
+    moved
 }
 
 /// The keys that change one layer.

@@ -109,30 +109,9 @@ impl MusicRoom {
     ) {
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         let found = match (target, which) {
-            (Target::Shot, which) => {
-                let shot = pick(&SHOTS, listening.called_shot(), which);
-                // The camera chooses again where its shot is called once more, or where it is asked to.
-                let same = shot.is_some() && shot == listening.called_shot();
-                let auto = matches!(which, Which::Name(name) if name == "auto");
-                listening.call_shot(shot.filter(|_| !same && !auto));
-                shot.is_some() || auto
-            }
+            (Target::Shot, which) => call_shot(which, listening),
             (Target::Preset | Target::RandomPreset, which) => {
-                let shelf = &mut self.drawers.shelf;
-                shelf.ready(shared.folders.dances.as_deref(), shared.notices);
-                let presets: Vec<_> = shelf.presets().collect();
-                let names: Vec<&str> = presets.iter().map(|preset| preset.name.as_str()).collect();
-                let at = if target == Target::RandomPreset {
-                    // When a hand presses is random enough.
-                    let micros = (1e6 * shared.ctx.input(|input| input.time)) as usize;
-                    Some(micros.wrapping_mul(2_654_435_761) % names.len().max(1))
-                } else {
-                    pick(&names, self.preset, which)
-                };
-                let preset = at.and_then(|at| presets.get(at));
-                self.preset = at.or(self.preset);
-                wishes.extend(preset.map(|preset| Wish::Take(Box::new((*preset).clone()))));
-                preset.is_some()
+                self.take_preset(target == Target::RandomPreset, which, shared, wishes)
             }
             (Target::Song, which) => {
                 let names: Vec<String> = (0..listening.songs().len()).map(|i| listening.name_of(i)).collect();
@@ -156,25 +135,7 @@ impl MusicRoom {
             (
                 Target::Look | Target::Palette | Target::Material | Target::Lights | Target::Background,
                 which,
-            ) => {
-                let (mut looks, names) = (shared.settings.music.looks(), names(target));
-                let now = chosen(target, &looks).and_then(|now| names.iter().position(|name| name == now));
-                let name =
-                    pick(&names, now, which).and_then(|at| names.get(at)).map(|name| (*name).to_owned());
-                let found = name.is_some();
-                if let Some(name) = name {
-                    match target {
-                        // A look is a whole, so parts that were chosen for another look are dropped.
-                        Target::Look => looks = Looks { look: name, ..Looks::default() },
-                        Target::Palette => looks.palette = name,
-                        Target::Material => looks.material = name,
-                        Target::Lights => looks.lights = name,
-                        _ => looks.background = name,
-                    }
-                    shared.settings.music.look_like(&looks);
-                }
-                found
-            }
+            ) => choose_look(target, which, shared),
             (target, which) => match dance(target, which, concert) {
                 Some(wish) => {
                     wishes.push(wish);
@@ -194,6 +155,59 @@ impl MusicRoom {
                 .warn(format!("A controller asked for a {}{which} that is not there.", target.name()));
         }
     }
+
+    /// Takes a preset of the shelf; false where it has none of that name or number.
+    fn take_preset(
+        &mut self,
+        any: bool,
+        which: &Which,
+        shared: &mut Shared<'_>,
+        wishes: &mut Vec<Wish>,
+    ) -> bool {
+        let shelf = &mut self.drawers.shelf;
+        shelf.ready(shared.folders.dances.as_deref(), shared.notices);
+        let presets: Vec<_> = shelf.presets().collect();
+        let names: Vec<&str> = presets.iter().map(|preset| preset.name.as_str()).collect();
+        let at = if any {
+            // When a hand presses is random enough.
+            let micros = (1e6 * shared.ctx.input(|input| input.time)) as usize;
+            Some(micros.wrapping_mul(2_654_435_761) % names.len().max(1))
+        } else {
+            pick(&names, self.preset, which)
+        };
+        let preset = at.and_then(|at| presets.get(at));
+        self.preset = at.or(self.preset);
+        wishes.extend(preset.map(|preset| Wish::Take(Box::new((*preset).clone()))));
+        preset.is_some()
+    }
+}
+
+/// Calls a shot of the camera; false where there is none of that name or number.
+fn call_shot(which: &Which, listening: &mut Listening) -> bool {
+    let shot = pick(&SHOTS, listening.called_shot(), which);
+    // The camera chooses again where its shot is called once more, or where it is asked to.
+    let same = shot.is_some() && shot == listening.called_shot();
+    let auto = matches!(which, Which::Name(name) if name == "auto");
+    listening.call_shot(shot.filter(|_| !same && !auto));
+    shot.is_some() || auto
+}
+
+/// Chooses a look, or a part of one; false where there is none of that name or number.
+fn choose_look(target: Target, which: &Which, shared: &mut Shared<'_>) -> bool {
+    let (mut looks, names) = (shared.settings.music.looks(), names(target));
+    let now = chosen(target, &looks).and_then(|now| names.iter().position(|name| name == now));
+    let Some(name) = pick(&names, now, which).and_then(|at| names.get(at)) else { return false };
+    let name = (*name).to_owned();
+    match target {
+        // A look is a whole, so parts that were chosen for another look are dropped.
+        Target::Look => looks = Looks { look: name, ..Looks::default() },
+        Target::Palette => looks.palette = name,
+        Target::Material => looks.material = name,
+        Target::Lights => looks.lights = name,
+        _ => looks.background = name,
+    }
+    shared.settings.music.look_like(&looks);
+    true
 }
 
 /// What is to be done with a dance of the gallery; `None` if there is no such dance, or the target is not about dances.

@@ -6,7 +6,7 @@ use chladni_caricature::{Group, Layer, Stack, surprise};
 use chladni_harmonics::Body;
 use chladni_task::Task;
 use chladni_view::layout;
-use egui::{Align2, Color32, RichText, Sense, Stroke, Ui, vec2};
+use egui::{RichText, Sense, Ui, vec2};
 
 use super::edits::Edits;
 use super::look::Portrayal;
@@ -15,18 +15,18 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::{self, Job};
 use crate::studio::keys::breeding::{
-    BACK, BREED, CHOOSE, FAVORITE, LEAVE, LOCK, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE,
-    SURPRISE, TAKE,
+    BACK, BREED, LEAVE, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, SURPRISE,
 };
 use crate::studio::room::Shared;
 use crate::studio::{theme, viewport};
 use crate::work::{Aside, Error, Exhibition, FIRST_SEED, Step, hung};
 
+mod cell;
 mod wall;
 
+use cell::Wanted;
 use wall::Wall;
 
-const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
 /// What a job brings.
 struct Brought {
     shown: Exhibition,
@@ -221,71 +221,15 @@ impl GalleryView {
         let Some(wall) = &mut self.wall else { return Ok(true) };
         wall.hang(shown);
         wall.show(ui, rect, &cells, &response, look)?;
-        let step = |right: isize, down: isize| right + down * columns as isize;
-        for (key, by) in [
-            (MARK_LEFT, step(-1, 0)),
-            (MARK_RIGHT, step(1, 0)),
-            (MARK_ABOVE, step(0, -1)),
-            (MARK_BELOW, step(0, 1)),
-        ] {
-            if key.pressed(ui.ctx()) {
-                self.marked =
-                    self.marked.checked_add_signed(by).filter(|next| *next < count).unwrap_or(self.marked);
-            }
-        }
+        self.marked = marked_next(ui.ctx(), self.marked, columns, count);
         let (mut taken, mut changed) = (None, None);
-        for (index, cell) in cells.iter().enumerate() {
-            let corner = rect.min + vec2(cell.x as f32, cell.y as f32) / scale;
-            let cell = egui::Rect::from_min_size(corner, vec2(cell.width as f32, cell.height as f32) / scale);
-            let response = ui.interact(cell, ui.scope_id().with(("caricature", index)), Sense::click());
-            if response.contains_pointer() && ui.input(|input| input.pointer.is_moving())
-                || response.gained_focus()
-            {
-                self.marked = index;
-            }
-            let pressed =
-                |key: crate::studio::shortcut::Shortcut| index == self.marked && key.pressed(ui.ctx());
-            let (gallery, sitter) = (&mut shown.gallery, &shown.sitter);
-            let Some(item) = gallery.generations().items().get(index).cloned() else { continue };
-            let favorite = gallery.is_favorite(item.id);
-            let title = format!("Caricature {}", index + 1);
-            response
-                .widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
-            let response = response.author_id(format!("caricature/{}", index + 1));
-            let doing = sitter.title(&item.genome);
-            frame(ui, cell, index, (item.chosen, favorite, item.locked), index == self.marked, &doing);
-            let wish = |ui: &mut Ui, mark: Icon, name: &str| {
-                let clicked = ui.button(icon::label(mark, name)).clicked();
-                if clicked {
-                    ui.close();
-                }
-                clicked
-            };
-            let (mut takes, mut favors, mut locks, mut changes) = (
-                pressed(TAKE) || response.double_clicked(),
-                pressed(FAVORITE),
-                pressed(LOCK),
-                pressed(MUTATE),
-            );
-            response.context_menu(|ui| {
-                takes |= wish(ui, Icon::Check, "Take it: it becomes layers");
-                favors |= wish(ui, Icon::Star, if favorite { "No favorite any more" } else { "Favorite" });
-                locks |= wish(ui, Icon::Lock, if item.locked { "Unlock" } else { "Lock in its place" });
-                changes |= wish(ui, Icon::Dices, "Change a little");
-            });
-            if takes {
-                taken = Some(index);
-            } else if response.clicked() || pressed(CHOOSE) {
-                gallery.choose(index, !item.chosen)?;
-            }
-            if favors {
-                gallery.favor(index, !favorite)?;
-            }
-            if locks {
-                gallery.lock_place(index, !item.locked)?;
-            }
-            if changes {
-                changed = Some(index);
+        for (index, place) in cells.iter().enumerate() {
+            let corner = rect.min + vec2(place.x as f32, place.y as f32) / scale;
+            let size = vec2(place.width as f32, place.height as f32) / scale;
+            match cell::show(ui, egui::Rect::from_min_size(corner, size), index, &mut self.marked, shown)? {
+                Some(Wanted::Taken) => taken = Some(index),
+                Some(Wanted::Changed) => changed = Some(index),
+                None => {}
             }
         }
         if let Some(portrait) = taken.and_then(|index| shown.portraits.get(index)) {
@@ -299,41 +243,26 @@ impl GalleryView {
     }
 }
 
+/// The one that is marked once the keys for it were heard.
+fn marked_next(ctx: &egui::Context, mut marked: usize, columns: usize, count: usize) -> usize {
+    let step = |right: isize, down: isize| right + down * columns as isize;
+    for (key, by) in [
+        (MARK_LEFT, step(-1, 0)),
+        (MARK_RIGHT, step(1, 0)),
+        (MARK_ABOVE, step(0, -1)),
+        (MARK_BELOW, step(0, 1)),
+    ] {
+        if key.pressed(ctx) {
+            marked = marked.checked_add_signed(by).filter(|next| *next < count).unwrap_or(marked);
+        }
+    }
+    marked
+}
+
 /// Adds the layers of a caricature on top, as one step of the history.
 fn take(layers: Vec<Layer>, session: &Session, edits: &mut Edits) {
     for action in hung(session.project(), layers) {
         edits.live(action);
     }
     edits.finish();
-}
-
-/// The edge of a cell with its marks; of the marked one also what it does.
-fn frame(
-    ui: &Ui,
-    cell: egui::Rect,
-    index: usize,
-    (chosen, favorite, locked): (bool, bool, bool),
-    marked: bool,
-    doing: &str,
-) {
-    let palette = theme::palette(ui);
-    let border = match (chosen, marked) {
-        (true, _) => Stroke::new(3.0, ACCENT),
-        (false, true) => Stroke::new(1.5, palette.weak),
-        (false, false) => Stroke::new(1.0, palette.weak.gamma_multiply(0.2)),
-    };
-    let painter = ui.painter().with_clip_rect(cell);
-    painter.rect_stroke(cell, 6.0, border, egui::StrokeKind::Inside);
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let number = (index + 1).to_string();
-    painter.text(cell.right_top() + vec2(-9.0, 8.0), Align2::RIGHT_TOP, number, font.clone(), palette.weak);
-    let marks = [(chosen, Icon::CircleCheck), (favorite, Icon::Star), (locked, Icon::Lock)];
-    let marks: Vec<String> = marks.iter().filter(|mark| mark.0).map(|mark| icon::text(mark.1)).collect();
-    let large = egui::FontId::proportional(15.0);
-    painter.text(cell.left_top() + vec2(9.0, 8.0), Align2::LEFT_TOP, marks.join(" "), large, ACCENT);
-    if marked {
-        let text = painter.layout(doing.to_owned(), font, palette.weak, cell.width() - 18.0);
-        let at = cell.left_bottom() + vec2(9.0, -8.0 - text.size().y);
-        painter.galley(at, text, palette.weak);
-    }
 }

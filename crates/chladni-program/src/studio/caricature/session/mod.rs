@@ -1,15 +1,18 @@
 //! An open project in the window: document, body, evaluation, and the jobs that feed them.
 
 mod jobs;
+mod names;
+mod selection;
 
 pub use jobs::{Found, Solved};
+pub use selection::Held;
 
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, EvaluatedLayer, Evaluation, History, KeepRequest, Kept, LayerId, LayerState, MatchRequest,
-    Matched, Project, ShapeSource, Stack, Surface, furthest,
+    Action, EvaluatedLayer, Evaluation, History, KeepRequest, Kept, LayerId, MatchRequest, Project, Stack,
+    Surface,
 };
 use chladni_harmonics::Laplacian;
 use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation};
@@ -17,22 +20,9 @@ use chladni_task::Task;
 
 use super::crossings::CrossingMeter;
 use super::edits::Edit;
-use super::export::named_after;
 use super::loading::Loaded;
 use crate::studio::job::Job;
 use crate::work::{Error, Sculpture, Subject};
-
-/// How far a layer is held back where it would fold the surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Held {
-    /// Not found yet: shown as far as it went before.
-    Unknown,
-    /// This share of its movement is kept.
-    Back {
-        /// Mean length of the displacement, as a share of the unlimited one's.
-        kept: f64,
-    },
-}
 
 /// A project with everything it needs to be drawn and changed.
 pub struct Session {
@@ -136,12 +126,6 @@ impl Session {
         self.history.project()
     }
 
-    /// The evaluation of the selected layer.
-    pub fn selected_layer(&self) -> Option<&EvaluatedLayer> {
-        let selected = self.selected?;
-        self.evaluation.layers.iter().find(|layer| layer.id == selected)
-    }
-
     /// Does what the panels asked, up to the first error; true where something may look different.
     pub fn apply(&mut self, edits: Vec<Edit>) -> Result<bool, Error> {
         let mut changed = false;
@@ -209,33 +193,6 @@ impl Session {
         index.and_then(|index| self.folds.get(index)).map_or(0, Vec::len)
     }
 
-    /// The μ with the strongest exaggeration before the selected layer folds more than this share of the
-    /// triangles.
-    pub fn furthest_mu(&self, may_fold: f64) -> Option<f64> {
-        let layer = self.project().layer(self.selected?)?;
-        let evaluated = self.selected_layer()?;
-        let displacement = evaluated.displacement.as_ref()?;
-        let mu = layer.effective_mu();
-        if mu == 0.0 || layer.strength == 0.0 {
-            return None;
-        }
-        let unit: Vec<[f64; 3]> = displacement.iter().map(|d| d.map(|c| c / mu)).collect();
-        let surface = self.stack.surface();
-        let allowed = (may_fold * surface.triangles.len() as f64) as usize;
-        let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), allowed)?;
-        // Just before the next fold.
-        Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
-    }
-
-    /// How far the selected layer is held back; `None` where its project does not keep triangles.
-    pub fn kept(&self) -> Option<Held> {
-        if !self.project().keep_triangles {
-            return None;
-        }
-        let kept = self.selected_layer().and_then(|layer| layer.kept.as_ref());
-        Some(kept.map_or(Held::Unknown, |kept| Held::Back { kept: kept.share }))
-    }
-
     /// Whether it is still being found how far layers must be held back: what is seen is the last limit known.
     pub fn is_settling(&self) -> bool {
         self.keeping.is_some()
@@ -249,50 +206,6 @@ impl Session {
             subject,
             body: Arc::clone(self.stack.body()),
             evaluation: self.evaluation.clone(),
-        }
-    }
-
-    fn selected_request(&self) -> Option<MatchRequest> {
-        MatchRequest::of(self.project().layer(self.selected?)?)
-    }
-
-    /// The match of the selected layer.
-    pub fn selected_match(&self) -> Option<&Arc<Matched>> {
-        self.stack.matched(&self.selected_request()?)
-    }
-
-    /// Why the selected layer cannot act.
-    pub fn selected_failure(&self) -> Option<&str> {
-        match &self.selected_layer()?.state {
-            LayerState::Failed(why) => Some(why),
-            _ => None,
-        }
-    }
-
-    /// The name of the project's file, beside the shape where it was never saved.
-    pub fn beside(&self, extension: &str) -> PathBuf {
-        self.own_path().with_extension(extension)
-    }
-
-    /// A name for a file made from this project, such as `igea-caricature.glb`.
-    pub fn beside_named(&self, addition: &str, extension: &str) -> PathBuf {
-        named_after(&self.own_path(), addition, extension)
-    }
-
-    fn own_path(&self) -> PathBuf {
-        match (&self.path, &self.project().shape) {
-            (Some(path), _) | (None, ShapeSource::File(path)) => path.clone(),
-            (None, ShapeSource::Sample(name)) => PathBuf::from(name.split('?').next().unwrap_or(name)),
-        }
-    }
-
-    /// What the window's title and the start screen call it.
-    pub fn name(&self) -> String {
-        match (&self.path, &self.project().shape) {
-            (Some(path), _) | (None, ShapeSource::File(path)) => path
-                .file_stem()
-                .map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned()),
-            (None, ShapeSource::Sample(name)) => format!("sample {name}"),
         }
     }
 }
@@ -316,7 +229,7 @@ mod tests {
     use super::super::loading::{Candidate, load};
     use super::*;
     use crate::work::Warning;
-    use chladni_caricature::{Layer, ShapeSource, Template};
+    use chladni_caricature::{Layer, LayerState, ShapeSource, Template};
     use chladni_mesh::TriMesh;
     use std::sync::mpsc::channel;
 

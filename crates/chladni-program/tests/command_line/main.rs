@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+mod bare_machines;
+mod refusals;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-
-use chladni_testdata::shared;
 
 /// One run of the program, with a cache of its own so that no test sees another's work.
 struct Run {
@@ -233,94 +234,6 @@ fn a_shape_dances_into_frames_and_wav() {
 }
 
 #[test]
-fn bad_arguments_end_with_code_2() {
-    let folder = tempfile::tempdir().unwrap();
-    let lie = folder.path().join("lie.ply");
-    std::fs::write(&lie, "Dear reader, this is not a mesh.\n").unwrap();
-    let nan = folder.path().join("nan.obj");
-    std::fs::write(&nan, OCTAHEDRON.replace("v 1 0 0", "v nan 0 0")).unwrap();
-    let range = folder.path().join("range.obj");
-    std::fs::write(&range, OCTAHEDRON.replace("f 1 3 5", "f 1 3 99")).unwrap();
-    let missing = folder.path().join("missing.obj");
-    for path in [&lie, &nan, &range, &missing, &folder.path().to_owned()] {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        Run::of(&["info", text(path)]).refused(&name);
-        Run::of(&["basis", text(path), "-k", "4", "-o", text(&folder.path().join("b.npz"))]).refused(&name);
-    }
-    let good = folder.path().join("good.obj");
-    std::fs::write(&good, OCTAHEDRON).unwrap();
-    let out = folder.path().join("b.npz");
-    assert_eq!(Run::of(&["basis", text(&good), "-k", "6000", "-o", text(&out)]).code(), 2);
-    assert!(!out.exists());
-    assert_eq!(Run::of(&["no-such-command"]).code(), 2);
-    assert_eq!(Run::of(&["caricature", text(&good), "ellipsoid", "--mu", "wild", "-o", "x.obj"]).code(), 2);
-    let silent = folder.path().join("not-there.wav");
-    Run::of(&["dance", text(&good), text(&silent), "--frames", text(folder.path()), "-k", "4"])
-        .refused("not-there.wav");
-}
-
-#[test]
-fn every_nasty_file_works_or_is_refused_in_one_line() {
-    let Some(meshes) = shared("meshes") else { return };
-    let folder = tempfile::tempdir().unwrap();
-    for path in files_below(&meshes.join("nasty")).into_iter().chain(files_below(&meshes.join("formats"))) {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if [".mtl", ".jpg"].iter().any(|other| name.ends_with(other)) {
-            continue;
-        }
-        Run::of(&["info", text(&path), "--json"]).works_or_is_refused(&name);
-        // A truncated copy of the same file.
-        let bytes = std::fs::read(&path).unwrap();
-        let cut = folder.path().join(&name);
-        std::fs::write(&cut, &bytes[..bytes.len() * 2 / 3]).unwrap();
-        Run::of(&["info", text(&cut), "--json"]).works_or_is_refused(&name);
-    }
-}
-
-#[test]
-fn small_nasty_meshes_get_a_basis_or_a_reason() {
-    let Some(meshes) = shared("meshes/nasty") else { return };
-    let folder = tempfile::tempdir().unwrap();
-    for name in
-        ["fan3.obj", "hourglass_ico.obj", "moebius.obj", "platonic_shelf.obj", "soup.stl", "multibody.stl"]
-    {
-        let out = folder.path().join("basis.npz");
-        let run = Run::of(&["basis", text(&meshes.join(name)), "-k", "3", "-o", text(&out), "--no-cache"]);
-        run.works_or_is_refused(name);
-        assert_eq!(run.code(), 0, "{name}: {}", run.stderr());
-    }
-}
-
-#[test]
-fn empty_songs_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let mesh = folder.path().join("mesh.obj");
-    std::fs::write(&mesh, OCTAHEDRON).unwrap();
-    for name in ["empty.wav", "empty.ogg"] {
-        let Some(song) = shared(&format!("audio/{name}")) else { return };
-        Run::of(&["dance", text(&mesh), text(&song), "--frames", text(&folder.path().join("f")), "-k", "4"])
-            .refused(name);
-        assert!(!folder.path().join("f").exists(), "{name}: nothing is written for a song without sound");
-    }
-}
-
-#[test]
-fn wrong_arguments_are_told_in_one_line() {
-    for (arguments, part) in [
-        (&["basis"][..], "<MESH>"),
-        (&["basis", "a.obj", "--harmonic", "3"], "--harmonics"),
-        (&["basis", "a.obj", "-k", "many"], "many"),
-        (&["sing"], "sing"),
-    ] {
-        let run = Run::of(arguments);
-        run.refused(part);
-        assert_eq!(run.stderr().lines().count(), 1, "{}", run.stderr());
-    }
-    Run::of(&["--help"]).succeeded();
-    Run::of(&["--version"]).succeeded();
-}
-
-#[test]
 fn a_reader_who_has_had_enough_stops_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("b.npz");
@@ -334,97 +247,6 @@ fn a_reader_who_has_had_enough_stops_nothing() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(out.exists());
-}
-
-#[cfg(unix)]
-#[test]
-fn what_never_ends_is_refused_before_it_is_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let (mesh, out) = (folder.path().join("mesh.obj"), folder.path().join("out"));
-    std::fs::write(&mesh, OCTAHEDRON).unwrap();
-    let (mesh, out, zero) = (text(&mesh), text(&out), "/dev/zero");
-    for arguments in [
-        &["info", zero][..],
-        &["beats", zero],
-        &["dance", mesh, zero, "--frames", out, "-k", "4"],
-        &["match", mesh, mesh, "--landmarks", zero, "-o", out],
-        &["caricature", "--recipe", zero, "-o", out],
-    ] {
-        Run::of(arguments).refused(zero);
-    }
-}
-
-/// Where no Vulkan driver is, the processor draws, and `--draw gpu` says what is missing.
-#[cfg(target_os = "linux")]
-#[test]
-fn pictures_and_films_need_no_driver() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = |name: &str| folder.path().join(name);
-    std::fs::write(at("mesh.obj"), OCTAHEDRON).unwrap();
-    let run = |line: &str| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-        for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
-            command.env(variable, "/nonexistent");
-        }
-        let cache = std::env::temp_dir().join(format!("chladni-test-cache-{}", std::process::id()));
-        command.env("CHLADNI_CACHE", cache).current_dir(folder.path()).args(line.split(' ')).output().unwrap()
-    };
-    let picture = |name: &str| chladni_view::Picture::decode(&std::fs::read(at(name)).unwrap()).unwrap();
-    for line in [
-        "caricature mesh.obj mesh.obj -k 4 --mu 0.5 -o out.obj --render out.png --size 200x100",
-        "caricature mesh.obj mesh.obj -k 4 --mu 0.5 -o out.obj --render sheet.png --size 200x100 --show before,region",
-        "match mesh.obj --method ellipsoid --render match.png",
-        "symmetry sample:head -k 8 --render symmetry.png",
-        "dance sample:octopus sample:tune -k 16 --frames frames --size 96x96 --fps 10 --duration 0.3 --gallery 6",
-        "basis sample:octopus -k 4 -o basis.npz",
-    ] {
-        let output = run(line);
-        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
-    }
-    for name in ["out.png", "sheet.png", "match.png", "symmetry.png", "frames/frame-00002.png"] {
-        let picture = picture(name);
-        let first = picture.pixel(0, 0);
-        let drawn = (0..picture.width).filter(|x| picture.pixel(*x, picture.height / 2) != first).count();
-        assert!(drawn > 10, "{name} is empty");
-    }
-    let refused = run("match mesh.obj --method ellipsoid --render no.png --draw gpu");
-    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(!refused.status.success() && message.contains("no graphics adapter"), "{message}");
-    assert!(!at("no.png").exists());
-    let refused =
-        run("dance sample:octopus sample:tune --frames no --draw cpu --synthesis gpu --duration 0.1 -k 16");
-    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(refused.status.code() == Some(2) && message.contains("--synthesis gpu"), "{message}");
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_picture_made_without_a_session_comes_with_no_complaint() {
-    let folder = tempfile::tempdir().unwrap();
-    let (mesh, picture) = (folder.path().join("mesh.obj"), folder.path().join("picture.png"));
-    std::fs::write(&mesh, OCTAHEDRON).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-    command.env_remove("XDG_RUNTIME_DIR").env_remove("WAYLAND_DISPLAY");
-    command.args(["match", text(&mesh), "--method", "ellipsoid", "--quiet", "--render", text(&picture)]);
-    let output = command.output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    // Our own warning, that an octahedron has no up, may be there.
-    let message = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(message.lines().all(|line| line.starts_with("warning: ")), "{message}");
-    assert!(picture.exists());
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn without_a_display_one_line_says_so() {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
-    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-        command.env_remove(name);
-    }
-    let output = command.output().unwrap();
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(message.lines().count() == 1 && message.contains("there is no display"), "{message}");
 }
 
 fn vertex_lines(path: &Path) -> Vec<String> {
@@ -444,25 +266,4 @@ fn the_page_of_controls_is_the_one_in_the_documentation() {
     let printed = Run::of(&["controls"]).succeeded().stdout();
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/controls.md");
     assert_eq!(std::fs::read_to_string(page).unwrap(), printed, "chladni controls > docs/controls.md");
-}
-
-#[test]
-fn without_mpi_one_line_says_what_to_install() {
-    let output = Command::new(env!("CARGO_BIN_EXE_chladni"))
-        .args([
-            "--quiet",
-            "basis",
-            "sample:ring",
-            "-k",
-            "10",
-            "--engine",
-            "slepc",
-            "--ranks",
-            "1",
-            "--no-cache",
-        ])
-        .env("PATH", "")
-        .output()
-        .unwrap();
-    Run { output }.refused("scripts/setup --mpi");
 }

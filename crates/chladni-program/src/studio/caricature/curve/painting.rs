@@ -1,0 +1,138 @@
+//! How the curve is drawn, with what the active model exaggerates behind it.
+
+use chladni_caricature::ScaleCurve;
+use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
+
+use super::plot::{Plot, TOP, height_of, share_of_axis, to_screen, wave_at};
+use super::{Pen, Spectrum};
+use crate::studio::theme;
+
+/// Gains with a line of their own.
+const GAINS: [f64; 4] = [0.0, 1.0, 2.0, TOP];
+/// Wavelengths that are named below the plot, shares of the size.
+const WAVES: [f64; 6] = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05];
+
+/// Draws the plot with what lies in it.
+pub(super) fn paint(ui: &Ui, rect: Rect, plot: Plot, curve: &ScaleCurve, spectrum: &Spectrum, pen: Pen) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 6.0, ui.visuals().extreme_bg_color);
+    let faint = Stroke::new(1.0, palette.line.gamma_multiply(0.7));
+    let font = egui::FontId::proportional(10.5);
+    for gain in GAINS {
+        let y = height_of(plot.curve, gain);
+        painter.hline(plot.curve.x_range(), y, faint);
+        painter.hline(plot.residual.x_range(), y, faint);
+        // Gains are written left of the plot, not over lines.
+        let at = pos2(rect.left() + 5.0, y);
+        painter.text(at, egui::Align2::LEFT_CENTER, format!("×{gain:.0}"), font.clone(), palette.weak);
+    }
+    let foot = plot.curve.bottom() + 3.0;
+    for wavelength in WAVES {
+        let x = to_screen(plot.curve, [wavelength, 0.0]).x;
+        painter.vline(x, plot.curve.y_range(), faint);
+        painter.text(
+            pos2(x, foot),
+            egui::Align2::CENTER_TOP,
+            percent_tick(wavelength),
+            font.clone(),
+            palette.weak,
+        );
+    }
+    let finer = pos2(plot.residual.center().x, foot);
+    painter.text(finer, egui::Align2::CENTER_TOP, "finer", font, palette.weak);
+    if spectrum.waves.is_empty() {
+        let font = egui::FontId::proportional(11.5);
+        let text = "the difference appears here";
+        let at = plot.curve.center_top() + vec2(0.0, 10.0);
+        painter.text(at, egui::Align2::CENTER_TOP, text, font, palette.weak);
+    }
+    paint_bars(
+        &painter,
+        plot,
+        curve,
+        spectrum,
+        palette.weak.gamma_multiply(0.4),
+        palette.accent.gamma_multiply(0.5),
+    );
+    paint_curve(ui, &painter, plot, curve, spectrum, pen);
+}
+
+fn percent_tick(wavelength: f64) -> String {
+    format!("{:.0}%", 100.0 * wavelength)
+}
+
+/// The curve: strong where there are harmonics, faint where there would be only with more of them.
+fn paint_curve(
+    ui: &Ui,
+    painter: &egui::Painter,
+    plot: Plot,
+    curve: &ScaleCurve,
+    spectrum: &Spectrum,
+    pen: Pen,
+) {
+    let palette = theme::palette(ui);
+    let steps = (plot.curve.width() / 2.0).ceil().max(2.0) as usize;
+    let line: Vec<Pos2> = (0..=steps)
+        .map(|i| {
+            let wavelength = wave_at(i as f64 / steps as f64);
+            to_screen(plot.curve, [wavelength, curve.at(wavelength)])
+        })
+        .collect();
+    let finest = spectrum.waves.last().map_or(1.0, |wave| share_of_axis(wave[0]));
+    let reached = ((finest * steps as f64).ceil() as usize).min(steps);
+    painter.line(line[reached..].to_vec(), Stroke::new(1.5, palette.weak.gamma_multiply(0.7)));
+    painter.line(line[..=reached].to_vec(), Stroke::new(2.0, palette.accent));
+    let handle = |at: Pos2| {
+        painter.circle(at, 4.0, ui.visuals().panel_fill, Stroke::new(2.0, palette.accent));
+    };
+    let y = height_of(plot.residual, curve.residual);
+    painter.hline(plot.residual.x_range(), y, Stroke::new(2.0, palette.accent));
+    handle(pos2(plot.residual.center().x, y));
+    if pen == Pen::Points {
+        curve.points.iter().for_each(|point| handle(to_screen(plot.curve, *point)));
+    }
+}
+
+/// The energy of each band of wavelengths in decibels, since differences fall off by orders of magnitude,
+/// before and after the curve. The residual is an extra band.
+fn paint_bars(
+    painter: &egui::Painter,
+    plot: Plot,
+    curve: &ScaleCurve,
+    spectrum: &Spectrum,
+    before: Color32,
+    after: Color32,
+) {
+    let bands = (plot.curve.width() / 6.0).max(1.0) as usize;
+    let mut energy = vec![[0.0_f64; 2]; bands];
+    for [wavelength, amplitude] in &spectrum.waves {
+        let band = ((share_of_axis(*wavelength) * bands as f64) as usize).min(bands - 1);
+        energy[band][0] += amplitude.powi(2);
+        energy[band][1] += (amplitude * curve.at(*wavelength)).powi(2);
+    }
+    let residual = [spectrum.residual.powi(2), (spectrum.residual * curve.residual).powi(2)];
+    let peak = energy.iter().chain([&residual]).map(|e| e[0]).fold(0.0, f64::max);
+    let bar = |x: egui::Rangef, [raw, curved]: [f64; 2]| {
+        for (energy, color) in [(raw, before), (curved, after)] {
+            let height = plot.curve.height() * bar_height(energy / peak) as f32;
+            let y = egui::Rangef::new(plot.curve.bottom() - height, plot.curve.bottom());
+            if height > 0.0 {
+                painter.rect_filled(Rect::from_x_y_ranges(x, y), 1.0, color);
+            }
+        }
+    };
+    let width = plot.curve.width() / bands as f32;
+    for (band, energy) in energy.into_iter().enumerate() {
+        let left = plot.curve.left() + width * band as f32;
+        bar(egui::Rangef::new(left + 0.5, left + width - 0.5), energy);
+    }
+    bar(plot.residual.x_range().shrink(3.0), residual);
+}
+
+/// The height of a bar, from 0 to 1: from 60 dB below the strongest to 12 dB above it, the most that the
+/// curve amplifies.
+pub(super) fn bar_height(energy: f64) -> f64 {
+    let decibels = 10.0 * energy.log10();
+    if decibels.is_finite() { ((decibels + 60.0) / 72.0).clamp(0.0, 1.0) } else { 0.0 }
+}

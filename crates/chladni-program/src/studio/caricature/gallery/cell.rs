@@ -1,0 +1,102 @@
+//! One of the twelve: its marks, and what is done to it.
+
+use egui::{Align2, Color32, Rect, Sense, Stroke, Ui, vec2};
+
+use crate::studio::author_id::AuthorId;
+use crate::studio::icon::{self, Icon};
+use crate::studio::keys::breeding::{CHOOSE, FAVORITE, LOCK, MUTATE, TAKE};
+use crate::studio::shortcut::Shortcut;
+use crate::studio::theme;
+use crate::work::{Error, Exhibition};
+
+const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
+
+/// What is wanted of a caricature and takes more than its gallery.
+pub enum Wanted {
+    /// It is to become layers.
+    Taken,
+    /// It is to be changed a little.
+    Changed,
+}
+
+/// Shows the marks of a caricature at `place` and does to it what was clicked or pressed; keys are for the `marked` one.
+pub fn show(
+    ui: &mut Ui,
+    place: Rect,
+    index: usize,
+    marked: &mut usize,
+    shown: &mut Exhibition,
+) -> Result<Option<Wanted>, Error> {
+    let response = ui.interact(place, ui.scope_id().with(("caricature", index)), Sense::click());
+    if response.contains_pointer() && ui.input(|input| input.pointer.is_moving()) || response.gained_focus() {
+        *marked = index;
+    }
+    let is_marked = index == *marked;
+    let pressed = |key: Shortcut| is_marked && key.pressed(ui.ctx());
+    let (gallery, sitter) = (&mut shown.gallery, &shown.sitter);
+    let Some(item) = gallery.generations().items().get(index).cloned() else { return Ok(None) };
+    let favorite = gallery.is_favorite(item.id);
+    let title = format!("Caricature {}", index + 1);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
+    let response = response.author_id(format!("caricature/{}", index + 1));
+    let doing = sitter.title(&item.genome);
+    frame(ui, place, index, (item.chosen, favorite, item.locked), is_marked, &doing);
+    let (mut takes, mut favors, mut locks, mut changes) =
+        (pressed(TAKE) || response.double_clicked(), pressed(FAVORITE), pressed(LOCK), pressed(MUTATE));
+    response.context_menu(|ui| {
+        takes |= wish(ui, Icon::Check, "Take it: it becomes layers");
+        favors |= wish(ui, Icon::Star, if favorite { "No favorite any more" } else { "Favorite" });
+        locks |= wish(ui, Icon::Lock, if item.locked { "Unlock" } else { "Lock in its place" });
+        changes |= wish(ui, Icon::Dices, "Change a little");
+    });
+    if !takes && (response.clicked() || pressed(CHOOSE)) {
+        gallery.choose(index, !item.chosen)?;
+    }
+    if favors {
+        gallery.favor(index, !favorite)?;
+    }
+    if locks {
+        gallery.lock_place(index, !item.locked)?;
+    }
+    Ok(if takes { Some(Wanted::Taken) } else { changes.then_some(Wanted::Changed) })
+}
+
+/// A line of the menu; true where it was clicked.
+fn wish(ui: &mut Ui, mark: Icon, name: &str) -> bool {
+    let clicked = ui.button(icon::label(mark, name)).clicked();
+    if clicked {
+        ui.close();
+    }
+    clicked
+}
+
+/// The edge of a cell with its marks; of the marked one also what it does.
+fn frame(
+    ui: &Ui,
+    cell: Rect,
+    index: usize,
+    (chosen, favorite, locked): (bool, bool, bool),
+    marked: bool,
+    doing: &str,
+) {
+    let palette = theme::palette(ui);
+    let border = match (chosen, marked) {
+        (true, _) => Stroke::new(3.0, ACCENT),
+        (false, true) => Stroke::new(1.5, palette.weak),
+        (false, false) => Stroke::new(1.0, palette.weak.gamma_multiply(0.2)),
+    };
+    let painter = ui.painter().with_clip_rect(cell);
+    painter.rect_stroke(cell, 6.0, border, egui::StrokeKind::Inside);
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    let number = (index + 1).to_string();
+    painter.text(cell.right_top() + vec2(-9.0, 8.0), Align2::RIGHT_TOP, number, font.clone(), palette.weak);
+    let marks = [(chosen, Icon::CircleCheck), (favorite, Icon::Star), (locked, Icon::Lock)];
+    let marks: Vec<String> = marks.iter().filter(|mark| mark.0).map(|mark| icon::text(mark.1)).collect();
+    let large = egui::FontId::proportional(15.0);
+    painter.text(cell.left_top() + vec2(9.0, 8.0), Align2::LEFT_TOP, marks.join(" "), large, ACCENT);
+    if marked {
+        let text = painter.layout(doing.to_owned(), font, palette.weak, cell.width() - 18.0);
+        let at = cell.left_bottom() + vec2(9.0, -8.0 - text.size().y);
+        painter.galley(at, text, palette.weak);
+    }
+}

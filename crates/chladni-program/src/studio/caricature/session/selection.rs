@@ -1,0 +1,71 @@
+//! The layer that the panels edit: what it does, and how far it may go.
+
+use std::sync::Arc;
+
+use chladni_caricature::{EvaluatedLayer, LayerState, MatchRequest, Matched, furthest};
+
+use super::Session;
+
+/// How far a layer is held back where it would fold the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Held {
+    /// Not found yet: shown as far as it went before.
+    Unknown,
+    /// This share of its movement is kept.
+    Back {
+        /// Mean length of the displacement, as a share of the unlimited one's.
+        kept: f64,
+    },
+}
+
+impl Session {
+    /// The evaluation of the selected layer.
+    pub fn selected_layer(&self) -> Option<&EvaluatedLayer> {
+        let selected = self.selected?;
+        self.evaluation.layers.iter().find(|layer| layer.id == selected)
+    }
+
+    /// The μ with the strongest exaggeration before the selected layer folds more than this share of the
+    /// triangles.
+    pub fn furthest_mu(&self, may_fold: f64) -> Option<f64> {
+        let layer = self.project().layer(self.selected?)?;
+        let evaluated = self.selected_layer()?;
+        let displacement = evaluated.displacement.as_ref()?;
+        let mu = layer.effective_mu();
+        if mu == 0.0 || layer.strength == 0.0 {
+            return None;
+        }
+        let unit: Vec<[f64; 3]> = displacement.iter().map(|d| d.map(|c| c / mu)).collect();
+        let surface = self.stack.surface();
+        let allowed = (may_fold * surface.triangles.len() as f64) as usize;
+        let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), allowed)?;
+        // Just before the next fold.
+        Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
+    }
+
+    /// How far the selected layer is held back; `None` where its project does not keep triangles.
+    pub fn kept(&self) -> Option<Held> {
+        if !self.project().keep_triangles {
+            return None;
+        }
+        let kept = self.selected_layer().and_then(|layer| layer.kept.as_ref());
+        Some(kept.map_or(Held::Unknown, |kept| Held::Back { kept: kept.share }))
+    }
+
+    pub(super) fn selected_request(&self) -> Option<MatchRequest> {
+        MatchRequest::of(self.project().layer(self.selected?)?)
+    }
+
+    /// The match of the selected layer.
+    pub fn selected_match(&self) -> Option<&Arc<Matched>> {
+        self.stack.matched(&self.selected_request()?)
+    }
+
+    /// Why the selected layer cannot act.
+    pub fn selected_failure(&self) -> Option<&str> {
+        match &self.selected_layer()?.state {
+            LayerState::Failed(why) => Some(why),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! From a performance to the pictures of a film.
+
+use std::time::Instant;
+
+use chladni_music::{FlashArea, Viewpoint};
+use chladni_synth::{Backend, Item};
+use chladni_task::Task;
+use chladni_view::film::shoot_retouched;
+use chladni_view::{
+    Canvas, Device, Draw, Figure, Film, Gpu, Look, Rect, Renderer, RestShape, Samples, ViewError,
+};
+
+use super::{Done, Performance, Shot};
+use crate::work::film::Seconds;
+use crate::work::{Deformed, Error, FrameGuard, Scenery, dots, look_on_stage};
+
+/// Where a film begins in the midst of another, so much before it is drawn for the flash guard, which has to know what was
+/// seen in the last second.
+const LEAD_SECS: f64 = 2.0;
+
+/// What computes and draws; by default what suits the device.
+#[derive(Clone, Copy, Default)]
+pub struct Means {
+    pub draw: Draw,
+    pub samples: Option<Samples>,
+    pub synthesis: Backend,
+}
+
+impl Means {
+    /// Shapes that a graphics device deforms stay there to be drawn.
+    fn device(self) -> Result<Device, Error> {
+        let draw = match (self.draw, self.synthesis) {
+            (Draw::Auto, Backend::Gpu) => Draw::Gpu,
+            (Draw::Cpu, Backend::Gpu) => {
+                let why = "what --synthesis gpu deforms stays on the device: --draw cpu cannot see it";
+                return Err(Error::input(why));
+            }
+            (draw, _) => draw,
+        };
+        Ok(Device::open(draw)?)
+    }
+}
+
+/// Who drew.
+pub struct Drawn {
+    /// The adapter, or the processor.
+    pub device: String,
+    pub samples: Samples,
+    /// The processor's instructions, or the device.
+    pub synthesis: String,
+    /// Whether the graphics device is a software device.
+    pub software: bool,
+}
+
+impl Performance {
+    /// Draws all frames of `film`, the first of which is frame `film.settings().first` of the performance, and finishes it.
+    pub fn film(
+        &mut self,
+        film: Film,
+        (look, viewpoint, scenery): (&Look, &Viewpoint, &Scenery),
+        means: Means,
+        recording: bool,
+        seconds: &mut Seconds,
+        task: &Task,
+    ) -> Result<Done, Error> {
+        let (width, height) = (film.settings().width, film.settings().height);
+        self.feels_speed = look.feels_speed();
+        let device = means.device()?;
+        let samples = means.samples.unwrap_or_else(|| device.live_samples());
+        let canvas = Canvas::with_samples(&device, width, height, samples)?;
+        let mut deformed = Deformed::new(&device, &self.model, &self.triangles, means.synthesis)?;
+        let rest = self.staging.rest_on(&device)?;
+        let (rate, mut done) = (self.rate, Done::default());
+        let area = self.guarded_area();
+        let (mut guard, is_guarded) = (FrameGuard::new(area), area.is_some());
+        let first = film.settings().first;
+        let lead = if is_guarded { rate.frames_in(LEAD_SECS).min(first) } else { 0 };
+        let begin = first - lead;
+        self.play_until(begin, seconds, task)?;
+        let (mut guarding, mut titles) = (0.0, std::mem::take(&mut self.titles));
+        let start_secs = self.start_secs;
+        if canvas.samples() != samples {
+            done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
+        }
+        let (mut surroundings, mut behind) = (scenery.on(&device)?, scenery.film()?);
+        let mut renderer = Renderer::new(&device);
+        renderer.surround(&surroundings)?;
+        let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
+            let (shot, items) = self.play(begin + frame, seconds)?;
+            if let Some(item) = items.first().filter(|_| recording && frame >= lead) {
+                done.recording.push(shot.time_secs, self.instrument.parameters().form, item);
+            }
+            self.deform(&mut deformed, &items, &mut done, seconds)?;
+            let drawing = Instant::now();
+            if let Some(film) = &mut behind
+                && film.go_to(shot.time_secs)?
+            {
+                surroundings = std::mem::take(&mut surroundings).before(&device, film.picture())?;
+                renderer.surround(&surroundings)?;
+            }
+            self.draw((&deformed, &rest), renderer, canvas, (look, viewpoint), shot)?;
+            seconds.drawing += drawing.elapsed().as_secs_f64();
+            Ok(())
+        };
+        let retouch = |frame, picture: &mut _| {
+            let start = Instant::now();
+            let at_secs = rate.start_secs(begin + frame);
+            guard.pass(at_secs, picture);
+            titles.lay(start_secs + at_secs, picture);
+            guarding += start.elapsed().as_secs_f64();
+        };
+        let waits = shoot_retouched(&mut renderer, &canvas, film, lead, task, draw, retouch)?;
+        seconds.drawing += waits.device_secs;
+        seconds.encoding += waits.encoder_secs;
+        seconds.guarding += guarding;
+        done.most_flashes = guard.most_flashes();
+        done.longest_stripes_secs = guard.longest_stripes_secs();
+        done.damped_frames = guard.damped_frames();
+        if lead > 0 && done.damped_frames > 0 {
+            done.warnings.push(
+                "the flash guard acted, which knows only the last two seconds before a piece: its first frames may be \
+                 veiled otherwise than in the whole film"
+                    .into(),
+            );
+        }
+        done.drawn = Some(Drawn {
+            device: device.description(),
+            samples: canvas.samples(),
+            synthesis: deformed.device_name(),
+            software: device.gpu().is_some_and(Gpu::is_software),
+        });
+        Ok(done)
+    }
+
+    /// How large a flash must be for the guard to act; none where it never does.
+    fn guarded_area(&self) -> Option<FlashArea> {
+        let area = self.instrument.parameters().flash_area().filter(|_| !self.flashes_allowed);
+        area.map(|area| if self.fields_judged { FlashArea::Field } else { area })
+    }
+
+    /// Deforms the shape for one picture, and notes how that went.
+    fn deform(
+        &self,
+        deformed: &mut Deformed,
+        items: &[Item],
+        done: &mut Done,
+        seconds: &mut Seconds,
+    ) -> Result<(), Error> {
+        let settings = self.instrument.parameters().frame_settings();
+        let [synthesis_secs, normals_secs] = deformed.synthesize(items, &settings)?;
+        seconds.synthesis += synthesis_secs;
+        seconds.normals += normals_secs;
+        if let Some(fallback) = deformed.take_fallback() {
+            done.warnings.push(fallback.to_string());
+        }
+        if let Some(displacement) = deformed.largest_displacement() {
+            let share = displacement / self.ensemble.dancer().box_diagonal;
+            done.largest_displacement = Some(done.largest_displacement.map_or(share, |most| most.max(share)));
+        }
+        Ok(())
+    }
+
+    /// Draws one picture.
+    fn draw(
+        &mut self,
+        (deformed, rest): (&Deformed, &RestShape),
+        renderer: &mut Renderer,
+        canvas: &Canvas,
+        (look, viewpoint): (&Look, &Viewpoint),
+        Shot { time_secs, reaction, framing, mood, count }: Shot,
+    ) -> Result<(), ViewError> {
+        let buffers = deformed.buffers()?;
+        let area = Rect::of_size(canvas.width(), canvas.height());
+        let instrument = &self.instrument;
+        let look = look_on_stage(instrument).unwrap_or(*look).answering(&mood);
+        let from = (viewpoint, framing.as_ref());
+        let staged = self.staging.set(area, count, from, &look, reaction, instrument);
+        let grains = self.sand.drawn();
+        let figure = |item| Figure {
+            grains: grains.get(item).copied(),
+            ..staged.figure(&deformed.topology, &buffers, item, rest)
+        };
+        let figures: Vec<Figure<'_>> = (0..count).map(figure).collect();
+        let dots = match self.shows_rest {
+            true => dots(self.model.rest_positions().iter().copied()),
+            false => Vec::new(),
+        };
+        let mut cells = staged.cells(&figures);
+        // The first is the background.
+        cells.iter_mut().skip(1).for_each(|cell| cell.markers = &dots);
+        renderer.draw_finished(canvas, &cells, &staged.look.finish, time_secs)?;
+        Ok(())
+    }
+}

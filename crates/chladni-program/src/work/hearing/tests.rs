@@ -1,0 +1,107 @@
+use super::*;
+use chladni_music::Parameter;
+use chladni_sound::{sample_tune, sample_tune_beats_secs};
+
+pub(super) fn known() -> KnownSong {
+    let beats = Beats { beats_secs: sample_tune_beats_secs(), confidence: 1.0, ..Beats::default() };
+    KnownSong { beats: Some(beats), ..KnownSong::new(Arc::new(sample_tune())).unwrap() }
+}
+
+pub(super) fn stretch(at_secs: f64, song_secs: f64, playing: bool) -> Stretch {
+    Stretch { at_secs, song: Some(0), song_secs, playing, crossfade_secs: 0.0 }
+}
+
+pub(super) fn hearing() -> Hearing {
+    let mut hearing = Hearing::default();
+    hearing.know(0, known());
+    hearing.tune(0.0, &Parameters::default());
+    hearing
+}
+
+#[test]
+fn pausing_and_seeking_snap_nothing_and_beats_only_grow() {
+    let mut hearing = hearing();
+    // Plays, stands still, goes on, leaps ahead and far back.
+    let script = [
+        stretch(0.0, 2.0, true),
+        stretch(1.5, 3.5, false),
+        stretch(3.0, 3.5, true),
+        stretch(4.0, 9.0, true),
+        stretch(5.0, 0.5, true),
+        stretch(5.1, 7.0, true),
+    ];
+    let mut script = script.into_iter().peekable();
+    let (mut last, mut count) = (Vec::new(), 0.0);
+    let (mut most, mut snap) = (0.0f32, 0.0f32);
+    for frame in 0..1400 {
+        let at_secs = f64::from(frame) / 200.0;
+        let mut begins = false;
+        while let Some(stretch) = script.next_if(|stretch| stretch.at_secs <= at_secs) {
+            hearing.begin(stretch).unwrap();
+            begins = true;
+        }
+        let heard = hearing.hear(at_secs).unwrap().unwrap();
+        assert!(heard.beat.count >= count, "beat {} after {count}", heard.beat.count);
+        count = heard.beat.count;
+        let mid = heard.bands.mid.to_vec();
+        let step = mid.iter().zip(&last).map(|(a, b): (&f32, &f32)| (a - b).abs()).fold(0.0, f32::max);
+        if at_secs > 1.55 && at_secs < 3.0 {
+            assert_eq!(step, 0.0, "the pose changes in a pause");
+            assert!(mid.iter().any(|f| *f > 0.05) && heard.beat.confidence > 0.0, "it is let go");
+        }
+        let of = if begins && frame > 0 { &mut snap } else { &mut most };
+        *of = of.max(step);
+        last = mid;
+    }
+    assert!(snap <= most && most < 0.3, "{snap} at a leap, else {most}");
+}
+
+#[test]
+fn whoever_hears_the_same_show_hears_the_same_bits() {
+    let mut parameters = Parameters::default();
+    let run = |parameters: &mut Parameters, fps: f64, from_secs: f64| {
+        *parameters = Parameters::default();
+        let mut hearing = Hearing::from(from_secs);
+        hearing.know(0, known());
+        hearing.tune(0.0, parameters);
+        let mut shots = Vec::new();
+        let mut script = [stretch(0.0, 1.0, true), stretch(2.0, 3.0, false), stretch(2.5, 8.0, true)]
+            .into_iter()
+            .peekable();
+        let mut turned = false;
+        for frame in (from_secs * fps) as u32..(4.0 * fps) as u32 {
+            let at_secs = f64::from(frame) / fps;
+            while let Some(stretch) = script.next_if(|stretch| stretch.at_secs <= at_secs) {
+                hearing.begin(stretch).unwrap();
+            }
+            if at_secs >= 3.0 && !turned {
+                turned = true;
+                parameters.set(Parameter::Decay, 0.8).unwrap();
+                hearing.tune(2.9, parameters);
+            }
+            let heard = hearing.hear(at_secs).unwrap().unwrap();
+            if at_secs.fract() == 0.5 || at_secs.fract() == 0.75 {
+                shots.push((at_secs, heard.beat, heard.bands.mid.to_vec(), heard.bands.right.to_vec()));
+            }
+        }
+        shots
+    };
+    let window = run(&mut parameters, 100.0, 0.0);
+    assert_eq!(window.len(), 8);
+    assert_eq!(window, run(&mut parameters, 8.0, 0.0));
+    assert_eq!(window[4..], run(&mut parameters, 20.0, 2.25)[..]);
+}
+
+#[test]
+fn what_is_not_known_is_not_heard() {
+    let mut hearing = Hearing::default();
+    hearing.tune(0.0, &Parameters::default());
+    hearing.begin(stretch(0.0, 0.0, true)).unwrap();
+    assert!(hearing.hear(1.0).unwrap().is_none());
+    hearing.begin(Stretch { song: None, ..stretch(1.5, 0.0, true) }).unwrap();
+    let heard = hearing.hear(2.0).unwrap().unwrap();
+    assert!(heard.bands.mid.iter().all(|f| *f == 0.0));
+    hearing.begin(stretch(2.5, 1.0, true)).unwrap();
+    hearing.know(0, known());
+    assert!(hearing.hear(3.0).unwrap().is_some());
+}

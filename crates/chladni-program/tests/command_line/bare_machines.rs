@@ -1,0 +1,99 @@
+//! What a machine may lack: a graphics driver, a desktop, a display, MPI.
+
+use std::process::Command;
+
+use super::{OCTAHEDRON, Run, text};
+
+/// Where no Vulkan driver is, the processor draws, and `--draw gpu` says what is missing.
+#[cfg(target_os = "linux")]
+#[test]
+fn pictures_and_films_need_no_driver() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    std::fs::write(at("mesh.obj"), OCTAHEDRON).unwrap();
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
+        for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+            command.env(variable, "/nonexistent");
+        }
+        let cache = std::env::temp_dir().join(format!("chladni-test-cache-{}", std::process::id()));
+        command.env("CHLADNI_CACHE", cache).current_dir(folder.path()).args(line.split(' ')).output().unwrap()
+    };
+    let picture = |name: &str| chladni_view::Picture::decode(&std::fs::read(at(name)).unwrap()).unwrap();
+    for line in [
+        "caricature mesh.obj mesh.obj -k 4 --mu 0.5 -o out.obj --render out.png --size 200x100",
+        "caricature mesh.obj mesh.obj -k 4 --mu 0.5 -o out.obj --render sheet.png --size 200x100 --show before,region",
+        "match mesh.obj --method ellipsoid --render match.png",
+        "symmetry sample:head -k 8 --render symmetry.png",
+        "dance sample:octopus sample:tune -k 16 --frames frames --size 96x96 --fps 10 --duration 0.3 --gallery 6",
+        "basis sample:octopus -k 4 -o basis.npz",
+    ] {
+        let output = run(line);
+        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    for name in ["out.png", "sheet.png", "match.png", "symmetry.png", "frames/frame-00002.png"] {
+        let picture = picture(name);
+        let first = picture.pixel(0, 0);
+        let drawn = (0..picture.width).filter(|x| picture.pixel(*x, picture.height / 2) != first).count();
+        assert!(drawn > 10, "{name} is empty");
+    }
+    let refused = run("match mesh.obj --method ellipsoid --render no.png --draw gpu");
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(!refused.status.success() && message.contains("no graphics adapter"), "{message}");
+    assert!(!at("no.png").exists());
+    let refused =
+        run("dance sample:octopus sample:tune --frames no --draw cpu --synthesis gpu --duration 0.1 -k 16");
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && message.contains("--synthesis gpu"), "{message}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_made_without_a_session_comes_with_no_complaint() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, picture) = (folder.path().join("mesh.obj"), folder.path().join("picture.png"));
+    std::fs::write(&mesh, OCTAHEDRON).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
+    command.env_remove("XDG_RUNTIME_DIR").env_remove("WAYLAND_DISPLAY");
+    command.args(["match", text(&mesh), "--method", "ellipsoid", "--quiet", "--render", text(&picture)]);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    // Our own warning, that an octahedron has no up, may be there.
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(message.lines().all(|line| line.starts_with("warning: ")), "{message}");
+    assert!(picture.exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_display_one_line_says_so() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
+    for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
+        command.env_remove(name);
+    }
+    let output = command.output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(message.lines().count() == 1 && message.contains("there is no display"), "{message}");
+}
+
+#[test]
+fn without_mpi_one_line_says_what_to_install() {
+    let output = Command::new(env!("CARGO_BIN_EXE_chladni"))
+        .args([
+            "--quiet",
+            "basis",
+            "sample:ring",
+            "-k",
+            "10",
+            "--engine",
+            "slepc",
+            "--ranks",
+            "1",
+            "--no-cache",
+        ])
+        .env("PATH", "")
+        .output()
+        .unwrap();
+    Run { output }.refused("scripts/setup --mpi");
+}

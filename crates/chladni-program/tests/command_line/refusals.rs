@@ -1,0 +1,111 @@
+//! Bad arguments and damaged files: each is refused in one line.
+
+use chladni_testdata::shared;
+
+use super::{OCTAHEDRON, Run, files_below, text};
+
+#[test]
+fn bad_arguments_end_with_code_2() {
+    let folder = tempfile::tempdir().unwrap();
+    let lie = folder.path().join("lie.ply");
+    std::fs::write(&lie, "Dear reader, this is not a mesh.\n").unwrap();
+    let nan = folder.path().join("nan.obj");
+    std::fs::write(&nan, OCTAHEDRON.replace("v 1 0 0", "v nan 0 0")).unwrap();
+    let range = folder.path().join("range.obj");
+    std::fs::write(&range, OCTAHEDRON.replace("f 1 3 5", "f 1 3 99")).unwrap();
+    let missing = folder.path().join("missing.obj");
+    for path in [&lie, &nan, &range, &missing, &folder.path().to_owned()] {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        Run::of(&["info", text(path)]).refused(&name);
+        Run::of(&["basis", text(path), "-k", "4", "-o", text(&folder.path().join("b.npz"))]).refused(&name);
+    }
+    let good = folder.path().join("good.obj");
+    std::fs::write(&good, OCTAHEDRON).unwrap();
+    let out = folder.path().join("b.npz");
+    assert_eq!(Run::of(&["basis", text(&good), "-k", "6000", "-o", text(&out)]).code(), 2);
+    assert!(!out.exists());
+    assert_eq!(Run::of(&["no-such-command"]).code(), 2);
+    assert_eq!(Run::of(&["caricature", text(&good), "ellipsoid", "--mu", "wild", "-o", "x.obj"]).code(), 2);
+    let silent = folder.path().join("not-there.wav");
+    Run::of(&["dance", text(&good), text(&silent), "--frames", text(folder.path()), "-k", "4"])
+        .refused("not-there.wav");
+}
+
+#[test]
+fn every_nasty_file_works_or_is_refused_in_one_line() {
+    let Some(meshes) = shared("meshes") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for path in files_below(&meshes.join("nasty")).into_iter().chain(files_below(&meshes.join("formats"))) {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if [".mtl", ".jpg"].iter().any(|other| name.ends_with(other)) {
+            continue;
+        }
+        Run::of(&["info", text(&path), "--json"]).works_or_is_refused(&name);
+        // A truncated copy of the same file.
+        let bytes = std::fs::read(&path).unwrap();
+        let cut = folder.path().join(&name);
+        std::fs::write(&cut, &bytes[..bytes.len() * 2 / 3]).unwrap();
+        Run::of(&["info", text(&cut), "--json"]).works_or_is_refused(&name);
+    }
+}
+
+#[test]
+fn small_nasty_meshes_get_a_basis_or_a_reason() {
+    let Some(meshes) = shared("meshes/nasty") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    for name in
+        ["fan3.obj", "hourglass_ico.obj", "moebius.obj", "platonic_shelf.obj", "soup.stl", "multibody.stl"]
+    {
+        let out = folder.path().join("basis.npz");
+        let run = Run::of(&["basis", text(&meshes.join(name)), "-k", "3", "-o", text(&out), "--no-cache"]);
+        run.works_or_is_refused(name);
+        assert_eq!(run.code(), 0, "{name}: {}", run.stderr());
+    }
+}
+
+#[test]
+fn empty_songs_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("mesh.obj");
+    std::fs::write(&mesh, OCTAHEDRON).unwrap();
+    for name in ["empty.wav", "empty.ogg"] {
+        let Some(song) = shared(&format!("audio/{name}")) else { return };
+        Run::of(&["dance", text(&mesh), text(&song), "--frames", text(&folder.path().join("f")), "-k", "4"])
+            .refused(name);
+        assert!(!folder.path().join("f").exists(), "{name}: nothing is written for a song without sound");
+    }
+}
+
+#[test]
+fn wrong_arguments_are_told_in_one_line() {
+    for (arguments, part) in [
+        (&["basis"][..], "<MESH>"),
+        (&["basis", "a.obj", "--harmonic", "3"], "--harmonics"),
+        (&["basis", "a.obj", "-k", "many"], "many"),
+        (&["sing"], "sing"),
+    ] {
+        let run = Run::of(arguments);
+        run.refused(part);
+        assert_eq!(run.stderr().lines().count(), 1, "{}", run.stderr());
+    }
+    Run::of(&["--help"]).succeeded();
+    Run::of(&["--version"]).succeeded();
+}
+
+#[cfg(unix)]
+#[test]
+fn what_never_ends_is_refused_before_it_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, out) = (folder.path().join("mesh.obj"), folder.path().join("out"));
+    std::fs::write(&mesh, OCTAHEDRON).unwrap();
+    let (mesh, out, zero) = (text(&mesh), text(&out), "/dev/zero");
+    for arguments in [
+        &["info", zero][..],
+        &["beats", zero],
+        &["dance", mesh, zero, "--frames", out, "-k", "4"],
+        &["match", mesh, mesh, "--landmarks", zero, "-o", out],
+        &["caricature", "--recipe", zero, "-o", out],
+    ] {
+        Run::of(arguments).refused(zero);
+    }
+}
