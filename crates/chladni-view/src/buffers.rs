@@ -9,8 +9,10 @@ mod topology;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
 
 pub use self::brush::BrushRing;
+#[cfg(feature = "gpu")]
+pub(crate) use self::items::DeviceItems;
+pub(crate) use self::items::HostItems;
 pub use self::items::ItemBuffers;
-pub(crate) use self::items::{DeviceItems, HostItems};
 pub use self::paint::VertexPaint;
 pub use self::skin::Skin;
 pub use self::topology::Topology;
