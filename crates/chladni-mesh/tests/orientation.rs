@@ -97,6 +97,20 @@ fn the_samples_stand_as_they_were_made_however_their_file_is_turned() {
 }
 
 #[test]
+fn four_legs_carry_a_head_in_front_of_them() {
+    // The cat's tail reaches farther back than its muzzle to the front, and weighs less.
+    let cat = samples::sample("cat").unwrap();
+    for axes in [None, Some(Z_UP)] {
+        let (mesh, truth) = match axes {
+            Some(axes) => (turned(&cat, axes), Orientation::Y_UP.turned(axes).unwrap()),
+            None => (cat.clone(), Orientation::Y_UP),
+        };
+        let found = estimate(&mesh);
+        assert!(is_right(&found, &truth), "{}", found.orientation);
+    }
+}
+
+#[test]
 fn what_is_known_is_kept_and_the_rest_is_found() {
     let head = samples::sample("head").unwrap();
     let of = |up: Option<&str>, front: Option<&str>| {

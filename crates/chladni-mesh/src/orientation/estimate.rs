@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use chladni_task::{Cancelled, Task};
 
 use super::cloud::Cloud;
-use super::evidence::{base, detail, is_shallow, opening, overhang, rotated};
+use super::evidence::{base, detail, is_shallow, opening, rotated, weight};
 use super::likeness::{Likeness, likenesses};
 use super::{Axis, Orientation};
 use crate::surface::vec3::{Vec3, cross, dot, length, scaled, sub, unit};
@@ -260,7 +260,7 @@ impl<'a> Witness<'a> {
     fn votes(&self, candidate: &Orientation) -> Votes {
         let (up, front) = (candidate.up(), candidate.front());
         let (towards_front, _) = detail(self.cloud, &self.roughness, up, front);
-        let carried = 0.8 * overhang(self.cloud, up, front).clamp(-0.5, 0.5);
+        let carried = 2.0 * weight(self.cloud, up, front).clamp(-0.2, 0.2);
         let head = self.head(candidate);
         [head, self.base(candidate), self.open(candidate), 6.0 * towards_front + carried, custom(candidate)]
     }

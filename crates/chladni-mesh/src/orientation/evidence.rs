@@ -82,15 +82,24 @@ pub(super) fn detail(cloud: &Cloud, roughness: &[f64], up: Vec3, front: Vec3) ->
     (front, up)
 }
 
-/// How much farther the shape extends beyond its base in front than behind, as a share of its length: heads
-/// are in front of the feet, and muzzles in front of the neck.
-pub(super) fn overhang(cloud: &Cloud, up: Vec3, front: Vec3) -> f64 {
+/// How far toward `front` the weight of a closed shape lies from the middle of its feet, as a share of its length: heads
+/// are heavy, and tails are not.
+pub(super) fn weight(cloud: &Cloud, up: Vec3, front: Vec3) -> f64 {
     let (bottom, top) = cloud.span(up);
     let ground = bottom + 0.06 * (top - bottom);
     let feet = cloud.vertices.iter().filter(|p| dot(**p, up) < ground).map(|p| dot(*p, front));
     let (heel, toe) = feet.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let (back, nose) = cloud.span(front);
-    if heel > toe { 0.0 } else { ((nose - toe) - (heel - back)) / (nose - back).max(f64::MIN_POSITIVE) }
+    // By Gauss: the integrals of 1 and x over a solid, from its surface.
+    let (mut volume, mut moment) = (0.0, 0.0);
+    for (p, n) in cloud.points.iter().zip(&cloud.normals) {
+        let (x, n) = (dot(*p, front), dot(*n, front));
+        volume += x * n;
+        moment += 0.5 * x * x * n;
+    }
+    let center = moment / volume;
+    let ahead = (center - 0.5 * (heel + toe)) / (nose - back).max(f64::MIN_POSITIVE);
+    if ahead.is_finite() { ahead } else { 0.0 }
 }
 
 /// Two directions perpendicular to `direction` and each other.
