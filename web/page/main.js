@@ -5,7 +5,7 @@ import { openCard } from "./card.js";
 import { hands } from "./hands.js";
 import { attempt, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
-import { tellCores, threadFiles } from "./threads.js";
+import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
 import * as caricature from "./caricature.js";
 
@@ -88,4 +88,4 @@ navigator.serviceWorker?.register("offline.js").then(() => navigator.serviceWork
   const loaded = performance.getEntriesByType("resource").map(({ name }) => name);
   const later = ["worker.js", "capture.js", ...threadFiles].map((name) => new URL(name, location).href);
   active.postMessage([location.href, ...later, ...loaded]);
-}).catch(() => { /* Not every browser lets a page be kept. */ });
+}).catch(notKept); // Not every browser lets a page be kept.

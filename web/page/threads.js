@@ -45,9 +45,17 @@ export async function shared() {
   }
 }
 
+let mayIsolate = canIsolate;
+
 /** Says it where the page says who draws. */
 export function tellCores() {
   const text = cores > 1 ? `Solves on ${cores} cores.`
-    : canIsolate ? `Solves on one core, and on ${all} once the page is opened again.` : "Solves on one core.";
+    : mayIsolate ? `Solves on one core, and on ${all} once the page is opened again.` : "Solves on one core.";
   for (const place of document.querySelectorAll(".solved-by")) place.textContent = text;
+}
+
+/** The browser does not let offline.js keep the page. */
+export function notKept() {
+  mayIsolate = false;
+  tellCores();
 }

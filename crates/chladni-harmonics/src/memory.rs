@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::platform::MOST_BYTES;
 use crate::values::{self, Keep};
 use crate::{BasisSettings, HarmonicsError, ShortOfMemory};
 
@@ -152,7 +153,7 @@ fn available() -> Option<u64> {
     let left = read("max").and_then(number).zip(used).map(|(limit, used)| limit.saturating_sub(used));
     match (system, left) {
         (Some(system), Some(left)) => Some(system.min(left)),
-        (system, left) => system.or(left),
+        (system, left) => system.or(left).or(MOST_BYTES),
     }
 }
 

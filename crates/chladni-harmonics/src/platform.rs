@@ -8,6 +8,9 @@ pub(crate) use web_time::Instant;
 /// from which we are called, or that one thread.
 pub(crate) const HAS_THREADS: bool = !cfg!(target_family = "wasm");
 
+/// The bytes that a program can have at most, whatever the system has: a page's module addresses 4 GiB.
+pub(crate) const MOST_BYTES: Option<u64> = if cfg!(target_family = "wasm") { Some(1 << 32) } else { None };
+
 /// How dense products and factorizations are split: into the same number of parts for any number of
 /// threads, because the number of parts affects the rounding.
 #[cfg(not(target_family = "wasm"))]

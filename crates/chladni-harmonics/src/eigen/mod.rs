@@ -67,6 +67,8 @@ struct Wanted<'a> {
     keep: Keep<'a>,
     /// Whether to compute factors again rather than keep them.
     frugal: bool,
+    /// How many slices may be solved at once, on however many threads.
+    at_once: usize,
 }
 
 impl Wanted<'_> {
@@ -92,7 +94,8 @@ fn where_it_fits(
     let slices = rayon::current_num_threads().min(planned);
     let kept = if planned <= plan::KEPT { planned } else { 0 };
     let Room { slices: fitting, keep, frugal } = memory::room_for_solve(vertices, slices, kept, settings)?;
-    let wanted = Wanted { harmonics: settings.harmonics, whole_clusters: true, keep, frugal };
+    let wanted =
+        Wanted { harmonics: settings.harmonics, whole_clusters: true, keep, frugal, at_once: fitting.max(1) };
     // Each thread solves a slice.
     let solved = if fitting < slices { on_threads(Some(fitting), || solve(wanted))? } else { solve(wanted) };
     let short_of_memory = keep.short_of(fitting, slices, vertices, settings.harmonics);

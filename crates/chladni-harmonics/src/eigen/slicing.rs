@@ -41,8 +41,10 @@ pub(super) fn solve(
         found.lock().unwrap_or_else(PoisonError::into_inner).push((place, finished));
     };
     let store = &store;
+    let queue = Mutex::new(queue.into_iter());
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
     rayon::scope(|scope| {
-        queue.into_iter().par_bridge().for_each(|(place, (slice, factor))| {
+        let solve = |(place, (slice, factor))| {
             let mut profile = Profile::default();
             let begun = Found::begin(problem, slice, factor, harmonics, &mut profile, task);
             let finish = move || {
@@ -57,7 +59,10 @@ pub(super) fn solve(
             // Polishing is left to the first thread that finds no slice left to begin, if there is memory
             // for what waits.
             if place == 0 && !wanted.frugal { scope.spawn(move |_| finish()) } else { finish() }
-        });
+        };
+        // Not as many as there are threads: where none can be started, there may be more than memory is for.
+        let one_after_the_other = |_| std::iter::from_fn(next).for_each(solve);
+        (0..wanted.at_once).into_par_iter().with_max_len(1).for_each(one_after_the_other);
     });
     let mut found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
     found.sort_by_key(|(place, _)| *place);
