@@ -20,7 +20,7 @@ from casts import ALL, CASTS, MID
 CHLADNI = os.environ["CHLADNI"]
 HARMONICS = 512
 MODELS = ["coordinate", "normal", "distance"]
-MODEL_NAMES = ["coordinate-wise", "normal displacement", "distance minimising"]
+MODEL_NAMES = ["coordinate-wise", "normal displacement", "distance minimizing"]
 # Pixels of a panel.
 WIDE, HIGH = 240, 280
 
@@ -251,7 +251,7 @@ class Music(Sheet):
         self.save(figure, name)
 
     def music_3(self):
-        """A filter as transfer t and amplification a, the direct mapping in grey."""
+        """A filter as transfer t and amplification a, the direct mapping in gray."""
         mesh, harmonics = self.cast["music"]
         folder = self.work / "presets"
         self.dance("--gallery", 6, "--presets", folder, size="300x200")
@@ -311,7 +311,7 @@ class Music(Sheet):
         self.page("music-7", [row], ["antisymmetric harmonics only", "symmetric harmonics only"], scale=1.3)
 
     def music_8(self):
-        """How often each vertex is an extremum of the first 15 harmonics, and the pairs in colours of their own."""
+        """How often each vertex is an extremum of the first 15 harmonics, and the pairs in colors of their own."""
         self.page("music-8", [self.classes()[:1]], scale=1.6)
 
 

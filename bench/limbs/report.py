@@ -8,7 +8,7 @@ from section import write_section
 
 text = f"""## Limbs
 
-Made by `bench/limbs/run`; K = 256, level 0.3. Shapes are modelled of known limbs and a trunk; for each of them the best
+Made by `bench/limbs/run`; K = 256, level 0.3. Shapes are modeled of known limbs and a trunk; for each of them the best
 intersection over union, by area, with a part that was found. Noise is 0.4 % of the half width, the pose twists the shape about
 its axis by 43° where it is widest. Nested is the share of the area whose part at level 0.6 lies to nine tenths within one part of level 0.3.
 

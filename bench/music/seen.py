@@ -41,7 +41,7 @@ def halves(chladni, folder, body, left, right, options):
 
 def seen(chladni, folder, body, options=()):
     """How many times as much the sounding half changes as the other, hard left and hard right. What is at rest changes by nothing;
-    a thousandth of a grey level stands for that."""
+    a thousandth of a gray level stands for that."""
     hard_left = halves(chladni, folder, body, 1, 0, options)
     hard_right = halves(chladni, folder, body, 0, 1, options)
     least = 1e-3

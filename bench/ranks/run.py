@@ -21,7 +21,7 @@ RANKS = [(1, 1), (2, 1), (2, 2), (4, 1), (4, 4)]
 # Vertices in the two directions of a torus, and on which ranks they are solved; the last one is for the model alone.
 QUICK = [((80, 50), RANKS)]
 MESHES = [((100, 50), RANKS), ((200, 100), [(1, 1), (2, 2)])]
-MODELLED = [10e6, 50e6, 200e6]
+MODELED = [10e6, 50e6, 200e6]
 
 
 def basis(mesh, *more):
@@ -75,7 +75,7 @@ def model(factors):
         "| vertices | values of a factor | memory of all ranks | a rank | factoring | moved in it | harmonics |",
         "|---|---|---|---|---|---|---|",
     ]
-    for v in MODELLED:
+    for v in MODELED:
         values = fill * v * math.log2(v)
         everywhere = share * values + 8 * v * (2 * 64 + 256)
         lines.append(
@@ -103,7 +103,7 @@ def main():
         "",
         *model(factors),
         "",
-        "How this is modelled, with sources: docs/scale.md.",
+        "How this is modeled, with sources: docs/scale.md.",
     ]
     write_section("ranks", "\n".join(text))
 

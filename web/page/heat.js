@@ -38,7 +38,7 @@ export function drawHeat({ heat, own_look, solved, harmonics }) {
 
 /** `show(quantity, harmonic, map)` shows something else. */
 export function listen(show) {
-  of("heat").append(...JSON.parse(quantities()).map((name, i) => new Option(i === NONE ? "Its material" : name.replace("colours", "colors"), i)));
+  of("heat").append(...JSON.parse(quantities()).map((name, i) => new Option(i === NONE ? "Its material" : name, i)));
   of("color-map").append(...JSON.parse(color_maps()).map((name) => new Option(name, name)));
   const changed = attempt(() => show(Number(of("heat").value), Math.round(Number(of("harmonic").value)) || 0, of("color-map").value));
   for (const id of ["heat", "harmonic", "color-map"]) of(id).addEventListener("change", changed);

@@ -267,10 +267,10 @@ impl Difference {
 
     /// ψ_k and ψ_d: the minimum of ½ Σ_v a(v) ‖φx(v) − x^δ(v)‖² (appendix A, area-weighted).
     pub fn psi(&self) -> &Psi {
-        self.psi.get_or_init(|| self.minimise_distance())
+        self.psi.get_or_init(|| self.minimize_distance())
     }
 
-    fn minimise_distance(&self) -> Psi {
+    fn minimize_distance(&self) -> Psi {
         let (x, d) = (self.base.spectrum(), self.delta_spectrum());
         // Where λ = 0 a harmonic is constant on each piece of the shape. Its amplitude says where the piece
         // lies, not what it looks like: for a single piece it is the distance between two kinds of centroid,

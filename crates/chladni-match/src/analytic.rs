@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn an_ellipsoid_is_recognised() {
+    fn an_ellipsoid_is_recognized() {
         let turn = DMat3::from_rotation_z(0.7) * DMat3::from_rotation_x(0.4);
         let mesh = sphere(|p| turn * (p * DVec3::new(3.0, 2.0, 1.0)) + DVec3::new(10.0, -5.0, 1.0));
         let e = Ellipsoid::fitted(&mesh).unwrap();

@@ -22,7 +22,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// How much more often a favorite comes.
-    pub const FAVOURITE: u32 = 4;
+    pub const FAVORITE: u32 = 4;
 
     /// By the words that a preset is found by: calm and lively say what it suits.
     pub fn tagged(tags: &[String], weight: u32) -> Self {

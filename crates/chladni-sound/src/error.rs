@@ -17,7 +17,7 @@ pub enum SoundError {
     },
     /// No known container begins with the bytes of this file.
     #[error("{name}: not a sound file of a known kind ({reason})")]
-    Unrecognised {
+    Unrecognized {
         /// The file, as the caller named it.
         name: String,
         /// What the reader said.

@@ -1,20 +1,20 @@
 //! Sound for the music instrument: decoding, playback, capture, spectra and beat tracking.
 //!
 //! ```
-//! use chladni_sound::{Spectrum, SpectrumAnalyser, SpectrumSettings};
+//! use chladni_sound::{Spectrum, SpectrumAnalyzer, SpectrumSettings};
 //!
 //! // A tone of 440 Hz that is only in the left channel.
 //! let rate_hz = 44_100;
 //! let settings = SpectrumSettings { bands: 96, ..SpectrumSettings::new(rate_hz) };
-//! let mut analyser = SpectrumAnalyser::new(settings)?;
-//! let left: Vec<f32> = (0..analyser.window_frames())
+//! let mut analyzer = SpectrumAnalyzer::new(settings)?;
+//! let left: Vec<f32> = (0..analyzer.window_frames())
 //!     .map(|n| (std::f32::consts::TAU * 440.0 * n as f32 / rate_hz as f32).sin())
 //!     .collect();
 //! let right = vec![0.0; left.len()];
-//! let spectrum: &Spectrum = analyser.analyse(&left, &right, 1.0 / 60.0);
+//! let spectrum: &Spectrum = analyzer.analyse(&left, &right, 1.0 / 60.0);
 //! let loudest = |bands: &[f32]| (0..bands.len()).max_by(|&a, &b| bands[a].total_cmp(&bands[b]));
 //! let band = loudest(&spectrum.mid).expect("there are 96 bands");
-//! assert!((analyser.bands_hz()[band] / 440.0).log2().abs() < 0.1);
+//! assert!((analyzer.bands_hz()[band] / 440.0).log2().abs() < 0.1);
 //! # Ok::<(), chladni_sound::SoundError>(())
 //! ```
 //!
@@ -54,7 +54,7 @@ pub use error::SoundError;
 pub use player::{
     OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,
 };
-pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyser, SpectrumSettings};
+pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyzer, SpectrumSettings};
 pub use structure::{Bar, ENERGY_RATE_HZ, HeardBar, Section};
 pub use tune::{TUNE_BPM, TUNE_RATE_HZ, sample_tune, sample_tune_beats_secs};
 

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use chladni_sound::{FrontEnd, Level, Song, SongReader, SongSpectrum, SpectrumAnalyser, SpectrumSettings};
+use chladni_sound::{FrontEnd, Level, Song, SongReader, SongSpectrum, SpectrumAnalyzer, SpectrumSettings};
 use chladni_testdata::shared;
 
 const RATE_HZ: u32 = 44_100;
@@ -22,12 +22,12 @@ fn sweep(from_hz: f64, to_hz: f64, secs: f64, amplitude: f64) -> Vec<f32> {
 
 /// The loudest band and its amplitude for each window, with the window centered on a time.
 fn peaks(settings: SpectrumSettings, left: &[f32], right: &[f32], step: usize) -> Vec<(usize, f32)> {
-    let mut analyser = SpectrumAnalyser::new(settings).unwrap();
-    let n = analyser.window_frames();
+    let mut analyzer = SpectrumAnalyzer::new(settings).unwrap();
+    let n = analyzer.window_frames();
     (0..left.len().saturating_sub(n))
         .step_by(step)
         .map(|at| {
-            let s = analyser.analyse(&left[at..at + n], &right[at..at + n], step as f64 / f64::from(RATE_HZ));
+            let s = analyzer.analyse(&left[at..at + n], &right[at..at + n], step as f64 / f64::from(RATE_HZ));
             let best = (0..s.mid.len()).max_by(|&a, &b| s.mid[a].total_cmp(&s.mid[b])).unwrap();
             (best, s.mid[best])
         })
@@ -107,8 +107,8 @@ fn middle_and_side_are_what_they_are_called() {
     let inverted: Vec<f32> = tone.iter().map(|x| -x).collect();
     let silence = vec![0.0; tone.len()];
     let loudest = |left: &[f32], right: &[f32]| {
-        let mut analyser = SpectrumAnalyser::new(SpectrumSettings { side_gain: 1.0, ..plain(64) }).unwrap();
-        let s = analyser.analyse(left, right, 0.05);
+        let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings { side_gain: 1.0, ..plain(64) }).unwrap();
+        let s = analyzer.analyse(left, right, 0.05);
         let max = |bands: &[f32]| bands.iter().fold(0.0f32, |a, &b| a.max(b));
         (max(&s.mid), max(&s.side))
     };
@@ -124,12 +124,12 @@ fn middle_and_side_are_what_they_are_called() {
 fn decay_does_not_depend_on_the_frame_rate() {
     let tone = sweep(440.0, 440.001, 1.0, 1.0);
     let run = |steps: u32| {
-        let mut analyser = SpectrumAnalyser::new(SpectrumSettings { decay: 0.8, ..plain(32) }).unwrap();
-        let n = analyser.window_frames();
+        let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings { decay: 0.8, ..plain(32) }).unwrap();
+        let n = analyzer.window_frames();
         for _ in 0..steps {
-            analyser.analyse(&tone[..n], &tone[..n], 0.2 / f64::from(steps));
+            analyzer.analyse(&tone[..n], &tone[..n], 0.2 / f64::from(steps));
         }
-        analyser.spectrum().mid.iter().fold(0.0f32, |a, &b| a.max(b))
+        analyzer.spectrum().mid.iter().fold(0.0f32, |a, &b| a.max(b))
     };
     let (slow, fast) = (run(4), run(24));
     assert!((slow - fast).abs() < 1e-4, "{slow} {fast}");
@@ -139,21 +139,21 @@ fn decay_does_not_depend_on_the_frame_rate() {
 #[test]
 fn the_lag_is_when_a_click_is_strongest() {
     for decay in [0.0, 0.2, 0.5, 0.9] {
-        let mut analyser = SpectrumAnalyser::new(SpectrumSettings { decay, ..plain(32) }).unwrap();
-        let n = analyser.window_frames();
+        let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings { decay, ..plain(32) }).unwrap();
+        let n = analyzer.window_frames();
         let mut click = vec![0.0; 4 * n];
         click[2 * n] = 1.0;
         let step = 60;
-        let loudness = |at: usize, analyser: &mut SpectrumAnalyser| {
+        let loudness = |at: usize, analyzer: &mut SpectrumAnalyzer| {
             let window = &click[at..at + n];
-            let s = analyser.analyse(window, window, step as f64 / f64::from(RATE_HZ));
+            let s = analyzer.analyse(window, window, step as f64 / f64::from(RATE_HZ));
             s.mid.iter().sum::<f32>()
         };
-        let found: Vec<f32> = (0..2 * n).step_by(step).map(|at| loudness(at, &mut analyser)).collect();
+        let found: Vec<f32> = (0..2 * n).step_by(step).map(|at| loudness(at, &mut analyzer)).collect();
         let best = (0..found.len()).max_by(|&a, &b| found[a].total_cmp(&found[b])).unwrap();
         // The window that begins at `at` has its center half its length later.
         let late = (best * step) as f64 - 1.5 * n as f64;
-        let lag = analyser.lag_secs() * f64::from(RATE_HZ);
+        let lag = analyzer.lag_secs() * f64::from(RATE_HZ);
         assert!((late - lag).abs() <= 3.0 * step as f64, "decay {decay}: {late} frames, stated {lag}");
     }
 }
@@ -168,14 +168,14 @@ fn four_codecs_have_one_spectrum() {
             &chladni_task::Task::new(),
         )
         .unwrap();
-        let mut analyser = SpectrumAnalyser::new(plain(64)).unwrap();
-        let n = analyser.window_frames();
+        let mut analyzer = SpectrumAnalyzer::new(plain(64)).unwrap();
+        let n = analyzer.window_frames();
         let mut all = Vec::new();
         // The MP3 has no LAME tag and begins with its encoder's delay.
         let delay = if extension == "mp3" { 576 } else { 0 };
         for at in (delay..250_000).step_by(4410) {
             all.extend_from_slice(
-                &analyser.analyse(&song.left[at..at + n], &song.right[at..at + n], 0.1).mid,
+                &analyzer.analyse(&song.left[at..at + n], &song.right[at..at + n], 0.1).mid,
             );
         }
         all
@@ -193,8 +193,8 @@ fn four_codecs_have_one_spectrum() {
 
 /// Amplitudes of the bands nearest to some tones, after `secs` of these tones at automatic level.
 fn levelled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: [f32; 2]) -> [Vec<f32>; 2] {
-    let mut analyser = SpectrumAnalyser::new(settings).unwrap();
-    let n = analyser.window_frames();
+    let mut analyzer = SpectrumAnalyzer::new(settings).unwrap();
+    let n = analyzer.window_frames();
     let wave = |i: usize| {
         let phase = |hz: f32| f64::from(hz) * i as f64 / f64::from(RATE_HZ) * std::f64::consts::TAU;
         tones.iter().map(|&(hz, amplitude)| amplitude * phase(hz).sin() as f32).sum::<f32>()
@@ -202,13 +202,13 @@ fn levelled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: 
     let song: Vec<f32> = (0..(secs * f64::from(RATE_HZ)) as usize + n).map(wave).collect();
     let [left, right] = sides.map(|gain| song.iter().map(|x| gain * x).collect::<Vec<f32>>());
     for at in (0..song.len() - n).step_by(735) {
-        analyser.analyse(&left[at..at + n], &right[at..at + n], 735.0 / f64::from(RATE_HZ));
+        analyzer.analyse(&left[at..at + n], &right[at..at + n], 735.0 / f64::from(RATE_HZ));
     }
     let near = |hz: f32| {
-        let off = |b: &usize| (analyser.bands_hz()[*b] / hz).ln().abs();
-        (0..analyser.bands_hz().len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
+        let off = |b: &usize| (analyzer.bands_hz()[*b] / hz).ln().abs();
+        (0..analyzer.bands_hz().len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
     };
-    let s = analyser.spectrum();
+    let s = analyzer.spectrum();
     [&s.mid, &s.side].map(|f| tones.iter().map(|&(hz, _)| f[near(hz)]).collect())
 }
 

@@ -51,7 +51,7 @@ impl Material {
         glow: 0.0,
         edge: [0; 3],
     };
-    /// Warm modelling clay: every form readable.
+    /// Warm modeling clay: every form readable.
     pub const CLAY: Self = Self { color: [201, 172, 150], roughness: 0.62, softness: 0.25, ..Self::BARE };
     /// Glazed white porcelain.
     pub const PORCELAIN: Self =
@@ -269,7 +269,7 @@ impl Default for Background {
 impl Background {
     /// Warm light gray.
     pub const PAPER: Self = Self::between([238, 236, 232], [203, 200, 195]);
-    /// Dark blue-gray, as a modelling program's viewport.
+    /// Dark blue-gray, as a modeling program's viewport.
     pub const SLATE: Self = Self::between([64, 69, 78], [32, 35, 41]);
     /// Almost black, for the stage.
     pub const NIGHT: Self = Self::between([24, 23, 32], [6, 6, 10]);

@@ -5,7 +5,7 @@ use chladni_music::{
     Action, Bands, Beat, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Parameters, Player,
     Playing, Resonators, Timbre, repertoire,
 };
-use chladni_sound::{Song, SpectrumAnalyser, SpectrumSettings};
+use chladni_sound::{Song, SpectrumAnalyzer, SpectrumSettings};
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer, displacements_f64};
 use serde::Serialize;
 
@@ -197,14 +197,14 @@ impl Moved {
 pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<Moved, Error> {
     let settings = SpectrumSettings::new(song.rate_hz);
     let bands = settings.bands;
-    let mut analyser = SpectrumAnalyser::new(settings)?;
+    let mut analyzer = SpectrumAnalyzer::new(settings)?;
     let mut bank = Timbre::of(instrument.parameters()).map(|timbre| Resonators::new(&timbre, bands));
     let mut ensemble = Ensemble::new(ready.dancer.clone());
     let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&ready.body)?);
     let mut last: Vec<Vec<[f32; 3]>> = vec![synthesizer.model().rest_positions().to_vec(); ITEMS];
     let (rest, rest_normals) = (last[0].clone(), synthesizer.model().rest_normals().to_vec());
     let mut sum = Moved { ways: vec![0.0; ITEMS], changes: vec![0.0; ITEMS], turns_deg: vec![0.0; ITEMS] };
-    let window = analyser.window_frames();
+    let window = analyzer.window_frames();
     let (mut left, mut right) = (vec![0.0; window], vec![0.0; window]);
     // The spectrum is taken more often than the movement, as in a film.
     const STEPS: u32 = 3;
@@ -215,13 +215,13 @@ pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<Move
             let secs = frame as f64 / RATE_HZ + f64::from(step) * STEP_SECS;
             let end = (secs * f64::from(song.rate_hz)) as i64 + window as i64 / 2;
             song.window_ending_at(end, &mut left, &mut right);
-            analyser.analyse(&left, &right, STEP_SECS);
+            analyzer.analyse(&left, &right, STEP_SECS);
             if let Some(bank) = &mut bank {
-                bank.hear(&bands_of(analyser.spectrum()), STEP_SECS as f32);
+                bank.hear(&bands_of(analyzer.spectrum()), STEP_SECS as f32);
             }
         }
         let ringing = bank.as_mut().map(|bank| bank.ring(0.0));
-        let bands = Bands { ringing, ..bands_of(analyser.spectrum()) };
+        let bands = Bands { ringing, ..bands_of(analyzer.spectrum()) };
         let items = ensemble.play(instrument, &bands, Beat::default())?;
         synthesizer.synthesize(items, &FrameSettings::default())?;
         for (item, last) in last.iter_mut().enumerate() {

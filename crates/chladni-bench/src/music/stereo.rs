@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use chladni_music::{Form, Mapping, Playing};
-use chladni_sound::{SpectrumAnalyser, SpectrumSettings};
+use chladni_sound::{SpectrumAnalyzer, SpectrumSettings};
 use serde::Serialize;
 
 use super::ready::{RATE_HZ, Ready, farthest};
@@ -70,8 +70,8 @@ fn tone(
     tone_hz: f64,
     channel: &str,
 ) -> Result<Vec<[f64; 3]>, Error> {
-    let mut analyser = SpectrumAnalyser::new(SpectrumSettings::new(RATE_HZ))?;
-    let n = analyser.window_frames();
+    let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings::new(RATE_HZ))?;
+    let n = analyzer.window_frames();
     let wave =
         |i: usize| 0.5 * (std::f64::consts::TAU * tone_hz * i as f64 / f64::from(RATE_HZ)).sin() as f32;
     let tone: Vec<f32> = (0..n).map(wave).collect();
@@ -81,7 +81,7 @@ fn tone(
         "right" => [&silence, &tone],
         _ => [&tone, &tone],
     };
-    let heard = analyser.analyse(left, right, 1.0);
+    let heard = analyzer.analyse(left, right, 1.0);
     ready.displacements(mapping, &bands_of(heard), Playing { form, ..Playing::default() })
 }
 

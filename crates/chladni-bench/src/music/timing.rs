@@ -6,7 +6,7 @@ use std::time::Instant;
 use chladni_harmonics::Laplacian;
 use chladni_mesh::TriMesh;
 use chladni_music::{Action, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment, Resonators};
-use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
+use chladni_sound::{SpectrumAnalyzer, SpectrumSettings, sample_tune};
 use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
 use serde::Serialize;
 
@@ -58,9 +58,9 @@ impl BenchMusic {
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: settings.bands };
         let mut instrument = Instrument::new(1, self.items, shape)?;
         instrument.apply(Moment::default(), Action::SetForm { form })?;
-        let mut analyser = SpectrumAnalyser::new(settings)?;
+        let mut analyzer = SpectrumAnalyzer::new(settings)?;
         let mut ensemble = Ensemble::new(dancer.clone());
-        let window = analyser.window_frames();
+        let window = analyzer.window_frames();
         let hop = song.rate_hz as usize / 60;
         let frames = self.frames.clamp(1, (song.frames() - window) / hop);
         let mut bank = None;
@@ -69,7 +69,7 @@ impl BenchMusic {
             let from = frame * hop;
             let start = Instant::now();
             let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
-            let s = analyser.analyse(left, right, 1.0 / 60.0);
+            let s = analyzer.analyse(left, right, 1.0 / 60.0);
             let heard = start.elapsed().as_secs_f64();
             let timbre = instrument.parameters().playing().timbre;
             Resonators::follow(&mut bank, timbre.as_ref(), s.mid.len());

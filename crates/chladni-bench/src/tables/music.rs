@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use chladni_music::{Beat, Ensemble, GalleryShape, Instrument, Moment, PAPER_MODE};
-use chladni_sound::{SpectrumAnalyser, SpectrumSettings, sample_tune};
+use chladni_sound::{SpectrumAnalyzer, SpectrumSettings, sample_tune};
 use chladni_synth::SynthModel;
 use serde::Serialize;
 
@@ -60,15 +60,15 @@ impl BenchTables {
             for action in PAPER_MODE {
                 instrument.apply(Moment::default(), action)?;
             }
-            let mut analyser = SpectrumAnalyser::new(settings)?;
+            let mut analyzer = SpectrumAnalyzer::new(settings)?;
             let mut ensemble = Ensemble::new(dancer.clone());
-            let (window, hop) = (analyser.window_frames(), song.rate_hz as usize / 20);
+            let (window, hop) = (analyzer.window_frames(), song.rate_hz as usize / 20);
             let mut parts: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::new());
             for frame in 0..=self.frames.max(1) {
                 let from = (frame * hop).min(song.frames().saturating_sub(window));
                 let start = Instant::now();
                 let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
-                let s = analyser.analyse(left, right, 0.05);
+                let s = analyzer.analyse(left, right, 0.05);
                 let played = ensemble.play(&instrument, &bands_of(s), Beat::default())?;
                 let mapped = start.elapsed().as_secs_f64();
                 let secs = projector.show(easel, &played[..items.min(played.len())])?;

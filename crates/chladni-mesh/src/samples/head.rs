@@ -63,23 +63,23 @@ const PLAIN: Features = Features {
 /// A bald man's head with a big nose and chin and ears that stand off: the sample shape. It
 /// looks along +z, y is up, x its left, and its two sides are mirror images.
 pub(crate) fn head() -> TriMesh {
-    modelled(&CHARACTER, CELL)
+    modeled(&CHARACTER, CELL)
 }
 
 /// A plain head in the same pose: the sample template.
 pub(crate) fn template() -> TriMesh {
-    modelled(&PLAIN, CELL)
+    modeled(&PLAIN, CELL)
 }
 
 /// The sample template with a tenth of its vertices, quick to make: the model by which heads are recognized.
 pub(crate) fn coarse_template() -> TriMesh {
-    modelled(&PLAIN, 3.0 * CELL)
+    modeled(&PLAIN, 3.0 * CELL)
 }
 
 /// Side of the finest cells of the samples.
 const CELL: f64 = 0.0255;
 
-fn modelled(features: &Features, cell: f64) -> TriMesh {
+fn modeled(features: &Features, cell: f64) -> TriMesh {
     let grid =
         Grid { center: [0.0, -0.2, 0.5], low: [-1.2, -1.62, -1.3], high: [1.2, 1.4, 1.4], cell, growth: 0.9 };
     surface(|p| solid(p, features), &grid)

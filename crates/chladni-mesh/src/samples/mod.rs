@@ -51,7 +51,7 @@ pub fn sample(name: &str) -> Option<TriMesh> {
 pub const HEAD_PARTS: [&str; 10] = head::PARTS;
 
 /// For each vertex of the sample `head`, `template` or `portrait` the part on which it lies, an index of [`HEAD_PARTS`]; `None` of
-/// other samples. The forms that the heads are modelled of are the parts.
+/// other samples. The forms that the heads are modeled of are the parts.
 pub fn head_parts(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
     match name {
         "head" => Some(head::parts(mesh, true)),
@@ -61,7 +61,7 @@ pub fn head_parts(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
 }
 
 /// For each vertex of the sample `octopus` 0 on its body or the number of its arm, from 1 to 8; `None` of other samples.
-/// The forms that it is modelled of are its limbs.
+/// The forms that it is modeled of are its limbs.
 pub fn limbs(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
     (name == "octopus").then(|| octopus::limbs(mesh))
 }

@@ -140,10 +140,10 @@ impl Face {
 
     /// The head.
     pub fn mesh(&self) -> TriMesh {
-        self.modelled(CELL)
+        self.modeled(CELL)
     }
 
-    fn modelled(&self, cell: f64) -> TriMesh {
+    fn modeled(&self, cell: f64) -> TriMesh {
         let grid = Grid {
             center: [0.0, -0.2, 0.45],
             low: [-1.3, -1.75, -1.35],
@@ -323,26 +323,26 @@ mod tests {
 
     #[test]
     fn all_sliders_at_either_end_make_a_sound_head_and_move_it() {
-        let modelled = |values| {
-            let mesh = Face::of(values).modelled(3.0 * CELL);
+        let modeled = |values| {
+            let mesh = Face::of(values).modeled(3.0 * CELL);
             let report = HealthReport::of(&mesh);
             assert_eq!((report.topology.components, report.topology.genus), (1, Some(0)), "{values:?}");
             assert!(report.volume.unwrap() > 0.0 && report.degenerate_triangles == 0);
             mesh
         };
-        let plain = modelled([0.0; SLIDERS.len()]);
+        let plain = modeled([0.0; SLIDERS.len()]);
         for (place, (name, _)) in SLIDERS.iter().enumerate() {
             for end in [-1.0, 1.0] {
                 let mut values = [0.0; SLIDERS.len()];
                 values[place] = end;
-                modelled(values);
+                modeled(values);
                 let face = Face::of(values);
                 let off = plain.positions.iter().map(|[x, y, z]| face.solid([x.abs(), *y, *z]).abs());
                 let farthest = off.fold(0.0, f64::max);
                 assert!(farthest > 0.003, "{name} = {end} moves the surface by {farthest} at most");
             }
         }
-        let _ = [[-1.0; SLIDERS.len()], [1.0; SLIDERS.len()]].map(modelled);
+        let _ = [[-1.0; SLIDERS.len()], [1.0; SLIDERS.len()]].map(modeled);
     }
 
     #[test]

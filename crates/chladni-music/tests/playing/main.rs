@@ -13,7 +13,7 @@ use chladni_music::{
     Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Parameters,
     Player, Playing, Preset, Resonators, Show, Switch, Symmetry, Timbre, repertoire,
 };
-use chladni_sound::{Spectrum, SpectrumAnalyser, SpectrumSettings, sample_tune};
+use chladni_sound::{Spectrum, SpectrumAnalyzer, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};
 use chladni_task::Task;
 
@@ -90,13 +90,13 @@ fn no_amplification_leaves_every_form_at_rest_exactly() {
 /// spectrum hears it.
 fn energies(ready: &Ready, form: Form, tone_hz: f32, left: f32, right: f32) -> [f64; 2] {
     let mapping = Mapping::direct(&ready.dancer.eigenvalues, BANDS);
-    let mut analyser = SpectrumAnalyser::new(SpectrumSettings::new(44_100)).unwrap();
+    let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings::new(44_100)).unwrap();
     let tone = |gain: f32| -> Vec<f32> {
         let wave = |i: usize| gain * (std::f32::consts::TAU * tone_hz * i as f32 / 44_100.0).sin();
-        (0..analyser.window_frames()).map(wave).collect()
+        (0..analyzer.window_frames()).map(wave).collect()
     };
     let (left, right) = (tone(left), tone(right));
-    let s = analyser.analyse(&left, &right, 1.0);
+    let s = analyzer.analyse(&left, &right, 1.0);
     let bands = bands_of(s);
     let d = displacements(ready, &mapping, &bands, Playing { form, ..Playing::default() });
     let mut energy = [0.0; 2];

@@ -108,14 +108,14 @@ fn a_session_replays_bit_for_bit_through_its_file() {
 
     let song = sample_tune();
     let dance = |instrument: &Instrument| {
-        let mut analyser = SpectrumAnalyser::new(SpectrumSettings::new(song.rate_hz)).unwrap();
+        let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings::new(song.rate_hz)).unwrap();
         let mut ensemble = Ensemble::new(octopus().dancer.clone());
-        let window = analyser.window_frames();
+        let window = analyzer.window_frames();
         let mut bits = Vec::new();
         for frame in 0..10 {
             let from = 40_000 + frame * 2000;
             let s =
-                analyser.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
+                analyzer.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
             let bands = bands_of(s);
             let beat = Beat { count: 6.0 + frame as f64 * 0.1, confidence: 1.0 };
             bits.extend(coefficients_of(ensemble.play(instrument, &bands, beat).unwrap()));

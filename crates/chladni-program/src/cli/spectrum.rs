@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_sound::{FrontEnd, Level, Song, SoundError, SpectrumAnalyser, SpectrumSettings};
+use chladni_sound::{FrontEnd, Level, Song, SoundError, SpectrumAnalyzer, SpectrumSettings};
 use chladni_task::Task;
 use clap::Args;
 
@@ -80,7 +80,7 @@ impl Spectrum {
             (None, Some(_)) => (PICTURE_COLUMNS / song.duration_secs().max(0.1)).min(200.0),
             (None, None) => JSON_FPS,
         };
-        let mut analyzer = SpectrumAnalyser::new(settings)?;
+        let mut analyzer = SpectrumAnalyzer::new(settings)?;
         let frames =
             terminal.watch("spectrum", |task| analyze(&song, &mut analyzer, fps, self.start, task))?;
         match &self.render {
@@ -97,7 +97,7 @@ impl Spectrum {
 /// Frame i shows the window centered on i / fps.
 fn analyze(
     song: &Song,
-    analyzer: &mut SpectrumAnalyser,
+    analyzer: &mut SpectrumAnalyzer,
     fps: f64,
     start_secs: f64,
     task: &Task,
@@ -129,7 +129,7 @@ fn analyze(
 fn print_json(
     terminal: &Terminal,
     song: &Song,
-    analyzer: &SpectrumAnalyser,
+    analyzer: &SpectrumAnalyzer,
     frames: &[Frame],
 ) -> Result<(), Error> {
     let json = |value: &[f32]| serde_json::to_string(value).map_err(Error::other);

@@ -1,7 +1,7 @@
 //! An ear that knows only what was heard so far: for live input, and for a song that is still being read.
 
 use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, Timbre};
-use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyser, SpectrumSettings};
+use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings};
 
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
@@ -11,7 +11,7 @@ pub const LIVE_SEED: u64 = 1;
 
 /// An analyzer, a beat tracker, the resonators that they strike, and the chords.
 pub struct Ear {
-    analyzer: SpectrumAnalyser,
+    analyzer: SpectrumAnalyzer,
     /// The beat tracker, for corrections by hand.
     pub follower: BeatFollower,
     /// The beats that it has found.
@@ -46,7 +46,7 @@ impl Ear {
     /// [`SoundError::Setting`] where the rate is out of range.
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         Ok(Self {
-            analyzer: SpectrumAnalyser::new(SpectrumSettings::new(rate_hz))?,
+            analyzer: SpectrumAnalyzer::new(SpectrumSettings::new(rate_hz))?,
             follower: BeatFollower::new(rate_hz)?,
             beats: BeatCount::default(),
             resonators: None,
@@ -61,7 +61,7 @@ impl Ear {
     }
 
     /// What hears the sound.
-    pub fn analyzer(&self) -> &SpectrumAnalyser {
+    pub fn analyzer(&self) -> &SpectrumAnalyzer {
         &self.analyzer
     }
 
@@ -75,7 +75,7 @@ impl Ear {
         }
         let wanted = spectrum_settings(rate_hz, parameters);
         if *self.analyzer.settings() != wanted {
-            self.analyzer = SpectrumAnalyser::new(wanted)?;
+            self.analyzer = SpectrumAnalyzer::new(wanted)?;
         }
         Ok(())
     }
@@ -97,7 +97,7 @@ impl Ear {
         Beat { count: self.beats.at(moment.phase), confidence: moment.confidence as f32 }
     }
 
-    /// What is heard in a window of the sound ([`SpectrumAnalyser::window_frames`]), which ends `dt_secs` after the
+    /// What is heard in a window of the sound ([`SpectrumAnalyzer::window_frames`]), which ends `dt_secs` after the
     /// last one.
     pub fn hear(
         &mut self,

@@ -30,7 +30,7 @@ impl Programme {
     /// Where the built-in dances cannot be read.
     pub fn new(instrument: &Instrument, favorites: Vec<Preset>, at_secs: f64) -> Result<Self, Error> {
         let mut dances = repertoire()?;
-        let weights = vec![1; dances.len()].into_iter().chain(vec![Candidate::FAVOURITE; favorites.len()]);
+        let weights = vec![1; dances.len()].into_iter().chain(vec![Candidate::FAVORITE; favorites.len()]);
         let weights: Vec<u32> = weights.collect();
         dances.extend(favorites);
         let candidates =

@@ -1,6 +1,6 @@
 //! Beat tracking while listening, from past samples only.
 
-use super::meter::{Meter, Normaliser};
+use super::meter::{Meter, Normalizer};
 use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::SoundError;
 use crate::structure::{BarFollower, HeardBar};
@@ -37,7 +37,7 @@ pub struct BeatFollower {
     change: Vec<f32>,
     onsets: OnsetDetector,
     fresh: Vec<Onset>,
-    normaliser: Normaliser,
+    normalizer: Normalizer,
     rate_hz: f64,
     frames_heard: u64,
     samples_heard: u64,
@@ -82,7 +82,7 @@ impl BeatFollower {
             meter,
             onsets: OnsetDetector::new(rate_hz)?,
             fresh: Vec::with_capacity(64),
-            normaliser: Normaliser::new(),
+            normalizer: Normalizer::new(),
             rate_hz: f64::from(rate_hz),
             frames_heard: 0,
             samples_heard: 0,
@@ -175,7 +175,7 @@ impl BeatFollower {
             let index = (place + tempo.period - self.ring_start(tempo.period)) % tempo.period;
             self.belief[tempo.first + index] += (-0.5 * off * off).exp() as f32;
         }
-        self.normalise();
+        self.normalize();
         self.find_best();
     }
 
@@ -195,7 +195,7 @@ impl BeatFollower {
 
     /// Processes one frame: advances, perhaps changes tempo at a beat, and weights the states by the onset.
     fn step(&mut self, onset: Onset) {
-        let z = self.normaliser.next(onset);
+        let z = self.normalizer.next(onset);
         let t = self.frames_heard;
         self.frames_heard += 1;
         let count = self.meter.tempi.len();
@@ -224,12 +224,12 @@ impl BeatFollower {
                 *s *= (z * e).exp();
             }
         }
-        self.normalise();
+        self.normalize();
         self.find_best();
         self.listen_for_clarity(z);
     }
 
-    fn normalise(&mut self) {
+    fn normalize(&mut self) {
         let sum: f32 = self.belief.iter().sum();
         let count = self.belief.len() as f32;
         if sum > 0.0 && sum.is_finite() {

@@ -98,12 +98,12 @@ fn mix(all: f32, bass: f32) -> f32 {
 /// Normalizes onset strength to mean 0 and standard deviation about 1 over the last seconds, separately for
 /// all bands and for the bass, and mixes the two.
 #[derive(Clone, Copy)]
-pub(super) struct Normaliser {
+pub(super) struct Normalizer {
     all: Level,
     bass: Level,
 }
 
-impl Normaliser {
+impl Normalizer {
     pub fn new() -> Self {
         Self { all: Level::new(), bass: Level::new() }
     }

@@ -3,7 +3,7 @@
 use chladni_task::{Cancelled, Task};
 
 use super::follow::BeatFollower;
-use super::meter::{FASTEST_BPM, Meter, Normaliser};
+use super::meter::{FASTEST_BPM, Meter, Normalizer};
 use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::structure::{HeardBar, structure};
 use crate::{Bar, ENERGY_RATE_HZ, Section, Song, SoundError};
@@ -65,7 +65,7 @@ impl Beats {
 /// A rate outside the supported range, or a cancelled task.
 pub fn track_beats(song: &Song, task: &Task) -> Result<Beats, SoundError> {
     let onsets = onsets(song, task)?;
-    let heard = Normaliser::both_ways(&onsets);
+    let heard = Normalizer::both_ways(&onsets);
     let frames = best_path(&Meter::new(), &heard, task)?;
     let frames = at_the_pulse(within_the_music(&frames, &heard), &heard);
     let strengths = frames.iter().map(|&f| peak_near(&heard, f));

@@ -14,7 +14,7 @@ use symphonia::core::units::{TimeBase, Timestamp};
 
 use super::downmix::Downmix;
 use super::mp4_edits::{self, Audible};
-use super::track::{look_at_start, open_track, rewind, unrecognised};
+use super::track::{look_at_start, open_track, rewind, unrecognized};
 use crate::SoundError;
 
 /// The longest part of a tag that is used, in characters.
@@ -89,7 +89,7 @@ impl SongReader {
         // No hint is given: the first bytes of a file are more reliable than its name.
         let format = symphonia::default::get_probe()
             .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
-            .map_err(|error| unrecognised(name, &start, &error))?;
+            .map_err(|error| unrecognized(name, &start, &error))?;
         let opened = open_track(name, format.as_ref())?;
         let audible = audible.unwrap_or(opened.audible);
         let mut reader = Self {

@@ -40,7 +40,7 @@ pub(super) struct OpenedTrack {
 
 /// Opens the track that `format` plays by default.
 pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<OpenedTrack, SoundError> {
-    let no_track = || SoundError::Unrecognised {
+    let no_track = || SoundError::Unrecognized {
         name: name.to_owned(),
         reason: format!("a {} file without a sound track", format.format_info().long_name),
     };
@@ -122,7 +122,7 @@ pub(super) fn rewind(name: &str, source: &mut dyn MediaSource) -> Result<(), Sou
 }
 
 /// The error for a file that begins with `start` and cannot be opened.
-pub(super) fn unrecognised(name: &str, start: &[u8], error: &CodecError) -> SoundError {
+pub(super) fn unrecognized(name: &str, start: &[u8], error: &CodecError) -> SoundError {
     let holds = |mark: &[u8]| start.windows(mark.len()).any(|window| window == mark);
     for (mark, codec) in [(&b"OpusHead"[..], "Opus"), (b"Speex   ", "Speex"), (b"wvpk", "WavPack")] {
         if holds(mark) {
@@ -136,5 +136,5 @@ pub(super) fn unrecognised(name: &str, start: &[u8], error: &CodecError) -> Soun
         }
         other => other.to_string(),
     };
-    SoundError::Unrecognised { name: name.to_owned(), reason }
+    SoundError::Unrecognized { name: name.to_owned(), reason }
 }

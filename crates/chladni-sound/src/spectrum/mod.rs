@@ -1,11 +1,11 @@
 //! The spectrum at one moment: amplitudes of the bands of mid and side.
 
-mod analyser;
+mod analyzer;
 mod bands;
 mod level;
 mod song;
 
-pub use analyser::{Spectrum, SpectrumAnalyser, SpectrumSettings};
+pub use analyzer::{Spectrum, SpectrumAnalyzer, SpectrumSettings};
 pub use bands::FrontEnd;
 pub use level::Level;
 pub use song::{Hop, SongSpectrum};

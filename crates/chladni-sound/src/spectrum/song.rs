@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Level, Spectrum, SpectrumAnalyser, SpectrumSettings};
+use super::{Level, Spectrum, SpectrumAnalyzer, SpectrumSettings};
 use crate::{Song, SoundError};
 
 /// Analyses per second. A power of two makes the times of all hops exact, and this one puts three hops
@@ -29,7 +29,7 @@ pub enum Hop<'a> {
 /// get the same spectra, bit for bit.
 pub struct SongSpectrum {
     song: Arc<Song>,
-    analyser: SpectrumAnalyser,
+    analyzer: SpectrumAnalyzer,
     first_hop: i64,
     /// The number of the hop in `after`.
     hop: i64,
@@ -49,14 +49,14 @@ impl SongSpectrum {
     /// # Errors
     /// A setting is out of range.
     pub fn new(song: Arc<Song>, settings: SpectrumSettings, from_secs: f64) -> Result<Self, SoundError> {
-        let analyser = SpectrumAnalyser::new(settings)?;
-        let window = vec![0.0; analyser.window_frames()];
+        let analyzer = SpectrumAnalyzer::new(settings)?;
+        let window = vec![0.0; analyzer.window_frames()];
         // Before the song there is only silence, which the first windows overlap.
         let first_hop = (hop_at(from_secs) - WARM_HOPS).max(-32);
-        let silence = analyser.spectrum().clone();
+        let silence = analyzer.spectrum().clone();
         Ok(Self {
             song,
-            analyser,
+            analyzer,
             first_hop,
             hop: first_hop - 1,
             before: silence.clone(),
@@ -69,12 +69,12 @@ impl SongSpectrum {
 
     /// The settings in use.
     pub fn settings(&self) -> &SpectrumSettings {
-        self.analyser.settings()
+        self.analyzer.settings()
     }
 
     /// Center of each band, in Hz.
     pub fn bands_hz(&self) -> &[f32] {
-        self.analyser.bands_hz()
+        self.analyzer.bands_hz()
     }
 
     /// The spectrum at `secs` of the song. Going forward is cheap; going back restarts the analysis.
@@ -90,16 +90,16 @@ impl SongSpectrum {
         let secs = if secs.is_finite() { secs } else { 0.0 };
         let hop = hop_at(secs).max(self.first_hop);
         if hop + 1 < self.hop {
-            self.analyser.reset();
+            self.analyzer.reset();
             self.hop = self.first_hop - 1;
-            self.after.clone_from(self.analyser.spectrum());
+            self.after.clone_from(self.analyzer.spectrum());
         }
         if self.hop < self.first_hop {
             hops(Hop::Beginning);
         }
         while self.hop < hop + 1 {
             self.step();
-            hops(Hop::Heard(&self.after, self.analyser.bands_hz()));
+            hops(Hop::Heard(&self.after, self.analyzer.bands_hz()));
         }
         let weight = (secs * HOPS_PER_SEC - hop as f64).clamp(0.0, 1.0) as f32;
         self.now.clone_from(&self.before);
@@ -117,11 +117,11 @@ impl SongSpectrum {
     fn step(&mut self) {
         self.hop += 1;
         std::mem::swap(&mut self.before, &mut self.after);
-        let secs = self.hop as f64 / HOPS_PER_SEC + self.analyser.lag_secs();
+        let secs = self.hop as f64 / HOPS_PER_SEC + self.analyzer.lag_secs();
         let center = (secs * f64::from(self.song.rate_hz)).round() as i64;
         let end = center + self.left.len() as i64 / 2;
         self.song.window_ending_at(end, &mut self.left, &mut self.right);
-        self.after.clone_from(self.analyser.analyse(&self.left, &self.right, 1.0 / HOPS_PER_SEC));
+        self.after.clone_from(self.analyzer.analyse(&self.left, &self.right, 1.0 / HOPS_PER_SEC));
     }
 }
 
@@ -137,15 +137,15 @@ impl Song {
     pub fn loud_level(&self) -> Result<f32, SoundError> {
         let settings =
             SpectrumSettings { decay: 0.0, level: Level::Fixed(1.0), ..SpectrumSettings::new(self.rate_hz) };
-        let mut analyser = SpectrumAnalyser::new(settings)?;
+        let mut analyzer = SpectrumAnalyzer::new(settings)?;
         let (mut left, mut right) =
-            (vec![0.0; analyser.window_frames()], vec![0.0; analyser.window_frames()]);
+            (vec![0.0; analyzer.window_frames()], vec![0.0; analyzer.window_frames()]);
         let probes = PROBES.min(self.frames() / left.len() + 1);
         let mut levels: Vec<f32> = (0..probes)
             .map(|i| {
                 let center = (self.frames() as f64 * (i as f64 + 0.5) / probes as f64) as i64;
                 self.window_ending_at(center + left.len() as i64 / 2, &mut left, &mut right);
-                let heard = analyser.analyse(&left, &right, 1.0);
+                let heard = analyzer.analyse(&left, &right, 1.0);
                 heard.left.iter().chain(&heard.right).fold(0.0, |most: f32, level| most.max(*level))
             })
             .collect();

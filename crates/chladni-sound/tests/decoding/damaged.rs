@@ -18,7 +18,7 @@ fn empty_files_say_so() {
     assert!(matches!(read_bytes("nothing", Vec::new()), Err(SoundError::Empty { .. })));
     assert!(matches!(
         read_bytes("text.ogg", b"this is no music at all".repeat(50)),
-        Err(SoundError::Unrecognised { .. })
+        Err(SoundError::Unrecognized { .. })
     ));
     assert!(matches!(Song::open(Path::new("/")), Err(SoundError::Read { .. })));
     assert!(matches!(Song::open(Path::new("no/such/file")), Err(SoundError::Read { .. })));

@@ -283,7 +283,7 @@ impl<const FILM: bool, const AROUND: bool> Kernel for Light<'_, '_, FILM, AROUND
             let of = (setting.cell, setting.figure);
             let around = if AROUND { Some([at(&b.ambient, i), at(&b.mirror, i)]) } else { None };
             let light = (b.key[i], b.glow[i], around);
-            let c = shade::modelled::<FILM>(of, at(&b.color, i), n, v, b.front[i] > 0.5, light);
+            let c = shade::modeled::<FILM>(of, at(&b.color, i), n, v, b.front[i] > 0.5, light);
             set(&mut b.color, i, c);
         }
     }

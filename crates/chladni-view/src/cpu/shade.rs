@@ -211,7 +211,7 @@ fn base_of(figure: &FigureUniform, color: Vec3, front: bool) -> Vec3 {
 /// A surface of its own color under the lamps, sRGB-encoded. `FILM`: with the hues of thin films. `light`: share of
 /// the key light, own light, and in a panorama what comes from all around and what is mirrored.
 #[inline(always)]
-pub(super) fn modelled<const FILM: bool>(
+pub(super) fn modeled<const FILM: bool>(
     of: (&CellUniform, &FigureUniform),
     color: Vec3,
     n: Vec3,

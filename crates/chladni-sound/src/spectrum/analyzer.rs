@@ -11,7 +11,7 @@ use crate::SoundError;
 /// The interval for which the decay w is stated, in seconds: the paper analyses every 50 ms.
 const DECAY_INTERVAL_SECS: f64 = 0.05;
 
-/// The settings of a [`SpectrumAnalyser`].
+/// The settings of a [`SpectrumAnalyzer`].
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SpectrumSettings {
     /// Rate of the samples, in Hz.
@@ -174,7 +174,7 @@ impl Followed {
 /// an offline rendering therefore shows what was seen live.
 ///
 /// [`analyse`](Self::analyse) does not allocate.
-pub struct SpectrumAnalyser {
+pub struct SpectrumAnalyzer {
     settings: SpectrumSettings,
     bands: Bands,
     fft: Arc<dyn RealToComplex<f32>>,
@@ -195,7 +195,7 @@ pub struct SpectrumAnalyser {
     lag_secs: f64,
 }
 
-impl SpectrumAnalyser {
+impl SpectrumAnalyzer {
     /// Computes the window, the bands and the FFT plan.
     ///
     /// # Errors
@@ -341,7 +341,7 @@ impl SpectrumAnalyser {
     }
 }
 
-/// Computes [`SpectrumAnalyser::lag_secs`].
+/// Computes [`SpectrumAnalyzer::lag_secs`].
 fn lag_secs(settings: &SpectrumSettings) -> f64 {
     if settings.decay <= 0.0 {
         return 0.0;
