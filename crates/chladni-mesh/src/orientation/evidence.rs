@@ -82,8 +82,8 @@ pub(super) fn detail(cloud: &Cloud, roughness: &[f64], up: Vec3, front: Vec3) ->
     (front, up)
 }
 
-/// How far toward `front` the weight of a closed shape lies from the middle of its feet, as a share of its length: heads
-/// are heavy, and tails are not.
+/// How far toward `front` the weight of a solid lies from the middle of its feet, as a share of its length: heads are
+/// heavy, and tails are not. Of an open surface only a hint.
 pub(super) fn weight(cloud: &Cloud, up: Vec3, front: Vec3) -> f64 {
     let (bottom, top) = cloud.span(up);
     let ground = bottom + 0.06 * (top - bottom);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
-use std::thread::{Scope, ScopedJoinHandle};
+use std::thread::{Builder, Scope, ScopedJoinHandle};
 use std::time::Instant;
 
 use chladni_task::Task;
@@ -19,7 +19,7 @@ const IN_FLIGHT: usize = 3;
 pub struct Waits {
     /// For finished pictures, with fetching them.
     pub device_secs: f64,
-    /// For the encoder.
+    /// For the encoder, and for what is retouched before it.
     pub encoder_secs: f64,
 }
 
@@ -60,7 +60,7 @@ pub fn shoot_retouched<E: From<ViewError>>(
     let frames = lead + film.settings().frames;
     let stage = task.stage("filming", frames);
     std::thread::scope(|scope| {
-        let mut desk = Desk::open(scope, film, lead, retouch);
+        let mut desk = Desk::open(scope, film, lead, retouch)?;
         let mut idle: Vec<Readback> =
             (0..IN_FLIGHT).map(|_| Readback::new(&device, canvas)).collect::<Result<_, _>>()?;
         let mut flying: VecDeque<Readback> = VecDeque::with_capacity(IN_FLIGHT);
@@ -124,10 +124,10 @@ impl<'scope> Desk<'scope> {
         mut film: Film,
         lead: u64,
         mut retouch: impl FnMut(u64, &mut Picture) + Send + 'scope,
-    ) -> Self {
+    ) -> Result<Self, ViewError> {
         let (pictures, waiting) = sync_channel::<Picture>(1);
         let (give_back, spent) = channel();
-        let thread = scope.spawn(move || {
+        let work = move || {
             for (frame, mut picture) in (0..).zip(waiting) {
                 retouch(frame, &mut picture);
                 let spent = if frame < lead {
@@ -140,8 +140,12 @@ impl<'scope> Desk<'scope> {
                 let _ = give_back.send(spent);
             }
             film.finish()
-        });
-        Self { thread: Some(thread), pictures: Some(pictures), spent, waited_secs: 0.0 }
+        };
+        let thread = Builder::new()
+            .name("retouch".into())
+            .spawn_scoped(scope, work)
+            .map_err(|error| ViewError::Film(format!("no thread to retouch on: {error}")))?;
+        Ok(Self { thread: Some(thread), pictures: Some(pictures), spent, waited_secs: 0.0 })
     }
 
     fn spent(&self) -> Picture {
