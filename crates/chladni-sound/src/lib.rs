@@ -11,7 +11,7 @@
 //!     .map(|n| (std::f32::consts::TAU * 440.0 * n as f32 / rate_hz as f32).sin())
 //!     .collect();
 //! let right = vec![0.0; left.len()];
-//! let spectrum: &Spectrum = analyzer.analyse(&left, &right, 1.0 / 60.0);
+//! let spectrum: &Spectrum = analyzer.analyze(&left, &right, 1.0 / 60.0);
 //! let loudest = |bands: &[f32]| (0..bands.len()).max_by(|&a, &b| bands[a].total_cmp(&bands[b]));
 //! let band = loudest(&spectrum.mid).expect("there are 96 bands");
 //! assert!((analyzer.bands_hz()[band] / 440.0).log2().abs() < 0.1);
@@ -38,6 +38,7 @@ mod player;
 mod spectrum;
 mod structure;
 mod tune;
+mod windowed;
 
 pub use beat::{
     BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, Onset, OnsetDetector, beat_score, track_beats,

@@ -27,7 +27,7 @@ fn peaks(settings: SpectrumSettings, left: &[f32], right: &[f32], step: usize) -
     (0..left.len().saturating_sub(n))
         .step_by(step)
         .map(|at| {
-            let s = analyzer.analyse(&left[at..at + n], &right[at..at + n], step as f64 / f64::from(RATE_HZ));
+            let s = analyzer.analyze(&left[at..at + n], &right[at..at + n], step as f64 / f64::from(RATE_HZ));
             let best = (0..s.mid.len()).max_by(|&a, &b| s.mid[a].total_cmp(&s.mid[b])).unwrap();
             (best, s.mid[best])
         })
@@ -108,7 +108,7 @@ fn middle_and_side_are_what_they_are_called() {
     let silence = vec![0.0; tone.len()];
     let loudest = |left: &[f32], right: &[f32]| {
         let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings { side_gain: 1.0, ..plain(64) }).unwrap();
-        let s = analyzer.analyse(left, right, 0.05);
+        let s = analyzer.analyze(left, right, 0.05);
         let max = |bands: &[f32]| bands.iter().fold(0.0f32, |a, &b| a.max(b));
         (max(&s.mid), max(&s.side))
     };
@@ -127,7 +127,7 @@ fn decay_does_not_depend_on_the_frame_rate() {
         let mut analyzer = SpectrumAnalyzer::new(SpectrumSettings { decay: 0.8, ..plain(32) }).unwrap();
         let n = analyzer.window_frames();
         for _ in 0..steps {
-            analyzer.analyse(&tone[..n], &tone[..n], 0.2 / f64::from(steps));
+            analyzer.analyze(&tone[..n], &tone[..n], 0.2 / f64::from(steps));
         }
         analyzer.spectrum().mid.iter().fold(0.0f32, |a, &b| a.max(b))
     };
@@ -146,7 +146,7 @@ fn the_lag_is_when_a_click_is_strongest() {
         let step = 60;
         let loudness = |at: usize, analyzer: &mut SpectrumAnalyzer| {
             let window = &click[at..at + n];
-            let s = analyzer.analyse(window, window, step as f64 / f64::from(RATE_HZ));
+            let s = analyzer.analyze(window, window, step as f64 / f64::from(RATE_HZ));
             s.mid.iter().sum::<f32>()
         };
         let found: Vec<f32> = (0..2 * n).step_by(step).map(|at| loudness(at, &mut analyzer)).collect();
@@ -175,7 +175,7 @@ fn four_codecs_have_one_spectrum() {
         let delay = if extension == "mp3" { 576 } else { 0 };
         for at in (delay..250_000).step_by(4410) {
             all.extend_from_slice(
-                &analyzer.analyse(&song.left[at..at + n], &song.right[at..at + n], 0.1).mid,
+                &analyzer.analyze(&song.left[at..at + n], &song.right[at..at + n], 0.1).mid,
             );
         }
         all
@@ -202,7 +202,7 @@ fn levelled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: 
     let song: Vec<f32> = (0..(secs * f64::from(RATE_HZ)) as usize + n).map(wave).collect();
     let [left, right] = sides.map(|gain| song.iter().map(|x| gain * x).collect::<Vec<f32>>());
     for at in (0..song.len() - n).step_by(735) {
-        analyzer.analyse(&left[at..at + n], &right[at..at + n], 735.0 / f64::from(RATE_HZ));
+        analyzer.analyze(&left[at..at + n], &right[at..at + n], 735.0 / f64::from(RATE_HZ));
     }
     let near = |hz: f32| {
         let off = |b: &usize| (analyzer.bands_hz()[*b] / hz).ln().abs();

@@ -215,7 +215,7 @@ pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<Move
             let secs = frame as f64 / RATE_HZ + f64::from(step) * STEP_SECS;
             let end = (secs * f64::from(song.rate_hz)) as i64 + window as i64 / 2;
             song.window_ending_at(end, &mut left, &mut right);
-            analyzer.analyse(&left, &right, STEP_SECS);
+            analyzer.analyze(&left, &right, STEP_SECS);
             if let Some(bank) = &mut bank {
                 bank.hear(&bands_of(analyzer.spectrum()), STEP_SECS as f32);
             }

@@ -81,7 +81,7 @@ fn tone(
         "right" => [&silence, &tone],
         _ => [&tone, &tone],
     };
-    let heard = analyzer.analyse(left, right, 1.0);
+    let heard = analyzer.analyze(left, right, 1.0);
     ready.displacements(mapping, &bands_of(heard), Playing { form, ..Playing::default() })
 }
 

@@ -69,7 +69,7 @@ impl BenchMusic {
             let from = frame * hop;
             let start = Instant::now();
             let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
-            let s = analyzer.analyse(left, right, 1.0 / 60.0);
+            let s = analyzer.analyze(left, right, 1.0 / 60.0);
             let heard = start.elapsed().as_secs_f64();
             let timbre = instrument.parameters().playing().timbre;
             Resonators::follow(&mut bank, timbre.as_ref(), s.mid.len());

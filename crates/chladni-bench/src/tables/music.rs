@@ -68,7 +68,7 @@ impl BenchTables {
                 let from = (frame * hop).min(song.frames().saturating_sub(window));
                 let start = Instant::now();
                 let (left, right) = (&song.left[from..from + window], &song.right[from..from + window]);
-                let s = analyzer.analyse(left, right, 0.05);
+                let s = analyzer.analyze(left, right, 0.05);
                 let played = ensemble.play(&instrument, &bands_of(s), Beat::default())?;
                 let mapped = start.elapsed().as_secs_f64();
                 let secs = projector.show(easel, &played[..items.min(played.len())])?;

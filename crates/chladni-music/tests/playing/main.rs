@@ -96,7 +96,7 @@ fn energies(ready: &Ready, form: Form, tone_hz: f32, left: f32, right: f32) -> [
         (0..analyzer.window_frames()).map(wave).collect()
     };
     let (left, right) = (tone(left), tone(right));
-    let s = analyzer.analyse(&left, &right, 1.0);
+    let s = analyzer.analyze(&left, &right, 1.0);
     let bands = bands_of(s);
     let d = displacements(ready, &mapping, &bands, Playing { form, ..Playing::default() });
     let mut energy = [0.0; 2];

@@ -115,7 +115,7 @@ fn a_session_replays_bit_for_bit_through_its_file() {
         for frame in 0..10 {
             let from = 40_000 + frame * 2000;
             let s =
-                analyzer.analyse(&song.left[from..from + window], &song.right[from..from + window], 0.045);
+                analyzer.analyze(&song.left[from..from + window], &song.right[from..from + window], 0.045);
             let bands = bands_of(s);
             let beat = Beat { count: 6.0 + frame as f64 * 0.1, confidence: 1.0 };
             bits.extend(coefficients_of(ensemble.play(instrument, &bands, beat).unwrap()));

@@ -114,7 +114,7 @@ fn analyze(
         let time_secs = i as f64 / fps;
         let center = (time_secs * rate_hz).round() as i64;
         song.window_ending_at(center + n as i64 / 2, &mut left, &mut right);
-        let spectrum = analyzer.analyse(&left, &right, 1.0 / fps);
+        let spectrum = analyzer.analyze(&left, &right, 1.0 / fps);
         frames.push(Frame {
             time_secs: start_secs + time_secs,
             mid: rounded(&spectrum.mid),

@@ -105,7 +105,7 @@ impl Ear {
         parameters: &Parameters,
         dt_secs: f64,
     ) -> (Bands<'_>, Harmony) {
-        self.analyzer.analyse(left, right, dt_secs);
+        self.analyzer.analyze(left, right, dt_secs);
         let (spectrum, dt_secs) = (self.analyzer.spectrum(), dt_secs as f32);
         self.harmony.hear(&spectrum.mid, self.analyzer.bands_hz(), dt_secs);
         let timbre = Timbre::of(parameters);

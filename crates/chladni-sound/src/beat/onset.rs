@@ -7,10 +7,9 @@
 //! Onsets in the bass are kept separately, because a drum is more often on the beat than a cymbal.
 
 use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
-use std::sync::Arc;
 
 use crate::SoundError;
+use crate::windowed::{SlidingWindow, WindowedFft, window_frames};
 
 /// Onset values per second.
 pub const ONSET_RATE_HZ: f64 = 100.0;
@@ -43,27 +42,16 @@ pub struct Onset {
 /// Computes onset strength from a stream. Value n belongs to the time n / [`ONSET_RATE_HZ`] and needs
 /// [`latency_secs`](Self::latency_secs) of sound after it.
 pub struct OnsetDetector {
-    rate_hz: f64,
-    fft: Arc<dyn RealToComplex<f32>>,
-    window: Vec<f32>,
-    samples: Vec<f32>,
+    fft: WindowedFft,
     bins: Vec<Complex<f32>>,
-    scratch: Vec<Complex<f32>>,
+    sliding: SlidingWindow,
     /// For each band, its first bin and its triangular weights.
     bands: Vec<(usize, Vec<f32>)>,
     /// How many of the bands are the bass.
     bass: usize,
-    channels: [Channel; 2],
-    /// The number of the first sample that is kept.
-    kept_from: i64,
-    frames_done: u64,
+    /// The magnitudes of the last frames of each channel, newest last.
+    past: [[Vec<f32>; LAG + 1]; 2],
     level: f32,
-}
-
-/// The pending samples of one channel, and the magnitudes of its last frames, newest last.
-struct Channel {
-    samples: Vec<f32>,
-    past: [Vec<f32>; LAG + 1],
 }
 
 impl OnsetDetector {
@@ -74,93 +62,56 @@ impl OnsetDetector {
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         crate::check_rate("onset detector", rate_hz)?;
         let rate = f64::from(rate_hz);
-        let n = ((rate * WINDOW_SECS) as usize).next_power_of_two();
-        let n = if n as f64 > 1.5 * rate * WINDOW_SECS { n / 2 } else { n }.max(64);
-        let fft = RealFftPlanner::new().plan_fft_forward(n);
+        let n = window_frames(rate, WINDOW_SECS);
+        let fft = WindowedFft::new(n, 1.0);
         let bands = bands(rate, n);
         let center_hz = |band: &(usize, Vec<f32>)| (band.0 + band.1.len() / 2) as f64 * rate / n as f64;
         let bass = bands.iter().take_while(|band| center_hz(band) < BASS_HZ).count();
         let quiet = vec![0.0; bands.len()];
-        let channel = || Channel {
-            // Before the first sample there is silence.
-            samples: vec![0.0; n / 2],
-            past: std::array::from_fn(|_| quiet.clone()),
-        };
         Ok(Self {
-            rate_hz: rate,
-            window: (0..n)
-                .map(|i| {
-                    let phase = std::f64::consts::TAU * i as f64 / n as f64;
-                    ((1.0 - phase.cos()) * 2.0 / n as f64) as f32
-                })
-                .collect(),
-            samples: fft.make_input_vec(),
-            bins: fft.make_output_vec(),
-            scratch: fft.make_scratch_vec(),
+            bins: fft.make_bins(),
             fft,
-            channels: [channel(), channel()],
+            sliding: SlidingWindow::new(rate, ONSET_RATE_HZ, n),
+            past: std::array::from_fn(|_| std::array::from_fn(|_| quiet.clone())),
             bands,
             bass,
-            kept_from: -(n as i64) / 2,
-            frames_done: 0,
             level: FLOOR,
         })
     }
 
     /// How much sound after its time a value needs, in seconds.
     pub fn latency_secs(&self) -> f64 {
-        self.window.len() as f64 / 2.0 / self.rate_hz
+        self.sliding.latency_secs()
     }
 
     /// Takes the next samples and appends the values that are now complete to `out`.
     pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<Onset>) {
-        let count = left.len().min(right.len());
-        self.channels[0].samples.extend_from_slice(&left[..count]);
-        self.channels[1].samples.extend_from_slice(&right[..count]);
-        let n = self.window.len();
-        loop {
-            let center = (self.frames_done as f64 * self.rate_hz / ONSET_RATE_HZ).round() as i64;
-            let start = (center - n as i64 / 2 - self.kept_from) as usize;
-            if start + n > self.channels[0].samples.len() {
-                break;
-            }
-            out.push(self.frame(start));
-            self.frames_done += 1;
-            // Moving the rest to the front now and then is cheaper than after every frame.
-            if start > 8 * n {
-                for channel in &mut self.channels {
-                    channel.samples.drain(..start);
+        self.sliding.push(left, right);
+        while let Some(channels) = self.sliding.next() {
+            let mut loudest = 0.0f32;
+            for (heard, past) in channels.into_iter().zip(&mut self.past) {
+                self.fft.transform(heard, &mut self.bins);
+                past.rotate_left(1);
+                for ((first, weights), value) in self.bands.iter().zip(&mut past[LAG]) {
+                    let bins = &self.bins[*first..*first + weights.len()];
+                    *value = weights.iter().zip(bins).map(|(w, bin)| w * bin.norm()).sum();
+                    loudest = loudest.max(*value);
                 }
-                self.kept_from += start as i64;
             }
+            out.push(self.onset(loudest));
         }
     }
 
-    fn frame(&mut self, start: usize) -> Onset {
-        let n = self.window.len();
-        let mut loudest = 0.0f32;
-        for channel in &mut self.channels {
-            let heard = &channel.samples[start..start + n];
-            for ((to, from), w) in self.samples.iter_mut().zip(heard).zip(&self.window) {
-                *to = if from.is_finite() { from * w } else { 0.0 };
-            }
-            let done = self.fft.process_with_scratch(&mut self.samples, &mut self.bins, &mut self.scratch);
-            debug_assert!(done.is_ok(), "the buffers were made by this plan");
-            channel.past.rotate_left(1);
-            for ((first, weights), value) in self.bands.iter().zip(&mut channel.past[LAG]) {
-                let bins = &self.bins[*first..*first + weights.len()];
-                *value = weights.iter().zip(bins).map(|(w, bin)| w * bin.norm()).sum();
-                loudest = loudest.max(*value);
-            }
-        }
+    /// The rise of the newest magnitudes, of which `loudest` is the greatest.
+    fn onset(&mut self, loudest: f32) -> Onset {
         let fade = (-1.0 / (LEVEL_SECS * ONSET_RATE_HZ)).exp() as f32;
         self.level = loudest.max(self.level * fade).max(FLOOR);
         let scale = COMPRESSION / self.level;
         let (mut all, mut bass) = (0.0, 0.0);
-        for channel in &self.channels {
-            let low = flux(&channel.past, scale, 0..self.bass);
+        for past in &self.past {
+            let low = flux(past, scale, 0..self.bass);
             bass += low;
-            all += low + flux(&channel.past, scale, self.bass..self.bands.len());
+            all += low + flux(past, scale, self.bass..self.bands.len());
         }
         let mean = |sum: f32, bands: usize| sum / (2 * bands).max(1) as f32;
         Onset { all: mean(all, self.bands.len()), bass: mean(bass, self.bass) }

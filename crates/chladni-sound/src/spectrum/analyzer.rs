@@ -1,14 +1,13 @@
 //! Computes the amplitudes that move a shape from a window of stereo samples.
 
 use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
-use std::sync::Arc;
 
 use super::bands::{Bands, FrontEnd};
 use super::level::{Level, Leveller};
 use crate::SoundError;
+use crate::windowed::WindowedFft;
 
-/// The interval for which the decay w is stated, in seconds: the paper analyses every 50 ms.
+/// The interval for which the decay w is stated, in seconds: the paper analyzes every 50 ms.
 const DECAY_INTERVAL_SECS: f64 = 0.05;
 
 /// The settings of a [`SpectrumAnalyzer`].
@@ -173,17 +172,13 @@ impl Followed {
 /// Computes spectra from windows of samples. The result depends only on the samples and times it was given;
 /// an offline rendering therefore shows what was seen live.
 ///
-/// [`analyse`](Self::analyse) does not allocate.
+/// [`analyze`](Self::analyze) does not allocate.
 pub struct SpectrumAnalyzer {
     settings: SpectrumSettings,
     bands: Bands,
-    fft: Arc<dyn RealToComplex<f32>>,
-    /// Hann window, scaled so that a unit sine on a bin has amplitude 1 there.
-    window: Vec<f32>,
-    samples: Vec<f32>,
+    fft: WindowedFft,
     left_bins: Vec<Complex<f32>>,
     right_bins: Vec<Complex<f32>>,
-    scratch: Vec<Complex<f32>>,
     power: Vec<f32>,
     /// The amplitudes of this frame before decay and level.
     fresh: Spectrum,
@@ -203,7 +198,7 @@ impl SpectrumAnalyzer {
     pub fn new(settings: SpectrumSettings) -> Result<Self, SoundError> {
         settings.check()?;
         let n = settings.window_frames;
-        let fft = RealFftPlanner::new().plan_fft_forward(n);
+        let fft = WindowedFft::new(n, 1.0);
         let bands = Bands::new(
             settings.front_end,
             settings.bands,
@@ -213,20 +208,10 @@ impl SpectrumAnalyzer {
             n,
         );
         let silence = Spectrum::silent(settings.bands);
-        let window = (0..n)
-            .map(|i| {
-                let phase = std::f64::consts::TAU * i as f64 / n as f64;
-                // The mean of the Hann window is ½, and half of a sine's power is at positive frequencies.
-                (0.5 * (1.0 - phase.cos()) * 4.0 / n as f64) as f32
-            })
-            .collect();
         Ok(Self {
             bands,
-            window,
-            samples: fft.make_input_vec(),
-            left_bins: fft.make_output_vec(),
-            right_bins: fft.make_output_vec(),
-            scratch: fft.make_scratch_vec(),
+            left_bins: fft.make_bins(),
+            right_bins: fft.make_bins(),
             power: vec![0.0; n / 2 + 1],
             fft,
             fresh: silence.clone(),
@@ -244,7 +229,7 @@ impl SpectrumAnalyzer {
         &self.settings
     }
 
-    /// How many frames [`analyse`](Self::analyse) uses.
+    /// How many frames [`analyze`](Self::analyze) uses.
     pub fn window_frames(&self) -> usize {
         self.settings.window_frames
     }
@@ -279,9 +264,12 @@ impl SpectrumAnalyzer {
     /// Mid and side are combined as complex spectra, and then magnitudes are taken. Then, for each band,
     /// f ← w′ f + (1 − w′) f_new with w′ = w^(`dt_secs` / 50 ms): two steps of 25 ms do what one of 50 ms
     /// does. f is √(|L|² + |R|²); the four amplitudes are its shares.
-    pub fn analyse(&mut self, left: &[f32], right: &[f32], dt_secs: f64) -> &Spectrum {
+    pub fn analyze(&mut self, left: &[f32], right: &[f32], dt_secs: f64) -> &Spectrum {
         let dt_secs = if dt_secs.is_finite() { dt_secs.max(0.0) } else { 0.0 };
-        self.transform(left, right);
+        // The same moment of both: their ends are together.
+        let count = left.len().min(right.len());
+        self.fft.transform(&left[left.len() - count..], &mut self.left_bins);
+        self.fft.transform(&right[right.len() - count..], &mut self.right_bins);
         let Self { bands, power, left_bins, right_bins, fresh, .. } = self;
         let mut amplitudes = |left_gain: f32, right_gain: f32, out: &mut [f32]| {
             for ((power, l), r) in power.iter_mut().zip(&*left_bins).zip(&*right_bins) {
@@ -322,22 +310,6 @@ impl SpectrumAnalyzer {
         leveller.follow(gains, dt_secs);
         let side = fresh.side.iter().zip(&*gains).fold(0.0f32, |most, (u, gain)| most.max(u * gain));
         leveller.side_gain(side, settings.side_gain, dt_secs)
-    }
-
-    /// Computes the windowed transforms of left and right.
-    fn transform(&mut self, left: &[f32], right: &[f32]) {
-        let n = self.samples.len();
-        let have = left.len().min(right.len()).min(n);
-        for (channel, bins) in [(left, &mut self.left_bins), (right, &mut self.right_bins)] {
-            self.samples[..n - have].fill(0.0);
-            let tail = self.samples[n - have..].iter_mut().zip(&self.window[n - have..]);
-            for ((sample, w), x) in tail.zip(&channel[channel.len() - have..]) {
-                let value = w * x;
-                *sample = if value.is_finite() { value } else { 0.0 };
-            }
-            let done = self.fft.process_with_scratch(&mut self.samples, bins, &mut self.scratch);
-            debug_assert!(done.is_ok(), "the buffers were made by this plan");
-        }
     }
 }
 

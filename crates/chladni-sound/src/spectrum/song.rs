@@ -121,7 +121,7 @@ impl SongSpectrum {
         let center = (secs * f64::from(self.song.rate_hz)).round() as i64;
         let end = center + self.left.len() as i64 / 2;
         self.song.window_ending_at(end, &mut self.left, &mut self.right);
-        self.after.clone_from(self.analyzer.analyse(&self.left, &self.right, 1.0 / HOPS_PER_SEC));
+        self.after.clone_from(self.analyzer.analyze(&self.left, &self.right, 1.0 / HOPS_PER_SEC));
     }
 }
 
@@ -145,7 +145,7 @@ impl Song {
             .map(|i| {
                 let center = (self.frames() as f64 * (i as f64 + 0.5) / probes as f64) as i64;
                 self.window_ending_at(center + left.len() as i64 / 2, &mut left, &mut right);
-                let heard = analyzer.analyse(&left, &right, 1.0);
+                let heard = analyzer.analyze(&left, &right, 1.0);
                 heard.left.iter().chain(&heard.right).fold(0.0, |most: f32, level| most.max(*level))
             })
             .collect();

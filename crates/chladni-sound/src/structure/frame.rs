@@ -1,11 +1,9 @@
 //! Features of a short moment: pitch classes, bass, timbre and power.
 
-use std::sync::Arc;
-
 use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
 
 use crate::SoundError;
+use crate::windowed::{SlidingWindow, WindowedFft, window_frames};
 
 /// Frames per second.
 pub(super) const FRAME_RATE_HZ: f64 = 20.0;
@@ -36,90 +34,55 @@ pub(super) struct Frame {
 /// Computes the frames of a stream. Frame n belongs to the time n / [`FRAME_RATE_HZ`].
 pub(super) struct FrameReader {
     rate_hz: f64,
-    fft: Arc<dyn RealToComplex<f32>>,
-    window: Vec<f32>,
-    input: Vec<f32>,
+    fft: WindowedFft,
     bins: Vec<Complex<f32>>,
-    scratch: Vec<Complex<f32>>,
-    channels: [Vec<f32>; 2],
-    /// Number of the first sample that is kept.
-    kept_from: i64,
-    done: u64,
+    sliding: SlidingWindow,
 }
 
 impl FrameReader {
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
         crate::check_rate("structure", rate_hz)?;
         let rate = f64::from(rate_hz);
-        let n = ((rate * WINDOW_SECS) as usize).next_power_of_two();
-        let n = if n as f64 > 1.5 * rate * WINDOW_SECS { n / 2 } else { n }.max(64);
-        let fft = RealFftPlanner::new().plan_fft_forward(n);
-        let hann = |i: usize| 0.5 - 0.5 * (std::f64::consts::TAU * i as f64 / n as f64).cos();
-        // Before the first sample there is silence.
-        let silence = vec![0.0; n / 2];
-        Ok(Self {
-            rate_hz: rate,
-            window: (0..n).map(|i| (hann(i) * 2.0 / n as f64) as f32).collect(),
-            input: fft.make_input_vec(),
-            bins: fft.make_output_vec(),
-            scratch: fft.make_scratch_vec(),
-            fft,
-            channels: [silence.clone(), silence],
-            kept_from: -(n as i64) / 2,
-            done: 0,
-        })
+        let n = window_frames(rate, WINDOW_SECS);
+        let fft = WindowedFft::new(n, 0.5);
+        let sliding = SlidingWindow::new(rate, FRAME_RATE_HZ, n);
+        Ok(Self { rate_hz: rate, bins: fft.make_bins(), fft, sliding })
     }
 
     /// How much sound after its time a frame needs, in seconds.
     pub fn latency_secs(&self) -> f64 {
-        0.5 * self.window.len() as f64 / self.rate_hz
+        self.sliding.latency_secs()
     }
 
     /// Takes the next samples and appends the frames that are now complete.
     pub fn push(&mut self, left: &[f32], right: &[f32], out: &mut Vec<Frame>) {
-        let count = left.len().min(right.len());
-        self.channels[0].extend_from_slice(&left[..count]);
-        self.channels[1].extend_from_slice(&right[..count]);
-        let n = self.window.len();
-        loop {
-            let center = (self.done as f64 * self.rate_hz / FRAME_RATE_HZ).round() as i64;
-            let start = (center - n as i64 / 2 - self.kept_from) as usize;
-            if start + n > self.channels[0].len() {
-                break;
+        self.sliding.push(left, right);
+        let per_bin_hz = self.rate_hz / self.fft.window_frames() as f64;
+        while let Some(channels) = self.sliding.next() {
+            let mut frame = Frame::default();
+            for heard in channels {
+                self.fft.transform(heard, &mut self.bins);
+                frame.add(&self.bins, per_bin_hz);
             }
-            let frame = self.frame(start);
             out.push(frame);
-            self.done += 1;
-            if start > 4 * n {
-                self.channels.iter_mut().for_each(|channel| drop(channel.drain(..start)));
-                self.kept_from += start as i64;
-            }
         }
     }
+}
 
-    fn frame(&mut self, start: usize) -> Frame {
-        let mut frame = Frame::default();
-        let per_bin_hz = self.rate_hz / self.window.len() as f64;
-        for channel in &self.channels {
-            let heard = &channel[start..start + self.window.len()];
-            for ((to, from), w) in self.input.iter_mut().zip(heard).zip(&self.window) {
-                *to = if from.is_finite() { from * w } else { 0.0 };
-            }
-            let done = self.fft.process_with_scratch(&mut self.input, &mut self.bins, &mut self.scratch);
-            debug_assert!(done.is_ok(), "the buffers were made by this plan");
-            for (k, bin) in self.bins.iter().enumerate().skip(2) {
-                let (hz, power) = (k as f64 * per_bin_hz, bin.norm_sqr());
-                let octave = (hz / LOWEST_HZ).log2().max(0.0) as usize;
-                frame.octaves[octave.min(OCTAVES - 1)] += power;
-                frame.power += 0.5 * power;
-                if hz < HARMONY_HZ {
-                    let class = (12.0 * (hz / 440.0).log2()).round().rem_euclid(12.0) as usize % CLASSES;
-                    let notes = if hz < BASS_HZ { &mut frame.bass } else { &mut frame.chroma };
-                    notes[class] += power.sqrt();
-                }
+impl Frame {
+    /// Adds what one channel sounds, by the bins of its transform.
+    fn add(&mut self, bins: &[Complex<f32>], per_bin_hz: f64) {
+        for (k, bin) in bins.iter().enumerate().skip(2) {
+            let (hz, power) = (k as f64 * per_bin_hz, bin.norm_sqr());
+            let octave = (hz / LOWEST_HZ).log2().max(0.0) as usize;
+            self.octaves[octave.min(OCTAVES - 1)] += power;
+            self.power += 0.5 * power;
+            if hz < HARMONY_HZ {
+                let class = (12.0 * (hz / 440.0).log2()).round().rem_euclid(12.0) as usize % CLASSES;
+                let notes = if hz < BASS_HZ { &mut self.bass } else { &mut self.chroma };
+                notes[class] += power.sqrt();
             }
         }
-        frame
     }
 }
 
