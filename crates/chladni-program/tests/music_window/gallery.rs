@@ -19,38 +19,6 @@ fn a_paused_song_lets_the_gallery_rest() {
 }
 
 #[test]
-fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
-    let folder = tempfile::tempdir().unwrap();
-    let folders = folders(folder.path());
-    let handover = Handover::default();
-    let opening = || Opening { folders: folders.clone(), handover: handover.clone(), ..Opening::default() };
-    let size = [1000.0, 640.0];
-    let Some((mut window, device)) = open_with_device(opening(), size) else { return };
-    window.run_steps(3);
-    control(&window, "room/1").click();
-    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
-    window.run_steps(3);
-    click(&mut window, "dance/2");
-    click(&mut window, "dance/5");
-    click(&mut window, "breed");
-    click(&mut window, "dance/5");
-    assert!(shows(&window, "2 / 2"));
-
-    lose(&device);
-    window.run_steps(2);
-    assert!(handover.reason().is_some());
-    drop(window);
-    let (mut window, _) = open_with_device(opening(), size).expect("a device");
-    // The note may be gone before a busy machine has the gallery again.
-    wait(&mut window, "the note", |w| shows(w, "The graphics device was lost"));
-    wait(&mut window, "the gallery as it was", |w| shows(w, "2 / 2"));
-    assert!(is_chosen(&window, "dance/5"));
-    window.run_steps(10);
-    screenshot(&mut window, "lost-device-music.png");
-    wait(&mut window, "the dance", |w| pause(w).is_zero());
-}
-
-#[test]
 fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     let folder = tempfile::tempdir().unwrap();
     let folders = folders(folder.path());

@@ -12,6 +12,7 @@ mod files;
 mod films;
 mod gallery;
 mod hands;
+mod lost_device;
 mod stage;
 
 use std::net::{Ipv4Addr, UdpSocket};

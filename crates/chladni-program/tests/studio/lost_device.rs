@@ -1,7 +1,10 @@
 //! A driver that restarts takes the window's device with it.
 
+use std::path::PathBuf;
+use std::time::Duration;
+
 use chladni_program::studio::{Handover, Opening};
-use egui::Key;
+use egui::{Key, Modifiers};
 
 use crate::CTRL;
 use crate::driving;
@@ -54,4 +57,104 @@ fn another_window_goes_on_with_all_that_was_open() {
     assert!(person.sees("copy"));
     person.press_with(CTRL, Key::Z);
     assert!(!person.sees("copy"));
+}
+
+/// A hand at work, whose device is lost again and again.
+struct Hand {
+    person: Person,
+    handover: Handover,
+    project: PathBuf,
+    /// The project when it was saved last.
+    saved: Vec<u8>,
+}
+
+impl Hand {
+    /// Saves; false where the device was lost before that.
+    fn save(&mut self) -> bool {
+        self.person.press_with(CTRL, Key::S);
+        if self.handover.reason().is_some() {
+            return false;
+        }
+        self.saved = std::fs::read(&self.project).unwrap();
+        true
+    }
+
+    /// Changes the project until the device is gone, and tells by which key what was changed last can be taken back.
+    fn work(&mut self, rng: &mut impl FnMut() -> u64) -> Modifiers {
+        let (undo, redo) = (CTRL, CTRL | Modifiers::SHIFT);
+        loop {
+            let back = match rng() % 3 {
+                0 => {
+                    self.person.press_with(undo, Key::Z);
+                    redo
+                }
+                1 => {
+                    self.person.press_with(redo, Key::Z);
+                    undo
+                }
+                _ => {
+                    // So that the list stays short.
+                    if self.person.sees("copy 4") {
+                        self.person.press(Key::Delete);
+                    } else {
+                        self.person.press_with(CTRL, Key::D);
+                    }
+                    undo
+                }
+            };
+            if self.handover.reason().is_some() || !self.save() {
+                return back;
+            }
+        }
+    }
+}
+
+/// A campaign: `CHLADNI_CASES=1000 cargo test --release -p chladni-program --test studio any_moment` (docs/trust.md).
+#[test]
+fn nothing_is_lost_with_a_device_at_any_moment() {
+    let cases = std::env::var("CHLADNI_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let desk = Desk::new();
+    let handover = Handover::default();
+    let opening = |files: &[&str]| Opening { handover: handover.clone(), ..desk.opening(files) };
+    let size = [1280.0, 800.0];
+    let Some((window, mut device)) = driving::open_with_device(opening(&["shape.obj", "template.obj"]), size)
+    else {
+        return;
+    };
+    let mut hand = Hand {
+        person: Person(window),
+        handover: handover.clone(),
+        project: desk.path("work.chladni"),
+        saved: Vec::new(),
+    };
+    hand.person.wait_to_see("Covered");
+    desk.answers.add(&hand.project);
+    assert!(hand.save());
+    let mut state = 2012u64;
+    let mut rng = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state >> 33
+    };
+    for case in 0..cases {
+        let lost = device.clone();
+        let after = Duration::from_micros(rng() % 300_000);
+        let driver = std::thread::spawn(move || {
+            std::thread::sleep(after);
+            lost.destroy();
+        });
+        let back = hand.work(&mut rng);
+        driver.join().unwrap();
+        let before = std::mem::take(&mut hand.saved);
+        let (window, another) = driving::open_with_device(opening(&[]), size).expect("a device");
+        hand.person = Person(window);
+        device = another;
+        hand.person.0.run_steps(3);
+        assert!(hand.save(), "case {case}: the new device is there");
+        if hand.saved != before {
+            // The last change was made, and is the last of the history.
+            hand.person.press_with(back, Key::Z);
+            assert!(hand.save());
+            assert!(hand.saved == before, "case {case}: something else than the last change differs");
+        }
+    }
 }

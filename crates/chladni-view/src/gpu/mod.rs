@@ -12,8 +12,6 @@ mod screen;
 mod sharing;
 mod uniforms;
 
-use std::sync::{Arc, OnceLock};
-
 use chladni_synth::DeviceLoss;
 
 pub(crate) use canvas::{Canvas, Readback};
@@ -33,8 +31,6 @@ pub struct Gpu {
     /// Takes commands.
     pub queue: wgpu::Queue,
     loss: DeviceLoss,
-    /// The first command that the device refused.
-    refusal: Arc<OnceLock<String>>,
 }
 
 impl Gpu {
@@ -93,12 +89,7 @@ impl Gpu {
         };
         let (device, queue) = adapter.request_device(&wanted).await.map_err(refused)?;
         let loss = DeviceLoss::watch(&device);
-        let gpu = Self { device, queue, loss, refusal: Arc::default() };
-        let refusal = Arc::clone(&gpu.refusal);
-        gpu.device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let _ = refusal.set(error.to_string());
-        }));
-        Ok(gpu)
+        Ok(Self { device, queue, loss })
     }
 
     async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, ViewError> {
@@ -124,7 +115,7 @@ impl Gpu {
     /// A device that somebody else opened, such as a window. What handles its errors and its loss is
     /// left alone, so that [`check`](Self::check) reports nothing here.
     pub fn shared(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, loss: DeviceLoss::default(), refusal: Arc::default() }
+        Self { device, queue, loss: DeviceLoss::default() }
     }
 
     /// Word of the device's loss, for others who use the device; none comes for a shared one.
@@ -159,7 +150,7 @@ impl Gpu {
     /// # Errors
     /// [`ViewError::Device`] once the device was lost or refused a command.
     pub fn check(&self) -> Result<(), ViewError> {
-        match self.loss.reason().or(self.refusal.get().map(String::as_str)) {
+        match self.loss.reason() {
             Some(message) => Err(ViewError::Device(message.to_owned())),
             None => Ok(()),
         }

@@ -1,0 +1,107 @@
+//! A driver that restarts takes the window's device with it.
+
+use std::time::Duration;
+
+use super::*;
+
+#[test]
+fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let handover = Handover::default();
+    let opening = || Opening { folders: folders.clone(), handover: handover.clone(), ..Opening::default() };
+    let size = [1000.0, 640.0];
+    let Some((mut window, device)) = open_with_device(opening(), size) else { return };
+    window.run_steps(3);
+    control(&window, "room/1").click();
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    window.run_steps(3);
+    click(&mut window, "dance/2");
+    click(&mut window, "dance/5");
+    click(&mut window, "breed");
+    click(&mut window, "dance/5");
+    assert!(shows(&window, "2 / 2"));
+
+    lose(&device);
+    window.run_steps(2);
+    assert!(handover.reason().is_some());
+    drop(window);
+    let (mut window, _) = open_with_device(opening(), size).expect("a device");
+    // The note may be gone before a busy machine has the gallery again.
+    wait(&mut window, "the note", |w| shows(w, "The graphics device was lost"));
+    wait(&mut window, "the gallery as it was", |w| shows(w, "2 / 2"));
+    assert!(is_chosen(&window, "dance/5"));
+    window.run_steps(10);
+    screenshot(&mut window, "lost-device-music.png");
+    wait(&mut window, "the dance", |w| pause(w).is_zero());
+}
+
+/// What a person has done: how many generations there are, the last on screen, and who is chosen of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Done {
+    generation: u64,
+    chosen: [bool; 12],
+}
+
+impl Done {
+    fn seen(window: &Window) -> Self {
+        let generation = (1..=MOST).find(|g| shows(window, &format!("{g} / {g}"))).unwrap_or(0);
+        Self { generation, chosen: std::array::from_fn(|i| is_chosen(window, &format!("dance/{}", i + 1))) }
+    }
+}
+
+/// The most generations that are bred.
+const MOST: u64 = 4;
+
+/// A campaign: `CHLADNI_CASES=1000 cargo test --release -p chladni-program --test music_window any_moment` (docs/trust.md).
+#[test]
+fn the_dance_goes_on_with_a_device_lost_at_any_moment() {
+    let cases = std::env::var("CHLADNI_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let files = ball_and_song(folder.path()).to_vec();
+    let handover = Handover::default();
+    let opening =
+        |files| Opening { folders: folders.clone(), handover: handover.clone(), files, ..Opening::default() };
+    let size = [1000.0, 640.0];
+    let Some((mut window, mut device)) = open_with_device(opening(files), size) else { return };
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    window.run_steps(3);
+    let mut done = Done::seen(&window);
+    assert_eq!(done, Done { generation: 1, chosen: [false; 12] });
+    let mut state = 1787u64;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state >> 33
+    };
+    for case in 0..cases {
+        let (lost, after) = (device.clone(), Duration::from_micros(random() % 300_000));
+        let driver = std::thread::spawn(move || {
+            std::thread::sleep(after);
+            lost.destroy();
+        });
+        let before = loop {
+            let before = done;
+            let parents = done.chosen.iter().filter(|is_chosen| **is_chosen).count();
+            if parents > 2 && done.generation < MOST {
+                click(&mut window, "breed");
+                done = Done { generation: done.generation + 1, chosen: [false; 12] };
+            } else {
+                let dance = (random() % 12) as usize;
+                click(&mut window, &format!("dance/{}", dance + 1));
+                done.chosen[dance] = !done.chosen[dance];
+            }
+            if handover.reason().is_some() {
+                break before;
+            }
+            assert_eq!(Done::seen(&window), done, "case {case}");
+        };
+        driver.join().unwrap();
+        drop(window);
+        (window, device) = open_with_device(opening(Vec::new()), size).expect("a device");
+        wait(&mut window, "the gallery", |w| is_there(w, "dance/12"));
+        let kept = Done::seen(&window);
+        assert!(kept == done || kept == before, "case {case}: {kept:?} of {done:?} after {before:?}");
+        done = kept;
+    }
+}
