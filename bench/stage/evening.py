@@ -22,6 +22,21 @@ PORT = 47_110
 SAMPLE_SECS = 5.0
 # What would stop the show, or needs a person to go on.
 LEFT_OUT = {"play", "hold-tempo"}
+# Knobs, looks and sizes take what memory they take. To be compared, the program is brought to the same ones now and then
+# and left alone for a while.
+RESTS, REST_SECS = 7, 20.0
+AT_REST = [
+    ("stage", 1.0),
+    ("leave", None),
+    ("song", 1.0),
+    ("bands", 128.0),
+    ("harmonics", 0.0),
+    ("grains", 20_000.0),
+    ("sand", 0.0),
+    ("look", "aurora"),
+    ("form", "half-mask"),
+    ("resonate", 1.0),
+]
 
 
 class Plan(NamedTuple):
@@ -124,6 +139,16 @@ def standing(pid):
     return number("VmRSS") / 1024, len(os.listdir(f"/proc/{pid}/fd")), number("Threads")
 
 
+def at_rest(hand, pid):
+    """Resident megabytes once the same settings, gallery and size of the window have been there for a while."""
+    for name, argument in AT_REST:
+        hand.sendto(packet(f"/chladni/{name}", argument), ("127.0.0.1", PORT))
+        time.sleep(0.05)
+    resize(1200, 800)
+    time.sleep(REST_SECS)
+    return standing(pid)[0]
+
+
 def evening(folder, chladni, secs, plan):
     """Runs the show; the program's own report, and what was seen from outside."""
     songs = []
@@ -142,6 +167,8 @@ def evening(folder, chladni, secs, plan):
     began = time.monotonic()
     samples, sent, resized, unplugged, opened = [], 0, 0, 0, 0
     next_sample, next_song, next_size, next_loss, next_shape, plug_at = 0.0, 60.0, 45.0, 240.0, plan.shape_secs, None
+    # The last with time left for it before the program ends by itself.
+    rests, rest_every = [], (secs - 2.0 * REST_SECS) / RESTS
     while program.poll() is None:
         now = time.monotonic() - began
         if now >= sent * gap_secs:
@@ -172,11 +199,13 @@ def evening(folder, chladni, secs, plan):
         if plug_at is not None and now >= plug_at:
             plug()
             plug_at = None
+        if plug_at is None and len(rests) < RESTS and now >= (len(rests) + 1) * rest_every:
+            rests.append(at_rest(hand, program.pid))
         time.sleep(0.05)
     if program.wait():
         sys.exit((folder / "errors").read_text())
     report = json.loads((folder / "report.json").read_text())
-    report.update(messages=sent, resized=resized, unplugged=unplugged, opened=opened, samples=len(samples))
+    report.update(messages=sent, resized=resized, unplugged=unplugged, opened=opened, samples=len(samples), at_rest_mb=rests)
     for index, name in enumerate(["resident_mb", "open_files", "threads"], start=1):
         # Once all is loaded and has been seen: from a sixth of the time on.
         later = [sample[index] for sample in samples[len(samples) // 6 :]]
@@ -212,6 +241,7 @@ def main():
 |---|---|
 | time | {report["secs"] / 60:.1f} min |
 | control messages, window resizes, sound devices lost, shapes opened | {report["messages"]}, {report["resized"]}, {report["unplugged"]}, {report["opened"]} |
+| resident memory at the same settings, MB | {", ".join(f"{mb:,.0f}" for mb in report["at_rest_mb"])} |
 | resident memory, MB | {grown("resident_mb")} |
 | the same in each twelfth of the time | {", ".join(f"{mb:,.0f}" for mb in report["resident_mb"]["twelfths"])} |
 | open files | {grown("open_files")} |

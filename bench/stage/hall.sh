@@ -12,7 +12,7 @@ trap 'kill "${pids[@]}" 2>/dev/null; wait 2>/dev/null; rm -rf "$folder"' EXIT
 
 unset WAYLAND_DISPLAY
 . bench/null_sink.sh
-Xvfb -displayfd 3 -screen 0 "${screen}x24" 3> "$folder/display" 2> /dev/null &
+Xvfb -noreset -displayfd 3 -screen 0 "${screen}x24" 3> "$folder/display" 2> /dev/null &
 pids+=($!)
 until [ -s "$folder/display" ]; do sleep 0.1; done
 DISPLAY=:$(cat "$folder/display")

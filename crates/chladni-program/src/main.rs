@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     silence_wayland_lookup();
+    give_memory_back();
     chladni_program::cli::main()
 }
 
@@ -23,3 +24,21 @@ fn silence_wayland_lookup() {
 
 #[cfg(not(target_os = "linux"))]
 fn silence_wayland_lookup() {}
+
+/// glibc gives each thread a heap of its own, and keeps in it what the thread's peaks took. In a show of hours, where knobs
+/// take memory and leave it again, the program would grow by that: it has two heaps instead, and large blocks go back to
+/// the system when they are free.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+fn give_memory_back() {
+    const LARGE_BYTES: libc::c_int = 1 << 20;
+    #[expect(unsafe_code, reason = "numbers that the allocator takes at any time")]
+    // SAFETY: no memory of ours is touched.
+    unsafe {
+        libc::mallopt(libc::M_ARENA_MAX, 2);
+        libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE_BYTES);
+        libc::mallopt(libc::M_TRIM_THRESHOLD, 4 * LARGE_BYTES);
+    }
+}
+
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+fn give_memory_back() {}

@@ -105,6 +105,17 @@ pub fn lose(device: &wgpu::Device) {
     device.poll(wgpu::PollType::wait_indefinitely()).expect("the device");
 }
 
+/// Has `device` refuse a command, as one does whose memory is full.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn refuse(device: &wgpu::Device) {
+    let _ = device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("one that no device makes"),
+        size: 16,
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::VERTEX,
+        mapped_at_creation: false,
+    });
+}
+
 /// The control that is known as `id`, whatever it is called.
 pub fn control<'a, State>(window: &'a Harness<'_, State>, id: &'a str) -> Node<'a> {
     window.get_by(move |node| node.author_id() == Some(id))

@@ -91,6 +91,8 @@ fn the_dance_goes_on_with_a_device_lost_at_any_moment() {
                 click(&mut window, &format!("dance/{}", dance + 1));
                 done.chosen[dance] = !done.chosen[dance];
             }
+            // In the frame in which it is lost nothing may be drawn, and the next one hands over.
+            wait(&mut window, "the gallery", |w| handover.reason().is_some() || is_there(w, "dance/12"));
             if handover.reason().is_some() {
                 break before;
             }
