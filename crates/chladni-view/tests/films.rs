@@ -39,7 +39,7 @@ fn frame(index: u32) -> Picture {
 fn write(path: &Path, settings: FilmSettings) -> Result<(), ViewError> {
     let mut film = Film::create(path, settings.clone())?;
     for i in 0..settings.frames {
-        film.push(frame(i as u32))?;
+        film.push(&frame(i as u32))?;
     }
     film.finish()
 }
@@ -85,7 +85,7 @@ fn a_gif_may_have_holes() {
     for i in 0..2 {
         let mut picture = frame(i);
         picture.rgba[..4 * 64].fill(0);
-        film.push(picture).unwrap();
+        film.push(&picture).unwrap();
     }
     film.finish().unwrap();
     let first = image_of(&path);
@@ -205,10 +205,10 @@ fn a_film_that_is_given_up_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["clip.mp4", "clip.gif", "clip.png"] {
         let Ok(mut film) = Film::create(&folder.path().join(name), settings(10, 10)) else { continue };
-        film.push(frame(0)).unwrap();
+        film.push(&frame(0)).unwrap();
         drop(film);
         let mut film = Film::create(&folder.path().join(name), settings(10, 10)).unwrap();
-        film.push(frame(0)).unwrap();
+        film.push(&frame(0)).unwrap();
         assert!(matches!(film.finish(), Err(ViewError::Film(_))), "nine frames are missing");
     }
     assert!(names(folder.path()).is_empty(), "{:?}", names(folder.path()));
@@ -219,9 +219,9 @@ fn wrong_sizes_rates_and_endings_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let mut film = Film::create(&at("a.png"), settings(1, 10)).unwrap();
-    assert!(matches!(film.push(Picture::filled(3, 3, [0; 4])), Err(ViewError::Film(_))));
-    film.push(frame(0)).unwrap();
-    assert!(matches!(film.push(frame(1)), Err(ViewError::Film(_))));
+    assert!(matches!(film.push(&Picture::filled(3, 3, [0; 4])), Err(ViewError::Film(_))));
+    film.push(&frame(0)).unwrap();
+    assert!(matches!(film.push(&frame(1)), Err(ViewError::Film(_))));
     for (name, settings) in
         [("a.avi", settings(1, 10)), ("a.gif", settings(1, 60)), ("a.gif", settings(0, 10))]
     {

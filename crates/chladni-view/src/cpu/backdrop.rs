@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::curves::{clamp, max, min, mix, packed, smoothstep};
+use super::curves::{clamp, each, max, min, mix, packed, smoothstep};
 use super::instructions::{Instructions, Kernel};
 use super::pyramid::Pyramid;
 use super::shade::{to_srgb, wing};
@@ -116,7 +116,7 @@ impl Kernel for Row<'_> {
             // An ordered dither hides the steps of eight bits, and unlike noise it compresses well.
             let (px, py) = ((left as u32 + i as u32) & 1, row & 1);
             let dither = ((2 * (px ^ py) + py) as f32 - 1.5) / (4.0 * 255.0);
-            let [r, g, b] = behind.map(|c| clamp(c + dither, 0.0, 1.0) * opacity);
+            let [r, g, b] = each(behind, |c| clamp(c + dither, 0.0, 1.0) * opacity);
             *pixel = packed([r, g, b, opacity]);
         }
     }
@@ -130,7 +130,7 @@ fn floored(cell: &CellUniform, behind: [f32; 3], [x, y]: [f32; 2]) -> [f32; 3] {
     let dot = |a: &[f32; 4], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let down = -dot(floor_plane, ray);
     let way = floor_plane[3] / max(down, 1e-6);
-    let p = ray.map(|c| c * way);
+    let p = each(ray, |c| c * way);
     let x = dot(&floor_axes[0], p) + floor_axes[0][3];
     let z = dot(&floor_axes[1], p) + floor_axes[1][3];
     let from = min(x * x + z * z, 1e6);

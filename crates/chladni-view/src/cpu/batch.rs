@@ -3,7 +3,7 @@
 use glam::{Vec3, vec3};
 
 use super::Pyramid;
-use super::curves::{clamp, max, min, mix, packed, whole};
+use super::curves::{clamp, each, max, min, mix, packed, whole};
 use super::instructions::Kernel;
 use super::shade::{self, rgb};
 use crate::uniforms::{CellUniform, FigureUniform};
@@ -142,14 +142,14 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
         let scale = vec3(0.5 * size, -0.5 * size, 1.0);
         for i in 0..b.padded() {
             let corners = [at(&b.positions[0], i), at(&b.positions[1], i), at(&b.positions[2], i)];
-            let clip = corners.map(|p| setting.clip.map(|r| row(&r, p, 1.0)));
+            let clip = each(corners, |p| each(setting.clip, |r| row(&r, p, 1.0)));
             // Its middle in clip space, over w.
             let x = texel[0] * (b.screen[0][i] + 0.5 - left) - 1.0;
             let y = texel[1] * (b.screen[1][i] + 0.5 - top) + 1.0;
             let weights = |dx: f32, dy: f32| {
                 let (sx, sy) = (x + dx, y + dy);
                 // From the pixel, so that small triangles lose no digits.
-                let [p, q, r] = clip.map(|[x, y, w]| [x - sx * w, y - sy * w]);
+                let [p, q, r] = each(clip, |[x, y, w]| [x - sx * w, y - sy * w]);
                 let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
                 let all = [cross(q, r), cross(r, p), cross(p, q)];
                 (all, all[0] + all[1] + all[2])
@@ -157,11 +157,11 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
             let (all, area) = weights(0.0, 0.0);
             let front = area > 0.0;
             // A sample may be covered where the middle is not: the nearest place that is.
-            let inside = all.map(|w| max(if front { w } else { -w }, 0.0));
+            let inside = each(all, |w| max(if front { w } else { -w }, 0.0));
             let sum = inside[0] + inside[1] + inside[2];
             let there = sum > 0.0;
             let scale_of = 1.0 / if there { sum } else { 3.0 };
-            let weight = inside.map(|w| if there { w } else { 1.0 } * scale_of);
+            let weight = each(inside, |w| if there { w } else { 1.0 } * scale_of);
             let p = corners[0] * weight[0] + corners[1] * weight[1] + corners[2] * weight[2];
             let normal = at(&b.normals[0], i) * weight[0]
                 + at(&b.normals[1], i) * weight[1]
@@ -172,7 +172,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
             if EDGES {
                 for (places, [dx, dy]) in [(&mut b.right, [texel[0], 0.0]), (&mut b.below, [0.0, texel[1]])] {
                     let (sx, sy) = (x + dx, y + dy);
-                    let [p, q, r] = clip.map(|[x, y, w]| [x - sx * w, y - sy * w]);
+                    let [p, q, r] = each(clip, |[x, y, w]| [x - sx * w, y - sy * w]);
                     let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
                     let all = [cross(q, r), cross(r, p), cross(p, q)];
                     let sum = all[0] + all[1] + all[2];
@@ -254,7 +254,7 @@ impl Kernel for Answered<'_, '_> {
         for i in 0..b.padded() {
             let c = at(&b.color, i);
             let gray = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
-            let c = c.to_array().map(|c| max(mix(gray, c, saturation), 0.0));
+            let c = each(c.to_array(), |c| max(mix(gray, c, saturation), 0.0));
             set(&mut b.color, i, c.into());
             b.glow[i] = glow + own[i];
         }
@@ -317,7 +317,7 @@ impl Kernel for Pack<'_> {
         let Self { opacity, batch: b } = self;
         for i in 0..b.padded() {
             let share = b.share[i] * opacity;
-            b.packed[i] = packed([b.color[0][i], b.color[1][i], b.color[2][i], 1.0].map(|c| c * share));
+            b.packed[i] = packed(each([b.color[0][i], b.color[1][i], b.color[2][i], 1.0], |c| c * share));
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Pixels as films take them: brightness of each, and two differences of color of each square of four.
 
+use super::curves::each;
 use super::instructions::{Instructions, Kernel};
 
 /// Y of each pixel, then U and V of each square of four pixels (ITU-R BT.709, 8 bits, 16 to 235 and 16 to 240). Sides
@@ -29,7 +30,7 @@ const V: [i32; 3] = [28_784, -26_145, -2_639];
 #[inline(always)]
 fn channels(pixel: [u8; 4]) -> [i32; 3] {
     let word = u32::from_le_bytes(pixel);
-    [word, word >> 8, word >> 16].map(|byte| (byte & 255) as i32)
+    each([word, word >> 8, word >> 16], |byte| (byte & 255) as i32)
 }
 
 #[inline(always)]

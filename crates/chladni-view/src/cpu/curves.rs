@@ -7,6 +7,17 @@ pub(super) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// What `of` makes of each item. Within kernels, since an array's own `map` may be compiled to a call, without the kernel's
+/// instructions.
+#[inline(always)]
+pub(super) fn each<T: Copy, U: Copy + Default, const N: usize>(items: [T; N], of: impl Fn(T) -> U) -> [U; N] {
+    let mut all = [U::default(); N];
+    for i in 0..N {
+        all[i] = of(items[i]);
+    }
+    all
+}
+
 /// The larger one; `b` where `a` is not a number.
 #[inline(always)]
 pub(super) fn max(a: f32, b: f32) -> f32 {
@@ -108,13 +119,13 @@ pub(super) fn cos(angle: f32) -> f32 {
 pub(super) fn unpacked(pixel: [u8; 4]) -> [f32; 4] {
     // One word a pixel: bytes by themselves do not become vectors.
     let word = u32::from_le_bytes(pixel);
-    [word, word >> 8, word >> 16, word >> 24].map(|byte| (byte & 255) as i32 as f32 * (1.0 / 255.0))
+    each([word, word >> 8, word >> 16, word >> 24], |byte| (byte & 255) as i32 as f32 * (1.0 / 255.0))
 }
 
 /// The pixel of channels in [0, 1].
 #[inline(always)]
 pub(super) fn packed(channels: [f32; 4]) -> [u8; 4] {
-    let [r, g, b, a] = channels.map(|c| (c * 255.0 + WHOLE).to_bits() & 255);
+    let [r, g, b, a] = each(channels, |c| (c * 255.0 + WHOLE).to_bits() & 255);
     (r | g << 8 | b << 16 | a << 24).to_le_bytes()
 }
 

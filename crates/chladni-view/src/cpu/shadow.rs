@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::batch::{Batch, PLACES};
-use super::curves::{clamp, mix, whole};
+use super::curves::{clamp, each, mix, whole};
 use super::fill::{Bias, Farthest, Fill, MARGIN, Target, Triangles};
 use super::instructions::{Instructions, Kernel};
 use super::project::Grid;
@@ -133,7 +133,7 @@ impl ShadowMap {
     /// Share of a disc around `at`, texels and depth, that the key light reaches.
     #[inline(always)]
     pub(super) fn lit_disc(&self, at: [f32; 3]) -> f32 {
-        let [lit] = self.lit_of_nine(&at.map(|c| [c]));
+        let [lit] = self.lit_of_nine(&each(at, |c| [c]));
         self.share(lit, at)
     }
 

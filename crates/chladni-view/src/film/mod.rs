@@ -12,8 +12,6 @@ mod raw;
 mod shoot;
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::JoinHandle;
 
 use chladni_task::temporary_beside;
 
@@ -136,21 +134,12 @@ impl FilmSettings {
     }
 }
 
-/// A film that is being written. Frames are encoded on a thread of their own. A film that is dropped before
-/// [`finish`](Self::finish) leaves nothing behind, except complete frames in a folder.
-#[derive(Debug)]
+/// A film that is being written. One that is dropped before [`finish`](Self::finish) leaves nothing behind, except
+/// complete frames in a folder. [`shoot`] encodes beside drawing.
 pub struct Film {
     settings: FilmSettings,
     pushed: u64,
-    sender: Option<SyncSender<Message>>,
-    /// Pictures to be filled again.
-    spent: Receiver<Picture>,
-    thread: Option<JoinHandle<Result<(), ViewError>>>,
-}
-
-enum Message {
-    Frame(Picture),
-    Finish,
+    encoder: Box<dyn Encode>,
 }
 
 /// One file format. Dropped without `finish`, it leaves nothing behind.
@@ -173,7 +162,7 @@ impl Film {
             FilmFormat::Apng => Box::new(frames::Apng::create(path, &settings)?),
             FilmFormat::Frames => Box::new(frames::Folder::create(path, settings.first)?),
         };
-        Self::begin(encoder, settings)
+        Ok(Self { settings, pushed: 0, encoder })
     }
 
     /// Begins a film whose frames go to `pipe` as they are, without sound.
@@ -186,17 +175,8 @@ impl Film {
         settings: FilmSettings,
     ) -> Result<Self, ViewError> {
         settings.check()?;
-        Self::begin(Box::new(raw::Raw::begin(pipe, format, &settings)?), settings)
-    }
-
-    fn begin(encoder: Box<dyn Encode>, settings: FilmSettings) -> Result<Self, ViewError> {
-        let (sender, receiver) = sync_channel(2);
-        let (give_back, spent) = sync_channel(4);
-        let thread = std::thread::Builder::new()
-            .name("film".into())
-            .spawn(move || encode(encoder, &receiver, &give_back))
-            .map_err(|error| ViewError::Film(format!("no thread to encode on: {error}")))?;
-        Ok(Self { settings, pushed: 0, sender: Some(sender), spent, thread: Some(thread) })
+        let encoder = Box::new(raw::Raw::begin(pipe, format, &settings)?);
+        Ok(Self { settings, pushed: 0, encoder })
     }
 
     /// Size, rate and sound.
@@ -204,12 +184,11 @@ impl Film {
         &self.settings
     }
 
-    /// Adds the next frame; waits while the encoder is two frames behind.
+    /// Encodes the next frame.
     ///
     /// # Errors
-    /// [`ViewError::Film`] for a picture of another size or one too many, and whatever stopped
-    /// the encoder.
-    pub fn push(&mut self, picture: Picture) -> Result<(), ViewError> {
+    /// [`ViewError::Film`] for a picture of another size or one too many, and whatever the encoder says.
+    pub fn push(&mut self, picture: &Picture) -> Result<(), ViewError> {
         let FilmSettings { width, height, frames, .. } = self.settings;
         let bytes = 4 * width as usize * height as usize;
         if (picture.width, picture.height, picture.rgba.len()) != (width, height, bytes) {
@@ -219,69 +198,22 @@ impl Film {
         if self.pushed == frames {
             return Err(ViewError::Film(format!("more than the {frames} frames it was to have")));
         }
-        let sent = self.sender.as_ref().is_some_and(|sender| sender.send(Message::Frame(picture)).is_ok());
-        if !sent {
-            return self.join();
-        }
+        self.encoder.frame(picture)?;
         self.pushed += 1;
         Ok(())
-    }
-
-    /// A picture that was encoded and can be filled again, or an empty one.
-    pub(crate) fn spent(&self) -> Picture {
-        let empty = || Picture { width: self.settings.width, height: self.settings.height, rgba: Vec::new() };
-        self.spent.try_recv().unwrap_or_else(|_| empty())
     }
 
     /// Ends the film: its file appears.
     ///
     /// # Errors
     /// [`ViewError::Film`] where frames are missing, and whatever the encoder says.
-    pub fn finish(mut self) -> Result<(), ViewError> {
+    pub fn finish(self) -> Result<(), ViewError> {
         let wanted = self.settings.frames;
         if self.pushed != wanted {
             return Err(ViewError::Film(format!("{} frames of {wanted}", self.pushed)));
         }
-        if let Some(sender) = self.sender.take() {
-            // If the encoder has stopped, join says why.
-            let _ = sender.send(Message::Finish);
-        }
-        self.join()
+        self.encoder.finish()
     }
-
-    fn join(&mut self) -> Result<(), ViewError> {
-        self.sender = None;
-        match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(result)) => result,
-            Some(Err(_)) | None => Err(ViewError::Film("its encoder stopped".into())),
-        }
-    }
-}
-
-impl Drop for Film {
-    fn drop(&mut self) {
-        if self.thread.is_some() {
-            // Whoever drops a film does not want it.
-            let _ = self.join();
-        }
-    }
-}
-
-fn encode(
-    mut encoder: Box<dyn Encode>,
-    frames: &Receiver<Message>,
-    give_back: &SyncSender<Picture>,
-) -> Result<(), ViewError> {
-    for message in frames {
-        match message {
-            Message::Frame(picture) => {
-                encoder.frame(&picture)?;
-                let _ = give_back.try_send(picture);
-            }
-            Message::Finish => return encoder.finish(),
-        }
-    }
-    Ok(())
 }
 
 /// A temporary file beside `path`, with its ending, that becomes `path` when it is complete.

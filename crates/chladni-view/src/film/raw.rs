@@ -117,7 +117,7 @@ mod tests {
         let pipe = Pipe::default();
         let mut film = Film::to_pipe(pipe.clone(), RawFormat::Rgba, settings(3)).unwrap();
         for shade in [0, 100, 255] {
-            film.push(picture(shade)).unwrap();
+            film.push(&picture(shade)).unwrap();
         }
         film.finish().unwrap();
         let bytes = pipe.0.lock().unwrap().clone();
@@ -136,7 +136,7 @@ mod tests {
             [0, 0, 255, 255],
             [9, 9, 9, 0],
         ];
-        film.push(Picture { width: 3, height: 2, rgba: rgba.concat() }).unwrap();
+        film.push(&Picture { width: 3, height: 2, rgba: rgba.concat() }).unwrap();
         film.finish().unwrap();
         let bytes = pipe.0.lock().unwrap().clone();
         let head = b"YUV4MPEG2 W3 H2 F25:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\nFRAME\n";
@@ -152,7 +152,7 @@ mod tests {
         let pipe = Pipe(Arc::default(), Some(60));
         let mut film = Film::to_pipe(pipe, RawFormat::Rgba, settings(100)).unwrap();
         let stopped =
-            (0..100).find_map(|_| film.push(picture(1)).err()).unwrap_or_else(|| film.finish().unwrap_err());
+            (0..100).find_map(|_| film.push(&picture(1)).err()).unwrap_or_else(|| film.finish().unwrap_err());
         assert!(stopped.to_string().contains("has gone"), "{stopped}");
     }
 }

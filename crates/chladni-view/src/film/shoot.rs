@@ -19,7 +19,7 @@ const IN_FLIGHT: usize = 3;
 pub struct Waits {
     /// For finished pictures, with fetching them.
     pub device_secs: f64,
-    /// For the encoder, and for what is retouched before it.
+    /// For what is retouched and encoded beside it.
     pub encoder_secs: f64,
 }
 
@@ -108,7 +108,7 @@ pub fn shoot_retouched<E: From<ViewError>>(
     })
 }
 
-/// Where pictures are retouched and go on to the encoder, while the next ones are drawn.
+/// Where pictures are retouched and encoded, while the next ones are drawn.
 struct Desk<'scope> {
     /// None once it has ended.
     thread: Option<ScopedJoinHandle<'scope, Result<(), ViewError>>>,
@@ -130,21 +130,18 @@ impl<'scope> Desk<'scope> {
         let work = move || {
             for (frame, mut picture) in (0..).zip(waiting) {
                 retouch(frame, &mut picture);
-                let spent = if frame < lead {
-                    picture
-                } else {
-                    film.push(picture)?;
-                    film.spent()
-                };
+                if frame >= lead {
+                    film.push(&picture)?;
+                }
                 // Nobody takes it after the last frame.
-                let _ = give_back.send(spent);
+                let _ = give_back.send(picture);
             }
             film.finish()
         };
         let thread = Builder::new()
-            .name("retouch".into())
+            .name("film".into())
             .spawn_scoped(scope, work)
-            .map_err(|error| ViewError::Film(format!("no thread to retouch on: {error}")))?;
+            .map_err(|error| ViewError::Film(format!("no thread to encode on: {error}")))?;
         Ok(Self { thread: Some(thread), pictures: Some(pictures), spent, waited_secs: 0.0 })
     }
 

@@ -31,7 +31,7 @@ pub fn film_turntable(
         for (plate, cell) in plates {
             drawing.add(plate, ink, &camera, *cell);
         }
-        film.push(drawing.to_picture())?;
+        film.push(&drawing.to_picture())?;
         stage.advance(1);
     }
     film.finish()

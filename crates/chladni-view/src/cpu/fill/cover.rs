@@ -80,7 +80,7 @@ impl Setup {
         let left = low[0] - ((low[0] - target.origin[0]) & (PIXELS as i32 - 1));
         let start = [left << SUBPIXEL_BITS, low[1] << SUBPIXEL_BITS];
         let [a, b, c] = self.corners;
-        let edges = [(b, c), (c, a), (a, b)].map(|(from, to)| Edge::<T>::new(from, to, start));
+        let edges = [Edge::<T>::new(b, c, start), Edge::new(c, a, start), Edge::new(a, b, start)];
         let mut values: [[T; LANES]; 3] = [[T::of(0); LANES]; 3];
         for (values, edge) in values.iter_mut().zip(&edges) {
             for lane in 0..LANES {
@@ -94,12 +94,11 @@ impl Setup {
             depths[lane] =
                 first + plane.across * offsets[0][lane] as f32 + plane.down * offsets[1][lane] as f32;
         }
-        let steps = edges.map(|edge| {
-            (
-                edge.across.times(T::of(PIXELS as i64 * i64::from(SUBPIXELS))),
-                edge.down.times(T::of(rows as i64 * i64::from(SUBPIXELS))),
-            )
-        });
+        let step = |edge: &Edge<T>| {
+            let of = |pixels: usize| T::of(pixels as i64 * i64::from(SUBPIXELS));
+            (edge.across.times(of(PIXELS)), edge.down.times(of(rows)))
+        };
+        let steps = [step(&edges[0]), step(&edges[1]), step(&edges[2])];
         let depth_steps = [
             plane.across * (PIXELS as i32 * SUBPIXELS) as f32,
             plane.down * (rows as i32 * SUBPIXELS) as f32,
