@@ -37,7 +37,15 @@ pub(crate) trait Lanes: Copy {
         for (row, m) in rows.into_iter().zip(&mut m) {
             self.store(row, m);
         }
-        std::array::from_fn(|i| self.load(&std::array::from_fn(|j| m[j][i])))
+        let mut columns = rows;
+        for (i, column) in columns.iter_mut().enumerate() {
+            let mut of = [0.0; 8];
+            for j in 0..8 {
+                of[j] = m[j][i];
+            }
+            *column = self.load(&of);
+        }
+        columns
     }
 }
 
@@ -115,6 +123,16 @@ fn mul_add(a: f64, b: f64, c: f64) -> f64 {
     if cfg!(target_family = "wasm") { a * b + c } else { a.mul_add(b, c) }
 }
 
+/// Eight numbers. An array's own `from_fn` may be compiled to a call, without the instructions of the kernel around it.
+#[inline(always)]
+fn each(of: impl Fn(usize) -> f64) -> [f64; 8] {
+    let mut all = [0.0; 8];
+    for (i, x) in all.iter_mut().enumerate() {
+        *x = of(i);
+    }
+    all
+}
+
 #[derive(Clone, Copy)]
 struct Portable;
 
@@ -134,23 +152,23 @@ impl Lanes for Portable {
     }
     #[inline(always)]
     fn add(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|i| a[i] + b[i])
+        each(|i| a[i] + b[i])
     }
     #[inline(always)]
     fn sub(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|i| a[i] - b[i])
+        each(|i| a[i] - b[i])
     }
     #[inline(always)]
     fn mul(self, a: [f64; 8], b: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|i| a[i] * b[i])
+        each(|i| a[i] * b[i])
     }
     #[inline(always)]
     fn mul_add(self, a: [f64; 8], b: [f64; 8], c: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|i| mul_add(a[i], b[i], c[i]))
+        each(|i| mul_add(a[i], b[i], c[i]))
     }
     #[inline(always)]
     fn mul_sub_from(self, a: [f64; 8], b: [f64; 8], c: [f64; 8]) -> [f64; 8] {
-        std::array::from_fn(|i| mul_add(-a[i], b[i], c[i]))
+        each(|i| mul_add(-a[i], b[i], c[i]))
     }
 }
 
@@ -213,10 +231,11 @@ impl Lanes for Avx512 {
     fn transpose(self, r: [__m512d; 8]) -> [__m512d; 8] {
         // SAFETY: see above.
         unsafe {
-            let pair: [__m512d; 8] = std::array::from_fn(|i| {
-                let (a, b) = (r[i / 2 * 2], r[i / 2 * 2 + 1]);
-                if i % 2 == 0 { _mm512_unpacklo_pd(a, b) } else { _mm512_unpackhi_pd(a, b) }
-            });
+            let mut pair = r;
+            for i in 0..4 {
+                pair[2 * i] = _mm512_unpacklo_pd(r[2 * i], r[2 * i + 1]);
+                pair[2 * i + 1] = _mm512_unpackhi_pd(r[2 * i], r[2 * i + 1]);
+            }
             // Lane pairs of 128 bits: rows (0,1), (2,3), (4,5), (6,7) of even and odd columns.
             let mut out = [_mm512_setzero_pd(); 8];
             for odd in 0..2 {

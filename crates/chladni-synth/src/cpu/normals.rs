@@ -49,8 +49,9 @@ fn ring_sum(positions: &[f32], ring: &[[u32; 2]], v: usize) -> [f32; 3] {
     let mut sum = [0.0; 3];
     for &[a, b] in ring {
         let (pa, pb) = (at(a as usize), at(b as usize));
-        let u: [f32; 3] = std::array::from_fn(|c| pa[c] - x[c]);
-        let w: [f32; 3] = std::array::from_fn(|c| pb[c] - x[c]);
+        // Written out: what an array makes of a closure may be a call in the middle of a kernel.
+        let u = [pa[0] - x[0], pa[1] - x[1], pa[2] - x[2]];
+        let w = [pb[0] - x[0], pb[1] - x[1], pb[2] - x[2]];
         sum[0] += u[1] * w[2] - u[2] * w[1];
         sum[1] += u[2] * w[0] - u[0] * w[2];
         sum[2] += u[0] * w[1] - u[1] * w[0];
@@ -97,7 +98,10 @@ fn blend(sum: [f32; 3], rest: [f32; 3], blending: f32) -> [f32; 3] {
     if blending == 0.0 {
         return exact;
     }
-    let mean = std::array::from_fn(|c| exact[c] + blending * (rest[c] - exact[c]));
+    let mut mean = exact;
+    for c in 0..3 {
+        mean[c] += blending * (rest[c] - exact[c]);
+    }
     unit(mean).unwrap_or(exact)
 }
 
@@ -106,5 +110,5 @@ fn blend(sum: [f32; 3], rest: [f32; 3], blending: f32) -> [f32; 3] {
 fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
     let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     // Also excludes NaN. Below this length the square is subnormal and the direction is noise.
-    (length > 1e-18).then(|| v.map(|c| c / length))
+    if length > 1e-18 { Some([v[0] / length, v[1] / length, v[2] / length]) } else { None }
 }
