@@ -101,6 +101,14 @@ async function fills(page) {
   }
 }
 
+/** The largest step of green from pixel to pixel. */
+async function sharpest(page) {
+  const picture = await seen(page);
+  let most = 0;
+  for (let i = 5; i < picture.length; i += 4) most = Math.max(most, Math.abs(picture[i] - picture[i - 4]));
+  return most;
+}
+
 /** Every look, and sand on every one: the card goes on drawing. */
 async function looks() {
   const within = await launch(out, WEBGL.flags);
@@ -120,6 +128,7 @@ async function looks() {
       await page.selectOption("#look", name);
       await draws(name);
       await shot(`webgl-${name}`);
+      if (name === "dew") assert.ok(await sharpest(page) > 30, "dew: nothing is in focus");
     }
     await page.click("#sand");
     await draws("sand");

@@ -68,6 +68,7 @@ struct Pipelines {
     depth: wgpu::BindGroupLayout,
     images: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
+    depth_sampler: wgpu::Sampler,
     circles: wgpu::RenderPipeline,
     shrink: wgpu::RenderPipeline,
     gather: wgpu::RenderPipeline,
@@ -132,7 +133,14 @@ impl Focusing {
             size,
             samples,
             cells: Uniforms::new(device, &pipelines.cell, "circles"),
-            depths: group(device, &pipelines.depth, &[wgpu::BindingResource::TextureView(&depth)]),
+            depths: group(
+                device,
+                &pipelines.depth,
+                &[
+                    wgpu::BindingResource::TextureView(&depth),
+                    wgpu::BindingResource::Sampler(&pipelines.depth_sampler),
+                ],
+            ),
             // What is not read is bound to what is.
             shrink: images([&sharp, &circles, &sharp, &sharp, &sharp]),
             gather: images([&small[0], &small[1], &small[0], &small[0], &small[0]]),
@@ -212,7 +220,8 @@ impl Pipelines {
             multisampled: sample_type == wgpu::TextureSampleType::Depth,
         };
         let cell = layout(device, "circle", &[(fragment, uniform(true))]);
-        let depth = layout(device, "depths", &[(fragment, depth)]);
+        let nearest = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering);
+        let depth = layout(device, "depths", &[(fragment, depth), (fragment, nearest)]);
         let bindings = [uniform(false), SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE, IMAGE];
         let images = layout(device, "spread", &bindings.map(|binding| (fragment, binding)));
         let module = device.create_shader_module(wgpu::include_wgsl!("focus.wgsl"));
@@ -226,6 +235,7 @@ impl Pipelines {
             even: of_images.pipeline("even_fragment", &[LIGHT, LIGHT, NUMBER]),
             compose: of_images.pipeline("compose_fragment", &[crate::Canvas::FORMAT]),
             sampler: smooth_sampler(device),
+            depth_sampler: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             cell,
             depth,
             images,

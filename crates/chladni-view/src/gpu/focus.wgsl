@@ -35,6 +35,8 @@ struct Spread {
 @group(0) @binding(0) var<uniform> circle: Circle;
 @group(1) @binding(0) var depths: texture_depth_multisampled_2d;
 @group(1) @binding(0) var one_depth: texture_2d<f32>;
+// GL gives nothing of depths without one.
+@group(1) @binding(1) var depth_sampler: sampler;
 
 @vertex
 fn screen_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
@@ -56,10 +58,16 @@ fn circles_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     return vec4f(circle_at(nearest), 0.0, 0.0, 1.0);
 }
 
+// One of the depths that are no samples.
+fn depth_at(p: vec2i) -> f32 {
+    let at = (vec2f(p) + 0.5) / vec2f(textureDimensions(one_depth));
+    return textureSampleLevel(one_depth, depth_sampler, at, 0.0).r;
+}
+
 // The same of one sample a pixel.
 @fragment
 fn circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
-    return vec4f(circle_at(textureLoad(one_depth, vec2i(clip.xy), 0).r), 0.0, 0.0, 1.0);
+    return vec4f(circle_at(depth_at(vec2i(clip.xy))), 0.0, 0.0, 1.0);
 }
 
 // The same where each pixel has four depths side by side.
@@ -67,7 +75,7 @@ fn circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
 fn fine_circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     var nearest = 1.0;
     for (var i = 0; i < 4; i++) {
-        nearest = min(nearest, textureLoad(one_depth, 2 * vec2i(clip.xy) + vec2i(i & 1, i >> 1u), 0).r);
+        nearest = min(nearest, depth_at(2 * vec2i(clip.xy) + vec2i(i & 1, i >> 1u)));
     }
     return vec4f(circle_at(nearest), 0.0, 0.0, 1.0);
 }
