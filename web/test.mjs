@@ -19,7 +19,7 @@ const rooms = {
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
   card: [card.webgpu.pictures, card.webgpu.loss],
-  webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.looks],
+  webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.looks, card.webgl.skin],
   threads: [threads],
   offline: [offline],
   firefox: [firefox],

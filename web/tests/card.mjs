@@ -3,7 +3,8 @@
 import assert from "node:assert/strict";
 import { WITH_CARD, WITH_WEBGL, launch } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { differs, moves, opened, out, step, until } from "./driver.mjs";
+import { differs, drop, moves, opened, out, step, until } from "./driver.mjs";
+import { skinned } from "./skinned.mjs";
 
 const SMALL = { width: 640, height: 480 };
 const drawnBy = (page) => page.textContent("#front .drawn-by");
@@ -32,14 +33,19 @@ async function rested(page) {
   throw new Error("the picture never comes to rest");
 }
 
-/** The same head by whoever is asked to draw. */
-async function head(within, draw) {
+/** The same head, or another shape, by whoever is asked to draw. */
+async function shape(within, draw, own) {
   const { page, wrong, shot } = await opened(SMALL, false, { within, query: `?draw=${draw}` });
   const by = await drawnBy(page);
   await page.click("#exaggerate");
   await acts(page);
+  if (own) {
+    await drop(page, ["skinned.glb", own]);
+    await page.click('#which button[value="shape"]');
+    await until(page, () => window.chladni.sitting?.shape === "skinned.glb" && window.chladni.sitting.solved);
+  }
   const picture = await rested(page);
-  await shot(`head-${draw}`);
+  await shot(`${own ? "skinned" : "head"}-${draw}`);
   assert.deepEqual(wrong, []);
   await page.context().close();
   return { by, picture };
@@ -68,18 +74,19 @@ const WEBGPU = { flags: WITH_CARD, draw: "gpu", says: "Drawn by the graphics car
 const WEBGL = { flags: WITH_WEBGL, draw: "webgl", says: "Drawn by the graphics card through WebGL2.", prepare: rememberContext };
 
 export const webgpu = { pictures: () => compared(WEBGPU), loss: () => loses(WEBGPU) };
-export const webgl = { pictures: () => compared(WEBGL), loss: () => loses(WEBGL), looks };
+export const webgl = { pictures: () => compared(WEBGL), loss: () => loses(WEBGL), looks, skin: () => compared(WEBGL, skinned(60, 30)) };
 
-async function compared({ flags, draw, says }) {
+async function compared({ flags, draw, says }, own) {
+  const what = own ? "an image on a torus" : "a head";
   const within = await launch(out, flags);
   try {
-    const [card, processor] = [await head(within, draw), await head(within, "cpu")];
+    const [card, processor] = [await shape(within, draw, own), await shape(within, "cpu", own)];
     assert.deepEqual([card.by, processor.by], [says, "Drawn by the processor."]);
     assert.equal(card.picture.length, processor.picture.length);
     const apart = card.picture.map((value, i) => Math.abs(value - processor.picture[i]));
     const [mean, plain] = [apart.reduce((sum, a) => sum + a, 0) / apart.length, apart.filter((a) => a > 24).length / apart.length];
     assert.ok(mean < 0.5 && plain < 0.005, `${draw}: the two pictures are ${mean} apart in the mean, ${plain} of the values plainly`);
-    step(`${draw}: a head by the card and by the processor: ${mean.toFixed(3)} of 255 apart in the mean, ${(100 * plain).toFixed(2)} % of it by more than 24`);
+    step(`${draw}: ${what} by the card and by the processor: ${mean.toFixed(3)} of 255 apart in the mean, ${(100 * plain).toFixed(2)} % of it by more than 24`);
     const { page } = await opened(SMALL, false, { within });
     assert.equal(await drawnBy(page), "Drawn by the processor.", "a processor in disguise is not asked by itself");
     await page.context().close();
