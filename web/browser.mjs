@@ -27,6 +27,8 @@ export function serve(folder, headers = {}) {
 export const WITHOUT_CARD = ["--disable-gpu"];
 export const WITH_CARD = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--enable-features=Vulkan",
   "--use-vulkan=swiftshader", "--use-angle=vulkan"];
+/** Flags with which a processor plays a graphics card that has WebGL2 alone. */
+export const WITH_WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
 
 /** Flags with which a WAV file plays into a microphone that nobody has to allow. */
 export const microphone = (wav) => ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", `--use-file-for-fake-audio-capture=${wav}`];

@@ -1,5 +1,5 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|shows|microphone|caricature|tools|card|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|shows|microphone|caricature|tools|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import * as caricature from "./tests/caricature.mjs";
@@ -18,7 +18,8 @@ const rooms = {
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
-  card: [card.pictures, card.loss],
+  card: [card.webgpu.pictures, card.webgpu.loss],
+  webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.looks, card.webgl.skin],
   threads: [threads],
   offline: [offline],
   firefox: [firefox],

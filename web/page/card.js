@@ -11,43 +11,67 @@ const small = Object.assign(document.createElement("canvas"), { width: WIDE, hei
 const glance = small.getContext("2d", { willReadFrequently: false });
 glance.imageSmoothingEnabled = false;
 
-/** What `?draw=gpu` or `?draw=cpu` says. */
+/** Whether it draws through WebGL2, and why it does so no more. */
+let byWebGl = false;
+let gone;
+
+/** What `?draw=gpu`, `?draw=webgl` or `?draw=cpu` says. */
 const asked = new URLSearchParams(location.search).get("draw");
+
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|basic render|software/i;
 
 /** A processor that plays the graphics card draws more slowly than ours. */
 function isDisguised(adapter) {
   const { isFallbackAdapter = adapter.isFallbackAdapter, architecture, description } = adapter.info ?? {};
-  return isFallbackAdapter || /swiftshader|llvmpipe|basic render/i.test(`${architecture} ${description}`);
+  return isFallbackAdapter || SOFTWARE.test(`${architecture} ${description}`);
 }
 
-async function isWanted() {
-  if (asked === "cpu") return false;
+async function lendsWebGpu() {
+  if (asked && asked !== "gpu") return false;
   const adapter = await navigator.gpu?.requestAdapter({ powerPreference: "high-performance" });
-  if (asked === "gpu" && !adapter) say("This browser lends no graphics card to pages: the processor draws.", true);
   return !!adapter && (asked === "gpu" || !isDisguised(adapter));
 }
 
-function tell() {
-  for (const place of document.querySelectorAll(".drawn-by")) {
-    place.textContent = canvas ? "Drawn by the graphics card." : "Drawn by the processor.";
-  }
+/** Gives a canvas a context of WebGL2, where a graphics card is behind it. */
+function lendsWebGl(page) {
+  if (asked && asked !== "webgl") return false;
+  const isAsked = asked === "webgl";
+  const gl = page.getContext("webgl2", {
+    alpha: false, antialias: false, powerPreference: "high-performance", failIfMajorPerformanceCaveat: !isAsked,
+  });
+  const name = gl?.getParameter(gl.getExtension("WEBGL_debug_renderer_info")?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER);
+  return !!gl && (isAsked || !SOFTWARE.test(name));
 }
 
-/** Has the graphics card draw, where there is one. */
+function tell() {
+  const text = !canvas ? "Drawn by the processor."
+    : byWebGl ? "Drawn by the graphics card through WebGL2." : "Drawn by the graphics card.";
+  for (const place of document.querySelectorAll(".drawn-by")) place.textContent = text;
+}
+
+/** Has the graphics card draw, where there is one: through WebGPU, or else through WebGL2. */
 export async function openCard() {
   try {
-    if (await isWanted()) {
-      const page = Object.assign(document.createElement("canvas"), { id: "card" });
-      page.setAttribute("aria-hidden", "true");
-      await open_card(page);
+    const page = Object.assign(document.createElement("canvas"), { id: "card" });
+    page.setAttribute("aria-hidden", "true");
+    const byWebGpu = await lendsWebGpu();
+    byWebGl = !byWebGpu && lendsWebGl(page);
+    if (byWebGpu || byWebGl) {
+      page.addEventListener("webglcontextlost", () => { gone = "the browser has taken it back"; });
+      await open_card(page, byWebGl);
       of("picture").before(page);
       canvas = page;
+    } else if (["gpu", "webgl"].includes(asked)) {
+      say("This browser lends no graphics card to pages: the processor draws.", true);
     }
   } catch (error) {
     say(`The graphics card cannot draw here (${error.message ?? error}): the processor draws.`, true);
   }
   tell();
 }
+
+/** Why the card that draws is to be asked no more, if so. */
+export const whyGone = () => canvas && gone;
 
 /** The canvas that the card draws into, if it does. */
 export const card = () => canvas;

@@ -1,5 +1,5 @@
 // The picture that both rooms draw into, in as many pixels as this machine draws in time.
-import { card, loseCard, smallPicture } from "./card.js";
+import { card, loseCard, smallPicture, whyGone } from "./card.js";
 import { of, report, say } from "./page.js";
 
 const picture = of("picture");
@@ -63,6 +63,7 @@ function draw(now) {
   const began = performance.now();
   let drawn = false;
   try {
+    if (whyGone()) throw new Error(whyGone());
     drawn = room.frame(now, width, height);
   } catch (error) {
     const why = error.message ?? String(error);

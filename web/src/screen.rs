@@ -7,11 +7,14 @@ use chladni_program::work::Error;
 use chladni_view::{Canvas, Device, Gpu, Picture, ViewError};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
+use wgpu::util::TextureBlitter;
 
 /// The device of the page, and what it shows.
 struct Card {
     gpu: Gpu,
     surface: wgpu::Surface<'static>,
+    /// Draws pictures into the page, where they cannot be copied there.
+    blitter: Option<TextureBlitter>,
     /// Of what is shown.
     size: (u32, u32),
 }
@@ -20,24 +23,31 @@ thread_local! {
     static CARD: RefCell<Option<Card>> = const { RefCell::new(None) };
 }
 
-/// From now on a graphics card draws, straight into `picture`; its name. Concerts and sittings that are there already
+/// From now on a graphics card draws, straight into `picture`, through WebGL2 or through WebGPU; its name. Concerts and sittings that are there already
 /// stay with whoever draws them.
 ///
 /// # Errors
 /// A browser that has no such device, or a device that cannot draw into a page.
 #[wasm_bindgen]
-pub async fn open_card(picture: HtmlCanvasElement) -> Result<String, JsError> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+pub async fn open_card(picture: HtmlCanvasElement, by_webgl: bool) -> Result<String, JsError> {
+    let backends = if by_webgl { wgpu::Backends::GL } else { wgpu::Backends::BROWSER_WEBGPU };
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    // The canvas's own context is the only adapter that WebGL has.
+    let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(picture))?;
     let options = wgpu::RequestAdapterOptions {
         power_preference: wgpu::PowerPreference::HighPerformance,
+        compatible_surface: Some(&surface),
         ..Default::default()
     };
     let adapter = instance.request_adapter(&options).await?;
     let gpu = Gpu::on_adapter(&adapter).await?;
-    // The last step: a canvas that has shown a card's pictures takes no others.
-    let surface = instance.create_surface(wgpu::SurfaceTarget::Canvas(picture))?;
     let description = gpu.description();
-    CARD.set(Some(Card { gpu, surface, size: (0, 0) }));
+    let takes_copies = surface.get_capabilities(&adapter).usages.contains(wgpu::TextureUsages::COPY_DST);
+    let blitter = (!takes_copies).then(|| TextureBlitter::new(&gpu.device, Canvas::FORMAT));
+    CARD.set(Some(Card { gpu, surface, blitter, size: (0, 0) }));
     Ok(description)
 }
 
@@ -113,7 +123,10 @@ impl Card {
             self.surface.configure(
                 &gpu.device,
                 &wgpu::SurfaceConfiguration {
-                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_DST,
+                    usage: match self.blitter {
+                        Some(_) => wgpu::TextureUsages::RENDER_ATTACHMENT,
+                        None => wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_DST,
+                    },
                     format: Canvas::FORMAT,
                     color_space: wgpu::SurfaceColorSpace::Auto,
                     width: size.0,
@@ -132,10 +145,16 @@ impl Card {
             }
             other => return Err(lost(&format!("{other:?}"))),
         };
-        let whole = wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 };
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let drawn = canvas.view()?.texture().as_image_copy();
-        encoder.copy_texture_to_texture(drawn, page.texture.as_image_copy(), whole);
+        let drawn = canvas.view()?;
+        if let Some(blitter) = &self.blitter {
+            let view = page.texture.create_view(&wgpu::TextureViewDescriptor::default());
+            blitter.copy(&gpu.device, &mut encoder, drawn, &view);
+        } else {
+            let whole = wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 };
+            let drawn = drawn.texture().as_image_copy();
+            encoder.copy_texture_to_texture(drawn, page.texture.as_image_copy(), whole);
+        }
         gpu.queue.submit([encoder.finish()]);
         gpu.queue.present(page);
         Ok(())

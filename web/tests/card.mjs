@@ -1,9 +1,10 @@
-// The picture by a graphics card, which a processor plays here: it is that of our own processor, and where the card is
-// lost, that draws on.
+// The picture by a graphics card, through WebGPU or WebGL2, which a processor plays here: it is that of our own
+// processor, and where the card is lost, that draws on.
 import assert from "node:assert/strict";
-import { WITH_CARD, launch } from "../browser.mjs";
+import { WITH_CARD, WITH_WEBGL, launch } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { moves, opened, out, step, until } from "./driver.mjs";
+import { differs, drop, moves, opened, out, step, until } from "./driver.mjs";
+import { skinned } from "./skinned.mjs";
 
 const SMALL = { width: 640, height: 480 };
 const drawnBy = (page) => page.textContent("#front .drawn-by");
@@ -32,30 +33,114 @@ async function rested(page) {
   throw new Error("the picture never comes to rest");
 }
 
-/** The same head by whoever is asked to draw. */
-async function head(within, draw) {
-  const { page, wrong } = await opened(SMALL, false, { within, query: `?draw=${draw}` });
+/** The same head, or another shape, by whoever is asked to draw. */
+async function shape(within, draw, own) {
+  const { page, wrong, shot } = await opened(SMALL, false, { within, query: `?draw=${draw}` });
   const by = await drawnBy(page);
   await page.click("#exaggerate");
   await acts(page);
+  if (own) {
+    await drop(page, ["skinned.glb", own]);
+    await page.click('#which button[value="shape"]');
+    await until(page, () => window.chladni.sitting?.shape === "skinned.glb" && window.chladni.sitting.solved);
+  }
   const picture = await rested(page);
+  await shot(`${own ? "skinned" : "head"}-${draw}`);
   assert.deepEqual(wrong, []);
   await page.context().close();
   return { by, picture };
 }
 
-export async function pictures() {
-  const within = await launch(out, WITH_CARD);
+/** Has the page remember how its card is lost: `window.lose()`. */
+function rememberDevice() {
+  const request = GPUAdapter.prototype.requestDevice;
+  GPUAdapter.prototype.requestDevice = async function (...wanted) {
+    const device = await request.apply(this, wanted);
+    window.lose = () => device.destroy();
+    return device;
+  };
+}
+function rememberContext() {
+  const get = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (...wanted) {
+    const context = get.apply(this, wanted);
+    if (wanted[0] === "webgl2") window.lose ??= () => context.getExtension("WEBGL_lose_context").loseContext();
+    return context;
+  };
+}
+
+/** The two ways to a card: flags of the browser, what the page is asked for and says then. */
+const WEBGPU = { flags: WITH_CARD, draw: "gpu", says: "Drawn by the graphics card.", prepare: rememberDevice };
+const WEBGL = { flags: WITH_WEBGL, draw: "webgl", says: "Drawn by the graphics card through WebGL2.", prepare: rememberContext };
+
+export const webgpu = { pictures: () => compared(WEBGPU), loss: () => loses(WEBGPU) };
+export const webgl = { pictures: () => compared(WEBGL), loss: () => loses(WEBGL), looks, skin: () => compared(WEBGL, skinned(60, 30)) };
+
+async function compared({ flags, draw, says }, own) {
+  const what = own ? "an image on a torus" : "a head";
+  const within = await launch(out, flags);
   try {
-    const [card, processor] = [await head(within, "gpu"), await head(within, "cpu")];
-    assert.deepEqual([card.by, processor.by], ["Drawn by the graphics card.", "Drawn by the processor."]);
+    const [card, processor] = [await shape(within, draw, own), await shape(within, "cpu", own)];
+    assert.deepEqual([card.by, processor.by], [says, "Drawn by the processor."]);
     assert.equal(card.picture.length, processor.picture.length);
     const apart = card.picture.map((value, i) => Math.abs(value - processor.picture[i]));
     const [mean, plain] = [apart.reduce((sum, a) => sum + a, 0) / apart.length, apart.filter((a) => a > 24).length / apart.length];
-    assert.ok(mean < 0.5 && plain < 0.005, `the two pictures are ${mean} apart in the mean, ${plain} of the values plainly`);
-    step(`a head by the card and by the processor: ${mean.toFixed(3)} of 255 apart in the mean, ${(100 * plain).toFixed(2)} % of it by more than 24`);
+    assert.ok(mean < 0.5 && plain < 0.005, `${draw}: the two pictures are ${mean} apart in the mean, ${plain} of the values plainly`);
+    step(`${draw}: ${what} by the card and by the processor: ${mean.toFixed(3)} of 255 apart in the mean, ${(100 * plain).toFixed(2)} % of it by more than 24`);
     const { page } = await opened(SMALL, false, { within });
     assert.equal(await drawnBy(page), "Drawn by the processor.", "a processor in disguise is not asked by itself");
+    await page.context().close();
+  } finally { await within.close(); }
+}
+
+/** Each cell of the gallery has a dance in its middle. */
+async function fills(page) {
+  const { width } = page.viewportSize();
+  const picture = await seen(page);
+  const left = await page.locator("#picture").boundingBox();
+  for (const cell of await page.locator(".cell").all()) {
+    const { x, y, width: wide, height: high } = await cell.boundingBox();
+    let bright = 0;
+    for (let row = y - left.y; row < y - left.y + high; row += 4) for (let column = x; column < x + wide; column += 4) {
+      if (picture[4 * (Math.floor(row) * width + Math.floor(column)) + 1] > 90) bright++;
+    }
+    assert.ok(bright > 20, `a cell has ${bright} bright points`);
+  }
+}
+
+/** The largest step of green from pixel to pixel. */
+async function sharpest(page) {
+  const picture = await seen(page);
+  let most = 0;
+  for (let i = 5; i < picture.length; i += 4) most = Math.max(most, Math.abs(picture[i] - picture[i - 4]));
+  return most;
+}
+
+/** Every look, and sand on every one: the card goes on drawing. */
+async function looks() {
+  const within = await launch(out, WEBGL.flags);
+  try {
+    const { page, wrong, shot } = await opened(SMALL, false, { within, query: "?draw=webgl" });
+    await page.click("#enter");
+    await until(page, () => window.chladni.state.body === "sample:octopus");
+    await page.locator(".cell").first().dblclick();
+    await until(page, () => window.chladni.state.on_stage);
+    const draws = async (what) => {
+      const { frames } = await page.evaluate(() => window.chladni);
+      await until(page, (before) => window.chladni.frames > before + 2, frames);
+      assert.equal(await page.textContent("#controls .drawn-by"), WEBGL.says, `${what}: ${await page.textContent("#status")}`);
+    };
+    const names = await page.locator("#look option").evaluateAll((all) => all.map(({ value }) => value));
+    for (const name of names) {
+      await page.selectOption("#look", name);
+      await draws(name);
+      await shot(`webgl-${name}`);
+      if (name === "dew") assert.ok(await sharpest(page) > 30, "dew: nothing is in focus");
+    }
+    await page.click("#sand");
+    await draws("sand");
+    assert.deepEqual(wrong, []);
+    step(`webgl: ${names.length} looks, and sand`);
     await page.context().close();
   } finally { await within.close(); }
 }
@@ -86,29 +171,27 @@ async function strobes(page) {
   step("a strobe of the card's is veiled");
 }
 
-export async function loss() {
-  const within = await launch(out, WITH_CARD);
-  const prepare = () => {
-    const request = GPUAdapter.prototype.requestDevice;
-    GPUAdapter.prototype.requestDevice = async function (...wanted) {
-      return (window.device = await request.apply(this, wanted));
-    };
-  };
+async function loses({ flags, draw, prepare }) {
+  const within = await launch(out, flags);
   try {
-    const { page } = await opened(SMALL, false, { within, query: "?draw=gpu", prepare });
+    const { page, shot } = await opened(SMALL, false, { within, query: `?draw=${draw}`, prepare });
+    await shot(`front-${draw}`);
     await page.click("#enter");
     await until(page, () => window.chladni.state.body === "sample:octopus");
+    await differs(() => seen(page), (secs) => page.waitForTimeout(1000 * secs), `dances by ${draw}`);
+    await fills(page);
     const save = page.waitForEvent("download");
     await page.click("#save-picture");
     assert.equal((await save).suggestedFilename(), "chladni.png");
     await strobes(page);
+    await shot(`gallery-${draw}`);
     const { dances } = await page.evaluate(() => window.chladni.state);
-    await page.evaluate(() => window.device.destroy());
+    await page.evaluate(() => window.lose());
     await until(page, () => document.querySelector("#controls .drawn-by").textContent === "Drawn by the processor.");
     assert.match(await page.textContent("#status"), /graphics card is gone/);
     await moves(page, "by the processor");
     assert.deepEqual((await page.evaluate(() => window.chladni.state)).dances, dances);
-    step("where the graphics card is lost, the processor goes on");
+    step(`${draw}: where the graphics card is lost, the processor goes on`);
     await page.context().close();
   } finally { await within.close(); }
 }

@@ -24,6 +24,7 @@ export async function firefox() {
     await shot("front");
     await music(page, shot);
     await caricature(page, shot);
+    await webgl(page, shot);
     assert.deepEqual(wrong, []);
   } finally {
     await browser.close();
@@ -63,4 +64,20 @@ async function caricature(page, shot) {
   await acts();
   await shot("own");
   step("Firefox: a head is exaggerated, and one that was dropped");
+}
+
+/** By WebGL2, where Firefox lends that without a screen. */
+async function webgl(page, shot) {
+  await page.goto(`${address}?draw=webgl`);
+  await until(page, () => window.chladni?.frames > 3);
+  const drawnBy = () => page.$eval("#front .drawn-by", (place) => place.textContent);
+  const status = () => page.$eval("#status", (place) => place.textContent);
+  if (await drawnBy() !== "Drawn by the graphics card through WebGL2.") return step(`Firefox: no WebGL2 here: ${await status()}`);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state?.body === "sample:octopus");
+  const { frames } = await page.evaluate(() => window.chladni);
+  await page.waitForFunction((before) => window.chladni.frames > before + 5, WAIT, frames);
+  await shot("webgl");
+  assert.equal(await drawnBy(), "Drawn by the graphics card through WebGL2.", await status());
+  step("Firefox: dances through WebGL2");
 }

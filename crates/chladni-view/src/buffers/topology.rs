@@ -24,8 +24,10 @@ pub(crate) struct HostTriangles {
 
 #[derive(Clone, Debug)]
 pub(crate) struct DeviceTriangles {
-    /// Indices, three a triangle; readable by the corner pipeline as storage.
+    /// Indices, three a triangle.
     pub(crate) indices: gpu::Buffer,
+    /// The same where vertex stages look them up.
+    pub(crate) corners: gpu::Buffer,
     /// Two floats a corner, or one pair where there are none.
     pub(crate) uvs: gpu::Buffer,
 }
@@ -83,8 +85,10 @@ impl DeviceTriangles {
         // A buffer of no bytes cannot be bound.
         let indices: &[u8] = if triangles.is_empty() { &[0; 12] } else { bytemuck::cast_slice(triangles) };
         let uvs: &[u8] = uvs.filter(|uvs| !uvs.is_empty()).map_or(&[0; 8], bytemuck::cast_slice);
+        let triangles = gpu::filled(gpu, "triangles", indices, Use::Indices);
         Self {
-            indices: gpu::filled(gpu, "triangles", indices, Use::Indices),
+            corners: gpu::looked_up(gpu, &triangles, indices),
+            indices: triangles,
             uvs: gpu::filled(gpu, "corner UVs", uvs, Use::Vertices),
         }
     }

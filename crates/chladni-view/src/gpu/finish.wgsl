@@ -11,8 +11,8 @@ struct Finish {
     vignette: f32,
     grain: f32,
     moment: u32,
-    // Pixels in one of the small picture.
-    step: u32,
+    // Pixels in one of the small picture. WebGL2 wants uniforms of a multiple of 16 bytes.
+    @size(12) step: u32,
 }
 
 @group(0) @binding(0) var<uniform> finish: Finish;

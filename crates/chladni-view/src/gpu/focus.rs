@@ -5,16 +5,17 @@ use std::sync::Arc;
 use wgpu::util::DeviceExt;
 
 use super::canvas::Canvas;
+use super::corners::Lookup;
 use super::pipelines::{DEPTH, IMAGE, SAMPLER, layout};
 use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
 use super::uniforms::Uniforms;
 use crate::focus::{Circle, Spread, step};
-use crate::{Cell, Finish, Gpu, Samples};
+use crate::{Cell, Finish, Gpu, Samples, ViewError};
 
 /// Light that spreads: more than eight bits, as these are squares.
-const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+pub(super) const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Radii of circles, and how much of light lies before what is there.
-const NUMBER: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
+pub(super) const NUMBER: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
 /// All that softens pictures of one size.
 pub(crate) struct Focusing {
@@ -38,12 +39,36 @@ pub(crate) struct Focusing {
     compose: wgpu::BindGroup,
 }
 
+/// Depths on either side of a pixel where the picture's own cannot be read.
+pub(super) const FINE: u32 = 2;
+
+/// The depths of a picture that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Depths {
+    /// Those of its samples.
+    Samples,
+    /// Others, drawn once more, [`FINE`]: WebGL2 reads no textures of many samples.
+    Fine,
+}
+
+impl Depths {
+    pub(super) fn on(device: &wgpu::Device, samples: Samples) -> Self {
+        match Lookup::within(&device.limits()) {
+            Lookup::Textures if samples == Samples::Four => Self::Fine,
+            Lookup::Textures | Lookup::Storage => Self::Samples,
+        }
+    }
+}
+
 struct Pipelines {
+    /// Which they read.
+    depths: Depths,
     /// Of one cell, of depths, and of images.
     cell: wgpu::BindGroupLayout,
-    depths: wgpu::BindGroupLayout,
+    depth: wgpu::BindGroupLayout,
     images: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
+    depth_sampler: wgpu::Sampler,
     circles: wgpu::RenderPipeline,
     shrink: wgpu::RenderPipeline,
     gather: wgpu::RenderPipeline,
@@ -53,8 +78,16 @@ struct Pipelines {
 
 impl Focusing {
     /// Sees to it that there is one for `canvas`.
-    pub(crate) fn fit<'k>(kept: &'k mut Option<Self>, gpu: &Gpu, canvas: &Canvas) -> &'k mut Self {
+    pub(crate) fn fit<'k>(
+        kept: &'k mut Option<Self>,
+        gpu: &Gpu,
+        canvas: &Canvas,
+    ) -> Result<&'k mut Self, ViewError> {
         let size = [canvas.width, canvas.height];
+        let limit = gpu.longest_side() / FINE;
+        if Depths::on(&gpu.device, canvas.samples) == Depths::Fine && size.iter().any(|side| *side > limit) {
+            return Err(ViewError::Size { width: canvas.width, height: canvas.height, limit });
+        }
         let before = kept.take();
         let fits = |kept: &Self| kept.size == size && kept.samples == canvas.samples;
         let fitting = match before {
@@ -67,13 +100,17 @@ impl Focusing {
                 Self::new(device, pipelines, size, canvas.samples)
             }
         };
-        kept.insert(fitting)
+        Ok(kept.insert(fitting))
     }
 
     fn new(device: &wgpu::Device, pipelines: Arc<Pipelines>, size: [u32; 2], samples: Samples) -> Self {
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let image = |label, size, format| view(&texture(device, label, size, format, (1, drawn)));
-        let depth = view(&texture(device, "kept depth", size, DEPTH, (samples.count(), drawn)));
+        let (depths, by) = match pipelines.depths {
+            Depths::Samples => (samples.count(), 1),
+            Depths::Fine => (1, FINE),
+        };
+        let depth = view(&texture(device, "kept depth", size.map(|side| by * side), DEPTH, (depths, drawn)));
         let sharp = image("sharp picture", size, crate::Canvas::FORMAT);
         let circles = image("circles", size, NUMBER);
         let few = size.map(|side| side.div_ceil(step(size[1])));
@@ -96,7 +133,14 @@ impl Focusing {
             size,
             samples,
             cells: Uniforms::new(device, &pipelines.cell, "circles"),
-            depths: group(device, &pipelines.depths, &[wgpu::BindingResource::TextureView(&depth)]),
+            depths: group(
+                device,
+                &pipelines.depth,
+                &[
+                    wgpu::BindingResource::TextureView(&depth),
+                    wgpu::BindingResource::Sampler(&pipelines.depth_sampler),
+                ],
+            ),
             // What is not read is bound to what is.
             shrink: images([&sharp, &circles, &sharp, &sharp, &sharp]),
             gather: images([&small[0], &small[1], &small[0], &small[0], &small[0]]),
@@ -162,28 +206,38 @@ impl Pipelines {
             has_dynamic_offset,
             min_binding_size: None,
         };
+        let depths_are = Depths::on(device, samples);
+        // As plain numbers, since GL loads no depths.
+        let plain = wgpu::TextureSampleType::Float { filterable: false };
+        let (sample_type, circles) = match (depths_are, samples) {
+            (Depths::Fine, _) => (plain, "fine_circle_fragment"),
+            (Depths::Samples, Samples::One) => (plain, "circle_fragment"),
+            (Depths::Samples, Samples::Four) => (wgpu::TextureSampleType::Depth, "circles_fragment"),
+        };
         let depth = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Depth,
+            sample_type,
             view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: samples == Samples::Four,
+            multisampled: sample_type == wgpu::TextureSampleType::Depth,
         };
         let cell = layout(device, "circle", &[(fragment, uniform(true))]);
-        let depths = layout(device, "depths", &[(fragment, depth)]);
+        let nearest = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering);
+        let depth = layout(device, "depths", &[(fragment, depth), (fragment, nearest)]);
         let bindings = [uniform(false), SAMPLER, IMAGE, IMAGE, IMAGE, IMAGE, IMAGE];
         let images = layout(device, "spread", &bindings.map(|binding| (fragment, binding)));
         let module = device.create_shader_module(wgpu::include_wgsl!("focus.wgsl"));
-        let of_cell = Pipes::new(device, &module, &[Some(&cell), Some(&depths)]);
+        let of_cell = Pipes::new(device, &module, &[Some(&cell), Some(&depth)]);
         let of_images = Pipes::new(device, &module, &[Some(&images)]);
-        let circles = if samples == Samples::Four { "circles_fragment" } else { "circle_fragment" };
         Self {
+            depths: depths_are,
             circles: of_cell.pipeline(circles, &[NUMBER]),
             shrink: of_images.pipeline("shrink_fragment", &[LIGHT, NUMBER]),
             gather: of_images.pipeline("gather_fragment", &[LIGHT, LIGHT, NUMBER]),
             even: of_images.pipeline("even_fragment", &[LIGHT, LIGHT, NUMBER]),
             compose: of_images.pipeline("compose_fragment", &[crate::Canvas::FORMAT]),
             sampler: smooth_sampler(device),
+            depth_sampler: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             cell,
-            depths,
+            depth,
             images,
         }
     }

@@ -9,7 +9,7 @@ struct Circle {
     sharp: f32,
     // Radius by a unit of the way beyond, pixels of the small picture, and the largest one.
     radius: f32,
-    most: f32,
+    @size(16) most: f32,
 }
 
 struct Spread {
@@ -18,8 +18,8 @@ struct Spread {
     // Pixels in one of the small picture.
     step: u32,
     // Pixels to the right and below, how far that is, and the part of the disc that each stands for.
-    // Even and odd rows have others.
-    taps: array<array<vec4f, 64>, 2>,
+    // 64 for even rows, and others for odd ones.
+    taps: array<vec4f, 128>,
 }
 
 @group(0) @binding(0) var<uniform> spread: Spread;
@@ -34,7 +34,9 @@ struct Spread {
 
 @group(0) @binding(0) var<uniform> circle: Circle;
 @group(1) @binding(0) var depths: texture_depth_multisampled_2d;
-@group(1) @binding(0) var one_depth: texture_depth_2d;
+@group(1) @binding(0) var one_depth: texture_2d<f32>;
+// GL gives nothing of depths without one.
+@group(1) @binding(1) var depth_sampler: sampler;
 
 @vertex
 fn screen_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
@@ -56,10 +58,26 @@ fn circles_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     return vec4f(circle_at(nearest), 0.0, 0.0, 1.0);
 }
 
+// One of the depths that are no samples.
+fn depth_at(p: vec2i) -> f32 {
+    let at = (vec2f(p) + 0.5) / vec2f(textureDimensions(one_depth));
+    return textureSampleLevel(one_depth, depth_sampler, at, 0.0).r;
+}
+
 // The same of one sample a pixel.
 @fragment
 fn circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
-    return vec4f(circle_at(textureLoad(one_depth, vec2i(clip.xy), 0)), 0.0, 0.0, 1.0);
+    return vec4f(circle_at(depth_at(vec2i(clip.xy))), 0.0, 0.0, 1.0);
+}
+
+// The same where each pixel has four depths side by side.
+@fragment
+fn fine_circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
+    var nearest = 1.0;
+    for (var i = 0; i < 4; i++) {
+        nearest = min(nearest, depth_at(2 * vec2i(clip.xy) + vec2i(i & 1, i >> 1u)));
+    }
+    return vec4f(circle_at(nearest), 0.0, 0.0, 1.0);
 }
 
 struct Small { @location(0) light: vec4f, @location(1) number: vec4f }
@@ -129,7 +147,7 @@ fn gather_fragment(@builtin(position) clip: vec4f) -> Layers {
     var near = textureLoad(picture, p, 0) * before;
     var far = textureLoad(picture, p, 0) * behind;
     for (var i = 0; i < 64; i++) {
-        let tap = spread.taps[p.y & 1][i];
+        let tap = spread.taps[64 * (p.y & 1) + i];
         let at = clamp(p + vec2i(tap.xy), vec2i(0), end);
         let there = textureLoad(circles, at, 0).r;
         // What lies behind is seen as far as what lies before it is spread, and is continued where that is sharp.

@@ -1,5 +1,6 @@
 //! The images that every pipeline reads: color maps, the skin, and the key light's shadow maps.
 
+use super::depths::depth_pass;
 use super::memory::image;
 use super::pipelines::{DEPTH, Layouts};
 use crate::uniforms::arrangement;
@@ -134,18 +135,7 @@ impl ShadowMaps {
     }
 
     pub(crate) fn pass<'e>(&self, encoder: &'e mut wgpu::CommandEncoder) -> wgpu::RenderPass<'e> {
-        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("shadows"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.view,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(1.0),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        })
+        depth_pass(encoder, "shadows", &self.view)
     }
 }
 

@@ -3,12 +3,13 @@
 use wgpu::BufferUsages;
 use wgpu::util::DeviceExt;
 
+use super::corners::Lookup;
 use crate::Gpu;
 
 pub(crate) type Buffer = wgpu::Buffer;
 pub(crate) type Image = wgpu::TextureView;
 
-/// What a buffer is read as; all are readable as storage.
+/// What a buffer is read as; all but triangles can be looked up, too.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Use {
     Vertices,
@@ -16,12 +17,15 @@ pub(crate) enum Use {
 }
 
 impl Use {
-    fn usages(self) -> BufferUsages {
-        let read = match self {
-            Self::Vertices => BufferUsages::VERTEX,
-            Self::Indices => BufferUsages::INDEX,
+    fn usages(self, gpu: &Gpu) -> BufferUsages {
+        let read = match (self, gpu.lookup()) {
+            (Self::Vertices, Lookup::Storage) => BufferUsages::VERTEX | BufferUsages::STORAGE,
+            (Self::Vertices, Lookup::Textures) => BufferUsages::VERTEX | BufferUsages::COPY_SRC,
+            (Self::Indices, Lookup::Storage) => BufferUsages::INDEX | BufferUsages::STORAGE,
+            // WebGL has buffers of triangles for nothing else.
+            (Self::Indices, Lookup::Textures) => BufferUsages::INDEX,
         };
-        read | BufferUsages::STORAGE | BufferUsages::COPY_DST
+        read | BufferUsages::COPY_DST
     }
 }
 
@@ -30,8 +34,16 @@ pub(crate) fn filled(gpu: &Gpu, label: &str, contents: &[u8], used: Use) -> Buff
     gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),
         contents,
-        usage: used.usages(),
+        usage: used.usages(gpu),
     })
+}
+
+/// These triangles, the bytes of `contents`, where vertex stages look them up.
+pub(crate) fn looked_up(gpu: &Gpu, triangles: &Buffer, contents: &[u8]) -> Buffer {
+    match gpu.lookup() {
+        Lookup::Storage => triangles.clone(),
+        Lookup::Textures => filled(gpu, "corners", contents, Use::Vertices),
+    }
 }
 
 /// A buffer with room for this many bytes, at least one.
@@ -39,7 +51,7 @@ pub(crate) fn room(gpu: &Gpu, label: &str, bytes: usize, used: Use) -> Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
         size: bytes as u64,
-        usage: used.usages(),
+        usage: used.usages(gpu),
         mapped_at_creation: false,
     })
 }

@@ -1,6 +1,8 @@
 //! The device that draws, with or without a window.
 
 mod canvas;
+mod corners;
+mod depths;
 mod finishing;
 mod focus;
 mod grains;
@@ -15,7 +17,7 @@ mod uniforms;
 use chladni_synth::DeviceLoss;
 
 pub(crate) use canvas::{Canvas, Readback};
-pub(crate) use memory::{Buffer, Image, Use, filled, image, room, size, write};
+pub(crate) use memory::{Buffer, Image, Use, filled, image, looked_up, room, size, write};
 pub(crate) use renderer::Renderer;
 
 use crate::{Samples, ViewError};
@@ -46,6 +48,16 @@ impl Gpu {
         Self::open(&adapter)
     }
 
+    /// As [`headless`](Self::headless), with no more than these limits: a device without storage buffers draws as WebGL2
+    /// does.
+    ///
+    /// # Errors
+    /// As [`headless`](Self::headless).
+    pub fn headless_within(limits: wgpu::Limits) -> Result<Self, ViewError> {
+        let adapter = pollster::block_on(Self::adapter(&Self::instance()))?;
+        pollster::block_on(Self::within(&adapter, limits))
+    }
+
     /// Whether the fastest adapter is hardware.
     pub(crate) fn has_card() -> bool {
         pollster::block_on(Self::adapter(&Self::instance())).is_ok_and(|adapter| is_card(&adapter))
@@ -60,7 +72,7 @@ impl Gpu {
 
     fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-        // GL drivers lack what the corner pipelines need and are no faster than lavapipe.
+        // GL drivers of the desktop lack what synthesis needs and are no faster than lavapipe.
         descriptor.backends &= wgpu::Backends::PRIMARY;
         wgpu::Instance::new(descriptor)
     }
@@ -74,20 +86,30 @@ impl Gpu {
     /// # Errors
     /// [`ViewError::NoDevice`] where it refuses.
     pub async fn on_adapter(adapter: &wgpu::Adapter) -> Result<Self, ViewError> {
+        // What the card allows: synthesis binds large buffers.
+        Self::within(adapter, adapter.limits()).await
+    }
+
+    async fn within(adapter: &wgpu::Adapter, required_limits: wgpu::Limits) -> Result<Self, ViewError> {
         let wanted = wgpu::DeviceDescriptor {
             label: Some("chladni"),
-            // What the card allows: synthesis binds large buffers.
-            required_limits: adapter.limits(),
+            required_limits,
             // Benchmarks ask the device's own clock.
             required_features: adapter.features()
                 & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS),
             ..Default::default()
         };
-        let refused = |error: wgpu::RequestDeviceError| ViewError::NoDevice {
-            adapter: adapter.get_info().name,
-            reason: error.to_string(),
+        let refused = |reason: String| ViewError::NoDevice { adapter: adapter.get_info().name, reason };
+        // Every device but some of WebGL's.
+        let draws = |format| {
+            let usages = adapter.get_texture_format_features(format).allowed_usages;
+            usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT)
         };
-        let (device, queue) = adapter.request_device(&wanted).await.map_err(refused)?;
+        if !draws(focus::LIGHT) || !draws(focus::NUMBER) {
+            return Err(refused("it draws no pictures of half floats".into()));
+        }
+        let opened = adapter.request_device(&wanted).await;
+        let (device, queue) = opened.map_err(|error| refused(error.to_string()))?;
         let loss = DeviceLoss::watch(&device);
         Ok(Self { device, queue, loss })
     }
@@ -138,6 +160,11 @@ impl Gpu {
     /// draws, which takes a third of the time. Still pictures can wait and have four everywhere.
     pub fn live_samples(&self) -> Samples {
         if self.is_software() { Samples::One } else { Samples::Four }
+    }
+
+    /// Where vertex stages look up numbers.
+    pub(crate) fn lookup(&self) -> corners::Lookup {
+        corners::Lookup::within(&self.device.limits())
     }
 
     /// Longest side of a picture, pixels.

@@ -4,8 +4,9 @@ use std::collections::HashMap;
 
 use wgpu::{BindGroupLayout, RenderPipeline, TextureFormat};
 
+use super::corners::Corners;
 use super::grains::GRAIN_BYTES;
-use crate::Samples;
+use crate::{Figure, Paint, Samples};
 
 /// Depth of a canvas.
 pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
@@ -13,7 +14,7 @@ pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 /// Bytes of one marker: position, radius, color.
 pub(crate) const MARKER_BYTES: u64 = 20;
 
-/// One text of many parts, which use each other's names.
+/// One text of many parts, which use each other's names, and those of the part by which vertices are looked up.
 const SHADER: &str = concat!(
     include_str!("shader/scene.wgsl"),
     include_str!("shader/surface.wgsl"),
@@ -30,7 +31,6 @@ pub(crate) struct Layouts {
     pub(crate) cell: BindGroupLayout,
     pub(crate) figure: BindGroupLayout,
     pub(crate) images: BindGroupLayout,
-    pub(crate) corners: BindGroupLayout,
 }
 
 /// What a pipeline draws. Each is compiled when it is needed first, so that a picture waits for its
@@ -50,6 +50,8 @@ pub(crate) struct Kind {
 pub(crate) enum Part {
     /// A surface's depth as the key light sees it.
     Shadow,
+    /// As the viewer sees it.
+    Depth,
     Backdrop,
     /// A picture in its place.
     Pictured,
@@ -84,6 +86,20 @@ pub(crate) enum Side {
     Back,
 }
 
+impl Coat {
+    pub(crate) fn of(figure: &Figure<'_>) -> Self {
+        match figure.paint {
+            _ if figure.wire.is_some() => Self::Corners,
+            Paint::Skin(_) => Self::Corners,
+            Paint::Material => Self::Plain,
+            Paint::Values(..) => Self::Values,
+            Paint::Colors(_) => Self::Colors,
+            Paint::Answer(_, by) if by.is_figured() => Self::Figured,
+            Paint::Answer(..) => Self::Answer,
+        }
+    }
+}
+
 impl Kind {
     pub(crate) fn new(part: Part, samples: Samples) -> Self {
         Self { part, samples, shadows: false, around: false }
@@ -107,11 +123,6 @@ impl Layouts {
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        let storage = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
         let fragment = ShaderStages::FRAGMENT;
         Self {
             cell: uniform("cell"),
@@ -130,7 +141,6 @@ impl Layouts {
                     (fragment, SAMPLER),
                 ],
             ),
-            corners: layout(device, "corners", &[(ShaderStages::VERTEX, storage); 5]),
         }
     }
 }
@@ -178,7 +188,12 @@ pub(crate) struct Pipelines {
 }
 
 impl Pipelines {
-    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, format: TextureFormat) -> Self {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        corners: &Corners,
+        format: TextureFormat,
+    ) -> Self {
         let smooth = smooth_layout(device);
         let layout = |groups: &[Option<&BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -187,11 +202,11 @@ impl Pipelines {
                 immediate_size: 0,
             })
         };
-        let groups = [&layouts.cell, &layouts.figure, &layouts.images, &layouts.corners].map(Some);
+        let groups = [&layouts.cell, &layouts.figure, &layouts.images, &corners.layout].map(Some);
         Self {
             module: device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("gpu/shader"),
-                source: wgpu::ShaderSource::Wgsl(SHADER.into()),
+                source: wgpu::ShaderSource::Wgsl((corners.shader() + SHADER).into()),
             }),
             shadowed: layout(&groups[..2]),
             indexed: layout(&groups[..3]),
@@ -228,6 +243,7 @@ impl Pipelines {
         let [at, towards] = [each(12, &position), each(12, &normal)];
         let (vertex, fragment, buffers) = match kind.part {
             Part::Shadow => ("shadow_vertex", None, vec![at]),
+            Part::Depth => ("depth_vertex", None, vec![at]),
             Part::Backdrop => ("screen_vertex", Some("backdrop_fragment"), vec![]),
             Part::Pictured => ("screen_vertex", Some("pictured_fragment"), vec![]),
             Part::Smooth => ("screen_vertex", Some("smooth_fragment"), vec![]),
@@ -260,7 +276,7 @@ impl Pipelines {
         };
         let layout = match kind.part {
             Part::Grains => &self.cornered,
-            Part::Shadow => &self.shadowed,
+            Part::Shadow | Part::Depth => &self.shadowed,
             Part::Surface(Coat::Corners, _) => &self.cornered,
             Part::Smooth => &self.smoothing,
             _ => &self.indexed,
@@ -319,7 +335,7 @@ impl Part {
         use wgpu::CompareFunction::{Always, Greater, LessEqual};
         let (write, compare) = match self {
             Self::Smooth => return None,
-            Self::Shadow | Self::Surface(..) => (true, LessEqual),
+            Self::Shadow | Self::Depth | Self::Surface(..) => (true, LessEqual),
             Self::Backdrop | Self::Pictured => (false, Always),
             Self::Markers | Self::Grains | Self::Brush => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),

@@ -3,8 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::canvas::Canvas;
+use super::corners::Corners;
 use super::finishing::Finishing;
-use super::focus::Focusing;
+use super::focus::{Depths, Focusing};
 use super::grains::GrainBuffer;
 use super::images::Images;
 use super::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
@@ -18,13 +19,13 @@ use crate::{Cell, Figure, Finish, Gpu, Paint, Samples, Surroundings, ViewError};
 /// The pipelines of one device and target format, and the uniform buffers they share. Make one
 /// and keep it: each pipeline is compiled when a picture needs it first, and kept here.
 pub(crate) struct Renderer {
-    gpu: Gpu,
+    pub(super) gpu: Gpu,
     format: wgpu::TextureFormat,
     layouts: Layouts,
-    pipelines: Pipelines,
-    images: Images,
-    cells: Uniforms<CellUniform>,
-    figures: Uniforms<FigureUniform>,
+    pub(super) pipelines: Pipelines,
+    pub(super) images: Images,
+    pub(super) cells: Uniforms<CellUniform>,
+    pub(super) figures: Uniforms<FigureUniform>,
     markers: wgpu::Buffer,
     marker_bytes: Vec<MarkerInstance>,
     /// None before the first picture that has a finish.
@@ -32,6 +33,7 @@ pub(crate) struct Renderer {
     /// None before the first picture that is not sharp everywhere.
     focusing: Option<Focusing>,
     grains: GrainBuffer,
+    corners: Corners,
     surroundings: Surroundings,
     /// The picture behind, bound as a skin.
     behind: Option<wgpu::BindGroup>,
@@ -60,7 +62,8 @@ impl Renderer {
     pub(crate) fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         let device = &gpu.device;
         let layouts = Layouts::new(device);
-        let pipelines = Pipelines::new(device, &layouts, format);
+        let corners = Corners::new(device);
+        let pipelines = Pipelines::new(device, &layouts, &corners, format);
         let images = Images::new(gpu, &layouts);
         let cells = Uniforms::new(device, &layouts.cell, "cells");
         let figures = Uniforms::new(device, &layouts.figure, "figures");
@@ -78,6 +81,7 @@ impl Renderer {
             finishing: None,
             focusing: None,
             grains: GrainBuffer::new(),
+            corners,
             surroundings: Surroundings::default(),
             behind: None,
         }
@@ -108,6 +112,7 @@ impl Renderer {
         self.stage(canvas, cells)?;
         let device = self.gpu.device.clone();
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.corners.stage(&device, &mut encoder, cells)?;
         self.draw_shadows(&mut encoder, cells)?;
         let mut finishing = self.finishing.take();
         let finished = !finish.is_nothing();
@@ -117,8 +122,12 @@ impl Renderer {
         let bare = finishing.as_ref().filter(|_| finished).map(Finishing::bare);
         let bare = bare.unwrap_or(&canvas.finished_view);
         let mut kept = self.focusing.take();
-        let mut focusing = (finish.blur > 0.0).then(|| Focusing::fit(&mut kept, &self.gpu, canvas));
-        let [depth, sharp] = focusing.as_deref().map_or([None; 2], |of| of.targets().map(Some));
+        let mut focusing =
+            (finish.blur > 0.0).then(|| Focusing::fit(&mut kept, &self.gpu, canvas)).transpose()?;
+        let [mut depth, sharp] = focusing.as_deref().map_or([None; 2], |of| of.targets().map(Some));
+        if let Some(seen) = depth.take_if(|_| Depths::on(&device, canvas.samples) == Depths::Fine) {
+            self.draw_seen_depths(&mut encoder, seen, cells)?;
+        }
         let target = sharp.unwrap_or(bare);
         self.draw_cells(&mut encoder, canvas, (target, depth), cells)?;
         if let Some((rough, mut pass)) = canvas.smoothing(&mut encoder, target) {
@@ -166,7 +175,7 @@ impl Renderer {
             }
             for figure in cell.figures {
                 pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(figure_index)]);
-                self.draw_figure(&mut pass, figure, samples, casts_shadows(cell))?;
+                self.draw_figure(&mut pass, (figure, figure_index), samples, casts_shadows(cell))?;
                 figure_index += 1;
             }
             for (i, figure) in cell.figures.iter().enumerate() {
@@ -178,7 +187,7 @@ impl Renderer {
                     let kind = Kind { shadows, ..Kind::new(Part::Grains, samples) };
                     let index = figure_index - cell.figures.len() + i;
                     pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(index)]);
-                    self.bind_corners(&mut pass, figure)?;
+                    self.bind_corners(&mut pass, figure, index)?;
                     pass.set_bind_group(2, &self.images.group, &[]);
                     pass.set_vertex_buffer(0, grains);
                     pass.set_pipeline(self.pipelines.get(&device, kind));
@@ -195,49 +204,15 @@ impl Renderer {
                 first_marker = markers.end;
             }
         }
-        Ok(())
-    }
-
-    /// The maps of all cells whose key light casts shadows.
-    fn draw_shadows(
-        &mut self,
-        encoder: &mut wgpu::CommandEncoder,
-        cells: &[Cell<'_>],
-    ) -> Result<(), ViewError> {
-        if !cells.iter().any(casts_shadows) {
-            return Ok(());
-        }
-        let mut pass = self.images.shadows.pass(encoder);
-        let (mut figure_index, mut map) = (0, 0);
-        for (cell_index, cell) in cells.iter().enumerate() {
-            let first_figure = figure_index;
-            figure_index += cell.figures.len();
-            if !casts_shadows(cell) {
-                continue;
-            }
-            let ([x, y], size) = (self.images.shadows.corner(map), self.images.shadows.size);
-            map += 1;
-            pass.set_viewport(x as f32, y as f32, size as f32, size as f32, 0.0, 1.0);
-            pass.set_scissor_rect(x, y, size, size);
-            pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
-            let solid = |figure: &Figure<'_>| figure.opacity >= 1.0 && figure.topology.triangles > 0;
-            for (i, figure) in cell.figures.iter().enumerate().filter(|(_, figure)| solid(figure)) {
-                let shadow = Kind::new(Part::Shadow, Samples::One);
-                pass.set_pipeline(self.pipelines.get(&self.gpu.device, shadow));
-                pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
-                let (items, triangles) = (figure.buffers.held.gpu()?, figure.topology.held.gpu()?);
-                pass.set_vertex_buffer(0, items.positions.slice(item_bytes(figure, figure.item)));
-                pass.set_index_buffer(triangles.indices.slice(..), wgpu::IndexFormat::Uint32);
-                pass.draw_indexed(0..3 * figure.topology.triangles as u32, 0, 0..1);
-            }
-        }
+        // wgpu's GL resolves samples within what is left of the last cell's scissors.
+        pass.set_scissor_rect(0, 0, canvas.width, canvas.height);
         Ok(())
     }
 
     fn draw_figure(
         &mut self,
         pass: &mut wgpu::RenderPass<'_>,
-        figure: &Figure<'_>,
+        (figure, index): (&Figure<'_>, usize),
         samples: Samples,
         shadows: bool,
     ) -> Result<(), ViewError> {
@@ -247,17 +222,9 @@ impl Renderer {
         if corners == 0 {
             return Ok(());
         }
-        let coat = match figure.paint {
-            _ if figure.wire.is_some() => Coat::Corners,
-            Paint::Skin(_) => Coat::Corners,
-            Paint::Material => Coat::Plain,
-            Paint::Values(..) => Coat::Values,
-            Paint::Colors(_) => Coat::Colors,
-            Paint::Answer(_, by) if by.is_figured() => Coat::Figured,
-            Paint::Answer(..) => Coat::Answer,
-        };
+        let coat = Coat::of(figure);
         if coat == Coat::Corners {
-            self.bind_corners(pass, figure)?;
+            self.bind_corners(pass, figure, index)?;
         } else {
             let item = item_bytes(figure, figure.item);
             pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
@@ -298,28 +265,17 @@ impl Renderer {
         Ok(())
     }
 
-    /// Wires and skins read their vertices from storage; these groups are small and made per draw.
-    fn bind_corners(&self, pass: &mut wgpu::RenderPass<'_>, figure: &Figure<'_>) -> Result<(), ViewError> {
-        let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
-        let paint = match figure.paint {
-            Paint::Values(paint, _) | Paint::Colors(paint) => paint.held.gpu()?,
-            Paint::Answer(rest, _) => rest.held.gpu()?,
-            Paint::Material | Paint::Skin(_) => &topology.indices,
-        };
-        let buffers = [&items.positions, &items.normals, &topology.indices, &topology.uvs, paint];
-        let entries: Vec<_> = (0..)
-            .zip(buffers)
-            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-            .collect();
-        let device = &self.gpu.device;
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("corners"),
-            layout: &self.layouts.corners,
-            entries: &entries,
-        });
-        pass.set_bind_group(3, &group, &[]);
+    /// What wires, skins and grains look up.
+    fn bind_corners(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        figure: &Figure<'_>,
+        index: usize,
+    ) -> Result<(), ViewError> {
+        pass.set_bind_group(3, self.corners.group(index), &[]);
         if let Paint::Skin(skin) = figure.paint {
-            pass.set_bind_group(2, &self.images.group_with(device, &self.layouts, skin.held.gpu()?), &[]);
+            let skin = self.images.group_with(&self.gpu.device, &self.layouts, skin.held.gpu()?);
+            pass.set_bind_group(2, &skin, &[]);
         }
         Ok(())
     }
@@ -381,7 +337,7 @@ fn sides(figure: &Figure<'_>) -> [Side; 2] {
 }
 
 /// Where the positions (and normals) of an item lie in a figure's buffers.
-fn item_bytes(figure: &Figure<'_>, item: usize) -> std::ops::Range<u64> {
+pub(super) fn item_bytes(figure: &Figure<'_>, item: usize) -> std::ops::Range<u64> {
     let bytes = (figure.buffers.vertices * 12) as u64;
     let start = item as u64 * bytes;
     start..start + bytes

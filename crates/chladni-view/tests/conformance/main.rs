@@ -6,11 +6,12 @@
 )]
 
 mod figures;
+mod lookup;
 #[path = "../shapes/mod.rs"]
 mod shapes;
 
 use chladni_view::{
-    Answer, Background, BrushRing, Camera, Canvas, Cell, ColorMap, Curve, Device, Figure, Finish, Floor,
+    Answer, Background, BrushRing, Camera, Canvas, Cell, ColorMap, Curve, Device, Figure, Finish, Floor, Gpu,
     Gradient, Grain, Grains, ItemBuffers, Lights, Look, Marker, Material, Mood, NodalLines, Paint, Palette,
     Panorama, Picture, Projection, Rect, Renderer, RestShape, Scale, Skin, Surroundings, Topology,
     VertexPaint, View, ViewError, Wire, layout, smooth_normals,

@@ -16,13 +16,11 @@ struct GrainDisc {
 const LEAST_GRAIN_PX: f32 = 0.7;
 
 fn mixed_corners(trio: vec3u, weights: vec3f) -> array<vec3f, 2> {
-    let first = u32(figure.wire_width.y);
     var position = vec3f(0.0);
     var normal = vec3f(0.0);
     for (var c = 0; c < 3; c++) {
-        let i = 3u * (trio[c] + first);
-        position += weights[c] * vec3f(positions[i], positions[i + 1u], positions[i + 2u]);
-        normal += weights[c] * vec3f(normals[i], normals[i + 1u], normals[i + 2u]);
+        position += weights[c] * position_of(trio[c]);
+        normal += weights[c] * normal_of(trio[c]);
     }
     return array<vec3f, 2>(position, normal / max(length(normal), 1e-12));
 }

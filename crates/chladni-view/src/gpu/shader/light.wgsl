@@ -52,6 +52,9 @@ fn lit_by_key(map_at: vec3f, map_step: vec3f, pixel: vec2f) -> f32 {
     return mix(1.0, lit_disc(map_at + map_step, pixel), cell.shadow_map.x);
 }
 
+// Radius of the disc in which shadows are filtered, in texels.
+const DISC = 3.6;
+
 // Share of a disc around `at`, in texels, that the key light reaches. The disc is Vogel's spiral,
 // written out, as devices are slow at looking up constants.
 fn lit_disc(at: vec3f, pixel: vec2f) -> f32 {
@@ -80,16 +83,12 @@ fn lit_disc(at: vec3f, pixel: vec2f) -> f32 {
     let turn = 1.5707963 * (0.25 * f32(2u * (p.x ^ p.y) + p.y));
     let arm = vec2f(cos(turn), sin(turn)) * (1.4 + 0.8 * f32(p.x));
     let across = vec2f(-arm.y, arm.x);
-    return 0.25 * (unfiltered(at, arm) + unfiltered(at, -arm) + unfiltered(at, across) + unfiltered(at, -across));
+    return 0.25 * (texel_lit(at, arm) + texel_lit(at, -arm) + texel_lit(at, across) + texel_lit(at, -across));
 }
 
 fn lit_at(at: vec3f, offset: vec2f) -> f32 {
-    let tap = (at.xy + 3.6 * offset) * cell.shadow_place.zw;
+    let tap = (at.xy + DISC * offset) * cell.shadow_place.zw;
     return textureSampleCompareLevel(shadows, shadow_sampler, tap, at.z);
-}
-
-fn unfiltered(at: vec3f, offset: vec2f) -> f32 {
-    return select(0.0, 1.0, at.z <= textureLoad(shadows, vec2i(at.xy + offset), 0));
 }
 
 fn fifth(x: f32) -> f32 {

@@ -90,8 +90,3 @@ const WING = 0.3;
 @group(2) @binding(5) var shadow_sampler: sampler_comparison;
 @group(2) @binding(6) var around: texture_2d<f32>;
 @group(2) @binding(7) var around_sampler: sampler;
-@group(3) @binding(0) var<storage, read> positions: array<f32>;
-@group(3) @binding(1) var<storage, read> normals: array<f32>;
-@group(3) @binding(2) var<storage, read> corners: array<u32>;
-@group(3) @binding(3) var<storage, read> corner_uvs: array<vec2f>;
-@group(3) @binding(4) var<storage, read> paints: array<u32>;

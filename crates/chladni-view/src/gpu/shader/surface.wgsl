@@ -150,23 +150,32 @@ fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
     return cell.shadow * figure.model * vec4f(position, 1.0);
 }
 
+// What the viewer sees, as depth alone.
+@vertex
+fn depth_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
+    return cell.projection * (cell.view * (figure.model * vec4f(position, 1.0)));
+}
+
 // One vertex per corner, for what lives on corners: UVs with seams, and wires.
 @vertex
 fn corner_vertex(@builtin(vertex_index) corner: u32) -> CornerSurface {
-    let v = corners[corner];
-    let i = 3u * (v + u32(figure.wire_width.y));
-    let position = vec3f(positions[i], positions[i + 1u], positions[i + 2u]);
-    let normal = vec3f(normals[i], normals[i + 1u], normals[i + 2u]);
+    let v = vertex_of(corner);
+    let position = position_of(v);
+    let normal = normal_of(v);
     let s = surface(position, normal);
     let kind = u32(figure.back.w);
     var paint = vec3f(0.0);
-    if kind == 1u { paint.x = bitcast<f32>(paints[v]); }
-    if kind == 2u { paint = unpack4x8unorm(paints[v]).rgb; }
+    if kind == 1u { paint.x = bitcast<f32>(paint_at(v)); }
+    if kind == 2u { paint = unpack4x8unorm(paint_at(v)).rgb; }
     // Images begin at the top, v at the bottom.
-    if kind == 3u { paint = vec3f(corner_uvs[corner].x, 1.0 - corner_uvs[corner].y, 0.0); }
+    if kind == 3u {
+        let uv = uv_of(corner);
+        paint = vec3f(uv.x, 1.0 - uv.y, 0.0);
+    }
     if kind == 4u {
-        let r = vec4u(paints[5u * v], paints[5u * v + 1u], paints[5u * v + 2u], paints[5u * v + 3u]);
-        let bend = bitcast<f32>(paints[5u * v + 4u]);
+        let i = 5u * v;
+        let r = vec4u(paint_at(i), paint_at(i + 1u), paint_at(i + 2u), paint_at(i + 3u));
+        let bend = bitcast<f32>(paint_at(i + 4u));
         paint = vec3f(answered(position, normal, bitcast<vec4f>(r), bend), 0.0);
     }
     let which = corner % 3u;

@@ -1,0 +1,254 @@
+//! What vertex stages look up by its index: in storage, or, where a device lends them none (WebGL2), in textures that
+//! the same buffers are copied to before each picture.
+
+use wgpu::{Buffer, TextureFormat};
+
+use super::pipelines::{Coat, layout};
+use super::renderer::item_bytes;
+use crate::{Cell, Figure, Paint, ViewError};
+
+/// Texels in a row of such a texture.
+const ROW: u32 = 2048;
+
+/// Where numbers are looked up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lookup {
+    Storage,
+    Textures,
+}
+
+impl Lookup {
+    /// Of the devices with these limits.
+    pub(crate) fn within(limits: &wgpu::Limits) -> Self {
+        if limits.max_storage_buffers_per_shader_stage < 5 { Self::Textures } else { Self::Storage }
+    }
+
+    /// Its part of the shader.
+    fn shader(self) -> String {
+        match self {
+            Self::Storage => include_str!("shader/storage.wgsl").into(),
+            Self::Textures => format!("const ROW = {ROW}u;\n{}", include_str!("shader/textures.wgsl")),
+        }
+    }
+
+    fn layout(self, device: &wgpu::Device) -> wgpu::BindGroupLayout {
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let float = texture(wgpu::TextureSampleType::Float { filterable: false });
+        let uint = texture(wgpu::TextureSampleType::Uint);
+        let storage = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let bindings = match self {
+            Self::Storage => [storage; 5],
+            Self::Textures => [float, float, uint, float, uint],
+        };
+        layout(device, "corners", &bindings.map(|binding| (wgpu::ShaderStages::VERTEX, binding)))
+    }
+}
+
+/// The bind groups of a picture's figures.
+pub(crate) struct Corners {
+    lookup: Lookup,
+    pub(crate) layout: wgpu::BindGroupLayout,
+    /// By figure; none of those that look nothing up.
+    groups: Vec<Option<wgpu::BindGroup>>,
+    /// The first of them hold numbers of this picture, those behind are left from others.
+    sheets: Vec<Sheet>,
+}
+
+/// Numbers of a buffer in a texture.
+struct Sheet {
+    texture: wgpu::Texture,
+    /// Where they are from.
+    source: Numbers,
+}
+
+/// A part of a buffer.
+#[derive(Clone, PartialEq)]
+struct Numbers {
+    buffer: Buffer,
+    format: TextureFormat,
+    start: u64,
+    count: u32,
+}
+
+impl Corners {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        let lookup = Lookup::within(&device.limits());
+        Self { lookup, layout: lookup.layout(device), groups: Vec::new(), sheets: Vec::new() }
+    }
+
+    /// The part of the shader that looks them up.
+    pub(crate) fn shader(&self) -> String {
+        self.lookup.shader()
+    }
+
+    /// That of a figure, by its number in the picture.
+    pub(crate) fn group(&self, figure: usize) -> Option<&wgpu::BindGroup> {
+        self.groups.get(figure)?.as_ref()
+    }
+
+    /// Makes ready what the figures of a picture look up.
+    pub(crate) fn stage(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        cells: &[Cell<'_>],
+    ) -> Result<(), ViewError> {
+        self.groups.clear();
+        let mut filled = 0;
+        for figure in cells.iter().flat_map(|cell| cell.figures) {
+            let looks_up = Coat::of(figure) == Coat::Corners || figure.grains.is_some();
+            let group = if looks_up && figure.topology.triangles > 0 {
+                Some(match self.lookup {
+                    Lookup::Storage => self.group_of_storage(device, figure)?,
+                    Lookup::Textures => self.group_of_textures(device, encoder, figure, &mut filled)?,
+                })
+            } else {
+                None
+            };
+            self.groups.push(group);
+        }
+        Ok(())
+    }
+
+    fn group_of_storage(
+        &self,
+        device: &wgpu::Device,
+        figure: &Figure<'_>,
+    ) -> Result<wgpu::BindGroup, ViewError> {
+        let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
+        let paint = paint(figure)?.unwrap_or(&topology.corners);
+        let buffers = [&items.positions, &items.normals, &topology.corners, &topology.uvs, paint];
+        Ok(self.grouped(device, buffers.map(Buffer::as_entire_binding)))
+    }
+
+    fn group_of_textures(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        figure: &Figure<'_>,
+        filled: &mut usize,
+    ) -> Result<wgpu::BindGroup, ViewError> {
+        let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
+        let item = item_bytes(figure, figure.item);
+        let paint = paint(figure)?;
+        // Grains read positions and normals only.
+        let has_corners = Coat::of(figure) == Coat::Corners;
+        let if_read = |is_read: bool, count: u64| if is_read { count as u32 } else { 1 };
+        let numbers =
+            |buffer: &Buffer, format, start, count| Numbers { buffer: buffer.clone(), format, start, count };
+        let of_item =
+            |buffer| numbers(buffer, TextureFormat::R32Float, item.start, 3 * figure.buffers.vertices as u32);
+        let corners = if_read(has_corners, topology.corners.size() / 4);
+        let uvs = if_read(has_corners, topology.uvs.size() / 8);
+        let paints = if_read(has_corners && paint.is_some(), paint.map_or(0, Buffer::size) / 4);
+        let views = [
+            of_item(&items.positions),
+            of_item(&items.normals),
+            numbers(&topology.corners, TextureFormat::R32Uint, 0, corners),
+            numbers(&topology.uvs, TextureFormat::Rg32Float, 0, uvs),
+            numbers(paint.unwrap_or(&topology.corners), TextureFormat::R32Uint, 0, paints),
+        ];
+        let mut sheets = [0; 5];
+        for (sheet, numbers) in sheets.iter_mut().zip(views) {
+            *sheet = self.sheet(device, encoder, numbers, filled)?;
+        }
+        let views = sheets.map(|i| super::screen::view(&self.sheets[i].texture));
+        Ok(self.grouped(device, views.each_ref().map(wgpu::BindingResource::TextureView)))
+    }
+
+    fn grouped(&self, device: &wgpu::Device, resources: [wgpu::BindingResource<'_>; 5]) -> wgpu::BindGroup {
+        super::screen::group(device, &self.layout, &resources)
+    }
+
+    /// The index of a sheet of these numbers, filled unless this picture has it already.
+    fn sheet(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        source: Numbers,
+        filled: &mut usize,
+    ) -> Result<usize, ViewError> {
+        if let Some(there) = self.sheets[..*filled].iter().position(|sheet| sheet.source == source) {
+            return Ok(there);
+        }
+        let index = *filled;
+        let fits = |sheet: &Sheet| {
+            sheet.texture.format() == source.format && sheet.texture.height() >= source.rows()
+        };
+        match self.sheets.get_mut(index).filter(|sheet| fits(sheet)) {
+            Some(sheet) => sheet.source = source,
+            None => {
+                let texture = source.texture(device)?;
+                self.sheets.truncate(index);
+                self.sheets.push(Sheet { texture, source });
+            }
+        }
+        *filled += 1;
+        self.sheets[index].fill(encoder);
+        Ok(index)
+    }
+}
+
+/// What a figure is painted with by vertex.
+fn paint<'a>(figure: &Figure<'a>) -> Result<Option<&'a Buffer>, ViewError> {
+    Ok(match figure.paint {
+        Paint::Values(paint, _) | Paint::Colors(paint) => Some(paint.held.gpu()?),
+        Paint::Answer(rest, _) => Some(rest.held.gpu()?),
+        Paint::Material | Paint::Skin(_) => None,
+    })
+}
+
+impl Numbers {
+    fn rows(&self) -> u32 {
+        self.count.div_ceil(ROW)
+    }
+
+    fn texture(&self, device: &wgpu::Device) -> Result<wgpu::Texture, ViewError> {
+        let (rows, limit) = (self.rows(), device.limits().max_texture_dimension_2d);
+        if rows > limit {
+            let (count, most) = (self.count, u64::from(limit) * u64::from(ROW));
+            return Err(ViewError::Shape(format!(
+                "{count} numbers of a shape where this graphics device has room for {most}"
+            )));
+        }
+        let usage = wgpu::TextureUsages::COPY_DST;
+        Ok(super::screen::texture(device, "looked up", [ROW, rows], self.format, (1, usage)))
+    }
+}
+
+impl Sheet {
+    /// Queues the copy: whole rows, then what is left.
+    fn fill(&self, encoder: &mut wgpu::CommandEncoder) {
+        let Numbers { buffer, format, start, count } = &self.source;
+        let bytes = u64::from(format.block_copy_size(None).unwrap_or(4));
+        let (rows, rest) = (count / ROW, count % ROW);
+        for (y, width, height) in [(0, ROW, rows), (rows, rest, 1)] {
+            if width == 0 || height == 0 {
+                continue;
+            }
+            let from = wgpu::TexelCopyBufferInfo {
+                buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: start + bytes * u64::from(y * ROW),
+                    bytes_per_row: Some(bytes as u32 * ROW),
+                    rows_per_image: None,
+                },
+            };
+            let mut to = self.texture.as_image_copy();
+            to.origin.y = y;
+            encoder.copy_buffer_to_texture(
+                from,
+                to,
+                wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            );
+        }
+    }
+}
