@@ -149,7 +149,7 @@ impl Corners {
         let corners = if_read(has_corners, topology.corners.size() / 4);
         let uvs = if_read(has_corners, topology.uvs.size() / 8);
         let paints = if_read(has_corners && paint.is_some(), paint.map_or(0, Buffer::size) / 4);
-        let views = [
+        let sources = [
             of_item(&items.positions),
             of_item(&items.normals),
             numbers(&topology.corners, TextureFormat::R32Uint, 0, corners),
@@ -157,7 +157,7 @@ impl Corners {
             numbers(paint.unwrap_or(&topology.corners), TextureFormat::R32Uint, 0, paints),
         ];
         let mut sheets = [0; 5];
-        for (sheet, numbers) in sheets.iter_mut().zip(views) {
+        for (sheet, numbers) in sheets.iter_mut().zip(sources) {
             *sheet = self.sheet(device, encoder, numbers, filled)?;
         }
         let views = sheets.map(|i| super::screen::view(&self.sheets[i].texture));
