@@ -108,6 +108,7 @@ impl Concert {
     ///
     /// # Errors
     /// Beats that are none.
+    #[allow(clippy::too_many_arguments, reason = "no struct of ours crosses from JavaScript in one piece")]
     pub fn know_song(
         &mut self,
         number: usize,
