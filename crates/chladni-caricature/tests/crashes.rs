@@ -44,7 +44,7 @@ fn saves_until_killed() {
 
 #[test]
 fn what_was_saved_before_a_kill_is_there() {
-    let rounds = std::env::var("CHLADNI_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(60);
+    let rounds = chladni_testdata::setting("CHLADNI_CASES", 60);
     let program = std::env::current_exe().unwrap();
     for round in 0..rounds {
         let folder = tempfile::tempdir().unwrap();

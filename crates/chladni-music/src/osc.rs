@@ -117,14 +117,13 @@ mod tests {
         let inner = bundle(vec![message("/a/b", vec![OscType::Float(1.0), OscType::String("text".into())])]);
         let good =
             encoder::encode(&bundle(vec![inner, message("/c", vec![OscType::Blob(vec![7; 9])])])).unwrap();
-        let mut state = 7u64;
+        let mut chance = chladni_testdata::chance(7);
         for _ in 0..20_000 {
             let mut packet = good.clone();
             for _ in 0..3 {
-                // Knuth's linear congruential generator.
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let at = (state >> 33) as usize % packet.len();
-                packet[at] = (state >> 24) as u8;
+                let bits = chance();
+                let at = (bits >> 33) as usize % packet.len();
+                packet[at] = (bits >> 24) as u8;
             }
             let _ = OscMessage::in_packet(&packet);
         }

@@ -1,6 +1,6 @@
 //! Where tests and benchmarks find real meshes and music, which are not part of the
 //! repository because their licenses vary, and whether the programs are there that some of them need. Films
-//! they make themselves, and a sound server of their own they start. What they compute in doubles they check with numbers of
+//! they make themselves, and a sound server of their own they start. Chance is the same each time. What they compute in doubles they check with numbers of
 //! twice the digits.
 //!
 //! ```
@@ -44,6 +44,20 @@ pub fn program(name: &str) -> bool {
         eprintln!("skipped: no {name}");
     }
     is_there
+}
+
+/// A number from the environment, such as how many cases a campaign tries; `usual` where it is not set.
+pub fn setting(name: &str, usual: u64) -> u64 {
+    std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(usual)
+}
+
+/// Numbers from Knuth's linear congruential generator. Their upper bits are by far the better ones.
+pub fn chance(seed: u64) -> impl FnMut() -> u64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state
+    }
 }
 
 /// A film in `folder` of 25 pictures a second, each of one gray, that gets brighter by `step` of 255 from picture to

@@ -20,6 +20,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 
 use cases::Case;
+use chladni_testdata::setting;
 use judge::Verdict;
 
 /// The results of the cases of one family.
@@ -30,10 +31,6 @@ struct Tally {
     refused: usize,
     /// Largest relative residual of a certified basis, as measured here.
     residual: f64,
-}
-
-fn setting(name: &str, usual: u64) -> u64 {
-    std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(usual)
 }
 
 /// Cases that failed once: runs of a slice that found no pair at all, and a small eigenvalue that was taken

@@ -11,6 +11,7 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use chladni_program::studio::{Chooser, FileKind, Opening, Studio};
@@ -103,6 +104,19 @@ pub fn open_with_device(opening: Opening, size: [f32; 2]) -> Option<(Window, wgp
 pub fn lose(device: &wgpu::Device) {
     device.destroy();
     device.poll(wgpu::PollType::wait_indefinitely()).expect("the device");
+}
+
+/// Has something happen on another thread at a random time within the next 0.3 s.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn meanwhile(
+    chance: &mut impl FnMut() -> u64,
+    happens: impl FnOnce() + Send + 'static,
+) -> JoinHandle<()> {
+    let after = Duration::from_micros((chance() >> 33) % 300_000);
+    std::thread::spawn(move || {
+        std::thread::sleep(after);
+        happens();
+    })
 }
 
 /// Has `device` refuse a command, as one does whose memory is full.

@@ -1,7 +1,5 @@
 //! A driver that restarts takes the window's device with it.
 
-use std::time::Duration;
-
 use super::*;
 
 #[test]
@@ -56,7 +54,7 @@ const MOST: u64 = 4;
 /// A campaign: `CHLADNI_CASES=1000 cargo test --release -p chladni-program --test music_window any_moment` (docs/trust.md).
 #[test]
 fn the_dance_goes_on_with_a_device_lost_at_any_moment() {
-    let cases = std::env::var("CHLADNI_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let cases = chladni_testdata::setting("CHLADNI_CASES", 6);
     let folder = tempfile::tempdir().unwrap();
     let folders = folders(folder.path());
     let files = ball_and_song(folder.path()).to_vec();
@@ -69,17 +67,10 @@ fn the_dance_goes_on_with_a_device_lost_at_any_moment() {
     window.run_steps(3);
     let mut done = Done::seen(&window);
     assert_eq!(done, Done { generation: 1, chosen: [false; 12] });
-    let mut state = 1787u64;
-    let mut random = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        state >> 33
-    };
+    let mut chance = chladni_testdata::chance(1787);
     for case in 0..cases {
-        let (lost, after) = (device.clone(), Duration::from_micros(random() % 300_000));
-        let driver = std::thread::spawn(move || {
-            std::thread::sleep(after);
-            lost.destroy();
-        });
+        let lost = device.clone();
+        let driver = meanwhile(&mut chance, move || lost.destroy());
         let before = loop {
             let before = done;
             let parents = done.chosen.iter().filter(|is_chosen| **is_chosen).count();
@@ -87,7 +78,7 @@ fn the_dance_goes_on_with_a_device_lost_at_any_moment() {
                 click(&mut window, "breed");
                 done = Done { generation: done.generation + 1, chosen: [false; 12] };
             } else {
-                let dance = (random() % 12) as usize;
+                let dance = ((chance() >> 33) % 12) as usize;
                 click(&mut window, &format!("dance/{}", dance + 1));
                 done.chosen[dance] = !done.chosen[dance];
             }

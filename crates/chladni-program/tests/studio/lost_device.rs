@@ -1,7 +1,6 @@
 //! A driver that restarts takes the window's device with it.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use chladni_program::studio::{Handover, Opening};
 use egui::{Key, Modifiers};
@@ -80,10 +79,10 @@ impl Hand {
     }
 
     /// Changes the project until the device is gone, and tells by which key what was changed last can be taken back.
-    fn work(&mut self, rng: &mut impl FnMut() -> u64) -> Modifiers {
+    fn work(&mut self, chance: &mut impl FnMut() -> u64) -> Modifiers {
         let (undo, redo) = (CTRL, CTRL | Modifiers::SHIFT);
         loop {
-            let back = match rng() % 3 {
+            let back = match (chance() >> 33) % 3 {
                 0 => {
                     self.person.press_with(undo, Key::Z);
                     redo
@@ -114,7 +113,7 @@ impl Hand {
 /// by two threads, as those that draw thumbnails do here.
 #[test]
 fn nothing_is_lost_where_a_device_refuses_at_any_moment() {
-    let cases = std::env::var("CHLADNI_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    let cases = chladni_testdata::setting("CHLADNI_CASES", 6);
     let desk = Desk::new();
     let handover = Handover::default();
     let opening = |files: &[&str]| Opening { handover: handover.clone(), ..desk.opening(files) };
@@ -132,19 +131,11 @@ fn nothing_is_lost_where_a_device_refuses_at_any_moment() {
     hand.person.wait_to_see("Covered");
     desk.answers.add(&hand.project);
     assert!(hand.save());
-    let mut state = 2012u64;
-    let mut rng = move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        state >> 33
-    };
+    let mut chance = chladni_testdata::chance(2012);
     for case in 0..cases {
         let refusing = device.clone();
-        let after = Duration::from_micros(rng() % 300_000);
-        let driver = std::thread::spawn(move || {
-            std::thread::sleep(after);
-            driving::refuse(&refusing);
-        });
-        let back = hand.work(&mut rng);
+        let driver = driving::meanwhile(&mut chance, move || driving::refuse(&refusing));
+        let back = hand.work(&mut chance);
         driver.join().unwrap();
         let before = std::mem::take(&mut hand.saved);
         let (window, another) = driving::open_with_device(opening(&[]), size).expect("a device");

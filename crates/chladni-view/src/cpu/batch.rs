@@ -125,6 +125,15 @@ fn row(row: &[f32; 4], p: Vec3, w: f32) -> f32 {
     row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3] * w
 }
 
+/// Of a triangle's corners in clip space, at a place over w: the weight of each, and their sum.
+#[inline(always)]
+fn weights(clip: [[f32; 3]; 3], [sx, sy]: [f32; 2]) -> ([f32; 3], f32) {
+    // From the place, so that small triangles lose no digits.
+    let [p, q, r] = each(clip, |[x, y, w]| [x - sx * w, y - sy * w]);
+    let all = [q[0] * r[1] - q[1] * r[0], r[0] * p[1] - r[1] * p[0], p[0] * q[1] - p[1] * q[0]];
+    (all, all[0] + all[1] + all[2])
+}
+
 /// From corners to what light asks for. `EDGES`: with the weights of the pixels beside.
 pub(super) struct Place<'a, 'b, const EDGES: bool>(pub(super) &'b Setting<'a>, pub(super) &'b mut Batch);
 
@@ -146,15 +155,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
             // Its middle in clip space, over w.
             let x = texel[0] * (b.screen[0][i] + 0.5 - left) - 1.0;
             let y = texel[1] * (b.screen[1][i] + 0.5 - top) + 1.0;
-            let weights = |dx: f32, dy: f32| {
-                let (sx, sy) = (x + dx, y + dy);
-                // From the pixel, so that small triangles lose no digits.
-                let [p, q, r] = each(clip, |[x, y, w]| [x - sx * w, y - sy * w]);
-                let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
-                let all = [cross(q, r), cross(r, p), cross(p, q)];
-                (all, all[0] + all[1] + all[2])
-            };
-            let (all, area) = weights(0.0, 0.0);
+            let (all, area) = weights(clip, [x, y]);
             let front = area > 0.0;
             // A sample may be covered where the middle is not: the nearest place that is.
             let inside = each(all, |w| max(if front { w } else { -w }, 0.0));
@@ -171,11 +172,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
             }
             if EDGES {
                 for (places, [dx, dy]) in [(&mut b.right, [texel[0], 0.0]), (&mut b.below, [0.0, texel[1]])] {
-                    let (sx, sy) = (x + dx, y + dy);
-                    let [p, q, r] = each(clip, |[x, y, w]| [x - sx * w, y - sy * w]);
-                    let cross = |a: [f32; 2], b: [f32; 2]| a[0] * b[1] - a[1] * b[0];
-                    let all = [cross(q, r), cross(r, p), cross(p, q)];
-                    let sum = all[0] + all[1] + all[2];
+                    let (all, sum) = weights(clip, [x + dx, y + dy]);
                     let sum = if sum == 0.0 { 1.0 } else { sum };
                     for k in 0..3 {
                         places[k][i] = all[k] / sum;

@@ -226,12 +226,11 @@ mod tests {
         let mut history = changed();
         let layer = history.project().layers()[0].0;
         // Since when there is a change that no copy holds.
-        let (mut since_secs, mut state) = (None, 7_u64);
+        let (mut since_secs, mut chance) = (None, chladni_testdata::chance(7));
         for frame in 0..6000_u32 {
             let now = f64::from(frame) / 30.0;
-            // Knuth's linear congruential generator: bursts of edits, and pauses.
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            if state >> 60 < if frame % 400 < 200 { 9 } else { 1 } {
+            // Bursts of edits, and pauses.
+            if chance() >> 60 < if frame % 400 < 200 { 9 } else { 1 } {
                 let to = chladni_caricature::Property::Mu(now / 10.0);
                 history.apply_live(&Action::Set { layer, to }, None).unwrap();
                 since_secs = since_secs.or(Some(now));
