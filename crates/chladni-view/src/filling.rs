@@ -15,9 +15,9 @@ const HALVINGS: usize = 9;
 /// The upper end of a figure is at most this share of half a picture above the middle.
 pub const TOP: f32 = 0.94;
 /// The greatest height of a figure seen as a whole, in heights of the picture, however slim it is.
-pub const WHOLE_HEIGHTS: f32 = 0.92;
+pub const WHOLE_HEIGHTS: f32 = 0.94;
 /// The same of a figure seen from near, whose upper part fills the picture.
-pub const NEAR_HEIGHTS: f32 = 1.7;
+pub const NEAR_HEIGHTS: f32 = 1.8;
 /// How far the lower end sinks, as a share of how far the upper one rises.
 const SINKS: f32 = 0.3;
 /// The point looked at is at most this many pictures below the upper end.

@@ -4,6 +4,7 @@
 #[path = "../archive/mod.rs"]
 mod archive;
 mod looks;
+mod shots;
 mod strobing;
 
 use std::path::Path;

@@ -19,7 +19,7 @@ pub fn strobe(path: &Path) {
 }
 
 /// The PNGs of a folder, in order.
-fn frames(folder: &Path) -> Vec<chladni_view::Picture> {
+pub fn frames(folder: &Path) -> Vec<chladni_view::Picture> {
     let mut frames: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     frames.retain(|path| path.extension().is_some_and(|e| e == "png"));
     frames.sort();
