@@ -72,9 +72,7 @@ impl BenchCaricature {
             Ok(())
         };
         time("reading H once: the floor of a transform or a synthesis", &mut |_| {
-            std::hint::black_box(
-                basis.vectors.par_chunks(1 << 16).map(|h| h.iter().sum::<f64>()).sum::<f64>(),
-            );
+            std::hint::black_box(basis.vectors.par_chunks(1 << 16).map(summed).sum::<f64>());
             Ok(())
         })?;
         painting(&stack, &mut time)?;
@@ -92,6 +90,18 @@ impl BenchCaricature {
         }
         Ok(())
     }
+}
+
+/// Σ h by eight sums, as one alone waits for each addition rather than for memory.
+fn summed(h: &[f64]) -> f64 {
+    let (eights, rest) = h.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for eight in eights {
+        for (sum, h) in sums.iter_mut().zip(eight) {
+            *sum += h;
+        }
+    }
+    sums.iter().chain(rest).sum()
 }
 
 /// Why something could not be done.
