@@ -105,18 +105,18 @@ impl Look {
         }),
         lights: Lights {
             lights: [
-                lamp(LEFT, [0.6, 0.66, 0.8]),
-                lamp(RIGHT, [0.1, 0.12, 0.4]),
-                lamp(BEHIND, [0.4, 0.6, 0.9]),
+                lamp(LEFT, [0.95, 1.04, 1.25]),
+                lamp(RIGHT, [0.18, 0.22, 0.65]),
+                lamp(BEHIND, [0.7, 1.05, 1.6]),
             ],
-            sky: [0.08, 0.11, 0.18],
-            ground: [0.03, 0.03, 0.07],
+            sky: [0.15, 0.2, 0.32],
+            ground: [0.05, 0.05, 0.13],
             shadow: 0.6,
             strips: 0.3,
             curve: Curve::Filmic,
             ..Lights::BARE
         },
-        background: halo([24, 34, 62], [5, 6, 14]),
+        background: halo([34, 48, 86], [6, 8, 18]),
         finish: Finish { bloom: 0.8, bloom_from: 0.62, vignette: 0.35, ..Finish::NOTHING },
         response: Response { timbre: 0.15, ..lit_by(0.4, 0.8) },
     };
