@@ -81,6 +81,8 @@ async function masks(page) {
   await until(page, () => window.chladni.sitting.layers.at(-1).parts.join() === "nose");
   const npy = readFileSync(await downloaded(page, "#save-mask-npy"));
   assert.equal(npy.toString("latin1", 1, 6), "NUMPY");
+  const npz = readFileSync(await downloaded(page, "#save-mask-npz"));
+  assert.ok(npz.subarray(0, 100).includes("mask.npy"), "an archive with the array “mask”");
   const ply = await downloaded(page, "#save-mask-ply");
   assert.match(readFileSync(ply).toString("latin1", 0, 400), /property (float|double) mask/);
   const everywhere = async () => {
@@ -92,6 +94,9 @@ async function masks(page) {
   await drop(page, ["nose.npy", npy]);
   await isNose();
   await everywhere();
+  await drop(page, ["nose.npz", npz]);
+  await isNose();
+  await everywhere();
   const choosing = page.waitForEvent("filechooser");
   await page.click("#open-mask");
   await (await choosing).setFiles(ply);
@@ -100,7 +105,7 @@ async function masks(page) {
   await until(page, () => document.getElementById("status").className === "bad");
   await everywhere();
   await page.click("#hold-turn");
-  step("a region goes out as .npy and PLY, and comes back");
+  step("a region goes out as .npy, .npz and PLY, and comes back");
 }
 
 async function landmarks(page, shot) {

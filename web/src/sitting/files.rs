@@ -77,7 +77,7 @@ impl Sitting {
         Ok(self.history.project().to_text(Path::new(PROJECT), None)?)
     }
 
-    /// The region of the selected layer as a mask: an array (`npy`), or a mesh (`ply`, `obj`, `glb`).
+    /// The region of the selected layer as a mask: an array (`npy`), an archive (`npz`), or a mesh (`ply`, `obj`, `glb`).
     ///
     /// # Errors
     /// Another ending.
