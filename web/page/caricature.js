@@ -41,11 +41,13 @@ let wasInInk = false;
 
 const room = {
   name: "The shape.",
-  rests: true,
+  // Nothing moves by itself but the gallery.
+  get rests() { return !wall.swells(); },
   frame: (now, width, height) => {
     if (!sitting) return false;
     const inInk = isInInk();
     if (inInk !== wasInInk) { wasInInk = inInk; ink.again(); sitting.redraw(); }
+    wall.swell(now);
     return inInk ? ink.inked(sitting, of("tones").checked, now, width, height) : sitting.frame(width, height);
   },
   pixels: () => sitting.pixels(),

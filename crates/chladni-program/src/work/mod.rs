@@ -48,6 +48,7 @@ mod stance;
 mod starting_point;
 mod subject;
 mod symmetry_figure;
+mod swelling;
 mod template;
 mod template_name;
 mod theatre;
@@ -90,6 +91,7 @@ pub use stance::Stance;
 pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_since, results};
 pub use subject::Subject;
 pub use symmetry_figure::figure_markers;
+pub use swelling::{Swelling, swollen_at};
 pub use template::{matched, matched_with, template_mesh};
 pub use template_name::template_name;
 pub use theatre::{
