@@ -8,6 +8,7 @@ import * as heat from "./heat.js";
 import * as ink from "./ink.js";
 import { drawNumbers, listLandmarks } from "./landmarks.js";
 import * as wall from "./wall.js";
+import * as scaleCurve from "./scale.js";
 import { PLAIN_HEAD, matchedBefore } from "./plain_head.js";
 import { drawLayers, drawParts, number, offerResults } from "./layers.js";
 
@@ -205,6 +206,7 @@ function refresh() {
   showLandmarks(layer);
   clearTimeout(resting);
   if (state.keep_triangles) resting = setTimeout(attempt(() => { sitting.keep_triangles(); }), REST);
+  scaleCurve.show();
 }
 
 function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, warnings }) {
@@ -398,4 +400,5 @@ async function findParts() {
   } catch (error) {
     if (mine === opened) throw error;
   } finally { refresh(); }
+  scaleCurve.listen(caricature);
 }

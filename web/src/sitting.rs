@@ -8,6 +8,7 @@ mod landmarks;
 mod matches;
 mod parts;
 mod pointing;
+mod scale;
 mod seeing;
 mod stage;
 mod state;
