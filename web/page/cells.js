@@ -9,7 +9,7 @@ function cell(item) {
   const [choose, stage, favor] = Array.from({ length: 3 }, () => document.createElement("button"));
   choose.className = "choose";
   choose.onclick = () => current.choose(item);
-  choose.ondblclick = () => current.perform(item);
+  choose.ondblclick = () => current.perform?.(item);
   stage.className = "stage";
   stage.onclick = () => current.perform(item);
   favor.className = "favor";

@@ -148,7 +148,8 @@ impl Sitting {
     pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
         // What they show lies on the card.
         (self.landmarks, self.hanging) = (None, None);
-        Ok(self.stage.draw_by_processor()?)
+        self.stage.draw_by_processor()?;
+        Ok(self.refresh()?)
     }
 
     /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.

@@ -125,10 +125,11 @@ impl Sitting {
         self.stage.stir();
     }
 
-    /// x, y, width and height, in pixels, of the cell of each caricature in the last picture.
+    /// x, y, width and height, in pixels, of the cell of each caricature, or of each model, in the last picture.
     pub fn cells(&self) -> Vec<u32> {
         let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];
-        self.hanging.iter().flat_map(|hanging| hanging.cells.iter().flat_map(of)).collect()
+        let cells = self.hanging.as_ref().map_or(self.stage.lineup_cells(), |hanging| &hanging.cells);
+        cells.iter().flat_map(of).collect()
     }
 
     /// Puts the layers of a caricature on top, as one step.
