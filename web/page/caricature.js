@@ -1,6 +1,5 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
-import { drawCells } from "./cells.js";
 import { ask, giveUp } from "./work.js";
 import { attempt, busy, label, of, on, options, report, say } from "./page.js";
 import { scale, show as showPicture, stir } from "./picture.js";
@@ -8,6 +7,7 @@ import * as exports from "./exports.js";
 import * as heat from "./heat.js";
 import * as ink from "./ink.js";
 import { drawNumbers, listLandmarks } from "./landmarks.js";
+import { drawModels } from "./models.js";
 import * as scaleCurve from "./scale.js";
 import * as wall from "./wall.js";
 import { PLAIN_HEAD, matchedBefore } from "./plain_head.js";
@@ -55,7 +55,7 @@ const room = {
   pixels: () => sitting.pixels(),
   drawing: () => (isInInk() ? ink.newest() : undefined),
   drawn: (width, height) => {
-    if (state.in_models && !wall.isOpen()) drawModels(width, height); else wall.drawWall(width, height);
+    if (state.in_models && !wall.isOpen()) drawModels(sitting, state, set, width, height); else wall.drawWall(width, height);
     drawNumbers(held === "landmarks" ? [...sitting.landmark_labels()] : [], width, height);
   },
   byProcessor: () => sitting?.draw_by_processor(),
@@ -280,15 +280,6 @@ function slide(id, to) {
   });
   of(id).addEventListener("change", () => requestAnimationFrame(attempt(() => { sitting.finish(); refresh(); })));
 }
-
-/** Lays the names of the models over the picture: a press takes one. */
-function drawModels(width, height) {
-  const { model } = state.layers.find(({ id }) => id === state.selected) ?? {};
-  const models = [...of("model").options].map(({ value, text }) => ({ text, name: text, chosen: value === model }));
-  const items = [...models, { text: "Original", name: "Original", idle: true }];
-  drawCells(of("cells"), [...sitting.cells()], items, width, height, modelChoices);
-}
-const modelChoices = { choose: (item) => set({ model: of("model").options[item].value }), isNamed: true };
 
 // ---- tools
 

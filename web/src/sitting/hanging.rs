@@ -95,8 +95,7 @@ impl Sitting {
     /// Bugs only.
     pub fn show_gallery(&mut self, positions: &[f32]) -> Result<(), JsError> {
         let camera = self.hanging.as_ref().map(|hanging| hanging.camera);
-        let mut hanging =
-            Hanging::new(self.stage.device(), positions, self.stack.body(), self.stands_now())?;
+        let mut hanging = Hanging::new(self.stage.device(), positions, self.stack.body(), self.stands_now())?;
         if let Some(camera) = camera {
             (hanging.camera, hanging.fitted) = (camera, true);
         }
