@@ -35,7 +35,7 @@ function tell(n, count, began) {
   of("film-left").textContent = n < 5 ? `Picture ${n} of ${count}` : `Picture ${n} of ${count}, ${minutes(left)} left`;
 }
 
-/** Draws and encodes one picture after the other; gives the film, or nothing where it was given up. */
+/** Draws and encodes one picture after the other; gives the film, or none where it was given up, and whether it is silent. */
 async function shoot(mine) {
   const sound = stage.sound();
   const [width, height] = of("film-size").value.split("x").map(Number);
@@ -43,7 +43,6 @@ async function shoot(mine) {
   const [from, to] = span(sound);
   const count = Math.max(1, Math.round((to - from) * rate));
   const film = await EncodedFilm.open(width, height, rate, sound.rate);
-  if (film.isSilent) say("This browser encodes no sound: the film is silent.", true);
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
   const brush = canvas.getContext("2d", { alpha: false });
   const take = (picture, veil) => {
@@ -65,7 +64,7 @@ async function shoot(mine) {
       if (performance.now() - told > TELL) { tell(n + 1, count, began); told = performance.now(); }
       await wait();
     }
-    return mine.cancelled ? undefined : await film.end();
+    return { film: mine.cancelled ? undefined : await film.end(), isSilent: film.isSilent };
   } finally { film.close(); }
 }
 
@@ -73,15 +72,20 @@ async function begin() {
   const mine = going = {};
   show();
   let release;
+  let awake;
   try {
     stage.begin();
     release = hold();
-    const film = await shoot(mine);
+    // A screen that goes dark stops the page. Not every browser keeps it awake.
+    awake = await navigator.wakeLock?.request("screen").catch(() => undefined);
+    const { film, isSilent } = await shoot(mine);
     if (film) save("chladni-song.mp4", film);
     else say("The film was given up.");
+    if (film && isSilent) say("This browser encodes no sound: the film is silent.", true);
   } finally {
     stage.end();
     release?.();
+    awake?.release();
     going = undefined;
     show();
     of("whole-film").close();

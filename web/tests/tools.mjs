@@ -169,7 +169,7 @@ async function gallery(page, shot) {
   await until(page, () => window.chladni.wall.favorites.length === 1);
   const [favorite] = await page.evaluate(() => window.chladni.wall.favorites);
   assert.equal(favorite, first[4]);
-  assert.equal(await page.getAttribute("#cells .cell:nth-child(5) .favor", "aria-pressed"), "true");
+  await until(page, () => document.querySelector("#cells .cell:nth-child(5) .favor").ariaPressed === "true");
   await shot("laptop-wall");
   await page.click("#wall-locks button");
   await until(page, () => window.chladni.wall.groups[0][1]);
