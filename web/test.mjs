@@ -1,10 +1,11 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|shows|microphone|caricature|tools|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|shows|films|microphone|caricature|tools|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import * as caricature from "./tests/caricature.mjs";
 import { firefox } from "./tests/firefox.mjs";
 import * as microphone from "./tests/microphone.mjs";
+import * as models from "./tests/models.mjs";
 import * as music from "./tests/music.mjs";
 import { offline } from "./tests/offline.mjs";
 import * as shows from "./tests/shows.mjs";
@@ -15,9 +16,11 @@ const only = process.argv[4];
 const rooms = {
   music: [music.laptop, music.phone],
   shows: [shows.shows, shows.films],
+  films: [shows.wholeFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
+  models: [models.chosen],
   card: [card.webgpu.pictures, card.webgpu.loss],
   webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.looks, card.webgl.skin],
   threads: [threads],

@@ -7,6 +7,8 @@ import * as exports from "./exports.js";
 import * as heat from "./heat.js";
 import * as ink from "./ink.js";
 import { drawNumbers, listLandmarks } from "./landmarks.js";
+import { drawModels } from "./models.js";
+import * as scaleCurve from "./scale.js";
 import * as wall from "./wall.js";
 import { PLAIN_HEAD, matchedBefore } from "./plain_head.js";
 import { drawLayers, drawParts, number, offerResults } from "./layers.js";
@@ -36,14 +38,16 @@ const base = (path) => path.split(/[\\/]/).at(-1);
 const stem = () => label(base(state.shape)).replace(/\?.*|\.[^.]*$/g, "");
 
 /** A drawing in ink is shown; tools need the figure itself. */
-const isInInk = () => of("ink").checked && held === "turn" && !wall.isOpen();
+const isInInk = () => of("ink").checked && held === "turn" && !wall.isOpen() && !state.in_models;
 let wasInInk = false;
 
 const room = {
   name: "The shape.",
-  rests: true,
+  // Nothing moves by itself but the gallery.
+  get rests() { return !wall.swells(); },
   frame: (now, width, height) => {
     if (!sitting) return false;
+    wall.swell(now);
     const inInk = isInInk();
     if (inInk !== wasInInk) { wasInInk = inInk; ink.again(); sitting.redraw(); }
     return inInk ? ink.inked(sitting, of("tones").checked, now, width, height) : sitting.frame(width, height);
@@ -51,7 +55,7 @@ const room = {
   pixels: () => sitting.pixels(),
   drawing: () => (isInInk() ? ink.newest() : undefined),
   drawn: (width, height) => {
-    wall.drawWall(width, height);
+    if (state.in_models && !wall.isOpen()) drawModels(sitting, state, set, width, height); else wall.drawWall(width, height);
     drawNumbers(held === "landmarks" ? [...sitting.landmark_labels()] : [], width, height);
   },
   byProcessor: () => sitting?.draw_by_processor(),
@@ -195,11 +199,14 @@ function refresh() {
   of("up").value = state.up;
   of("up-name").textContent = state.up_in_doubt ? "Is this up?" : "Up";
   of("original").setAttribute("aria-pressed", state.bare);
+  of("models").setAttribute("aria-pressed", state.in_models);
+  of("models").disabled = !layer && !state.in_models;
   of("parts-of").value = state.level === null ? "head" : "form";
   of("level-row").hidden = state.level === null;
   of("pointed").textContent = state.pointed.join(", ");
   drawParts(of("parts"), state.parts, layer?.parts ?? [], partChoices);
   if (layer) showLayer(layer);
+  scaleCurve.show();
   showLandmarks(layer);
   clearTimeout(resting);
   if (state.keep_triangles) resting = setTimeout(attempt(() => { sitting.keep_triangles(); }), REST);
@@ -281,6 +288,8 @@ function hold(tool) {
   held = tool;
   if (tool === "brush" && state && !state.solved) say("The brush waits until the shape is solved.");
   if (tool !== "landmarks") sitting?.leave_landmarks();
+  // Tools work on the result.
+  if (tool !== "turn" && state?.in_models) sitting.show_models(false);
   sitting?.hold(tool === "landmarks" ? "turn" : tool);
   for (const name of ["turn", "parts", "brush"]) of(`hold-${name}`).setAttribute("aria-pressed", name === tool);
   for (const tools of document.querySelectorAll("[data-tool]")) tools.hidden = tools.dataset.tool !== tool;
@@ -375,12 +384,14 @@ export function listen() {
   of("keep").addEventListener("change", () => act({ keep_triangles: of("keep").checked }));
   of("up").addEventListener("change", attempt(() => { sitting.stand(of("up").value); return changed(); }));
   for (const from of ["front", "portrait", "right"]) on(`look-${from}`, () => sitting.look(from));
+  on("models", () => { hold("turn"); sitting.show_models(!state.in_models); refresh(); });
   on("original", () => { sitting.show_original(!state.bare); refresh(); });
   heat.listen((quantity, harmonic, map) => { sitting.show_heat(quantity, harmonic, map); refresh(); });
   on("landmarks", pickLandmarks);
   for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
   const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, changed };
   exports.listen(caricature);
+  scaleCurve.listen(caricature);
   wall.listen(caricature);
   hold("turn");
 }

@@ -52,7 +52,7 @@ export function listen(caricature) {
   on("export-png", savePicture);
   on("export-svg", async () => save(`${room.stem()}-caricature.svg`, await drawn("svg"), "image/svg+xml"));
   on("open-mask", () => ask(".npy,.npz,.ply,.obj,.off,.glb", takeMask));
-  for (const ending of ["npy", "ply"]) {
+  for (const ending of ["npy", "npz", "ply"]) {
     on(`save-mask-${ending}`, () => save(`${room.stem()}-mask.${ending}`, room.sitting().save_mask(ending), "application/octet-stream"));
   }
   on("open-landmarks", () => ask(".txt", (name, bytes) => {

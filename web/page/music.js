@@ -10,6 +10,7 @@ import * as curves from "./curves.js";
 import { LiveFilm } from "./film.js";
 import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
 import { nextPicture, show as showPicture, watch } from "./picture.js";
+import * as wholeFilm from "./whole_film.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
@@ -25,6 +26,8 @@ const heard = [];
 let microphone;
 /** What is being recorded, and what ends it. */
 let filming;
+/** While a film waits for its pictures: the dance's clock when it began and now, and where in the song it is. */
+let filmed;
 /** The curves of the dance on stage are shown. */
 let drawing = false;
 let concert;
@@ -214,12 +217,37 @@ async function endFilm() {
   } finally { end(); }
 }
 
+/** The song for a film that waits for its pictures. */
+const stage = {
+  sound: () => ({ ...sound.samples, position: sound.position(), duration: sound.duration }),
+  begin: () => {
+    if (microphone) throw new Error("A film of a song needs a song: stop listening first.");
+    if (concert.plays_show()) throw new Error("A show is played: stop it first, or have chladni dance --show film it.");
+    const clock = shows.clockSecs(performance.now());
+    filmed = { from: clock, clock, position: sound.position(), aloud: sound.isHeard, playing: sound.playing };
+    sound.pause();
+  },
+  at: (secs, position) => Object.assign(filmed, { clock: filmed.from + secs, position }),
+  /** The dance goes on where the film has brought it, and the song where it was. */
+  end: () => {
+    if (!filmed) return;
+    const { clock, aloud, playing } = filmed;
+    shows.skip(shows.clockSecs(performance.now()) - clock);
+    filmed = undefined;
+    sound.seek(sound.from);
+    sound.playing = playing;
+    if (aloud) attempt(playAloud)().then(refresh);
+    refresh();
+  },
+};
+
 // ---- the picture
 
 const room = {
   name: "A shape that moves with the sound.",
   frame: (now, width, height) => {
     if (!concert) return false;
+    if (filmed) return concert.frame(filmed.clock, sound.number, filmed.position, sound.duration, width, height);
     if (concert.plays_show()) followShow();
     return !shows.isWaiting() && concert.frame(shows.clockSecs(now), sound.number, sound.position(), sound.duration, width, height);
   },
@@ -268,6 +296,7 @@ function refresh() {
   of("sand").setAttribute("aria-pressed", state.sand);
   if (shows.draw(state.played)) say("The show is over, and yours from here on.");
   of("film").setAttribute("aria-pressed", !!filming);
+  of("film-song").disabled = !!filming || !!microphone || state.played;
   if (!filming) of("film").textContent = "Film";
   of("listen").setAttribute("aria-pressed", !!microphone);
   of("heard").hidden = !microphone;
@@ -332,6 +361,7 @@ export function listen() {
     refresh();
   });
   curves.listen(act);
+  wholeFilm.listen(stage);
   on("draw", () => { drawing = !drawing; refresh(); });
   on("previous", () => playBeside(-1));
   on("next", () => playBeside(1));

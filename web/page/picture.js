@@ -20,6 +20,8 @@ let sinceChange = 0;
 let stirredAt = 0;
 let room;
 let memory;
+/** Somebody else asks for each picture. */
+let held = false;
 /** All rooms that were shown. */
 const rooms = new Set();
 /** Those who wait for the next picture. */
@@ -56,11 +58,23 @@ export function start(moduleMemory) {
 
 function draw(now) {
   requestAnimationFrame(draw);
-  if (!room) return;
+  if (!room || held) return;
   const resting = room.rests && now - stirredAt > REST;
   const pixelsFor = resting ? finest() : detail;
   const [width, height] = [picture.clientWidth, picture.clientHeight].map((side) => Math.max(16, Math.round(side * pixelsFor)));
   const began = performance.now();
+  if (!drawAt(now, width, height, watching)) return;
+  const took = performance.now() - began;
+  if (report.frames++ === 0) report.firstPictureMs = performance.now();
+  if (!resting || detail === finest()) {
+    report.drawMs = report.drawMs ? 0.9 * report.drawMs + 0.1 * took : took;
+    suit();
+  }
+  room.drawn?.(width, height);
+}
+
+/** Draws and shows a picture of this size, and has all of `takes` take it; whether there was one to draw. */
+function drawAt(now, width, height, takes) {
   let drawn = false;
   try {
     if (whyGone()) throw new Error(whyGone());
@@ -70,20 +84,28 @@ function draw(now) {
     say(card() ? `The graphics card is gone (${why}): the processor draws.` : why, true);
     if (card()) withoutCard();
   }
-  if (!drawn) return;
+  if (!drawn) return false;
   across = width;
   const own = room.drawing?.();
   if (own) lay(own);
   else if (card()) { uncover(); veil(); } else paint(width, height);
   for (const done of waiting.splice(0)) (card() ?? picture).toBlob(done, "image/png");
-  for (const take of watching) take(own ? picture : card() ?? picture, picture.style.background);
-  const took = performance.now() - began;
-  if (report.frames++ === 0) report.firstPictureMs = performance.now();
-  if (!resting || detail === finest()) {
-    report.drawMs = report.drawMs ? 0.9 * report.drawMs + 0.1 * took : took;
-    suit();
-  }
-  room.drawn?.(width, height);
+  for (const take of takes) take(own ? picture : card() ?? picture, picture.style.background);
+  return true;
+}
+
+/** Draws no more by itself, until what this gives is called. Pictures are as large as they fit in meanwhile. */
+export function hold() {
+  held = true;
+  document.body.dataset.held = "yes";
+  return () => { held = false; delete document.body.dataset.held; };
+}
+
+/** Draws a picture of this size now; `take(canvas, veil)` takes it. */
+export function drawOnce(width, height, take) {
+  const draws = () => drawAt(performance.now(), width, height, [take]);
+  // Once more where the graphics card was lost: the processor goes on.
+  if (!draws() && !draws()) throw new Error("There is nothing to be filmed yet.");
 }
 
 /** Shows the pixels of the processor. */

@@ -6,7 +6,7 @@ import * as songs from "./songs.js";
 let opened;
 /** A song is being decoded: the show waits for it. */
 let waiting = false;
-/** Seconds for which shows have waited. */
+/** Seconds of the page's clock in which the dance stood still, or had one of its own. */
 let waitedSecs = 0;
 let wasPlayed = false;
 
@@ -16,6 +16,8 @@ export function know(text, needs) { opened = { text, needs }; }
 export const isWaiting = () => waiting;
 /** The page's clock without the times in which a show waited. */
 export const clockSecs = (now) => now / 1000 - waitedSecs;
+/** So much of the page's time does not count: the dance had a clock of its own. */
+export function skip(secs) { waitedSecs += secs; }
 
 /** The songs of the show that was opened, by their numbers there. */
 function cast() {

@@ -27,12 +27,20 @@ function refresh() {
   of("wall-breed").disabled = !shown.chosen;
   of("wall-back").disabled = shown.first;
   of("wall-locks").replaceChildren(...shown.groups.map(([name, locked]) => {
-    const made = document.createElement("button");
-    made.textContent = name;
+    const made = button(name, async () => take(await asks("lock", name, !locked)));
     made.setAttribute("aria-pressed", locked);
-    made.onclick = attempt(async () => take(await asks("lock", name, !locked)));
     return made;
   }));
+  of("wall-favorites-row").hidden = !shown.favorites.length;
+  const taken = (number) => async () => hang((await busy("a favorite", () => asks("favorite", number))).found);
+  of("wall-favorites").replaceChildren(...shown.favorites.map((name, number) => button(`★ ${name}`, taken(number))));
+}
+
+function button(name, act) {
+  const made = document.createElement("button");
+  made.textContent = name;
+  made.onclick = attempt(act);
+  return made;
 }
 
 /** Opens the gallery of the open shape. */
@@ -56,6 +64,14 @@ export function leave() {
 /** Whether the gallery is shown. */
 export const isOpen = () => !!shown;
 
+/** Whether its figures swell now. */
+export const swells = () => !!shown && of("wall-swell").checked;
+
+/** Swells the figures as far as they have at a time in milliseconds. */
+export function swell(now) {
+  if (shown) room.sitting().swell_gallery(swells() ? now / 1000 : undefined);
+}
+
 /** Layers of one that was taken go on top. */
 async function hang(layers) {
   leave();
@@ -66,6 +82,7 @@ async function hang(layers) {
 const choices = {
   choose: attempt(async (item) => take(await asks("choose", item, !shown.items[item].chosen))),
   perform: attempt(async (item) => hang((await asks("layers", item)).found)),
+  favor: attempt(async (item) => take(await asks("favor", item, !shown.items[item].favorite))),
   performs: "Take",
   says: (item) => `Take caricature ${item + 1}: it becomes layers`,
   name: (item) => `Caricature ${item + 1}`,
@@ -82,6 +99,11 @@ export function listen(caricature) {
   room = caricature;
   on("gallery", () => (shown ? leave() : open()));
   on("wall-close", leave);
+  // Whoever asks for less motion begins without.
+  const still = matchMedia("(prefers-reduced-motion: reduce)");
+  const follow = () => { of("wall-swell").checked = !still.matches; };
+  still.addEventListener("change", follow);
+  follow();
   for (const step of ["breed", "back", "others"]) {
     on(`wall-${step}`, async () => take(await busy("the gallery", () => asks("step", step))));
   }

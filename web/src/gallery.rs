@@ -26,6 +26,7 @@ pub struct Wall {
 struct Item {
     name: String,
     chosen: bool,
+    favorite: bool,
 }
 
 #[derive(Serialize)]
@@ -36,6 +37,8 @@ struct State {
     first: bool,
     /// Groups of numbers, and whether children inherit each unchanged.
     groups: Vec<(&'static str, bool)>,
+    /// What the favorites do, in the order in which they were marked.
+    favorites: Vec<String>,
 }
 
 #[wasm_bindgen]
@@ -97,6 +100,14 @@ impl Wall {
         Ok(self.shown.gallery.choose(item, on)?)
     }
 
+    /// Marks one as a favorite, which stays at hand whatever is bred, or no longer.
+    ///
+    /// # Errors
+    /// A number beyond the last.
+    pub fn favor(&mut self, item: usize, on: bool) -> Result<(), JsError> {
+        Ok(self.shown.gallery.favor(item, on)?)
+    }
+
     /// From now on children have a group of numbers unchanged from one parent, or no longer.
     ///
     /// # Errors
@@ -116,6 +127,18 @@ impl Wall {
         written(&found.ok_or_else(|| JsError::new("there is no such caricature"))?.layers)
     }
 
+    /// Those of a favorite, by its number among them.
+    ///
+    /// # Errors
+    /// A number beyond the last.
+    pub fn favorite(&self, number: usize) -> Result<String, JsError> {
+        let Exhibition { sitter, gallery, .. } = &self.shown;
+        let found = gallery.favorites().get(number);
+        let variant = &found.ok_or_else(|| JsError::new("there is no such favorite"))?.genome;
+        let layers: Vec<Layer> = sitter.portray(&[variant])?.into_iter().flat_map(|one| one.layers).collect();
+        written(&layers)
+    }
+
     /// Those of a random good one, another each time.
     ///
     /// # Errors
@@ -133,14 +156,15 @@ impl Wall {
     /// Bugs only.
     pub fn state(&self) -> Result<String, JsError> {
         let Exhibition { sitter, gallery, .. } = &self.shown;
-        let items = gallery
-            .generations()
-            .items()
-            .iter()
-            .map(|item| Item { name: sitter.title(&item.genome), chosen: item.chosen });
+        let items = gallery.generations().items().iter().map(|item| Item {
+            name: sitter.title(&item.genome),
+            chosen: item.chosen,
+            favorite: gallery.is_favorite(item.id),
+        });
         let (chosen, first) = self.shown.chosen();
         let groups = Group::ALL.map(|group| (group.name(), gallery.is_locked(group))).to_vec();
-        Ok(serde_json::to_string(&State { items: items.collect(), chosen, first, groups })?)
+        let favorites = gallery.favorites().iter().map(|item| sitter.title(&item.genome)).collect();
+        Ok(serde_json::to_string(&State { items: items.collect(), chosen, first, groups, favorites })?)
     }
 
     /// The coordinates of all vertices of all twelve, one after the other.

@@ -28,6 +28,8 @@ mod coarse;
 #[cfg(feature = "page")]
 mod concert;
 #[cfg(feature = "page")]
+mod film;
+#[cfg(feature = "page")]
 mod screen;
 #[cfg(feature = "page")]
 mod sitting;
@@ -36,6 +38,8 @@ use chladni_program::work::formats;
 #[cfg(feature = "page")]
 pub use concert::Concert;
 pub use decode::{DecodedSong, decode};
+#[cfg(feature = "page")]
+pub use film::FilmFrame;
 pub use gallery::Wall;
 pub use ink::Inker;
 pub use prepare::prepare;

@@ -8,6 +8,7 @@ mod landmarks;
 mod matches;
 mod parts;
 mod pointing;
+mod scale;
 mod seeing;
 mod stage;
 mod state;
@@ -48,6 +49,8 @@ pub struct Sitting {
     stands: Estimate,
     /// The shape is shown under its layers.
     bare: bool,
+    /// The chosen layer is shown in its three models.
+    in_models: bool,
     parts: Parts,
     /// The plane in which the shape is its own mirror image, once it was looked for.
     mirror: Option<Option<MirrorPlane>>,
@@ -94,7 +97,7 @@ impl Sitting {
         let notes = aside.warnings().iter().map(ToString::to_string).collect();
         let parts = Parts::known(name, &mesh, stack.body());
         let history = History::new(project);
-        let (solved, bare, mirror, tool) = (false, false, None, Tool::default());
+        let (solved, bare, in_models, mirror, tool) = (false, false, false, None, Tool::default());
         let (heat, landmarks, hanging) = (Heat::of(stage.has_own_look()), None, None);
         Ok(Self {
             file,
@@ -106,6 +109,7 @@ impl Sitting {
             selected,
             stands,
             bare,
+            in_models,
             parts,
             mirror,
             tool,
@@ -146,8 +150,26 @@ impl Sitting {
             if self.solved { self.stack.evaluate(project) } else { self.stack.evaluate(&nothing(project)) };
         self.stage.stand(stands);
         self.stage.take(if self.bare { self.stack.original() } else { &self.evaluation.result })?;
+        self.line_up_models()?;
         self.forget_other_landmarks();
         self.recoat()
+    }
+
+    /// Has the three models of the chosen layer stand beside each other, where that is wanted.
+    fn line_up_models(&mut self) -> Result<(), Error> {
+        if !self.in_models {
+            self.stage.stand_alone();
+            return Ok(());
+        }
+        let selected = self.selected.filter(|_| self.solved);
+        let models = selected.and_then(|layer| self.stack.three_models(self.history.project(), layer));
+        let (result, original) = (&self.evaluation.result.positions, &self.stack.original().positions);
+        // A layer that does not act looks the same in all of them.
+        let [a, b, c] = match &models {
+            Some(models) => models.each_ref(),
+            None => [result; 3],
+        };
+        self.stage.line_up([a, b, c, original], self.stack.surface())
     }
 
     /// How the shape stands.

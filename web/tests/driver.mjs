@@ -66,9 +66,14 @@ export async function still(page) {
 }
 
 export async function downloaded(page, id) {
-  const saving = page.waitForEvent("download");
+  const saving = downloading(page);
   await page.click(id);
-  const download = await saving;
+  return saving;
+}
+
+/** The next file that the page gives away. */
+export async function downloading(page) {
+  const download = await page.waitForEvent("download", { timeout: 120_000 });
   const path = join(screens, download.suggestedFilename());
   await download.saveAs(path);
   return path;

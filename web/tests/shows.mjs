@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { song } from "../browser.mjs";
-import { downloaded, drop, moves, opened, step, until } from "./driver.mjs";
+import { downloaded, downloading, drop, moves, opened, step, until } from "./driver.mjs";
 
 export async function shows() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
@@ -61,6 +61,52 @@ const watched = (page, bytes, type) => page.evaluate(async ([bytes, type]) => {
   await ended;
   return { secs: end, width: video.videoWidth, height: video.videoHeight, pictures: seen.size, sounds: video.webkitAudioDecodedByteCount > 0 };
 }, [bytes.toString("base64"), type]);
+
+/** How many pieces the tracks of an MP4 have: pictures first, then sound. */
+function pieces(film) {
+  const found = [];
+  for (let at = film.indexOf("stsz"); at >= 0; at = film.indexOf("stsz", at + 4)) found.push(film.readUInt32BE(at + 12));
+  return found;
+}
+
+export async function wholeFilms() {
+  for (const [name, viewport, touch, size] of [["laptop", { width: 1000, height: 700 }, false, [1280, 720]], ["phone", { width: 390, height: 844 }, true, [720, 1280]]]) {
+    const { page, wrong, elsewhere, shot } = await opened(viewport, touch);
+    await page.click("#enter");
+    await until(page, () => window.chladni.state.body === "sample:octopus");
+    await drop(page, ["clicks.wav", song(2)]);
+    await until(page, () => document.getElementById("song").textContent === "clicks.wav");
+    await page.locator("#cells .cell:nth-child(3) .stage").dispatchEvent("click");
+    await until(page, () => window.chladni.state.on_stage);
+    await page.click("#film-song");
+    await page.selectOption("#film-size", size.join("x"));
+    await page.selectOption("#film-rate", "24");
+    await shot(`${name}-film-asks`);
+    await page.click("#film-begin");
+    await until(page, () => /^Picture \d+ of 48/.test(document.getElementById("film-left").textContent));
+    await shot(`${name}-film-going`);
+    const path = await downloading(page);
+    const film = readFileSync(path);
+    const [pictures, sounds] = pieces(film);
+    assert.ok(pictures === 48 && sounds > 80, `no picture is missing: ${pictures} and ${sounds}`);
+    const seen = await watched(page, film, "video/mp4");
+    assert.ok(Math.abs(seen.secs - 2) < 0.1 && seen.sounds && seen.pictures > 4, JSON.stringify(seen));
+    assert.deepEqual([seen.width, seen.height], size);
+    assert.ok(await page.isHidden("#whole-film"));
+    // The next one is given up, by the keyboard.
+    await page.click("#film-song");
+    await page.click("#film-begin");
+    await until(page, () => /^Picture/.test(document.getElementById("film-left").textContent));
+    await page.keyboard.press("Escape");
+    await until(page, () => !document.getElementById("whole-film").open);
+    assert.equal(await page.textContent("#status"), "The film was given up.");
+    await until(page, () => window.chladni.sound.isHeard);
+    await moves(page, "the stage behind a film");
+    step(`${name}: a film of the song waited for each of ${pictures} pictures, ${size.join("×")}`);
+    assert.deepEqual([wrong, elsewhere], [[], []]);
+    await page.context().close();
+  }
+}
 
 export async function films() {
   for (const [name, viewport, touch] of [["laptop", { width: 1000, height: 700 }, false], ["phone", { width: 390, height: 844 }, true]]) {

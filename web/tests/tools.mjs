@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { differing, pixels } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { downloaded, drop, opened, step, still, until } from "./driver.mjs";
+import { downloaded, drop, moves, opened, step, still, until } from "./driver.mjs";
 
 const layer = (page) => page.evaluate(() => window.chladni.sitting.layers.at(-1));
 const PAPER = [250, 247, 240];
@@ -81,6 +81,8 @@ async function masks(page) {
   await until(page, () => window.chladni.sitting.layers.at(-1).parts.join() === "nose");
   const npy = readFileSync(await downloaded(page, "#save-mask-npy"));
   assert.equal(npy.toString("latin1", 1, 6), "NUMPY");
+  const npz = readFileSync(await downloaded(page, "#save-mask-npz"));
+  assert.ok(npz.subarray(0, 100).includes("mask.npy"), "an archive with the array “mask”");
   const ply = await downloaded(page, "#save-mask-ply");
   assert.match(readFileSync(ply).toString("latin1", 0, 400), /property (float|double) mask/);
   const everywhere = async () => {
@@ -92,6 +94,9 @@ async function masks(page) {
   await drop(page, ["nose.npy", npy]);
   await isNose();
   await everywhere();
+  await drop(page, ["nose.npz", npz]);
+  await isNose();
+  await everywhere();
   const choosing = page.waitForEvent("filechooser");
   await page.click("#open-mask");
   await (await choosing).setFiles(ply);
@@ -100,7 +105,7 @@ async function masks(page) {
   await until(page, () => document.getElementById("status").className === "bad");
   await everywhere();
   await page.click("#hold-turn");
-  step("a region goes out as .npy and PLY, and comes back");
+  step("a region goes out as .npy, .npz and PLY, and comes back");
 }
 
 async function landmarks(page, shot) {
@@ -150,14 +155,22 @@ async function gallery(page, shot) {
   const { layers } = await page.evaluate(() => window.chladni.sitting);
   await page.click("#gallery");
   await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
-  await still(page);
-  await shot("laptop-wall");
+  await moves(page, "figures that swell");
+  await page.uncheck("#wall-swell");
+  const full = await still(page);
   const names = () => page.evaluate(() => window.chladni.wall.items.map(({ name }) => name));
   const first = await names();
   assert.ok(new Set(first).size > 6, "they differ");
   await page.click("#cells .cell:nth-child(2) .choose");
   await page.click("#cells .cell:nth-child(7) .choose");
   await until(page, () => window.chladni.wall.chosen === 2);
+  await page.hover("#cells .cell:nth-child(5)");
+  await page.click("#cells .cell:nth-child(5) .favor");
+  await until(page, () => window.chladni.wall.favorites.length === 1);
+  const [favorite] = await page.evaluate(() => window.chladni.wall.favorites);
+  assert.equal(favorite, first[4]);
+  await until(page, () => document.querySelector("#cells .cell:nth-child(5) .favor").ariaPressed === "true");
+  await shot("laptop-wall");
   await page.click("#wall-locks button");
   await until(page, () => window.chladni.wall.groups[0][1]);
   await page.click("#wall-breed");
@@ -166,6 +179,7 @@ async function gallery(page, shot) {
   await page.click("#wall-back");
   await until(page, () => window.chladni.wall.first);
   assert.deepEqual(await names(), first);
+  assert.ok(differing(full, await still(page)) < 20, "they hang as they did, as far as they swell");
   const before = await still(page);
   await page.click("#wall-others");
   await until(page, (name) => window.chladni.wall.items[0].name !== name, first[0]);
@@ -181,10 +195,24 @@ async function gallery(page, shot) {
   await until(page, (count) => window.chladni.sitting.layers.length === count, layers.length);
   await page.click("#gallery");
   await until(page, () => window.chladni.wall);
+  assert.ok(await page.isHidden("#wall-favorites-row"), "favorites are those of one gallery");
+  await page.focus("#cells .cell:nth-child(2) .favor");
+  await page.keyboard.press("Enter");
+  await until(page, () => window.chladni.wall.items[1].favorite && window.chladni.wall.favorites.length === 1);
+  await page.click("#wall-others");
+  await until(page, () => !window.chladni.wall.items[1].favorite);
+  await page.focus("#wall-favorites button");
+  await page.keyboard.press("Enter");
+  await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
+  await acts(page);
+  await page.click("#undo");
+  await until(page, (count) => window.chladni.sitting.layers.length === count, layers.length);
+  await page.click("#gallery");
+  await until(page, () => window.chladni.wall);
   await page.click("#wall-surprise");
   await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
   await acts(page);
-  step(`a gallery of twelve: bred, back, others, one taken as ${taken - layers.length} layers, and a surprise`);
+  step(`a gallery of twelve: bred, back, others, one taken as ${taken - layers.length} layers, a favorite, and a surprise; its figures swell`);
 }
 
 export async function laptop() {
@@ -198,6 +226,7 @@ export async function laptop() {
 
 export async function phone() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 390, height: 844 }, true);
+  await page.emulateMedia({ reducedMotion: "reduce" });
   await page.tap("#exaggerate");
   await acts(page);
   await page.check("#ink");
@@ -215,7 +244,10 @@ export async function phone() {
   await page.tap("#landmarks");
   await page.tap("#gallery");
   await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
+  assert.ok(!(await page.isChecked("#wall-swell")), "who asks for less motion gets none");
   await still(page);
+  await page.tap("#cells .cell:nth-child(2) .favor");
+  await until(page, () => window.chladni.wall.favorites.length === 1);
   await shot("phone-wall");
   await page.tap("#cells .cell:nth-child(1) .choose");
   await until(page, () => window.chladni.wall.chosen === 1);

@@ -1,6 +1,6 @@
 //! Writes NumPy archives, whole or not at all, and reads single arrays (feature `npz`).
 
-use std::io::{BufWriter, Cursor, Error, Read, Result};
+use std::io::{BufWriter, Cursor, Error, Read, Result, Seek, Write};
 use std::path::Path;
 
 use chladni_task::Draft;
@@ -12,11 +12,11 @@ use crate::{Body, Operator};
 
 /// An archive that is being written.
 #[allow(missing_debug_implementations, reason = "it holds a writer")]
-pub struct Npz<'a, 'b> {
-    archive: ZipWriter<&'a mut BufWriter<Draft<'b>>>,
+pub struct Npz<W: Write + Seek> {
+    archive: ZipWriter<W>,
 }
 
-impl Npz<'_, '_> {
+impl<W: Write + Seek> Npz<W> {
     /// Adds an array in C order. `values` must have as many values as `shape` says.
     ///
     /// # Errors
@@ -75,23 +75,29 @@ impl Npz<'_, '_> {
 ///
 /// # Errors
 /// An error of the system or of `fill`; then no file is left behind.
-pub fn write_npz(path: &Path, fill: impl FnOnce(&mut Npz<'_, '_>) -> Result<()>) -> Result<()> {
-    chladni_task::write_atomic_with(path, |file| {
-        let mut npz = Npz { archive: ZipWriter::new(file) };
-        fill(&mut npz)?;
-        npz.archive.finish().map(drop).map_err(Error::other)
-    })
-}
-
-/// Writes `values` as one array, a `.npy` file.
-///
-/// # Errors
-/// An error of the system; then no file is left behind.
-pub fn write_npy<T: AutoSerialize>(path: &Path, values: &[T]) -> Result<()> {
-    chladni_task::write_atomic(path, &npy_of(values)?)
+pub fn write_npz<F>(path: &Path, fill: F) -> Result<()>
+where
+    F: FnOnce(&mut Npz<&mut BufWriter<Draft<'_>>>) -> Result<()>,
+{
+    chladni_task::write_atomic_with(path, |file| archived(file, fill).map(drop))
 }
 
 /// The bytes of that file.
+///
+/// # Errors
+/// Those of `fill`.
+pub fn npz_of(fill: impl FnOnce(&mut Npz<Cursor<Vec<u8>>>) -> Result<()>) -> Result<Vec<u8>> {
+    archived(Cursor::new(Vec::new()), fill).map(Cursor::into_inner)
+}
+
+/// What an archive was written into.
+fn archived<W: Write + Seek>(into: W, fill: impl FnOnce(&mut Npz<W>) -> Result<()>) -> Result<W> {
+    let mut npz = Npz { archive: ZipWriter::new(into) };
+    fill(&mut npz)?;
+    npz.archive.finish().map_err(Error::other)
+}
+
+/// `values` as one array, the bytes of a `.npy` file.
 ///
 /// # Errors
 /// None but bugs: memory takes what is written to it.
@@ -116,7 +122,7 @@ trait Arrays {
     ) -> Result<()>;
 }
 
-impl Arrays for Npz<'_, '_> {
+impl<W: Write + Seek> Arrays for Npz<W> {
     fn add<T: AutoSerialize>(
         &mut self,
         name: &str,

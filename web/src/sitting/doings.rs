@@ -156,6 +156,15 @@ impl Sitting {
         Ok(self.refresh()?)
     }
 
+    /// Shows the chosen layer in its three models beside the original, or the result again.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn show_models(&mut self, on: bool) -> Result<(), JsError> {
+        self.in_models = on;
+        Ok(self.refresh()?)
+    }
+
     /// Limits all layers where the project keeps triangles; takes seconds.
     ///
     /// # Errors

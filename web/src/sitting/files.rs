@@ -77,7 +77,7 @@ impl Sitting {
         Ok(self.history.project().to_text(Path::new(PROJECT), None)?)
     }
 
-    /// The region of the selected layer as a mask: an array (`npy`), or a mesh (`ply`, `obj`, `glb`).
+    /// The region of the selected layer as a mask: an array (`npy`), an archive (`npz`), or a mesh (`ply`, `obj`, `glb`).
     ///
     /// # Errors
     /// Another ending.
@@ -148,7 +148,8 @@ impl Sitting {
     pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
         // What they show lies on the card.
         (self.landmarks, self.hanging) = (None, None);
-        Ok(self.stage.draw_by_processor()?)
+        self.stage.draw_by_processor()?;
+        Ok(self.refresh()?)
     }
 
     /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.

@@ -1,9 +1,11 @@
 //! The gallery in the place of the figure, and what is taken from it.
 
 use chladni_caricature::Layer;
+use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
-use chladni_program::work::{Error, hung};
-use chladni_view::{Camera, Device, Figure, ItemBuffers, Rect, Topology, View, layout, smooth_normals};
+use chladni_program::work::{Error, Swelling, hung, swollen_at};
+use chladni_synth::SynthModel;
+use chladni_view::{Camera, Device, Figure, ItemBuffers, Rect, Topology, View, layout};
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
@@ -20,6 +22,8 @@ pub struct Hanging {
     pub camera: Camera,
     topology: Topology,
     buffers: ItemBuffers,
+    swelling: Swelling,
+    /// Where all vertices are when the figures have swollen as far as they do.
     positions: Vec<[f32; 3]>,
     count: usize,
     fitted: bool,
@@ -27,33 +31,36 @@ pub struct Hanging {
 }
 
 impl Hanging {
-    fn new(
-        device: &Device,
-        positions: &[f32],
-        vertices: usize,
-        triangles: &[[u32; 3]],
-        stands: Orientation,
-    ) -> Result<Self, Error> {
+    fn new(device: &Device, positions: &[f32], body: &Body, stands: Orientation) -> Result<Self, Error> {
+        let vertices = body.positions.len();
         let positions = positions.as_chunks::<3>().0.to_vec();
         let count = positions.len() / vertices.max(1);
-        let buffers = ItemBuffers::new(device, vertices, count);
+        // No harmonic takes part: each figure is the shape and what its vertices moved by.
+        let mut swelling = Swelling::new(SynthModel::from_parts(&body.positions, &body.triangles, &[])?);
+        swelling.hang(positions.chunks_exact(vertices.max(1)));
+        let mut buffers = ItemBuffers::new(device, vertices, count);
         let mut small = None;
-        for (item, positions) in positions.chunks_exact(vertices.max(1)).enumerate() {
-            let normals = smooth_normals(positions, triangles);
-            if item == 0 {
-                small = coarse(positions, &normals, triangles, SMALL);
-            }
-            buffers.write(device, item, positions, &normals)?;
+        if let Some(frame) = swelling.swell(1.0)? {
+            buffers.take_frame(device, frame)?;
+            small = coarse(frame.positions(0), frame.normals(0), &body.triangles, SMALL);
         }
         Ok(Self {
             camera: Camera::on(stands, View::ThreeQuarter),
-            topology: Topology::new(device, vertices, small.as_deref().unwrap_or(triangles))?,
+            topology: Topology::new(device, vertices, small.as_deref().unwrap_or(&body.triangles))?,
             buffers,
+            swelling,
             positions,
             count,
             fitted: false,
             cells: Vec::new(),
         })
+    }
+
+    /// Swells all of them; whether that is another picture.
+    fn swell(&mut self, device: &Device, share: f32) -> Result<bool, Error> {
+        let Some(frame) = self.swelling.swell(share)? else { return Ok(false) };
+        self.buffers.take_frame(device, frame)?;
+        Ok(true)
     }
 
     /// Each in a cell of `area`.
@@ -87,19 +94,27 @@ impl Sitting {
     /// # Errors
     /// Bugs only.
     pub fn show_gallery(&mut self, positions: &[f32]) -> Result<(), JsError> {
-        let (body, camera) = (self.stack.body(), self.hanging.as_ref().map(|hanging| hanging.camera));
-        let mut hanging = Hanging::new(
-            self.stage.device(),
-            positions,
-            body.positions.len(),
-            &body.triangles,
-            self.stands_now(),
-        )?;
+        let camera = self.hanging.as_ref().map(|hanging| hanging.camera);
+        let mut hanging = Hanging::new(self.stage.device(), positions, self.stack.body(), self.stands_now())?;
         if let Some(camera) = camera {
             (hanging.camera, hanging.fitted) = (camera, true);
         }
         (self.hanging, self.landmarks) = (Some(hanging), None);
         self.stage.stir();
+        Ok(())
+    }
+
+    /// Swells the caricatures as far as they have at a time of any steady clock; without one, as far as they do.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn swell_gallery(&mut self, at_secs: Option<f64>) -> Result<(), JsError> {
+        let share = at_secs.map_or(1.0, swollen_at);
+        if let Some(hanging) = &mut self.hanging
+            && hanging.swell(self.stage.device(), share)?
+        {
+            self.stage.stir();
+        }
         Ok(())
     }
 
@@ -109,10 +124,11 @@ impl Sitting {
         self.stage.stir();
     }
 
-    /// x, y, width and height, in pixels, of the cell of each caricature in the last picture.
+    /// x, y, width and height, in pixels, of the cell of each caricature, or of each model, in the last picture.
     pub fn cells(&self) -> Vec<u32> {
         let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];
-        self.hanging.iter().flat_map(|hanging| hanging.cells.iter().flat_map(of)).collect()
+        let cells = self.hanging.as_ref().map_or(self.stage.lineup_cells(), |hanging| &hanging.cells);
+        cells.iter().flat_map(of).collect()
     }
 
     /// Puts the layers of a caricature on top, as one step.

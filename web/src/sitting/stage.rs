@@ -1,4 +1,6 @@
-//! The picture of a sitting: one figure.
+//! The picture of a sitting: one figure, or some beside each other.
+
+mod lineup;
 
 use std::sync::Arc;
 
@@ -11,6 +13,7 @@ use chladni_view::{
     Paint, PickTree, Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, View,
 };
 
+use self::lineup::Lineup;
 use crate::screen::{Screen, device};
 
 /// The figure's share of the picture's sides.
@@ -25,6 +28,8 @@ pub struct Stage {
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     model: Dressed,
+    /// Figures in the place of it.
+    lineup: Option<Lineup>,
     renderer: Renderer,
     screen: Screen,
     pick: Option<PickTree>,
@@ -53,6 +58,11 @@ struct Dressed {
 
 impl Dressed {
     fn figure(&self) -> Figure<'_> {
+        self.figure_in(&self.buffers, 0)
+    }
+
+    /// Another pose of it, in the same colors.
+    fn figure_in<'a>(&'a self, buffers: &'a ItemBuffers, item: usize) -> Figure<'a> {
         let paint = match (&self.coating, &self.own) {
             (Coating::Values(_, scale), _) => Paint::Values(&self.values, *scale),
             (Coating::Region(_) | Coating::Marks(_) | Coating::Colors(_), _) => Paint::Colors(&self.tints),
@@ -60,7 +70,7 @@ impl Dressed {
             (Coating::Own, Own::Image(skin)) => Paint::Skin(skin),
             (Coating::Own, Own::None) | (Coating::Material, _) => Paint::Material,
         };
-        Figure { paint, ..Figure::new(&self.topology, &self.buffers, 0) }
+        Figure { paint, ..Figure::new(&self.topology, buffers, item) }
     }
 }
 
@@ -139,6 +149,7 @@ impl Stage {
             look,
             positions,
             normals,
+            lineup: None,
             renderer: Renderer::new(&device),
             screen: Screen::new(device)?,
             pick: None,
@@ -160,7 +171,7 @@ impl Stage {
     /// The processor draws from now on.
     pub fn draw_by_processor(&mut self) -> Result<(), Error> {
         (self.model, self.renderer) = (self.on_processor()?, Renderer::new(&Device::Processor));
-        (self.screen, self.stale) = (Screen::new(Device::Processor)?, true);
+        (self.screen, self.stale, self.lineup) = (Screen::new(Device::Processor)?, true, None);
         Ok(())
     }
 
@@ -265,8 +276,11 @@ impl Stage {
         Ok(())
     }
 
-    /// Draws the figure.
+    /// Draws the figure, or those beside each other.
     pub fn draw(&mut self) -> Result<(), Error> {
+        if let Some(lineup) = self.lineup.take() {
+            return self.draw_lineup(lineup);
+        }
         let area = self.area();
         self.frame(area.width, area.height)?;
         let figure = Figure { brush: Some(&self.model.ring), ..self.model.figure() };

@@ -64,6 +64,8 @@ struct State<'a> {
     /// Nobody has said which way is up, and the surface does not tell.
     up_in_doubt: bool,
     bare: bool,
+    /// The three models of the chosen layer and the original are shown.
+    in_models: bool,
     parts: &'a [String],
     /// The level at which parts were looked for; none of those of a head.
     level: Option<f64>,
@@ -104,6 +106,7 @@ impl Sitting {
             up: up.map_or_else(String::new, |axis| axis.to_string()),
             up_in_doubt: project.stands.is_none() && self.stands.in_doubt,
             bare: self.bare,
+            in_models: self.in_models,
             parts: &self.parts.names,
             level: self.parts.level,
             pointed: self.names(&self.tool.pointed),

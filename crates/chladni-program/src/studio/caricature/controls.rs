@@ -8,7 +8,7 @@ use egui::{DragValue, RichText, Slider, Ui};
 
 use super::brush::BrushTool;
 use super::crossings;
-use super::curve::{self, Pen, Spectrum};
+use super::curve::{self, Pen};
 use super::edits::Edits;
 use super::footer::grouped;
 use super::mask_menu::{MaskMenu, MaskWish};
@@ -18,6 +18,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{FURTHEST, INVERT, NEXT_MODEL, STRONGER, WEAKER};
 use crate::studio::theme;
 use crate::work::Quantity;
+use crate::work::scale_plot::Spectrum;
 
 /// What the panel shows beside the layer's own numbers.
 pub struct Measured<'a> {

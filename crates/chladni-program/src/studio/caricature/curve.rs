@@ -7,9 +7,10 @@ use chladni_caricature::ScaleCurve;
 use egui::{Pos2, Rect, Response, Sense, Ui, pos2, vec2};
 
 use self::painting::paint;
-use self::plot::{Plot, from_screen, gain_at, share_of_axis, to_screen, wave_at};
+use self::plot::{Plot, from_screen, gain_at, to_screen};
 use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
+use crate::work::scale_plot::{self, Spectrum, gain_in_words, percent, share_of_axis, wave_at};
 
 /// How near the pointer must be to take hold of a point, in window points.
 const GRIP: f32 = 9.0;
@@ -22,16 +23,6 @@ pub enum Pen {
     Points,
     /// Draw the curve freely.
     Free,
-}
-
-/// What the active model exaggerates, before the curve.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spectrum {
-    /// Wavelength, as a share of the size, and amplitude of each harmonic, from broad to fine; empty until
-    /// there is a difference.
-    pub waves: Vec<[f64; 2]>,
-    /// Amplitude of all that is finer.
-    pub residual: f64,
 }
 
 /// Draws and edits `curve`; `spectrum` is shown behind it. The response is
@@ -64,19 +55,13 @@ pub fn edit(ui: &mut Ui, curve: &mut ScaleCurve, pen: Pen, spectrum: &Spectrum) 
         if on_residual {
             return format!("Finer than every harmonic: ×{:.2}", curve.residual);
         }
-        let [wavelength, gain] = from_screen(plot.curve, at);
-        format!("Waves of {} of its size: ×{gain:.2}", percent(wavelength))
+        gain_in_words(from_screen(plot.curve, at))
     });
     let text = pointed.unwrap_or_else(|| "Wavelength, as a share of its size".into());
     let font = egui::TextStyle::Small.resolve(ui.style());
     let at = pos2(rect.center().x, rect.bottom() - 3.0);
     ui.painter().text(at, egui::Align2::CENTER_BOTTOM, text, font, theme::palette(ui).weak);
     response
-}
-
-fn percent(wavelength: f64) -> String {
-    let percent = 100.0 * wavelength;
-    if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
 /// Its points in words; only some if it was drawn freely.
@@ -149,20 +134,13 @@ fn draw_freely(ui: &Ui, response: &Response, plot: Rect, curve: &mut ScaleCurve)
     let point = from_screen(plot, at);
     let last =
         if response.drag_started() { None } else { ui.data(|data| data.get_temp::<[f64; 2]>(last_id)) };
-    // A step of 1/48 keeps the curve editable by its points afterwards.
-    match last {
-        Some(last) if (share_of_axis(last[0]) - share_of_axis(point[0])).abs() < 1.0 / 48.0 => {}
-        _ => {
-            curve.draw(last.unwrap_or(point), point);
-            ui.data_mut(|data| data.insert_temp(last_id, point));
-        }
+    if scale_plot::draw_freely(curve, last, point) {
+        ui.data_mut(|data| data.insert_temp(last_id, point));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::painting::bar_height;
-    use super::plot::TOP;
     use super::*;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
@@ -242,11 +220,5 @@ mod tests {
         let next = between_neighbors(&wide, 1, 2.0);
         assert!(next < 1.0 && (share_of_axis(next) - share_of_axis(1.0) - GAP).abs() < 1e-12);
         assert_eq!(between_neighbors(&wide, 2, 0.0001), ScaleCurve::FINEST);
-    }
-
-    #[test]
-    fn a_bar_that_is_amplified_as_far_as_it_goes_still_fits() {
-        assert!((bar_height(TOP * TOP) - 1.0).abs() < 1e-3 && bar_height(1.0) > 0.8);
-        assert_eq!((bar_height(1e-7), bar_height(0.0), bar_height(f64::NAN)), (0.0, 0.0, 0.0));
     }
 }

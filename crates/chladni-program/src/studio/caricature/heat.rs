@@ -1,10 +1,9 @@
 //! What the heat map shows, and the spectrum behind the scale curve.
 
-use chladni_caricature::wavelengths;
 use chladni_view::ColorMap;
 
-use super::curve::Spectrum;
 use super::session::Session;
+use crate::work::scale_plot::Spectrum;
 use crate::work::{Coating, Quantity, Seen, coating, with_pointed};
 
 /// The user's choice, and whether the stage shows it already.
@@ -124,7 +123,5 @@ pub fn spectrum(session: &Session) -> Spectrum {
     let layer = session.selected.and_then(|id| session.project().layer(id));
     let difference = session.selected_layer().and_then(|layer| layer.difference.as_ref());
     let (Some(layer), Some(difference)) = (layer, difference) else { return Spectrum::default() };
-    let bars = difference.amplitudes(layer.model);
-    let waves = wavelengths(&session.stack.body().basis).into_iter().zip(bars.harmonics);
-    Spectrum { waves: waves.map(|(wave, amplitude)| [wave, amplitude]).collect(), residual: bars.residual }
+    Spectrum::of(difference, layer.model, &session.stack.body().basis)
 }

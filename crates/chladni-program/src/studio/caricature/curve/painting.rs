@@ -3,12 +3,13 @@
 use chladni_caricature::ScaleCurve;
 use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
-use super::plot::{Plot, TOP, height_of, share_of_axis, to_screen, wave_at};
-use super::{Pen, Spectrum};
+use super::Pen;
+use super::plot::{Plot, height_of, to_screen};
 use crate::studio::theme;
+use crate::work::scale_plot::{Spectrum, wave_at};
 
 /// Gains with a line of their own.
-const GAINS: [f64; 4] = [0.0, 1.0, 2.0, TOP];
+const GAINS: [f64; 4] = [0.0, 1.0, 2.0, ScaleCurve::MAX_GAIN];
 /// Wavelengths that are named below the plot, shares of the size.
 const WAVES: [f64; 6] = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05];
 
@@ -79,8 +80,7 @@ fn paint_curve(
             to_screen(plot.curve, [wavelength, curve.at(wavelength)])
         })
         .collect();
-    let finest = spectrum.waves.last().map_or(1.0, |wave| share_of_axis(wave[0]));
-    let reached = ((finest * steps as f64).ceil() as usize).min(steps);
+    let reached = ((spectrum.finest() * steps as f64).ceil() as usize).min(steps);
     painter.line(line[reached..].to_vec(), Stroke::new(1.5, palette.weak.gamma_multiply(0.7)));
     painter.line(line[..=reached].to_vec(), Stroke::new(2.0, palette.accent));
     let handle = |at: Pos2| {
@@ -94,8 +94,7 @@ fn paint_curve(
     }
 }
 
-/// The energy of each band of wavelengths in decibels, since differences fall off by orders of magnitude,
-/// before and after the curve. The residual is an extra band.
+/// The energy of each band of wavelengths before and after the curve. The residual is an extra band.
 fn paint_bars(
     painter: &egui::Painter,
     plot: Plot,
@@ -105,17 +104,9 @@ fn paint_bars(
     after: Color32,
 ) {
     let bands = (plot.curve.width() / 6.0).max(1.0) as usize;
-    let mut energy = vec![[0.0_f64; 2]; bands];
-    for [wavelength, amplitude] in &spectrum.waves {
-        let band = ((share_of_axis(*wavelength) * bands as f64) as usize).min(bands - 1);
-        energy[band][0] += amplitude.powi(2);
-        energy[band][1] += (amplitude * curve.at(*wavelength)).powi(2);
-    }
-    let residual = [spectrum.residual.powi(2), (spectrum.residual * curve.residual).powi(2)];
-    let peak = energy.iter().chain([&residual]).map(|e| e[0]).fold(0.0, f64::max);
-    let bar = |x: egui::Rangef, [raw, curved]: [f64; 2]| {
-        for (energy, color) in [(raw, before), (curved, after)] {
-            let height = plot.curve.height() * bar_height(energy / peak) as f32;
+    let bar = |x: egui::Rangef, heights: [f64; 2]| {
+        for (height, color) in heights.into_iter().zip([before, after]) {
+            let height = plot.curve.height() * height as f32;
             let y = egui::Rangef::new(plot.curve.bottom() - height, plot.curve.bottom());
             if height > 0.0 {
                 painter.rect_filled(Rect::from_x_y_ranges(x, y), 1.0, color);
@@ -123,16 +114,9 @@ fn paint_bars(
         }
     };
     let width = plot.curve.width() / bands as f32;
-    for (band, energy) in energy.into_iter().enumerate() {
+    for (band, heights) in spectrum.bars(curve, bands).into_iter().enumerate() {
         let left = plot.curve.left() + width * band as f32;
-        bar(egui::Rangef::new(left + 0.5, left + width - 0.5), energy);
+        let x = egui::Rangef::new(left + 0.5, left + width - 0.5);
+        bar(if band < bands { x } else { plot.residual.x_range().shrink(3.0) }, heights);
     }
-    bar(plot.residual.x_range().shrink(3.0), residual);
-}
-
-/// The height of a bar, from 0 to 1: from 60 dB below the strongest to 12 dB above it, the most that the
-/// curve amplifies.
-pub(super) fn bar_height(energy: f64) -> f64 {
-    let decibels = 10.0 * energy.log10();
-    if decibels.is_finite() { ((decibels + 60.0) / 72.0).clamp(0.0, 1.0) } else { 0.0 }
 }

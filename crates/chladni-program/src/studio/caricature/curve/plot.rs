@@ -1,10 +1,9 @@
 //! Where wavelengths and gains lie on the screen.
 
-use chladni_caricature::ScaleCurve;
 use egui::{Pos2, Rect, pos2, vec2};
 
-/// The gain at the top of the plot.
-pub(super) const TOP: f64 = ScaleCurve::MAX_GAIN;
+use crate::work::scale_plot::{self, share_of_axis, wave_at};
+
 /// Width of the column of the residual.
 const COLUMN: f32 = 22.0;
 
@@ -28,24 +27,12 @@ impl Plot {
     }
 }
 
-/// The position of a wavelength on the logarithmic axis: 0 is the broadest, 1 the finest.
-pub(super) fn share_of_axis(wavelength: f64) -> f64 {
-    let octaves = (ScaleCurve::BROADEST / ScaleCurve::FINEST).log2();
-    ((ScaleCurve::BROADEST / wavelength).log2() / octaves).clamp(0.0, 1.0)
-}
-
-pub(super) fn wave_at(share: f64) -> f64 {
-    let wavelength = ScaleCurve::BROADEST * (ScaleCurve::FINEST / ScaleCurve::BROADEST).powf(share);
-    wavelength.clamp(ScaleCurve::FINEST, ScaleCurve::BROADEST)
-}
-
-/// Gains are drawn at their square roots: 1 in the middle, 4 at the top.
 pub(super) fn height_of(plot: Rect, gain: f64) -> f32 {
-    plot.bottom() - plot.height() * (gain / TOP).clamp(0.0, 1.0).sqrt() as f32
+    plot.bottom() - plot.height() * scale_plot::height_of(gain) as f32
 }
 
 pub(super) fn gain_at(plot: Rect, y: f32) -> f64 {
-    f64::from((plot.bottom() - y) / plot.height()).clamp(0.0, 1.0).powi(2) * TOP
+    scale_plot::gain_at(f64::from((plot.bottom() - y) / plot.height()))
 }
 
 pub(super) fn to_screen(plot: Rect, [wavelength, gain]: [f64; 2]) -> Pos2 {

@@ -1,0 +1,63 @@
+// A curve under a finger, the mouse or the keyboard, and the canvas that shows it. Places go from 0 to 1, to the right and
+// up.
+
+/** Arrow keys go so many steps across a curve, and so many up. */
+const [ACROSS, UP] = [32, 20];
+/** Pixels between a curve and its frame. */
+const EDGE = 8;
+
+const within = (value) => Math.min(1, Math.max(0, value));
+
+/**
+ * `curve` has the height that it has at `at`, `height()`; `draw(from, to)` draws between two places, the same where a stroke
+ * begins, and gives from where it goes on; `put(x, y, step)` changes it at a place alone; `done()` ends either; `paint()`
+ * shows it. `left` and `below` are pixels beside and under the curve that are not its own.
+ */
+export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
+  curve.at ??= 0;
+  let last;
+  const place = (event) => {
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    return [within((event.clientX - left - aside - EDGE) / (width - aside - 2 * EDGE)), within(1 - (event.clientY - top - EDGE) / (height - below - 2 * EDGE))];
+  };
+  const stroke = (from, to) => {
+    last = curve.draw(from, to);
+    [curve.at] = to;
+    curve.paint();
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    const at = place(event);
+    stroke(at, at);
+  });
+  canvas.addEventListener("pointermove", (event) => { if (last) stroke(last, place(event)); });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { if (last) curve.done(); last = undefined; });
+  for (const change of ["focus", "blur"]) canvas.addEventListener(change, () => curve.paint());
+  canvas.addEventListener("keydown", (event) => {
+    const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    const rise = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    if (!side && !rise) return;
+    event.preventDefault();
+    if (side) curve.at = Math.min(1 - 1 / ACROSS, within(curve.at + side / ACROSS));
+    else {
+      curve.put(curve.at, within(curve.height() + rise / UP), 1 / ACROSS);
+      curve.done();
+    }
+    curve.paint();
+  });
+}
+
+/** A fresh canvas: its brush, how many pixels one of the page has, and where places lie in it. */
+export function plane(canvas, curve, { left = 0, below = 0 } = {}) {
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * devicePixelRatio)));
+  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  const brush = canvas.getContext("2d");
+  const [edge, aside, foot] = [EDGE, left, below].map((side) => side * devicePixelRatio);
+  const x = (share) => aside + edge + share * (width - aside - 2 * edge);
+  const y = (share) => edge + (1 - share) * (height - foot - 2 * edge);
+  brush.clearRect(0, 0, width, height);
+  brush.fillStyle = "#ffffff18";
+  // Where the keys are.
+  if (document.activeElement === canvas) brush.fillRect(x(curve.at), y(1), x(1 / ACROSS) - x(0), y(0) - y(1));
+  return { brush, dot: devicePixelRatio, x, y };
+}

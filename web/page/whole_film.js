@@ -1,0 +1,121 @@
+// A film of the song that waits for each picture: what is on stage, or in the gallery, dances to it as it is now. The
+// clock of the dance goes on by one picture after the other, however long each takes.
+import { EncodedFilm, encodes } from "./encoder.js";
+import { attempt, of, on, save, say } from "./page.js";
+import { drawOnce, hold } from "./picture.js";
+
+/** Seconds of sound that are encoded at a time. */
+const BLOCK_SECS = 1;
+/** Milliseconds after which the page is told how far it is. */
+const TELL = 250;
+
+let stage;
+/** A film is being made: `cancelled`, or `kept` as far as it is. */
+let going;
+
+const wait = () => new Promise((done) => {
+  // Timers rest in a page that is not seen.
+  const { port1, port2 } = new MessageChannel();
+  port1.onmessage = () => { port1.close(); done(); };
+  port2.postMessage(undefined);
+});
+
+const minutes = (secs) => (secs < 90 ? `${Math.ceil(secs)} s` : `${Math.ceil(secs / 60)} min`);
+
+/** Where it begins in the song, and where it ends. */
+function span({ position, duration }) {
+  const { value } = of("film-span");
+  if (value === "whole") return [0, duration];
+  return [position, value === "rest" ? duration : Math.min(duration, position + Number(value))];
+}
+
+function tell(n, count, began) {
+  of("film-progress").value = n / count;
+  const left = ((count - n) * (performance.now() - began)) / 1000 / Math.max(1, n);
+  of("film-left").textContent = n < 5 ? `Picture ${n} of ${count}` : `Picture ${n} of ${count}, ${minutes(left)} left`;
+}
+
+/** Draws and encodes one picture after the other; gives the film, or none where it was given up, and whether it is silent. */
+async function shoot(mine) {
+  const sound = stage.sound();
+  const [width, height] = of("film-size").value.split("x").map(Number);
+  const rate = Number(of("film-rate").value);
+  const [from, to] = span(sound);
+  const count = Math.max(1, Math.round((to - from) * rate));
+  const film = await EncodedFilm.open(width, height, rate, sound.rate);
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  const brush = canvas.getContext("2d", { alpha: false });
+  const take = (picture, veil) => {
+    brush.drawImage(picture, 0, 0);
+    if (!veil) return;
+    brush.fillStyle = veil;
+    brush.fillRect(0, 0, width, height);
+  };
+  const sample = (n) => Math.min(sound.left.length, Math.round((from + n / rate) * sound.rate));
+  const block = Math.round(BLOCK_SECS * rate);
+  const began = performance.now();
+  let told = 0;
+  try {
+    for (let n = 0; n < count && !mine.cancelled && !mine.kept; n++) {
+      if (n % block === 0) film.sound(sound.left, sound.right, sample(n), sample(Math.min(n + block, count)));
+      stage.at(n / rate, from + n / rate);
+      drawOnce(width, height, take);
+      await film.picture(canvas);
+      if (performance.now() - told > TELL) { tell(n + 1, count, began); told = performance.now(); }
+      await wait();
+    }
+    return { film: mine.cancelled ? undefined : await film.end(), isSilent: film.isSilent };
+  } finally { film.close(); }
+}
+
+async function begin() {
+  const mine = going = {};
+  show();
+  let release;
+  let awake;
+  try {
+    stage.begin();
+    release = hold();
+    // A screen that goes dark stops the page. Not every browser keeps it awake.
+    awake = await navigator.wakeLock?.request("screen").catch(() => undefined);
+    const { film, isSilent } = await shoot(mine);
+    if (film) save("chladni-song.mp4", film);
+    else say("The film was given up.");
+    if (film && isSilent) say("This browser encodes no sound: the film is silent.", true);
+  } finally {
+    stage.end();
+    release?.();
+    awake?.release();
+    going = undefined;
+    show();
+    of("whole-film").close();
+  }
+}
+
+/** Shows what is asked before a film, or how far it is. */
+function show() {
+  of("whole-film").classList.toggle("going", !!going);
+  of("film-asks").hidden = of("film-begin").hidden = !!going;
+  of("film-going").hidden = of("film-keep").hidden = !going;
+  of("film-progress").value = 0;
+  of("film-left").textContent = "";
+}
+
+/**
+ * `music` has the song that plays, `sound()`, with its samples, its `position` and its `duration`; `begin()` before the
+ * first picture, `at(secs, songSecs)` before each, `end()` behind the last.
+ */
+export function listen(music) {
+  stage = music;
+  of("film-song").hidden = !encodes();
+  on("film-song", () => { show(); of("whole-film").showModal(); });
+  on("film-begin", begin);
+  on("film-keep", () => { if (going) going.kept = true; });
+  on("film-cancel", () => { if (going) going.cancelled = true; else of("whole-film").close(); });
+  // The escape key.
+  of("whole-film").addEventListener("cancel", attempt((event) => {
+    if (!going) return;
+    event.preventDefault();
+    going.cancelled = true;
+  }));
+}
