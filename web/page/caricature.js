@@ -11,7 +11,7 @@ import { drawModels } from "./models.js";
 import * as scaleCurve from "./scale.js";
 import * as wall from "./wall.js";
 import { PLAIN_HEAD, matchedBefore } from "./plain_head.js";
-import { drawLayers, drawParts, number, offerResults } from "./layers.js";
+import { drawLayers, drawParts, offerResults, showLayer } from "./layers.js";
 
 /** Harmonics of a new project; its file says so, and the desktop takes as many. */
 const harmonicsOf = (bytes) => ((bytes?.length ?? 0) < 8e6 ? 256 : 128);
@@ -210,19 +210,6 @@ function refresh() {
   showLandmarks(layer);
   clearTimeout(resting);
   if (state.keep_triangles) resting = setTimeout(attempt(() => { sitting.keep_triangles(); }), REST);
-}
-
-function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, warnings }) {
-  of("mu").min = least_mu;
-  of("mu").value = mu;
-  of("mu-value").textContent = number(mu);
-  of("strength").value = strength;
-  of("model").value = model;
-  of("curve").value = curve;
-  of("softness").value = Math.log(smoothing.wavelength);
-  of("everywhere").setAttribute("aria-pressed", everywhere);
-  const covered = coverage === null ? "" : `The match covers ${Math.round(100 * coverage)} % of the shape.`;
-  of("quality").textContent = [covered, ...warnings].join(" ");
 }
 
 function showLandmarks(layer) {

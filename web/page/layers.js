@@ -1,4 +1,5 @@
 // The list of layers: the topmost layer is the topmost row.
+import { of } from "./page.js";
 
 function button(text, label, act) {
   const made = document.createElement("button");
@@ -10,7 +11,7 @@ function button(text, label, act) {
 }
 
 /** As it is set in type. */
-export const number = (x) => x.toFixed(2).replace("-", "−");
+const number = (x) => x.toFixed(2).replace("-", "−");
 
 const said = ({ state, why, mu, template, folds }) => {
   if (state === "failed") return why;
@@ -73,4 +74,18 @@ export function drawParts(parent, names, taken, choices) {
     }));
   }
   names.forEach((name, part) => parent.children[part].setAttribute("aria-pressed", taken.includes(name)));
+}
+
+/** The numbers of the chosen layer. */
+export function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, warnings }) {
+  of("mu").min = least_mu;
+  of("mu").value = mu;
+  of("mu-value").textContent = number(mu);
+  of("strength").value = strength;
+  of("model").value = model;
+  of("curve").value = curve;
+  of("softness").value = Math.log(smoothing.wavelength);
+  of("everywhere").setAttribute("aria-pressed", everywhere);
+  const covered = coverage === null ? "" : `The match covers ${Math.round(100 * coverage)} % of the shape.`;
+  of("quality").textContent = [covered, ...warnings].join(" ");
 }
