@@ -9,8 +9,9 @@ fn the_upper_end_of_a_figure_stays_in_the_picture() {
         let folder = tempfile::tempdir().unwrap();
         let dance = ["dance", name, "sample:tune", "--frames", folder.path().to_str().unwrap()];
         // Without a background, what is opaque is the figure.
-        let seen = ["--background", "transparent", "--size", "128x96", "--fps", "10", "--duration", "12", "-k", "96"];
-        assert_eq!(run(&[&dance[..], &seen].concat()), 0);
+        let seen = ["--background", "transparent", "--size", "128x96"];
+        let moments = ["--fps", "10", "--duration", "12", "-k", "96"];
+        assert_eq!(run(&[&dance[..], &seen, &moments].concat()), 0);
         let pictures = frames(folder.path());
         let shares = pictures.iter().map(|picture| {
             let opaque = |row: &[u8]| row.chunks_exact(4).filter(|pixel| pixel[3] > 200).count();
