@@ -1,6 +1,6 @@
 //! The frame of a film whose pictures and sound the browser has encoded: an MP4 file without what fills it.
 //!
-//! Pieces stand in the file in the order in which they were told, behind an index that says where each is (ISO/IEC
+//! Pieces stand in the file in the order in which they were added, behind an index that says where each is (ISO/IEC
 //! 14496-12; VP9 and Opus in it by their own bindings), so that a film can be played while it is still being fetched.
 
 mod boxes;
@@ -248,8 +248,10 @@ fn sound_entry(codec: &str, description: &[u8], rate: u32) -> Result<(Vec<u8>, u
         }
         _ => return Err(unknown(codec)),
     };
+    // Where 16 bits cannot hold the rate, only the configuration has it.
+    let rate = u16::try_from(rate).unwrap_or(0);
     let mut entry = Boxed::default();
-    entry.u16s(&[0, 0, 0, 1]).u32s(&[0, 0]).u16s(&[2, 16, 0, 0, rate as u16, 0]).raw(&configuration);
+    entry.u16s(&[0, 0, 0, 1]).u32s(&[0, 0]).u16s(&[2, 16, 0, 0, rate, 0]).raw(&configuration);
     Ok((boxed(name, &entry.bytes), skipped))
 }
 

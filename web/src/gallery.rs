@@ -135,8 +135,7 @@ impl Wall {
         let Exhibition { sitter, gallery, .. } = &self.shown;
         let found = gallery.favorites().get(number);
         let variant = &found.ok_or_else(|| JsError::new("there is no such favorite"))?.genome;
-        let layers: Vec<Layer> = sitter.portray(&[variant])?.into_iter().flat_map(|one| one.layers).collect();
-        written(&layers)
+        written(&sitter.portray_one(variant)?.layers)
     }
 
     /// Those of a random good one, another each time.

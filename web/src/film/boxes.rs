@@ -47,7 +47,7 @@ pub fn language(letters: &[u8; 3]) -> u16 {
 /// What describes AAC, whose own description is shorter than 64 bytes.
 pub fn aac_descriptor(description: &[u8]) -> Vec<u8> {
     let tagged = |tag: u8, content: &[u8]| [&[tag, content.len() as u8][..], content].concat();
-    // MPEG-4 sound; the size of its buffer and its bit rates are not told.
+    // MPEG-4 sound; the size of its buffer and its bit rates stay 0, which says nothing of them.
     let decoder = [&[0x40, 0x15][..], &[0; 11], &tagged(5, description)].concat();
     tagged(3, &[&[0, 0, 0][..], &tagged(4, &decoder), &tagged(6, &[2])].concat())
 }

@@ -3,7 +3,7 @@
 use chladni_caricature::{Action, Layer, LayerId, Property, ScaleCurve};
 use chladni_program::work::Error;
 use chladni_program::work::scale_plot::{
-    Spectrum, draw_freely, gain_at, gain_in_words, height_of, share_of_axis, wave_at,
+    GAINS, Spectrum, draw_freely, gain_at, gain_in_words, height_of, share_of_axis, wave_at,
 };
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
@@ -14,8 +14,6 @@ use super::Sitting;
 const PIECES: u32 = 96;
 /// Bars of the spectrum behind it.
 const BANDS: usize = 40;
-/// Gains with a line of their own.
-const GAINS: [f64; 4] = [0.0, 1.0, 2.0, ScaleCurve::MAX_GAIN];
 /// Wavelengths that are named below the plot, shares of the size.
 const WAVES: [f64; 4] = [2.0, 0.5, 0.2, 0.05];
 

@@ -265,15 +265,21 @@ impl Stage {
     /// Sees to it that all of the figure is in a picture of this size, where the viewer was not moved.
     pub fn frame(&mut self, width: u32, height: u32) -> Result<(), Error> {
         self.screen.fit(width, height)?;
-        let aspect = width as f32 / height as f32;
-        let points = self.positions.iter().copied();
+        let positions = std::mem::take(&mut self.positions);
+        self.aim(&positions, width as f32 / height as f32);
+        self.positions = positions;
+        Ok(())
+    }
+
+    /// Sees to it that all of `points` are in a picture of this aspect, where the viewer was not moved.
+    fn aim(&mut self, points: &[[f32; 3]], aspect: f32) {
+        let points = points.iter().copied();
         if !self.fitted {
             self.camera.fit(points, aspect, FILL);
             self.fitted = true;
         } else if !self.by_hand {
             self.camera.hold(points, aspect, 0.97);
         }
-        Ok(())
     }
 
     /// Draws the figure, or those beside each other.

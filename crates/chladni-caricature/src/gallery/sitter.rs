@@ -181,6 +181,15 @@ impl Sitter {
         title
     }
 
+    /// [All](Self::portray) where there is one.
+    ///
+    /// # Errors
+    /// What the synthesizer refuses.
+    pub fn portray_one(&self, variant: &Variant) -> Result<Portrait, CaricatureError> {
+        let portrait = self.portray(&[variant])?.pop();
+        portrait.ok_or_else(|| CaricatureError::Gallery("there are no variants".into()))
+    }
+
     /// All of `variants`, each with as much of its strength as folds hardly any triangle. The synthesizer evaluates
     /// them together, a few times.
     ///

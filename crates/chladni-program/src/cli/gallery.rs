@@ -67,8 +67,8 @@ impl GalleryOptions {
             Some(number) => {
                 let gallery = self.bred(sitter, seed)?;
                 let variant = gallery.variants()[number - 1].clone();
-                let mut drawn = sitter.portray(&[&variant])?;
-                (variant, drawn.remove(0))
+                let drawn = sitter.portray_one(&variant)?;
+                (variant, drawn)
             }
         };
         terminal.result(format_args!("{}", described(sitter, &variant, &drawn)))?;

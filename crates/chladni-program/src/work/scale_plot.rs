@@ -4,6 +4,8 @@
 use chladni_caricature::{Difference, Model, ScaleCurve, wavelengths};
 use chladni_harmonics::Basis;
 
+/// Gains with a line of their own.
+pub const GAINS: [f64; 4] = [0.0, 1.0, 2.0, ScaleCurve::MAX_GAIN];
 /// A step of a free hand, as a share of the axis: with fewer points the curve can still be edited by them.
 const STEP: f64 = 1.0 / 48.0;
 

@@ -5,7 +5,7 @@ use chladni_caricature::Surface;
 use chladni_program::work::Error;
 use chladni_view::{Background, ItemBuffers, Rect, layout};
 
-use super::{FILL, Placed, Stage, draw, single};
+use super::{Placed, Stage, draw, single};
 
 /// The three models and the original.
 pub const FIGURES: usize = 4;
@@ -60,14 +60,7 @@ impl Stage {
         let area = self.area();
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, FIGURES, 0.8);
         lineup.cells = layout::grid(area, rows, columns, 2, FIGURES);
-        let aspect = lineup.cells.first().map_or(1.0, Rect::aspect);
-        let points = lineup.positions.iter().copied();
-        if !self.fitted {
-            self.camera.fit(points, aspect, FILL);
-            self.fitted = true;
-        } else if !self.by_hand {
-            self.camera.hold(points, aspect, 0.97);
-        }
+        self.aim(&lineup.positions, lineup.cells.first().map_or(1.0, Rect::aspect));
         let placed = |(item, viewport): (usize, &Rect)| Placed {
             viewport: *viewport,
             camera: self.camera,

@@ -6,10 +6,8 @@ use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use super::Pen;
 use super::plot::{Plot, height_of, to_screen};
 use crate::studio::theme;
-use crate::work::scale_plot::{Spectrum, wave_at};
+use crate::work::scale_plot::{GAINS, Spectrum, wave_at};
 
-/// Gains with a line of their own.
-const GAINS: [f64; 4] = [0.0, 1.0, 2.0, ScaleCurve::MAX_GAIN];
 /// Wavelengths that are named below the plot, shares of the size.
 const WAVES: [f64; 6] = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05];
 

@@ -178,7 +178,7 @@ impl GalleryView {
         }
         if let (Some(variant), Some(shown)) = (taken, &self.shown) {
             let sitter = Arc::clone(&shown.sitter);
-            let work = move |_: &Task| Ok(sitter.portray(&[&variant])?.remove(0).layers);
+            let work = move |_: &Task| Ok(sitter.portray_one(&variant)?.layers);
             self.taking = Some(Job::start("A favorite", &ctx, work));
         }
     }
