@@ -1,0 +1,89 @@
+"""Writes what bench/card/run measured into BENCHMARKS.md. Usage: measure.py FOLDER"""
+
+import json
+import pathlib
+import sys
+
+import numpy
+from PIL import Image
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+from section import processor, write_section  # noqa: E402
+
+folder = pathlib.Path(sys.argv[1])
+
+
+def apart():
+    """How far the pictures of card and processor are apart: the worst mean, in levels, and the worst share of pixels that
+    differ by more than 20 levels from all around the same place."""
+    worst = [0.0, 0.0]
+    for mine in sorted((folder / "pictures").glob("*-processor.png")):
+        theirs = mine.with_name(mine.name.replace("-processor.png", "-device.png"))
+        a, b = (numpy.asarray(Image.open(path).convert("RGB")).astype(int) for path in (mine, theirs))
+        around = [numpy.roll(b, shift, (0, 1)) for shift in numpy.ndindex(3, 3)]
+        around = [numpy.roll(c, (-1, -1), (0, 1)) for c in around]
+        low, high = numpy.min(around, 0) - 20, numpy.max(around, 0) + 20
+        off = ((a < low) | (a > high)).any(2).mean()
+        worst = [max(worst[0], abs(a - b).mean()), max(worst[1], off)]
+    return worst
+
+
+mean, off = apart()
+twins = (folder / "twins").read_text().splitlines()
+devices = [line for line in twins if not line.startswith(("|", "counts:"))]
+table = [line for line in twins if line.startswith("|")]
+rows = json.loads((folder / "synth.json").read_text())
+
+lines = [
+    "## With a graphics card",
+    "",
+    f"{processor()}; devices: {'; '.join(devices)}. Made by `bench/card/run`.",
+    "",
+    "Pictures, four samples a pixel on both, milliseconds of a frame: the median of 21, the best, the processor time of all "
+    "threads together, and times the first column's median (scenes as in *The processor beside the graphics device*):",
+    "",
+    table[0],
+    "|" + "---|" * (table[0].count("|") - 1),
+    *table[1:],
+    "",
+    f"Their pictures are at most {mean:.2f} of 255 levels apart on average, and at most {1e6 * off:.0f} of a million pixels differ by more than 20 "
+    "levels from all that lies around the same place.",
+    "",
+    "Synthesis and drawing as in *Synthesis and drawing* (shapes of the papers' sizes): milliseconds, frames a second of all "
+    "three, the published rate, and how many times as fast as on the processor synthesis and normals are:",
+    "",
+    "| model | n | K | S | processor: synthesis, normals, ms | card: synthesis, normals, drawing, ms | drawn, frames a second | published | times as fast |",
+    "|" + "---|" * 9,
+]
+of = {(r["model"], r["items"], r["backend"]): r for r in rows}
+for (model, items, backend), card in of.items():
+    cpu = of.get((model, items, "cpu"))
+    if backend != "gpu" or cpu is None:
+        continue
+    draw = f"{card['draw_ms']:.2f}" if card["draw_ms"] is not None else ""
+    drawn = f"{card['drawn_fps']:.0f}" if card["drawn_fps"] is not None else ""
+    published = f"{card['published_fps']:.1f}" if card["published_fps"] is not None else ""
+    ratio = (cpu["synthesis_ms"] + cpu["normals_ms"]) / (card["synthesis_ms"] + card["normals_ms"])
+    lines.append(
+        f"| {model} | {card['vertices']:,} | {card['harmonics']:,} | {items} | {cpu['synthesis_ms']:.2f}, {cpu['normals_ms']:.2f} "
+        f"| {card['synthesis_ms']:.2f}, {card['normals_ms']:.2f}, {draw} | {drawn} | {published} | {ratio:.1f} |"
+    )
+lines += [
+    "",
+    "Films of 8 s of our tune at 30 frames a second (`chladni dance sample:octopus sample:tune`, K = 512, the look aurora), the encoder left out: "
+    "times real time once the song is analyzed and the harmonics are there, and milliseconds a frame:",
+    "",
+    "| film | size | who draws and deforms | times real time | drawing | synthesis and normals | flash guard |",
+    "|" + "---|" * 7,
+]
+for name, film, size in (("one-720", "one octopus", "1280×720"), ("gallery-720", "gallery of twelve", "1280×720"), ("gallery-2160", "gallery of twelve", "3840×2160")):
+    for draw in ("cpu", "gpu"):
+        r = json.loads((folder / f"film-{name}-{draw}.json").read_text())
+        ms = {k: 1e3 * v / r["frames"] for k, v in r["seconds"].items()}
+        filming = r["seconds"]["total"] - sum(r["seconds"][k] for k in ("reading", "preparing", "beats", "analysis", "mapping"))
+        lines.append(
+            f"| {film} | {size} | {r['device']}; {r['synthesis']} | {r['film_secs'] / filming:.2f} | {ms['drawing']:.1f} "
+            f"| {ms['synthesis'] + ms['normals']:.1f} | {ms['guarding']:.1f} |"
+        )
+write_section("card", "\n".join(lines))
+print("\n".join(lines))
