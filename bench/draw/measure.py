@@ -8,6 +8,7 @@ import sys
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import twins  # noqa: E402
 from section import processor, write_section  # noqa: E402
 
 HEAD = """## The processor beside the graphics device
@@ -78,15 +79,11 @@ def floor(counts, table):
 def main():
     load = os.getloadavg()[0]
     done = subprocess.run([sys.argv[1]], check=True, capture_output=True, text=True)
-    lines = done.stdout.splitlines()
-    counts = [line for line in lines if line.startswith("counts:")]
-    devices = [line for line in lines if not line.startswith(("|", "counts:"))]
-    table = [line for line in lines if line.startswith("|")]
-    rule = "|" + "---|" * (table[0].count("|") - 1)
+    devices, counts, table = twins.read(done.stdout)
     said = "Columns: " + "; ".join(devices) + "."
-    text = "\n".join([HEAD.format(machine=processor(), load=load), said, "", table[0], rule, *table[1:], "", floor(counts, table)])
+    text = "\n".join([HEAD.format(machine=processor(), load=load), said, "", *table, "", floor(counts, table)])
     write_section("draw", text)
-    print("\n".join(lines))
+    print(done.stdout, end="")
 
 
 if __name__ == "__main__":
