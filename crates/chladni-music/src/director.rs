@@ -98,10 +98,10 @@ impl Shot {
             Kind::Orbit => [(0.7 + 0.5 * reach) * drift, 0.08 * reach, 0.0, 0.0],
             Kind::PushIn => [0.25 * side + 0.2 * drift, 0.02, 0.55 * gone, 0.3 * gone],
             Kind::PullOut => {
-                [0.3 * drift - 0.2 * side, 0.06, 0.55 - 0.45 * gone, 0.3 * (1.0 - gone).max(0.0)]
+                [0.3 * drift - 0.2 * side, 0.06, 0.55 * (1.0 - gone), 0.3 * (1.0 - gone).max(0.0)]
             }
-            Kind::LowAngle => [0.3 * side + 0.35 * drift, -0.36 - 0.1 * reach, 0.15, 0.0],
-            Kind::FromAbove => [0.5 * drift, 0.5 + 0.25 * reach, 0.1, 0.0],
+            Kind::LowAngle => [0.3 * side + 0.35 * drift, -0.36 - 0.1 * reach, 0.0, 0.0],
+            Kind::FromAbove => [0.5 * drift, 0.5 + 0.25 * reach, 0.0, 0.0],
             Kind::Close => [0.35 * side + 0.3 * drift, 0.04, 0.65, 0.9],
         };
         Framing { yaw_rad, pitch_rad, closeness: closeness.clamp(0.0, 1.0), toward_part }

@@ -11,7 +11,7 @@ const PITCHES: [f32; 6] = [-0.8, -0.4, 0.0, 0.4, 0.8, 1.2];
 /// Rows of the grid in which the covered share of a picture is counted.
 const ROWS: usize = 24;
 /// Halvings until a distance is found.
-const HALVINGS: usize = 9;
+const HALVINGS: usize = 11;
 /// The upper end of a figure is at most this share of half a picture above the middle.
 pub const TOP: f32 = 0.94;
 /// The greatest height of a figure seen as a whole, in heights of the picture, however slim it is.
@@ -91,22 +91,30 @@ fn distance(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, room:
     let reach = seen.iter().fold(1e-6f32, |reach, p| reach.max(p.length()));
     let near = seen.iter().fold(0.0f32, |near, p| near.max(p.z)) + CLEARANCE * reach;
     let tan_y = (0.5 * camera.fov_y_rad).tan();
-    let (bottom, top) = seen.iter().fold((0.0f32, 0.0f32), |(b, t), p| (b.min(p.y), t.max(p.y)));
-    // What rises in loud music sinks a little, too.
-    let heights = (top - bottom + (1.0 + SINKS) * room.rises) / room.most_heights;
-    let heights = heights.max((top + room.rises) / DEEPEST);
-    let near = near.max(heights / (2.0 * tan_y));
-    let lift = |distance| lift(&seen, room.rises, distance, tan_y);
-    let (mut low, mut high) = (near, 6.0 * (near + reach) / tan_y.min(tan_y * aspect));
+    let top = seen.iter().fold(0.0f32, |top, p| top.max(p.y));
+    let near = near.max((top + room.rises) / (2.0 * tan_y * DEEPEST));
+    let (mut low, mut high) = (near, 6.0 * (near + reach + room.rises) / tan_y.min(tan_y * aspect));
     for _ in 0..HALVINGS {
         let distance = (low * high).sqrt();
-        if covered(&seen, distance, lift(distance), tan_y, aspect) > share {
+        let lift = lift(&seen, room.rises, distance, tan_y);
+        if heights(&seen, room.rises, distance) > 2.0 * tan_y * room.most_heights
+            || covered(&seen, distance, lift, tan_y, aspect) > share
+        {
             low = distance;
         } else {
             high = distance;
         }
     }
-    (low * high).sqrt()
+    high
+}
+
+/// How high the shape is seen, at a distance of 1, when its upper end has risen and its lower end has sunk.
+fn heights(seen: &[Vec3], rises: f32, distance: f32) -> f32 {
+    let (low, high) = seen.iter().fold((0.0f32, 0.0f32), |(low, high), p| {
+        let depth = distance - p.z;
+        (low.min((p.y - SINKS * rises) / depth), high.max((p.y + rises) / depth))
+    });
+    high - low
 }
 
 /// How far the shape is lowered so that its upper end is seen when it has risen, in heights of the picture.
@@ -216,6 +224,30 @@ mod tests {
         assert!(looked_at > -0.95 && head > 0.3 && risen <= TOP + 1e-3, "{looked_at} {head} {risen}");
         let near = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 1.0, whole(0.0));
         assert!(near.from(0.0, 0.0) > 0.15);
+    }
+
+    #[test]
+    fn what_reaches_toward_the_viewer_is_in_the_picture_too() {
+        // As wide and deep as an octopus with its arms spread.
+        let ring = (0..48).map(|i| (i as f32 * std::f32::consts::PI / 24.0).sin_cos());
+        let points: Vec<[f32; 3]> =
+            ring.flat_map(|(sin, cos)| [-0.5, 0.5].map(|y| [1.2 * sin, y, 1.2 * cos])).collect();
+        let room = Headroom { rises: 0.5, most_heights: WHOLE_HEIGHTS };
+        let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 0.9, room);
+        for (yaw_rad, pitch_rad) in [(0.0, 0.0), (0.4, 0.1), (1.0, -0.4), (2.0, 0.4), (-0.7, 0.7)] {
+            let distance = filling.from(yaw_rad, pitch_rad);
+            let mut camera = Camera { yaw_rad, pitch_rad, distance, ..Camera::default() };
+            camera.keep_below(points.iter().copied(), room.rises, TOP);
+            let [_, up, back] = camera.axes();
+            let edge = (0.5 * camera.fov_y_rad).tan();
+            let height = |p: &[f32; 3], rises: f32| {
+                let p = Vec3::from(*p) - Vec3::from(camera.target);
+                (p.dot(up) + rises) / (edge * (distance - p.dot(back)))
+            };
+            let high = points.iter().map(|p| height(p, room.rises)).fold(f32::MIN, f32::max);
+            let low = points.iter().map(|p| height(p, -SINKS * room.rises)).fold(f32::MAX, f32::min);
+            assert!(high < TOP + 1e-3 && low > -1.0, "from {yaw_rad}, {pitch_rad}: {low} to {high}");
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use chladni_view::framing::extremes;
 /// The shares of the picture that the figure covers, seen as a whole and near.
 const COVERS: [f32; 2] = [0.3, 0.43];
 /// The share of the largest displacement by which a figure rises in loud music.
-const RISES: f32 = 0.92;
+const RISES: f32 = 0.9;
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
 const PART: f32 = 0.4;
 
