@@ -2,6 +2,7 @@
 
 mod leveling;
 mod pieces;
+mod search;
 mod turning;
 mod unfolding;
 
@@ -10,53 +11,16 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{HarmonicsError, HeatFlow, HeatStep};
 use chladni_mesh::surface::vec3::{Vec3, add, length, scaled};
 use chladni_mesh::surface::{Rows, vertex_neighbors};
-use chladni_task::{Cancelled, Task};
+use chladni_task::Task;
 use rayon::prelude::*;
 
-use crate::fold::flipped_triangles;
 use crate::softening::SharedFlow;
 use crate::{Base, CaricatureError, Crossings, LayerId, Surface};
-use leveling::level;
 use pieces::SmallPieces;
-use turning::turned;
-use unfolding::unfold;
+use search::{STEPS, Search};
 
 /// Triangles per task.
 const PIECE: usize = 4096;
-
-/// Folded and crossing triangles that are left alone, as a share of all: one in 2000 of each.
-const LEFT: usize = 2000;
-
-/// √t of the steps that make room for folded triangles, in the working frame, and t.
-const ROOM: f64 = 0.3;
-/// How many such steps are taken before anything is held back.
-const UNFOLDINGS: usize = 3;
-
-/// One way to limit a displacement.
-struct Attempt {
-    /// Harmonics that count as the smooth form, in whose frames detail is carried.
-    smooth: usize,
-    /// Rounds that first level what folds.
-    levelings: usize,
-    /// The share of the exaggeration beyond which no further way is tried.
-    enough: f64,
-}
-
-/// Where a displacement folds like noise, leveling keeps more of it; where it folds like cloth, making room does.
-const ATTEMPTS: [Attempt; 4] = [
-    Attempt { smooth: 64, levelings: 0, enough: 0.9 },
-    Attempt { smooth: 64, levelings: 6, enough: 0.72 },
-    Attempt { smooth: 16, levelings: 0, enough: 0.72 },
-    Attempt { smooth: 16, levelings: 6, enough: 0.0 },
-];
-
-/// How many rounds hold back at most, by how much each does, and how far around the places that need it.
-const ROUNDS: i32 = 24;
-const HOLD: f64 = 0.3;
-const REACH: f64 = 0.05;
-const WIDER: f64 = 1.1;
-/// After this many rounds that did not help by a tenth, no more are tried.
-const PATIENCE: usize = 8;
 
 /// What is prepared for a shape when it is first needed, and shared by all requests.
 #[derive(Debug)]
@@ -94,7 +58,7 @@ impl KeepRequest {
     /// # Errors
     /// A surface on which no heat flows; [`CaricatureError::Cancelled`].
     pub fn run(&self, task: &Task) -> Result<Kept, CaricatureError> {
-        self.keeper.get()?.keep(&self.base, &self.unlimited, self.mask.as_deref(), task)
+        Search::of(self.keeper.get()?, &self.base, &self.unlimited, self.mask.as_deref(), task)?.best()
     }
 
     /// Whether the other asks for the same.
@@ -149,113 +113,14 @@ impl Keeper {
     fn of(surface: Arc<Surface>, flow: Arc<HeatFlow>) -> Self {
         let neighbors = vertex_neighbors(surface.vertices(), &surface.triangles);
         let (crossings, pieces) = (Crossings::of(surface.clone()), SmallPieces::of(&surface));
-        let steps = (0..=ROUNDS).map(|_| OnceLock::new()).collect();
+        let steps = (0..STEPS).map(|_| OnceLock::new()).collect();
         Self { surface, neighbors, crossings, pieces, flow, steps }
     }
 
-    /// The heat step of `round`, or, at [`ROUNDS`], the one that makes room.
-    fn step(&self, round: i32) -> Result<&HeatStep, CaricatureError> {
-        let reach = if round == ROUNDS { ROOM } else { REACH * WIDER.powi(round) };
-        let step = self.steps[round as usize].get_or_init(|| self.flow.step(reach * reach));
+    /// The heat step of number `index`, of the reach `sqrt_t`: √t in the working frame.
+    fn step(&self, index: usize, sqrt_t: f64) -> Result<&HeatStep, CaricatureError> {
+        let step = self.steps[index].get_or_init(|| self.flow.step(sqrt_t * sqrt_t));
         step.as_ref().map_err(|error| error.clone().into())
-    }
-
-    /// The best of [`ATTEMPTS`]: of those that leave next to nothing folded or crossing, the one that keeps most of the
-    /// displacement. `share` is χ.
-    fn keep(
-        &self,
-        base: &Base,
-        displacement: &[Vec3],
-        share: Option<&[f32]>,
-        task: &Task,
-    ) -> Result<Kept, CaricatureError> {
-        let mass = &base.basis().mass;
-        let size = |u: &[Vec3]| u.iter().zip(mass).map(|(u, a)| a * length(*u)).sum::<f64>();
-        let whole = size(displacement);
-        if whole == 0.0 {
-            let displacement = Arc::new(displacement.to_vec());
-            return Ok(Kept { displacement, share: 1.0, folded: 0, crossing: 0 });
-        }
-        let crossed = self.crossings.triangles(&base.positions, task)?;
-        let mut best: Option<Kept> = None;
-        for Attempt { smooth, levelings, enough } in ATTEMPTS {
-            let x = &base.positions;
-            let mut kept = turned(base, &self.surface, &self.neighbors, smooth, displacement, share);
-            self.pieces.carry(&self.surface, x, &mut kept);
-            for round in 0..levelings {
-                level(
-                    &self.surface,
-                    &self.neighbors,
-                    &self.folded(x, &kept),
-                    2 + round,
-                    4 + round,
-                    &mut kept,
-                );
-            }
-            let (folded, crossing) = self.limit(base, &crossed, &mut kept, task)?;
-            let attempt = Kept { share: size(&kept) / whole, displacement: Arc::new(kept), folded, crossing };
-            let rank = |kept: &Kept| (self.is_left(kept.folded) && self.is_left(kept.crossing), kept.share);
-            if best.as_ref().is_none_or(|best| rank(best) < rank(&attempt)) {
-                best = Some(attempt);
-            }
-            if best.as_ref().is_some_and(|best| rank(best) > (true, enough)) {
-                break;
-            }
-        }
-        best.ok_or_else(|| Cancelled.into())
-    }
-
-    fn is_left(&self, triangles: usize) -> bool {
-        triangles * LEFT <= self.surface.triangles.len()
-    }
-
-    /// Makes room for what folds, and then shortens `u` around what still folds or crosses, in rounds. The numbers of
-    /// folded and of newly crossing triangles that are left.
-    fn limit(
-        &self,
-        base: &Base,
-        crossed: &[u32],
-        u: &mut [Vec3],
-        task: &Task,
-    ) -> Result<(usize, usize), CaricatureError> {
-        let (surface, x, mass) = (&*self.surface, &base.positions, &base.basis().mass);
-        for _ in 0..UNFOLDINGS {
-            unfold(surface, x, self.step(ROUNDS)?, ROOM * ROOM, mass, u);
-        }
-        let mut round = 0;
-        let mut left = Vec::new();
-        loop {
-            task.check()?;
-            self.pieces.carry(surface, x, u);
-            let mut bad = self.folded(x, u);
-            let mut crossing = self.crossings.triangles(&moved(x, u), task)?;
-            crossing.retain(|t| crossed.binary_search(t).is_err());
-            let counts = (bad.len(), crossing.len());
-            left.push(counts.0 + counts.1);
-            let earlier = left.iter().rev().nth(PATIENCE).copied();
-            let stuck = earlier.is_some_and(|earlier| 10 * (counts.0 + counts.1) > 9 * earlier);
-            if round == ROUNDS || stuck || self.is_left(counts.0) && self.is_left(counts.1) {
-                return Ok(counts);
-            }
-            if round < ROUNDS / 2 {
-                unfold(surface, x, self.step(ROUNDS)?, ROOM * ROOM, mass, u);
-            }
-            bad.append(&mut crossing);
-            self.hold_back(&bad, self.step(round)?, u);
-            round += 1;
-        }
-    }
-
-    fn folded(&self, base: &[Vec3], u: &[Vec3]) -> Vec<u32> {
-        flipped_triangles(&self.surface, base, &moved(base, u))
-    }
-
-    /// Shortens the displacement around the triangles `bad`; heat makes the shortening fade out without a seam.
-    fn hold_back(&self, bad: &[u32], step: &HeatStep, u: &mut [Vec3]) {
-        let mut spots = vec![0.0_f32; u.len()];
-        bad.iter().flat_map(|t| self.surface.triangles[*t as usize]).for_each(|v| spots[v as usize] = 1.0);
-        let heat = step.apply(&spots);
-        u.par_iter_mut().zip(heat).for_each(|(u, heat)| *u = scaled(*u, 1.0 - HOLD * (4.0 * heat).min(1.0)));
     }
 }
 

@@ -1,0 +1,237 @@
+//! The search for the longest displacement that keeps triangles.
+
+use std::sync::Arc;
+
+use chladni_harmonics::HeatStep;
+use chladni_mesh::surface::vec3::{Vec3, add, length, scaled, sub};
+use chladni_task::{Cancelled, Task};
+use rayon::prelude::*;
+
+use super::leveling::level;
+use super::turning::turned;
+use super::unfolding::unfold;
+use super::{Keeper, Kept, moved};
+use crate::fold::flipped_triangles;
+use crate::{Base, CaricatureError};
+
+/// Folded and crossing triangles that are left alone, as a share of all: one in 2000 of each.
+const LEFT: usize = 2000;
+
+/// √t of the steps that make room for folded triangles, in the working frame.
+const ROOM: f64 = 0.3;
+/// How many such steps are taken before anything is held back.
+const UNFOLDINGS: usize = 3;
+
+/// One way to limit a displacement.
+struct Attempt {
+    /// Harmonics that count as the smooth form, in whose frames detail is carried.
+    smooth: usize,
+    /// Rounds that first level what folds.
+    levelings: usize,
+    /// The share of the exaggeration beyond which no further way is tried.
+    enough: f64,
+}
+
+/// Where a displacement folds like noise, leveling keeps more of it; where it folds like cloth, making room does.
+const ATTEMPTS: [Attempt; 4] = [
+    Attempt { smooth: 64, levelings: 0, enough: 0.9 },
+    Attempt { smooth: 64, levelings: 6, enough: 0.72 },
+    Attempt { smooth: 16, levelings: 0, enough: 0.72 },
+    Attempt { smooth: 16, levelings: 6, enough: 0.0 },
+];
+
+/// How many rounds hold back at most, by how much each does, and how far around the places that need it.
+const ROUNDS: usize = 24;
+const HOLD: f64 = 0.3;
+const REACH: f64 = 0.05;
+const WIDER: f64 = 1.1;
+/// After this many rounds that did not help, no more are tried: neither of those that hold back, which are to leave a
+/// tenth less folded or crossing, nor of those that give back, which are to keep half a percent more.
+const PATIENCE: usize = 8;
+const GAIN: f64 = 0.005;
+
+/// Where less than this share is kept, rounds give back what was held back in excess: each at most this much of what is
+/// missing, ever less around what that would spoil, and again more where it spoils nothing.
+const SCANT: f64 = 0.85;
+const RETURNS: usize = 24;
+const GIVEN: f32 = 0.2;
+const AGAIN: f32 = 1.5;
+/// √t of the heat around what a return would spoil, in the working frame.
+const CLOSE: f64 = 0.015;
+
+/// The heat steps of a search: one for each round that holds back, then these two.
+const MAKES_ROOM: usize = ROUNDS;
+const GIVES_BACK: usize = ROUNDS + 1;
+pub(super) const STEPS: usize = ROUNDS + 2;
+
+/// What is searched for: the displacement nearest to one of `base` that keeps triangles.
+pub(super) struct Search<'a> {
+    keeper: &'a Keeper,
+    base: &'a Base,
+    unlimited: &'a [Vec3],
+    /// χ.
+    mask: Option<&'a [f32]>,
+    task: &'a Task,
+    /// Triangles that cross others in the base already, ascending.
+    crossed: Vec<u32>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn of(
+        keeper: &'a Keeper,
+        base: &'a Base,
+        unlimited: &'a [Vec3],
+        mask: Option<&'a [f32]>,
+        task: &'a Task,
+    ) -> Result<Self, CaricatureError> {
+        let crossed = keeper.crossings.triangles(&base.positions, task)?;
+        Ok(Self { keeper, base, unlimited, mask, task, crossed })
+    }
+
+    /// The best of [`ATTEMPTS`]: of those that leave next to nothing folded or crossing, the one that keeps most of the
+    /// displacement.
+    pub(super) fn best(&self) -> Result<Kept, CaricatureError> {
+        if self.size(self.unlimited) == 0.0 {
+            return Ok(self.kept(self.unlimited.to_vec(), (0, 0)));
+        }
+        let rank = |kept: &Kept| (self.are_few((kept.folded, kept.crossing)), kept.share);
+        let mut best: Option<(Kept, Vec<Vec3>)> = None;
+        for attempt in &ATTEMPTS {
+            let (kept, turned) = self.attempt(attempt)?;
+            if best.as_ref().is_none_or(|(best, _)| rank(best) < rank(&kept)) {
+                best = Some((kept, turned));
+            }
+            if best.as_ref().is_some_and(|(best, _)| rank(best) > (true, attempt.enough)) {
+                break;
+            }
+        }
+        let (mut best, turned) = best.ok_or(Cancelled)?;
+        for wanted in [&turned, self.unlimited] {
+            self.give_back(wanted, &mut best)?;
+        }
+        Ok(best)
+    }
+
+    /// What one way keeps, and the displacement before anything of it was changed but its frames.
+    fn attempt(&self, attempt: &Attempt) -> Result<(Kept, Vec<Vec3>), CaricatureError> {
+        let Keeper { surface, neighbors, pieces, .. } = self.keeper;
+        let x = &self.base.positions;
+        let mut turned = turned(self.base, surface, neighbors, attempt.smooth, self.unlimited, self.mask);
+        pieces.carry(surface, x, &mut turned);
+        let mut wanted = turned.clone();
+        for round in 0..attempt.levelings {
+            level(surface, neighbors, &self.folded(&wanted), 2 + round, 4 + round, &mut wanted);
+        }
+        for _ in 0..UNFOLDINGS {
+            self.unfold(&mut wanted)?;
+        }
+        let mut kept = self.limited(wanted.clone())?;
+        self.give_back(&wanted, &mut kept)?;
+        Ok((kept, turned))
+    }
+
+    /// Shortens `u` around what folds or crosses, in rounds.
+    fn limited(&self, mut u: Vec<Vec3>) -> Result<Kept, CaricatureError> {
+        let mut left = Vec::new();
+        loop {
+            let round = left.len();
+            self.task.check()?;
+            self.keeper.pieces.carry(&self.keeper.surface, &self.base.positions, &mut u);
+            let [mut bad, mut crossing] = self.spoiled(&u)?;
+            let counts = (bad.len(), crossing.len());
+            left.push(counts.0 + counts.1);
+            let earlier = left.iter().rev().nth(PATIENCE).copied();
+            let stuck = earlier.is_some_and(|earlier| 10 * (counts.0 + counts.1) > 9 * earlier);
+            if round == ROUNDS || stuck || self.are_few(counts) {
+                return Ok(self.kept(u, counts));
+            }
+            if round < ROUNDS / 2 {
+                self.unfold(&mut u)?;
+            }
+            bad.append(&mut crossing);
+            let heat = self.heat_around(&bad, self.keeper.step(round, REACH * WIDER.powi(round as i32))?);
+            u.par_iter_mut().zip(heat).for_each(|(u, heat)| *u = scaled(*u, 1.0 - HOLD * f64::from(heat)));
+        }
+    }
+
+    /// Leads what is kept toward `wanted` wherever that spoils no triangle, if [little](SCANT) is kept and no more than a
+    /// few triangles are spoiled already. The longest displacement on the way there stays.
+    fn give_back(&self, wanted: &[Vec3], kept: &mut Kept) -> Result<(), CaricatureError> {
+        if kept.share >= SCANT || !self.are_few((kept.folded, kept.crossing)) {
+            return Ok(());
+        }
+        let close = self.keeper.step(GIVES_BACK, CLOSE)?;
+        let mut u = kept.displacement.to_vec();
+        let mut given = vec![GIVEN; wanted.len()];
+        let mut shares = vec![kept.share];
+        for _ in 0..RETURNS {
+            self.task.check()?;
+            let toward = |((u, wanted), given): ((&Vec3, &Vec3), &f32)| {
+                add(*u, scaled(sub(*wanted, *u), f64::from(*given)))
+            };
+            let mut more: Vec<Vec3> = u.par_iter().zip(wanted).zip(&given).map(toward).collect();
+            self.keeper.pieces.carry(&self.keeper.surface, &self.base.positions, &mut more);
+            let [folded, crossing] = self.spoiled(&more)?;
+            let counts = (folded.len(), crossing.len());
+            if self.are_few(counts) {
+                given.par_iter_mut().for_each(|given| *given = (*given * AGAIN).min(GIVEN));
+                u.clone_from(&more);
+                let more = self.kept(more, counts);
+                if more.share > kept.share {
+                    *kept = more;
+                }
+            } else {
+                let heat = self.heat_around(&[folded, crossing].concat(), close);
+                given.par_iter_mut().zip(heat).for_each(|(given, heat)| *given *= 1.0 - heat);
+            }
+            if shares.iter().rev().nth(PATIENCE - 1).is_some_and(|before| kept.share < before + GAIN) {
+                break;
+            }
+            shares.push(kept.share);
+        }
+        Ok(())
+    }
+
+    fn kept(&self, u: Vec<Vec3>, (folded, crossing): (usize, usize)) -> Kept {
+        let whole = self.size(self.unlimited);
+        let share = if whole > 0.0 { self.size(&u) / whole } else { 1.0 };
+        Kept { displacement: Arc::new(u), share, folded, crossing }
+    }
+
+    /// ∫ |u| over the surface.
+    fn size(&self, u: &[Vec3]) -> f64 {
+        u.iter().zip(&self.base.basis().mass).map(|(u, a)| a * length(*u)).sum()
+    }
+
+    /// Whether so many folded and crossing triangles are left alone.
+    fn are_few(&self, (folded, crossing): (usize, usize)) -> bool {
+        folded.max(crossing) * LEFT <= self.keeper.surface.triangles.len()
+    }
+
+    /// The triangles that `u` folds, and those that it makes cross others.
+    fn spoiled(&self, u: &[Vec3]) -> Result<[Vec<u32>; 2], Cancelled> {
+        let moved = moved(&self.base.positions, u);
+        let mut crossing = self.keeper.crossings.triangles(&moved, self.task)?;
+        crossing.retain(|t| self.crossed.binary_search(t).is_err());
+        Ok([self.folded(u), crossing])
+    }
+
+    fn folded(&self, u: &[Vec3]) -> Vec<u32> {
+        let x = &self.base.positions;
+        flipped_triangles(&self.keeper.surface, x, &moved(x, u))
+    }
+
+    fn unfold(&self, u: &mut [Vec3]) -> Result<(), CaricatureError> {
+        let (step, mass) = (self.keeper.step(MAKES_ROOM, ROOM)?, &self.base.basis().mass);
+        unfold(&self.keeper.surface, &self.base.positions, step, ROOM * ROOM, mass, u);
+        Ok(())
+    }
+
+    /// 1 at the triangles `bad` and close by, fading out as far as `step` reaches.
+    fn heat_around(&self, bad: &[u32], step: &HeatStep) -> Vec<f32> {
+        let surface = &self.keeper.surface;
+        let mut spots = vec![0.0_f32; surface.vertices()];
+        bad.iter().flat_map(|t| surface.triangles[*t as usize]).for_each(|v| spots[v as usize] = 1.0);
+        step.apply(&spots).into_iter().map(|heat| (4.0 * heat).min(1.0) as f32).collect()
+    }
+}
