@@ -1,5 +1,5 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|shows|films|microphone|caricature|tools|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|shows|returns|films|microphone|caricature|tools|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import * as caricature from "./tests/caricature.mjs";
@@ -8,6 +8,7 @@ import * as microphone from "./tests/microphone.mjs";
 import * as models from "./tests/models.mjs";
 import * as music from "./tests/music.mjs";
 import { offline } from "./tests/offline.mjs";
+import * as returns from "./tests/returns.mjs";
 import * as shows from "./tests/shows.mjs";
 import { threads } from "./tests/threads.mjs";
 import * as tools from "./tests/tools.mjs";
@@ -16,6 +17,7 @@ const only = process.argv[4];
 const rooms = {
   music: [music.laptop, music.phone],
   shows: [shows.shows, shows.films],
+  returns: [returns.dances, returns.layers],
   films: [shows.wholeFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],

@@ -1,7 +1,7 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
 import { ask, giveUp } from "./work.js";
-import { attempt, busy, label, of, on, options, report, say } from "./page.js";
+import { attempt, base, busy, label, of, on, options, report, say } from "./page.js";
 import { scale, show as showPicture, stir } from "./picture.js";
 import * as exports from "./exports.js";
 import * as heat from "./heat.js";
@@ -34,7 +34,6 @@ let solving = false;
 
 export const viewer = () => sitting;
 export const view = () => JSON.parse(sitting.state());
-const base = (path) => path.split(/[\\/]/).at(-1);
 const stem = () => label(base(state.shape)).replace(/\?.*|\.[^.]*$/g, "");
 
 /** A drawing in ink is shown; tools need the figure itself. */
@@ -63,8 +62,20 @@ const room = {
 
 // ---- shapes, matches, projects
 
+/** Whether there are layers that no file has. */
+export const isUnsaved = () => !!state?.modified && state.layers.length > 0;
+
+/** Whether another shape may take the place of what is not saved; says so, else. */
+function mayReplace() {
+  if (!isUnsaved() || confirm("The layers of this shape are not saved. Open another one without them?")) return true;
+  say("The shape has stayed: Save project keeps its layers.");
+  refresh();
+  return false;
+}
+
 /** Opens a shape with its project, or with a first layer against one of the starting points. */
 async function openShape(name, bytes, project, first) {
+  if (!mayReplace()) return;
   say(`${label(name)}…`);
   // That is to be seen before the page reads the shape.
   await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
@@ -74,9 +85,10 @@ async function openShape(name, bytes, project, first) {
   wall.leave();
   sitting?.free();
   sitting = next;
+  of("bench").inert = false;
   ink.again(true);
   shape = { name, bytes };
-  if (first !== undefined) sitting.begin(first);
+  if (first !== undefined) { sitting.begin(first); sitting.mark_saved(); }
   hold("turn");
   refresh();
   await Promise.all([solve(mine), match()]);
@@ -209,7 +221,12 @@ function refresh() {
   scaleCurve.show();
   showLandmarks(layer);
   clearTimeout(resting);
-  if (state.keep_triangles) resting = setTimeout(attempt(() => { sitting.keep_triangles(); }), REST);
+  if (state.keep_triangles) resting = setTimeout(attempt(() => {
+    sitting.keep_triangles();
+    // Fewer are folded now.
+    state = report.sitting = JSON.parse(sitting.state());
+    drawLayers(of("layers"), state, layerChoices);
+  }), REST);
 }
 
 function showLandmarks(layer) {
@@ -225,6 +242,7 @@ function showLandmarks(layer) {
 /** Begins to pick landmarks on the chosen layer, or ends it. */
 function pickLandmarks() {
   if (held === "landmarks") { hold("turn"); return refresh(); }
+  wall.leave();
   const { template } = state.layers.find(({ id }) => id === state.selected);
   sitting.begin_landmarks(files.get(base(template))?.slice());
   hold("landmarks");
@@ -322,8 +340,19 @@ export const tool = {
 
 // ---- the room
 
-export const open = () => showPicture(room);
-export { takeMask } from "./exports.js";
+export function open() {
+  showPicture(room);
+  if (sitting) return;
+  // A project waits for its mesh: there is nothing to work on yet.
+  of("bench").inert = true;
+  of("cells").replaceChildren();
+}
+
+/** A mask was brought. */
+export async function takeMask(name, bytes) {
+  if (!sitting) throw new Error(`${name}: a mask is the region of a layer; open a shape first.`);
+  return exports.takeMask(name, bytes);
+}
 
 /** The sample head, compared with a plain one. */
 export async function begin() {
@@ -334,7 +363,13 @@ export async function begin() {
 export function listen() {
   const heads = JSON.parse(samples()).map(([name]) => name).sort((a, b) => ["head", "template"].includes(b) - ["head", "template"].includes(a));
   of("sitter").append(...options(heads, (name) => `sample:${name}`), new Option("Other…", ""));
-  of("sitter").addEventListener("change", attempt(() => (of("sitter").value ? openShape(of("sitter").value) : of("file").click())));
+  of("sitter").addEventListener("change", attempt(() => {
+    const name = of("sitter").value;
+    if (name) return openShape(name);
+    // Until a file has been chosen, the shape is the one that is there.
+    refresh();
+    return of("file").click();
+  }));
   const points = JSON.parse(starting_points());
   of("add").append(...points.map(([name, tip], i) => Object.assign(new Option(name, i), { title: tip })), new Option("A mesh…", "mesh"));
   of("add").addEventListener("change", attempt(async () => {
@@ -349,7 +384,7 @@ export function listen() {
   on("undo", () => { const label = sitting.undo(); if (label) say(`Undone: ${label}`); return changed(); });
   on("redo", () => { const label = sitting.redo(); if (label) say(`Done again: ${label}`); return changed(); });
   addEventListener("keydown", attempt((event) => {
-    if (document.body.dataset.view !== "caricature" || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    if (document.body.dataset.view !== "caricature" || !sitting || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
     event.preventDefault();
     if (event.shiftKey) sitting.redo(); else sitting.undo();
     return changed();

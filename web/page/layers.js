@@ -1,8 +1,10 @@
 // The list of layers: the topmost layer is the topmost row.
-import { of } from "./page.js";
+import { of, refill } from "./page.js";
 
-function button(text, label, act) {
+/** `key` is who has the focus again when the list is drawn anew. */
+function button(key, text, label, act) {
   const made = document.createElement("button");
+  made.dataset.key = key;
   made.textContent = text;
   made.setAttribute("aria-label", label);
   made.title = label;
@@ -23,10 +25,12 @@ const said = ({ state, why, mu, template, folds }) => {
 function row(layer, chosen, top, choices) {
   const item = document.createElement("li");
   item.className = `${chosen ? "chosen" : ""} ${layer.state}`;
-  const eye = button(layer.enabled ? "◉" : "○", `${layer.enabled ? "Hide" : "Show"} ${layer.name}`, () => choices.enable(layer, !layer.enabled));
+  const key = (what) => `${layer.id} ${what}`;
+  const eye = button(key("eye"), layer.enabled ? "◉" : "○", `${layer.enabled ? "Hide" : "Show"} ${layer.name}`, () => choices.enable(layer, !layer.enabled));
   eye.setAttribute("aria-pressed", layer.enabled);
   const name = document.createElement("button");
   name.className = "name";
+  name.dataset.key = key("name");
   name.setAttribute("aria-pressed", chosen);
   const [title, small] = [document.createElement("strong"), document.createElement("small")];
   title.textContent = layer.name;
@@ -34,10 +38,10 @@ function row(layer, chosen, top, choices) {
   name.append(title, small);
   name.onclick = () => choices.select(layer);
   item.append(eye, name);
-  if (layer.state === "failed") item.append(button("↻", `Try the match of ${layer.name} again`, () => choices.retry(layer)));
-  const up = button("▲", `Move ${layer.name} up`, () => choices.move(layer, 1));
+  if (layer.state === "failed") item.append(button(key("again"), "↻", `Try the match of ${layer.name} again`, () => choices.retry(layer)));
+  const up = button(key("up"), "▲", `Move ${layer.name} up`, () => choices.move(layer, 1));
   up.disabled = top;
-  item.append(up, button("✕", `Delete ${layer.name}`, () => choices.remove(layer)));
+  item.append(up, button(key("delete"), "✕", `Delete ${layer.name}`, () => choices.remove(layer)));
   return item;
 }
 
@@ -46,9 +50,7 @@ export function drawLayers(parent, { layers, selected }, choices) {
   const shown = JSON.stringify([selected, layers.map(({ id, name, enabled, state, ...rest }) => [id, name, enabled, state, said({ state, ...rest })])]);
   if (parent.dataset.shown === shown) return;
   parent.dataset.shown = shown;
-  const held = parent.contains(document.activeElement) && document.activeElement.getAttribute("aria-label");
-  parent.replaceChildren(...layers.map((layer, i) => row(layer, layer.id === selected, i === layers.length - 1, choices)).reverse());
-  if (held) parent.querySelector(`[aria-label="${CSS.escape(held)}"]`)?.focus();
+  refill(parent, layers.map((layer, i) => row(layer, layer.id === selected, i === layers.length - 1, choices)).reverse());
 }
 
 /** Offers the results of the layers as templates of a layer above them. */
@@ -66,7 +68,7 @@ export function drawParts(parent, names, taken, choices) {
   if (parent.dataset.shown !== names.join("|")) {
     parent.dataset.shown = names.join("|");
     parent.replaceChildren(...names.map((name, part) => {
-      const made = button(name, name, () => choices.toggle(part, made.getAttribute("aria-pressed") === "true"));
+      const made = button(name, name, name, () => choices.toggle(part, made.getAttribute("aria-pressed") === "true"));
       made.removeAttribute("title");
       made.onpointerenter = made.onfocus = () => choices.point(part);
       made.onpointerleave = made.onblur = () => choices.point(names.length);

@@ -40,15 +40,24 @@ async function take(name, bytes) {
   }
 }
 
+/** One that cannot be opened, such as the cover of an album, leaves the others. */
+const takeFile = attempt(async (file) => take(file.name, new Uint8Array(await file.arrayBuffer())));
+
 const open = attempt(async (files) => {
   const songs = files.filter(({ name }) => kind(name) === "song");
-  for (const file of files) if (!songs.includes(file)) await take(file.name, new Uint8Array(await file.arrayBuffer()));
+  for (const file of files) if (!songs.includes(file)) await takeFile(file);
   if (!songs.length) return;
   enterMusic();
   await music.openSongs(songs);
 });
 
+/** Whoever closes the page is asked, where a caricature would be lost. */
+function asksBeforeClosing(event) {
+  if (caricature.isUnsaved()) event.preventDefault();
+}
+
 function listen() {
+  addEventListener("beforeunload", asksBeforeClosing);
   on("enter", async () => { dataset.view = "music"; await music.enter(); });
   on("exaggerate", () => { enterCaricature(); return caricature.begin(); });
   on("bring", () => of("file").click());

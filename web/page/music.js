@@ -8,7 +8,7 @@ import { ask } from "./work.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
 import { LiveFilm } from "./film.js";
-import { attempt, busy, label, of, on, options, report, save, say } from "./page.js";
+import { attempt, base, busy, label, of, on, options, report, save, say } from "./page.js";
 import { nextPicture, show as showPicture, watch } from "./picture.js";
 import * as wholeFilm from "./whole_film.js";
 
@@ -32,6 +32,11 @@ let filmed;
 let drawing = false;
 let concert;
 let state;
+/** The concert of the front, and that of the room while the front shows its own, with the songs that it has heard. */
+let atFront;
+let parked;
+/** How often something else was asked for: what comes for an older wish is not wanted any more. */
+let visit = 0;
 Object.assign(report, { position: () => sound.position(), sound });
 
 /** What the viewer's hands turn. */
@@ -41,8 +46,13 @@ export const view = () => JSON.parse(concert.state()).viewpoint;
 // ---- bodies and songs
 
 async function bodyOf(name) {
-  const baked = name.startsWith("sample:") && (await fetch(`bodies/${name.slice(7)}.body`));
-  if (baked?.ok) return new Uint8Array(await baked.arrayBuffer());
+  // Without a connection, one that was not kept is solved here.
+  const baked = name.startsWith("sample:") && (await fetch(`bodies/${name.slice(7)}.body`).catch(() => undefined));
+  if (baked?.ok) {
+    const body = new Uint8Array(await baked.arrayBuffer());
+    say("");
+    return body;
+  }
   return (await busy(label(name), (tell) => ask({ work: "prepare", name, harmonics: 96 }, tell))).body;
 }
 
@@ -50,6 +60,7 @@ function show(body) {
   const before = concert;
   concert = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
   before?.free();
+  atFront = undefined;
   // A new concert has heard nothing yet: its first song is the one that plays.
   heard.length = 0;
   hear();
@@ -58,11 +69,15 @@ function show(body) {
 
 /** Tells the concert what is heard: a microphone, or the song that plays. */
 function hear() {
+  if (!concert) return;
   if (microphone) concert.listen(microphone.rate);
   const song = songs.current();
   if (!song) return;
-  if (!heard.includes(song)) heard.push(song);
   sound.number = heard.indexOf(song);
+  // A show that was opened may know a song by its name alone.
+  if (sound.number < 0) sound.number = heard.findIndex((other) => !other.file && other.name === song.name);
+  if (sound.number < 0) sound.number = heard.length;
+  heard[sound.number] = song;
   const { rate_hz, left, right, beats, loud } = song.sound;
   concert.know_song(sound.number, song.name, rate_hz, left, right, beats, loud);
 }
@@ -74,6 +89,8 @@ async function listenTo(id) {
   const take = (left, right) => concert?.take_sound(left, right);
   const lost = attempt(async () => { await stopListening(); throw new Error("The microphone is gone."); });
   const opened = await Microphone.open(id, take, lost);
+  // Whoever has left meanwhile is not to be heard.
+  if (document.body.dataset.view !== "music") return opened.close();
   await stopListening();
   sound.pause();
   microphone = opened;
@@ -94,17 +111,25 @@ async function stopListening() {
 }
 
 async function dance(name) {
+  const mine = ++visit;
   say(`${label(name)}…`);
-  show(await bodyOf(name));
-  say("");
+  const body = await bodyOf(name);
+  if (mine === visit) show(body);
 }
 
 export async function openMesh(name, bytes) {
+  const mine = ++visit;
   const harmonics = harmonicsOf(bytes.length);
-  const { body, secs } = await busy(name, (tell) => ask({ work: "prepare", name, bytes, harmonics }, tell));
+  const warnings = [];
+  const { body, secs } = await busy(name, (tell) => {
+    const listen = (kind, text) => (kind === "warning" ? warnings.push(text) : tell(kind, text));
+    return ask({ work: "prepare", name, bytes, harmonics }, listen);
+  });
+  if (mine !== visit) return;
   show(body);
   report.solveSecs = secs;
-  say(`${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`);
+  const done = `${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`;
+  say([done, ...warnings].join(". "), false, warnings.length ? 20 : 8);
 }
 
 // ---- songs
@@ -127,7 +152,7 @@ async function playSong(song) {
       const aloud = !!song.file || sound.isHeard;
       songs.play(song, decoded);
       sound.load(decoded, songs.count() === 1);
-      if (concert) hear();
+      hear();
       if (microphone) await stopListening();
       if (aloud) await playAloud();
       songs.prepare(unreadable);
@@ -150,7 +175,12 @@ sound.onend = () => { if (!concert.plays_show()) playBeside(1); };
 export async function openText(name, bytes) {
   const text = new TextDecoder().decode(bytes);
   let needs;
-  try { needs = JSON.parse(needs_of_show(text)); } catch {
+  try {
+    needs = JSON.parse(needs_of_show(text));
+    // What a page is given has no folders.
+    needs.songs = needs.songs.map(base);
+    needs.body &&= base(needs.body);
+  } catch {
     concert.open_preset(Math.max(0, state.dances.findIndex((dance) => !dance.chosen)), text);
     refresh();
     return say(`${name}: this dance is in the gallery now.`);
@@ -158,6 +188,8 @@ export async function openText(name, bytes) {
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) await dance(needs.body);
   concert.open_show(text);
   shows.know(text, needs);
+  heard.splice(0, heard.length, ...needs.songs.map((song) => songs.find(song) ?? { name: song }));
+  hear();
   refresh();
   const missing = needs.songs.filter((song) => !songs.names().includes(song));
   if (needs.body && needs.body !== state.body) say(`${name} was danced by ${needs.body}: drop that mesh, then the show again.`);
@@ -312,30 +344,59 @@ function refresh() {
   of("shape").querySelector("[value='']").textContent = option ? "Other…" : state.body;
 }
 
-/** Goes in: the octopus dances. */
+/** Goes in: what danced there goes on, or the octopus dances. */
 async function playAloud() {
   if (!(await sound.play())) say("No sound device answers: the song runs on silently.", true);
 }
 
 export async function enter() {
-  showPicture(room);
-  await Promise.all([playAloud().then(refresh), dance("sample:octopus")]);
+  const goesOn = !!parked;
+  open();
+  await Promise.all([playAloud().then(refresh), goesOn || dance("sample:octopus")]);
 }
 
 /** Goes in with what is there, for a file that was brought. */
-export const open = () => showPicture(room);
+export function open() {
+  visit++;
+  showPicture(room);
+  unpark();
+}
 
 export function leave() {
   attempt(endFilm)();
   sound.pause();
   stopListening();
+  turn++;
+  visit++;
+}
+
+/** Leaves the front's concert, if the room had one before. */
+function unpark() {
+  if (parked) {
+    concert?.free();
+    ({ concert } = parked);
+    heard.splice(0, heard.length, ...parked.heard);
+    parked = undefined;
+    hear();
+    refresh();
+  }
+  atFront = undefined;
 }
 
 /** The plate with sand on it, which moves as soon as the tune is there. */
 export async function front() {
+  const mine = ++visit;
   showPicture(room);
   sound.playing = true;
-  show(await bodyOf("sample:plate"));
+  const body = await bodyOf("sample:plate");
+  if (mine !== visit) return;
+  if (concert && concert !== atFront) {
+    // What was bred in the room is there again when it is entered.
+    parked = { concert, heard: [...heard] };
+    concert = undefined;
+  }
+  show(body);
+  atFront = concert;
   concert.set_look(FRONT);
   concert.zoom(-1);
   // Beside the words, or above them.
@@ -379,5 +440,11 @@ export function listen() {
   of("seek").addEventListener("input", () => sound.seek(of("seek").value * sound.duration));
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
   of("look").addEventListener("change", () => { concert.set_look(JSON.stringify({ look: of("look").value })); refresh(); });
-  of("shape").addEventListener("change", attempt(() => (of("shape").value ? dance(of("shape").value) : of("file").click())));
+  of("shape").addEventListener("change", attempt(() => {
+    const name = of("shape").value;
+    if (name) return dance(name);
+    // Until a file has been chosen, the shape is the one that is there.
+    refresh();
+    return of("file").click();
+  }));
 }

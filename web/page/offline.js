@@ -6,8 +6,10 @@ const CACHE = "chladni";
 async function fresh(request) {
   const response = await fetch(request);
   if (response.ok && response.type === "basic") {
+    const copy = response.clone();
     const cache = await caches.open(CACHE);
-    await cache.put(request, response.clone());
+    // What there is no room for is shown, and not kept.
+    await cache.put(request, copy).catch(() => {});
   }
   return response;
 }

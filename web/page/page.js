@@ -19,12 +19,15 @@ export const attempt = (act) => async (...args) => {
 /** What workers do now, in words. */
 const working = new Map();
 
+/** What they have warned of. */
+let warnings = [];
+
 /** Does what a worker is asked for, which may be cancelled meanwhile. What is said of it is said of `what`: `work` gets
- * what the worker reports to. */
+ * what the worker reports to. Its warnings are said in the end. */
 export async function busy(what, work) {
   const job = Symbol(what);
   const tell = (kind, text) => {
-    if (kind === "warning") return say(text, false, 20);
+    if (kind === "warning") return warnings.push(text);
     working.set(job, `${what}: ${text}…`);
     say([...working.values()].join(" · "), false, 600);
   };
@@ -33,9 +36,15 @@ export async function busy(what, work) {
   try { return await work(tell); } finally {
     working.delete(job);
     of("cancel").hidden = working.size === 0;
-    if (!working.size) say("");
+    if (!working.size) {
+      say(warnings.join(" "), false, 20);
+      warnings = [];
+    }
   }
 }
+
+/** A file's name without its folders. */
+export const base = (path) => path.split(/[\\/]/).at(-1);
 
 /** A shape as people call it. */
 export const label = (name) => name.replace("sample:", "");
@@ -43,6 +52,13 @@ export const label = (name) => name.replace("sample:", "");
 export const on = (id, act) => of(id).addEventListener("click", attempt(act));
 
 export const options = (names, value) => names.map((name) => new Option(name[0].toUpperCase() + name.slice(1), value(name)));
+
+/** Puts `children` in place of those of an element. What had the focus has it again: who has the same `data-key`. */
+export function refill(parent, children) {
+  const held = parent.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
+  parent.replaceChildren(...children);
+  if (held) parent.querySelector(`[data-key="${CSS.escape(held)}"]`)?.focus();
+}
 
 /** Downloads a file. */
 export function save(name, content, type = "text/plain") {

@@ -1,5 +1,5 @@
 // The list of songs: one plays after the other, and each is decoded while the one before it plays.
-import { busy } from "./page.js";
+import { busy, say } from "./page.js";
 import { ask } from "./work.js";
 
 /** Our own, which makes room for any other. */
@@ -50,9 +50,12 @@ async function decode(song, report, worker = "song") {
 
 /** The sound of a song: the one that was decoded beforehand, where that went well. */
 export async function soundOf(song) {
-  const early = ahead?.song === song ? ahead.sound : undefined;
+  const { sound, warnings } = ahead?.song === song ? ahead : {};
   ahead = undefined;
-  return (await early?.catch(() => undefined)) ?? busy(song.name, (tell) => decode(song, tell));
+  const early = await sound?.catch(() => undefined);
+  if (!early) return busy(song.name, (tell) => decode(song, tell));
+  if (warnings.length) say(warnings.join(" "), false, 20);
+  return early;
 }
 
 /** A song plays from now on, as it sounds. */
@@ -69,7 +72,9 @@ export function play(song, sound) {
 export function prepare(failed) {
   const song = beside(playing, 1);
   if (song === playing || ahead?.song === song) return;
-  ahead = { song, sound: decode(song, undefined, "ahead") };
+  const warnings = [];
+  const tell = (kind, text) => { if (kind === "warning") warnings.push(text); };
+  ahead = { song, warnings, sound: decode(song, tell, "ahead") };
   ahead.sound.catch((error) => {
     // Cancelled: it is decoded when it is to play.
     if (error.name === "AbortError" || ahead?.song !== song) return;

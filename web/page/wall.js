@@ -1,6 +1,6 @@
 // The gallery of caricatures: twelve of the open shape, to be chosen from and bred. A worker has them.
-import { ask, giveUp } from "./work.js";
-import { attempt, busy, of, on, report } from "./page.js";
+import { ask, giveUp, runs } from "./work.js";
+import { attempt, busy, of, on, refill, report } from "./page.js";
 import { drawCells } from "./cells.js";
 
 const NAME = "gallery";
@@ -8,7 +8,11 @@ const NAME = "gallery";
 let room;
 let shown;
 
-const asks = (call, ...args) => ask({ work: "wall", call, args }, undefined, NAME);
+/** Without its worker there is no gallery any more. */
+const asks = (call, ...args) => ask({ work: "wall", call, args }, undefined, NAME).catch((error) => {
+  if (!runs(NAME)) leave();
+  throw error;
+});
 
 /** Shows what the worker has brought. */
 function take({ state, positions }) {
@@ -26,19 +30,19 @@ function refresh() {
   of("wall-breed").textContent = shown.chosen ? `Breed ${shown.chosen}` : "Breed";
   of("wall-breed").disabled = !shown.chosen;
   of("wall-back").disabled = shown.first;
-  of("wall-locks").replaceChildren(...shown.groups.map(([name, locked]) => {
+  refill(of("wall-locks"), shown.groups.map(([name, locked]) => {
     const made = button(name, async () => take(await asks("lock", name, !locked)));
     made.setAttribute("aria-pressed", locked);
     return made;
   }));
   of("wall-favorites-row").hidden = !shown.favorites.length;
   const taken = (number) => async () => hang((await busy("a favorite", () => asks("favorite", number))).found);
-  of("wall-favorites").replaceChildren(...shown.favorites.map((name, number) => button(`★ ${name}`, taken(number))));
+  refill(of("wall-favorites"), shown.favorites.map((name, number) => button(`★ ${name}`, taken(number))));
 }
 
 function button(name, act) {
   const made = document.createElement("button");
-  made.textContent = name;
+  made.textContent = made.dataset.key = name;
   made.onclick = attempt(act);
   return made;
 }

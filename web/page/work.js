@@ -53,8 +53,11 @@ function start(name) {
   return group;
 }
 
-/** Ends what the workers of these names, or all of them, work on; whoever waits for it gets `why`. */
-export function giveUp(why = new DOMException("Cancelled", "AbortError"), names = [...workers.keys()]) {
+/** Whether there is a worker of this name, with what it knows. */
+export const runs = (name) => workers.has(name);
+
+/** Ends what the workers of these names, or all that do something, work on; whoever waits for it gets `why`. */
+export function giveUp(why = new DOMException("Cancelled", "AbortError"), names = [...waiting.values()].map(({ name }) => name)) {
   for (const name of names) {
     workers.get(name)?.forEach((worker) => worker.terminate());
     workers.delete(name);

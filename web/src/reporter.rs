@@ -73,7 +73,12 @@ impl Watcher for Reporter<'_> {
     }
 
     fn warn(&self, warning: Warning) {
-        self.tell("warning", &warning.to_string());
+        let text = match warning {
+            // The page has no options.
+            Warning::InDoubt { name, stands } => format!("{name}: shown with {stands}, which is in doubt."),
+            warning => warning.to_string(),
+        };
+        self.tell("warning", &text);
     }
 
     fn watch<T>(&self, label: &str, part: impl FnOnce(&Task) -> T) -> T {

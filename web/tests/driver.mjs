@@ -12,7 +12,7 @@ export const browser = await launch(out);
 const WAIT = { timeout: 180_000 };
 export const step = (text) => console.log(`web: ${text}`);
 
-export async function opened(viewport, touch, { within = browser, at = address, query = "", prepare } = {}) {
+export async function opened(viewport, touch, { within = browser, at = address, query = "", prepare, answers = () => true } = {}) {
   const context = await within.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
   const page = await context.newPage();
   const wrong = [];
@@ -24,6 +24,7 @@ export async function opened(viewport, touch, { within = browser, at = address, 
     if (!url.startsWith(at) && !url.startsWith("blob:") && !url.startsWith("data:")) elsewhere.push(url);
     assert.equal(request.method(), "GET", "nothing is uploaded");
   });
+  page.on("dialog", (dialog) => (answers(dialog.type()) ? dialog.accept() : dialog.dismiss()));
   if (prepare) await page.addInitScript(prepare);
   await page.goto(at + query);
   await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, WAIT);

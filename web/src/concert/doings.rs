@@ -23,7 +23,8 @@ impl Concert {
         Ok(self.act(serde_json::from_str(action)?)?)
     }
 
-    /// Sand lies on the shape, which vibrates as a plate does; or all is as it was before.
+    /// Sand lies on the shape, which vibrates as a plate does; or all is as it was before. Of a show that was opened with
+    /// sand it is not known how it was: knobs then stand where they stand first.
     ///
     /// # Errors
     /// Bugs only.
@@ -33,12 +34,11 @@ impl Concert {
                 self.before_sand = before.or_else(|| Some(self.instrument.parameters().clone()));
                 experiment(&self.ensemble.dancer().classes, self.instrument.shape().bands)
             }
-            (false, Some(before)) => {
-                let mut actions = without_sand(&before);
+            (false, before) => {
+                let mut actions = without_sand(&before.unwrap_or_default());
                 actions.push(Action::LeaveStage);
                 actions
             }
-            (false, None) => Vec::new(),
         };
         for action in actions {
             self.act(action)?;
@@ -52,8 +52,9 @@ impl Concert {
     /// Bugs only.
     pub fn autopilot(&mut self, on: bool) -> Result<(), JsError> {
         if !on {
-            self.programme = None;
-            return Ok(self.act(Action::LeaveStage)?);
+            let Some(programme) = self.programme.take() else { return Ok(()) };
+            self.act(Action::LeaveStage)?;
+            return Ok(programme.end(&self.instrument).into_iter().try_for_each(|action| self.act(action))?);
         }
         let at_secs = self.clock.at_secs();
         let mut programme =

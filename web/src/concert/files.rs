@@ -1,7 +1,7 @@
 //! Shows and presets, as the texts that the desktop reads and writes, too.
 
 use chladni_music::{Action, FileRef, Preset, Show, SongRef};
-use chladni_program::work::cautions;
+use chladni_program::work::{Hearing, ShowClock, cautions};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -44,23 +44,31 @@ impl Concert {
             viewpoint: self.viewpoint,
             songs: self.songs.iter().map(|name| SongRef::of(file(name))).collect(),
             heard: self.hearing.stretches().collect(),
+            clock: self.hearing.clock().clone(),
+            duration_secs: Some(self.clock.at_secs()),
             ..Show::of(&self.instrument)
         };
         Ok(show.to_text()?)
     }
 
-    /// Goes on where a show ended: its gallery, its knobs, its look. What it was danced on, and what it was danced
-    /// to, is up to the page ([`needs_of_show`]).
+    /// Goes on where a show ended: its gallery, its knobs, its look, its time and what was heard until then. What it was
+    /// danced on, and what is heard from now on, is up to the page ([`needs_of_show`]), which numbers songs as the show does.
     ///
     /// # Errors
     /// Text that is no show, and a show that cannot be danced here.
     pub fn open_show(&mut self, text: &str) -> Result<(), JsError> {
         let show = Show::from_text(text)?;
         self.instrument = show.replay(self.instrument.shape().clone())?;
+        let at_secs = show.ends_secs();
+        (self.programme, self.script, self.before_sand) = (None, None, None);
+        (self.hearing, self.clock) = (Hearing::default(), ShowClock::from(at_secs));
+        self.hearing.go_on(&show.heard, show.clock);
+        // A clock of now is another one.
+        self.hearing.leave_clock(at_secs);
+        self.hearing.tune(at_secs, self.instrument.parameters());
+        self.songs = show.songs.into_iter().map(|song| song.path).collect();
         self.viewpoint = show.viewpoint;
         self.looks = show.looks.unwrap_or_default();
-        (self.programme, self.script) = (None, None);
-        self.hearing.tune(self.clock.at_secs(), self.instrument.parameters());
         Ok(())
     }
 

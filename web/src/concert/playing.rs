@@ -35,15 +35,15 @@ impl Concert {
     pub fn play_show(&mut self, text: &str) -> Result<(), JsError> {
         let show = Show::from_text(text)?;
         self.instrument = show.begin(self.instrument.shape().clone())?;
-        let last = show.actions.iter().map(|line| line.moment.at_secs).fold(0.0, f64::max);
+        let ends_secs = show.ends_secs();
         let first =
             Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
         let heard = if show.heard.is_empty() { vec![first] } else { show.heard };
-        let last = heard.last().map_or(last, |stretch| last.max(stretch.at_secs));
+        let last_secs = heard.last().map_or(0.0, |stretch| stretch.at_secs);
         self.script = Some(Script {
             actions: show.actions.into(),
             heard: heard.into(),
-            ends_secs: show.duration_secs.unwrap_or(last),
+            ends_secs: ends_secs.max(last_secs),
         });
         self.viewpoint = show.viewpoint;
         self.looks = show.looks.unwrap_or_default();

@@ -69,6 +69,11 @@ impl Sitting {
         Ok(text)
     }
 
+    /// Nothing has been done so far that a person would miss.
+    pub fn mark_saved(&mut self) {
+        self.history.mark_saved();
+    }
+
     /// The project as the text of a project file, to be read elsewhere in the page.
     ///
     /// # Errors

@@ -1,0 +1,112 @@
+// What a person finds again: dances after a visit to the front, a show that was danced elsewhere, layers that no file has.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { song } from "../browser.mjs";
+import { acts } from "./caricature.mjs";
+import { downloaded, drop, moves, opened, state, step, until } from "./driver.mjs";
+
+const says = (page, text) => until(page, (text) => document.getElementById("status").textContent.includes(text), text);
+const generation = (page, number) => until(page, (number) => window.chladni.state.generation === number, number);
+
+async function breed(page) {
+  const { generation: before } = await state(page);
+  await page.click("#cells .cell:nth-child(2) .choose");
+  await page.click("#cells .cell:nth-child(7) .choose");
+  await page.click("#breed");
+  await generation(page, before + 1);
+}
+
+/** Its text, and its action times. */
+async function saved(page) {
+  const text = readFileSync(await downloaded(page, "#save-show"), "utf8");
+  return { text, lasts: Number(/^duration_secs = (.*)$/m.exec(text)[1]), times: [...text.matchAll(/^at_secs = (.*)$/gm)].map(([, secs]) => Number(secs)) };
+}
+
+export async function dances() {
+  const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await breed(page);
+  await page.click("#home");
+  await until(page, () => window.chladni.state.body === "sample:plate");
+  await page.click("#exaggerate");
+  await acts(page);
+  await page.click("#home");
+  await until(page, () => window.chladni.state.body === "sample:plate");
+  await page.click("#enter");
+  await generation(page, 1);
+  await moves(page, "dances that were left for a while");
+  step("dances are there again after a visit to the front and the other room");
+
+  // A cover is none of the page's; the song beside it plays.
+  await drop(page, ["cover.jpg", Buffer.from([255, 216, 255])], ["clicks.wav", song(20)]);
+  await until(page, () => document.getElementById("song").textContent === "clicks.wav" && window.chladni.position() > 0.5);
+  await page.click("#sand");
+  await until(page, () => window.chladni.state.sand && window.chladni.state.on_stage);
+  const first = await saved(page);
+  assert.ok(first.lasts > 0 && first.lasts >= Math.max(...first.times), `a show lasts ${first.lasts} s`);
+
+  // As the desktop saves it: its song lies elsewhere.
+  const theirs = first.text.replace('"clicks.wav"', '"/home/somebody/My Music/clicks.wav"');
+  assert.notEqual(theirs, first.text);
+  await drop(page, ["theirs.toml", Buffer.from(theirs)]);
+  await says(page, "theirs.toml is open.");
+  await page.waitForTimeout(500);
+  const later = await saved(page);
+  assert.ok(later.lasts > first.lasts, "a show goes on where it ended");
+  await page.click("#play-show");
+  await until(page, () => window.chladni.state.played && window.chladni.state.generation === 0);
+  await page.click("#play-show");
+  await until(page, () => !window.chladni.state.played);
+  await drop(page, ["theirs.toml", Buffer.from(theirs)]);
+  await until(page, () => window.chladni.state.sand);
+  await page.click("#sand");
+  await until(page, () => !window.chladni.state.sand && !window.chladni.state.on_stage);
+  step("a show whose song lies elsewhere is played, and its sand is swept off");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+export async function layers() {
+  const asked = [];
+  let yes = false;
+  const answers = (type) => { asked.push(type); return yes; };
+  const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { answers });
+  await drop(page, ["mask.npy", Buffer.from("no mask")]);
+  await says(page, "open a shape first");
+  await page.click("#home");
+  await page.click("#exaggerate");
+  await acts(page);
+
+  // The focus stays where it was, though the list is drawn anew.
+  await page.focus("#layers [data-key$=' eye']");
+  await page.keyboard.press("Enter");
+  await until(page, () => !window.chladni.sitting.layers[0].enabled);
+  await page.keyboard.press("Enter");
+  await until(page, () => window.chladni.sitting.layers[0].enabled);
+
+  await page.focus("#mu");
+  await page.keyboard.press("ArrowLeft");
+  await until(page, () => window.chladni.sitting.modified);
+  await page.selectOption("#sitter", "sample:template");
+  await until(page, () => window.chladni.sitting.shape === "sample:head");
+  assert.deepEqual(asked, ["confirm"]);
+  await says(page, "The shape has stayed");
+  yes = true;
+  await page.selectOption("#sitter", "sample:template");
+  await until(page, () => window.chladni.sitting.shape === "sample:template" && window.chladni.sitting.solved);
+  await page.selectOption("#sitter", "sample:head");
+  await until(page, () => window.chladni.sitting.shape === "sample:head" && window.chladni.sitting.solved);
+  assert.deepEqual(asked, ["confirm", "confirm"], "nobody is asked where there are no layers");
+
+  // What is cancelled is what is worked on: an open gallery stays.
+  await page.click("#gallery");
+  await until(page, () => window.chladni.wall);
+  const names = await page.evaluate(() => window.chladni.wall.items.map(({ name }) => name));
+  await page.evaluate(() => document.getElementById("cancel").click());
+  await page.click("#wall-others");
+  await until(page, (name) => window.chladni.wall.items[0].name !== name, names[0]);
+  step("unsaved layers are asked for, the focus stays, and a cancel leaves what rests");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
