@@ -108,8 +108,9 @@ pub struct Dance {
     /// Lean back: dances, looks and strength change with the music, where sections and bars begin.
     #[arg(long, conflicts_with_all = ["preset", "show", "gallery", "coefficients"])]
     autopilot: bool,
-    /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here.
-    #[arg(long, value_name = "C.npz")]
+    /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here. Not with --resume, which
+    /// makes only what is missing.
+    #[arg(long, value_name = "C.npz", conflicts_with = "resume")]
     coefficients: Option<PathBuf>,
     /// Write the mapping of each item of the gallery into this folder, as presets.
     #[arg(long, value_name = "DIR")]

@@ -49,8 +49,8 @@ struct Cli {
     /// Draw no progress bars.
     #[arg(long, global = true, display_order = 900)]
     quiet: bool,
-    /// Who draws pictures and films: cpu, gpu, or auto, which is a graphics card where there is one and
-    /// else the processor. The window is drawn by the graphics device.
+    /// Who draws pictures, films and the window: cpu, gpu, or auto, which is a graphics card where there is
+    /// one and else the processor, which needs no driver.
     #[arg(long, global = true, value_name = "WHO", default_value = "auto", display_order = 901)]
     draw: Draw,
 }

@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use chladni_view::Draw;
-
 use super::Terminal;
 use crate::window::{self, Until};
 use crate::work::Error;
@@ -21,9 +19,6 @@ pub struct Open {
     /// Close as soon as the shape is on screen, and print as JSON how many seconds that took.
     #[arg(long, requires = "files", conflicts_with = "measure")]
     until_picture: bool,
-    /// What draws: a graphics card, or the processor, which also paints the window and needs no driver.
-    #[arg(long, value_name = "auto|cpu|gpu", default_value = "auto")]
-    draw: Draw,
 }
 
 impl Open {
@@ -34,6 +29,6 @@ impl Open {
             None if self.until_picture => Until::Picture,
             None => Until::Closed,
         };
-        window::open(self.files, until, self.draw)?.map_or(Ok(()), |outcome| terminal.json(&outcome))
+        window::open(self.files, until, terminal.draw())?.map_or(Ok(()), |outcome| terminal.json(&outcome))
     }
 }

@@ -108,10 +108,14 @@ impl Chooser for SystemDialogs {
         let request = Request { start, ..request };
         let path = self.ask(request, || dialog.save_file().map(|file| vec![file]))?.pop()?;
         let first = kinds.first().and_then(|(_, extensions)| extensions.first());
-        Some(match first {
-            Some(extension) if path.extension().is_none() => path.with_extension(extension),
-            _ => path,
-        })
+        match first {
+            Some(extension) if path.extension().is_none() => {
+                let completed = path.with_extension(extension);
+                // What is there is asked about by the dialog alone, which did not know this name.
+                if completed.exists() { self.save(kinds, &completed) } else { Some(completed) }
+            }
+            _ => Some(path),
+        }
     }
 
     fn trouble(&mut self) -> Option<String> {

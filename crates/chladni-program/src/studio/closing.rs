@@ -1,7 +1,7 @@
 //! Leaving the window: unsaved work is asked about first.
 
-use super::author_id::AuthorId;
-use super::{Studio, theme};
+use super::Studio;
+use super::unsaved::{Answer, Question};
 
 /// The state of closing the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,13 +13,6 @@ pub enum Closing {
     Asked,
     /// Decided; the window is about to go.
     Yes,
-}
-
-/// The user's answer.
-enum Answer {
-    Stay,
-    Save,
-    Discard,
 }
 
 impl Studio {
@@ -36,7 +29,7 @@ impl Studio {
         if self.closing != Closing::Asked {
             return;
         }
-        match ask(ctx, &unsaved) {
+        match Question::CLOSING.ask(ctx, &unsaved) {
             None => {}
             Some(Answer::Stay) => self.closing = Closing::No,
             Some(Answer::Discard) => self.leave(ctx),
@@ -54,31 +47,4 @@ impl Studio {
         self.closing = Closing::Yes;
         ctx.send_viewport_cmd(egui::ViewportCommand::Close);
     }
-}
-
-fn ask(ctx: &egui::Context, unsaved: &[String]) -> Option<Answer> {
-    let mut answer = None;
-    let ((), dismissed) = theme::modal(ctx, "Save before closing?", 420.0, |ui| {
-        for line in unsaved {
-            ui.label(line);
-        }
-        ui.add_space(theme::GAP_LARGE);
-        ui.horizontal(|ui| {
-            if theme::primary_button(ui, "Save and close").author_id("save-and-close").clicked() {
-                answer = Some(Answer::Save);
-            }
-            if ui.button("Keep working").author_id("keep-working").clicked() {
-                answer = Some(Answer::Stay);
-            }
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button("Close and lose changes").author_id("lose-changes").clicked() {
-                    answer = Some(Answer::Discard);
-                }
-            });
-        });
-    });
-    if dismissed {
-        answer.get_or_insert(Answer::Stay);
-    }
-    answer
 }

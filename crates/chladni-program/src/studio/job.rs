@@ -1,10 +1,14 @@
 //! Long work in the background: it reports progress, can be cancelled, and never blocks a frame.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::Duration;
 
 use chladni_task::{Progress, Task};
 
 use crate::work::Error;
+
+/// How long a window that closes waits for what it cancels.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// One piece of work on its own thread.
 #[derive(Debug)]
@@ -53,6 +57,13 @@ impl<T> Job<T> {
         self.task.progress()
     }
 
+    /// Cancels it, and waits a moment until it has ended.
+    pub fn stop(self) {
+        self.cancel();
+        // A result is of no use any more; who has ended without one has ended, too.
+        let _ = self.result.recv_timeout(PATIENCE);
+    }
+
     /// Asks it to stop; its result then says that it was cancelled.
     pub fn cancel(&self) {
         self.task.cancel();
@@ -82,5 +93,5 @@ pub fn show_progress<T>(ui: &mut egui::Ui, job: &Job<T>) {
     let share = progress.fraction().unwrap_or(0.0) as f32;
     let stage = egui::RichText::new(progress.stage).small();
     ui.add(egui::ProgressBar::new(share).text(stage).desired_height(18.0));
-    ui.ctx().request_repaint_after(std::time::Duration::from_millis(100));
+    ui.ctx().request_repaint_after(Duration::from_millis(100));
 }

@@ -31,6 +31,7 @@ mod settings;
 mod shortcut;
 mod start;
 mod theme;
+mod unsaved;
 mod viewport;
 
 use std::cell::RefCell;

@@ -30,8 +30,12 @@ impl Shortcut {
 
     /// Whether it was pressed in this frame, and not for the control that has the focus; consumes the key.
     pub fn pressed(&self, ctx: &egui::Context) -> bool {
-        let plain = self.keys.modifiers == Modifiers::NONE;
-        let taken = plain && is_taken(ctx, self.keys.logical_key);
+        let key = self.keys.logical_key;
+        let taken = match self.keys.modifiers {
+            Modifiers::NONE => is_taken(ctx, key),
+            // With Ctrl, a text field has undo, redo, the clipboard and the whole text.
+            _ => ctx.text_edit_focused() && EDITING.contains(&key),
+        };
         !taken && ctx.input_mut(|input| input.consume_shortcut(&self.keys))
     }
 
@@ -64,6 +68,9 @@ impl Shortcut {
         format!("{words} ({})", self.text(ctx))
     }
 }
+
+/// What edits text together with Ctrl.
+const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
 
 /// Whether what has the focus wants `key` for itself: a text field all of them, another control those
 /// that click it, change it or lead to the next one.

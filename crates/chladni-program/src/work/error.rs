@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::CaricatureError;
 use chladni_harmonics::HarmonicsError;
 use chladni_match::MatchError;
-use chladni_mesh::MeshError;
+use chladni_mesh::{MeshError, Orientation};
 use chladni_music::MusicError;
 use chladni_sound::SoundError;
 use chladni_synth::SynthError;
@@ -182,6 +182,13 @@ pub enum Warning {
         /// The largest.
         to: [f64; 3],
     },
+    /// It could not be found out how a shape stands.
+    InDoubt {
+        /// Of the shape.
+        name: String,
+        /// How it is drawn.
+        stands: Orientation,
+    },
     /// What an engine or a file has to say of what is called `name`.
     Of {
         /// A file, a sample, a template.
@@ -215,6 +222,10 @@ impl Display for Warning {
                      to {to}"
                 )
             }
+            Self::InDoubt { name, stands } => write!(
+                f,
+                "{name}: drawn with {stands}, which is in doubt: --up and --front, or a project, say otherwise"
+            ),
             Self::Of { name, message } => write!(f, "{name}: {message}"),
             Self::Plain(message) => f.write_str(message),
         }

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use chladni_task::folder_of;
+use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
 
 use super::Error;
 
@@ -32,6 +33,20 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
 /// As [`check_file`] does.
 pub fn check_folder(path: &Path) -> Result<(), Error> {
     if path.is_dir() { check_file(&path.join("new")) } else { check_file(path) }
+}
+
+/// Checks that a film can be written at `path`: a file, or frames into a folder.
+///
+/// # Errors
+/// As [`check_file`] does, and an MP4 where there is no ffmpeg.
+pub fn check_film(path: &Path) -> Result<(), Error> {
+    match FilmFormat::of(path).map_err(Error::input)? {
+        FilmFormat::Frames => check_folder(path),
+        FilmFormat::Mp4 if !ffmpeg_is_there() => {
+            Err(Error::Input(format!("{}: {}", path.display(), ViewError::NoFfmpeg)))
+        }
+        _ => check_file(path),
+    }
 }
 
 /// Checks that a picture can be written at `path`, whose name must end in `.png`.

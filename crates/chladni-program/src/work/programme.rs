@@ -1,7 +1,7 @@
 //! The autopilot at work: dances, looks and strength change with the music, on any instrument.
 
 use chladni_music::{
-    Action, Autopilot, BarLine, Candidate, Form, Instrument, Parameter, Preset, Turn, repertoire,
+    Action, Autopilot, BarLine, Candidate, Form, Instrument, Parameter, Preset, Settings, Turn, repertoire,
 };
 
 use chladni_view::Look;
@@ -21,6 +21,8 @@ pub struct Programme {
     turns: usize,
     /// In which all dance, whatever their presets say.
     form: Option<Form>,
+    /// Where the knobs of a dance stood when it began, and the generation that was seen.
+    before: (Settings, usize),
 }
 
 impl Programme {
@@ -48,6 +50,7 @@ impl Programme {
             heard_secs: at_secs,
             turns: 0,
             form: None,
+            before: (instrument.parameters().of_a_dance(), instrument.gallery().current()),
         })
     }
 
@@ -87,6 +90,27 @@ impl Programme {
     pub fn step(&mut self, at_secs: f64, forward: bool, instrument: &Instrument) -> Vec<Action> {
         let turn = self.autopilot.step(at_secs, forward);
         turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()
+    }
+
+    /// What ends it, once the stage is left or another's: gallery and knobs are as they were when it began.
+    pub fn end(&self, instrument: &Instrument) -> Vec<Action> {
+        let (before, generation) = (&self.before.0, self.before.1);
+        let now = instrument.parameters().of_a_dance();
+        let mut actions = Vec::new();
+        if instrument.gallery().current() != generation {
+            actions.push(Action::GoTo { generation });
+        }
+        let form = before.form.filter(|_| before.form != now.form);
+        let choir = before.choir.filter(|_| before.choir != now.choir);
+        let harmonics = before.harmonics.filter(|_| before.harmonics != now.harmonics);
+        actions.extend(form.map(|form| Action::SetForm { form }));
+        actions.extend(choir.map(|choir| Action::SetChoir { choir }));
+        actions.extend(harmonics.map(|harmonics| Action::SetHarmonics { harmonics }));
+        let knobs = before.knobs.iter().filter(|(knob, value)| now.knobs.get(knob) != Some(value));
+        actions.extend(knobs.map(|(&parameter, &value)| Action::Set { parameter, value }));
+        let switches = before.switches.iter().filter(|(switch, on)| now.switches.get(switch) != Some(on));
+        actions.extend(switches.map(|(&switch, &on)| Action::Switch { switch, on }));
+        actions
     }
 
     /// The actions that put a turn on stage. The last two places of the gallery are used in turns, since the dance
@@ -132,6 +156,15 @@ mod tests {
     fn its_actions_can_be_done_and_no_dance_follows_itself() {
         let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
         let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        for action in [
+            Action::SetForm { form: Form::Modal },
+            Action::Set { parameter: Parameter::Gain, value: 1.3 },
+            Action::Set { parameter: Parameter::Detail, value: 0.4 },
+        ] {
+            instrument.apply(Moment::default(), action).unwrap();
+        }
+        let parameters = instrument.parameters().clone();
+        let items = instrument.gallery().items().to_vec();
         let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap();
         let mut last = None;
         for i in 0..60 {
@@ -146,8 +179,15 @@ mod tests {
             assert_ne!(last.replace(scene.to), Some(scene.to));
             assert!(look_on_stage(&instrument).is_some());
         }
-        // Off the stage the show's own look is back.
+        // Off the stage the show's own look is back, and gallery and knobs are as they were.
         instrument.apply(Moment::default(), Action::LeaveStage).unwrap();
         assert_eq!(look_on_stage(&instrument), None);
+        assert_ne!(*instrument.parameters(), parameters);
+        for action in programme.end(&instrument) {
+            instrument.apply(Moment::default(), action).unwrap();
+        }
+        assert_eq!(*instrument.parameters(), parameters);
+        assert_eq!(instrument.gallery().items(), items);
+        assert_eq!(programme.end(&instrument), []);
     }
 }

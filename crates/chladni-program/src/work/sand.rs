@@ -44,6 +44,11 @@ impl SandTable {
     /// The time of the next step, where it is not after `at_secs`.
     pub fn due(&mut self, at_secs: f64) -> Option<f64> {
         let last = (at_secs / SAND_STEP_SECS + 1e-6).floor() as i64;
+        // A show that begins anew goes back in time, and its sand is poured again.
+        if self.next > last + 1 {
+            self.sands.clear();
+            self.next = last;
+        }
         self.next = self.next.max(last - MOST_STEPS);
         (self.next <= last).then_some(self.next as f64 * SAND_STEP_SECS)
     }
@@ -185,6 +190,23 @@ mod tests {
         instrument.apply(Moment::default(), Action::Switch { switch: Switch::Sand, on: false }).unwrap();
         table.follow(&mut hearing, &mut ensemble, &instrument, 2.2).unwrap();
         assert!(table.drawn().is_empty());
+    }
+
+    #[test]
+    fn a_show_that_begins_anew_has_the_same_sand_again() {
+        let (body, dancer, instrument) = stage();
+        let mut table = SandTable::new(body, 0.0);
+        let mut dance = |until_secs: f64| {
+            let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(Arc::clone(&dancer)));
+            for step in 0..=20 {
+                let at_secs = until_secs * f64::from(step) / 20.0;
+                table.follow(&mut hearing, &mut ensemble, &instrument, at_secs).unwrap();
+            }
+            table.drawn()[0].grains.to_vec()
+        };
+        let first = dance(0.5);
+        assert_ne!(dance(2.0), first);
+        assert_eq!(dance(0.5), first);
     }
 
     #[test]

@@ -59,11 +59,7 @@ impl Stance {
         if let Some(matched) = matched.filter(|_| !self.is_told()) {
             return Ok(matched);
         }
-        let message = format!(
-            "drawn with {}, which is in doubt: --up and --front, or a project, say otherwise",
-            found.orientation
-        );
-        watcher.warn(Warning::of(name, message));
+        watcher.warn(Warning::InDoubt { name: name.to_owned(), stands: found.orientation });
         Ok(found.orientation)
     }
 }

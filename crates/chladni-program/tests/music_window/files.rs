@@ -187,3 +187,44 @@ fn a_room_whose_first_shape_cannot_be_opened_asks_for_another() {
     click(&mut window, "open");
     wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
 }
+
+#[test]
+fn a_show_is_opened_once_it_is_known_what_becomes_of_unsaved_favorites() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("six.toml"), "format_version = 1\nseed = 3\nsize = 6\n").unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
+    let ask = |window: &mut Window| {
+        answers.add(path("six.toml"));
+        window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+        window.run_steps(3);
+        shows(window, "Save before opening another?")
+    };
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    window.run_steps(2);
+    assert!(ask(&mut window) && shows(&window, "with one favorite") && is_there(&window, "dance/12"));
+    click(&mut window, "keep-working");
+    assert!(is_there(&window, "dance/12"));
+    assert!(ask(&mut window));
+    answers.add(path("evening.toml"));
+    click(&mut window, "save-first");
+    wait(&mut window, "the show", |w| shows(w, "6 items"));
+    assert!(Show::load(&path("evening.toml")).unwrap().actions.len() == 1);
+    assert!(!ask(&mut window), "nothing is unsaved");
+}
+
+#[test]
+fn a_project_with_a_song_dances_to_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let [_, song] = ball_and_song(folder.path());
+    let project = chladni_caricature::Project::new(chladni_mesh::ShapeSource::File(path("ball.obj")), 64);
+    project.save(&path("ball.chladni")).unwrap();
+    let files = vec![path("ball.chladni"), song];
+    let mut window = enter(Opening { folders: folders(folder.path()), files, ..Opening::default() });
+    wait(&mut window, "the song", |w| w.query_by_label("song").is_some());
+    assert!(is_there(&window, "dance/12"));
+}

@@ -220,3 +220,52 @@ fn another_number_of_harmonics_leaves_curve_and_match_as_they_are() {
     person.screenshot("studio-curve-128.png");
     assert_eq!(saved(&desk, &mut person)[0], before);
 }
+
+#[test]
+fn each_click_on_the_curve_is_a_step_and_a_name_is_undone_by_itself() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    let points = |person: &mut Person| saved(&desk, person)[0].curve.points.len();
+    let before = points(&mut person);
+    let plot = person.place_of("scale-curve");
+    for x in [-60.0, 20.0] {
+        person.click_at(plot.center() + vec2(x, -20.0));
+        person.0.run_steps(2);
+    }
+    assert_eq!(points(&mut person), before + 2);
+    person.press_with(CTRL, Key::Z);
+    assert_eq!(points(&mut person), before + 1, "one click was taken back");
+
+    // While a name is written, undo is that of its letters.
+    person.press(Key::F2);
+    person.0.run_steps(2);
+    person.0.event(egui::Event::Text("Nose".into()));
+    person.0.run_steps(2);
+    person.press_with(CTRL, Key::Z);
+    person.press(Key::Enter);
+    assert_eq!(points(&mut person), before + 1, "the project was left alone");
+}
+
+#[test]
+fn a_cancelled_solve_is_not_asked_for_again() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    let path = desk.path("solved.chladni");
+    let harmonics = |person: &mut Person| {
+        desk.answers.add(&path);
+        person.press_with(CTRL | egui::Modifiers::SHIFT, Key::S);
+        chladni_caricature::Project::load(&path).unwrap().harmonics
+    };
+    let before = harmonics(&mut person);
+    person.click("harmonics");
+    // Cancelled in the frame in which it begins.
+    person.click("harmonics/512");
+    let cancel = person.0.query_by_label("Cancel").map(|button| button.click());
+    person.0.run_steps(2);
+    person.wait("its end", |window| !driving::shows(window, "Solving"));
+    person.0.run_steps(3);
+    let solved = driving::shows(&person.0, "512 harmonics");
+    assert_eq!(harmonics(&mut person), if solved { 512 } else { before }, "cancelled: {cancel:?}");
+}

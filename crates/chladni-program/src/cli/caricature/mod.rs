@@ -10,7 +10,6 @@ use chladni_caricature::{
     Base, Crossings, DEFAULT_HARMONICS, Project, Resolution, ShapeSource, Stack, Template,
 };
 use chladni_mesh::{Format, Orientation, TriMesh};
-use chladni_view::FilmFormat;
 
 use super::Terminal;
 use super::gallery::GalleryOptions;
@@ -22,7 +21,7 @@ use super::resolution::ResolutionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::{check_file, check_picture};
+use crate::work::outputs::{check_file, check_film, check_picture};
 use crate::work::{Error, Made, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -121,7 +120,7 @@ impl Caricature {
         }
         self.portrait.check()?;
         if let Some(film) = &self.turntable.turntable {
-            FilmFormat::of(film).map_err(Error::input)?;
+            check_film(film)?;
         }
         self.render.as_deref().map_or(Ok(()), check_drawing)
     }

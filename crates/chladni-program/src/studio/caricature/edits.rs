@@ -28,12 +28,13 @@ impl Edits {
         self.once(Action::Set { layer, to });
     }
 
-    /// A property that follows a slider: live while `response` drags, one step in the history.
+    /// A property that follows a slider: live while `response` drags, one step in the history, as is what a click does.
     pub fn drag(&mut self, layer: LayerId, response: &egui::Response, to: impl FnOnce() -> Property) {
         if response.changed() {
             self.0.push(Edit::Live(Action::Set { layer, to: to() }));
         }
-        if response.drag_stopped() || response.lost_focus() {
+        let clicked = response.clicked() || response.secondary_clicked();
+        if response.drag_stopped() || clicked || response.lost_focus() {
             self.finish();
         }
     }

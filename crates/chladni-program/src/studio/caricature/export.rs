@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use chladni_caricature::LayerState;
 use chladni_mesh::Format;
 use chladni_task::write_atomic;
 use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
@@ -14,6 +15,10 @@ use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{Error, Warning};
+
+/// While layers wait for what they need.
+const STILL_WORKING: &str =
+    "Layers are still being matched, or harmonics solved for: export again once that is done.";
 
 /// While it is not known how far layers are held back.
 const STILL_SETTLING: &str = "How far triangles allow is still being computed: what is written is held back by what is \
@@ -138,6 +143,9 @@ impl CaricatureRoom {
 
     fn begin_export(&mut self, ui: &Ui, shared: &mut Shared<'_>) {
         let (Some(session), Some(stage)) = (&self.session, &self.stage) else { return };
+        if session.is_working() {
+            return shared.notices.warn(STILL_WORKING);
+        }
         let extension = self.export.what.extension();
         let suggested = session.beside_named("caricature", extension);
         let Some(path) = shared.chooser.save(&[(&extension.to_uppercase(), &[extension])], &suggested) else {
@@ -145,6 +153,12 @@ impl CaricatureRoom {
         };
         if session.is_settling() {
             shared.notices.warn(STILL_SETTLING);
+        }
+        for layer in
+            session.evaluation.layers.iter().filter(|layer| matches!(layer.state, LayerState::Failed(_)))
+        {
+            let name = session.project().layer(layer.id).map_or_else(String::new, |layer| layer.name.clone());
+            shared.notices.warn(format!("Written without the layer {name}, whose match has failed."));
         }
         let Export { what, size: [width, height], secs, fps, .. } = self.export;
         let label = format!("Writing {}", path.file_name().unwrap_or_default().to_string_lossy());
@@ -192,6 +206,18 @@ impl Export {
                 job::show_progress(ui, running);
                 ui.add_space(theme::GAP_SMALL);
             });
+        }
+    }
+
+    /// What is being written.
+    pub fn unfinished(&self) -> Option<&str> {
+        self.running.as_ref().map(Job::label)
+    }
+
+    /// Ends what is being written, so that nothing half written stays: the window closes.
+    pub fn stop(&mut self) {
+        if let Some(running) = self.running.take() {
+            running.stop();
         }
     }
 

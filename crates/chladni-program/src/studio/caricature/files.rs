@@ -17,11 +17,10 @@ use super::preview::Preview;
 use super::session::Session;
 use super::shot::Shot;
 use super::single;
-use crate::studio::author_id::AuthorId;
 use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
-use crate::studio::theme;
+use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::{MESHES, PROJECT, is_project};
 use crate::work::{Error, layer_against};
 
@@ -154,8 +153,21 @@ impl CaricatureRoom {
         let Some(session) = &mut self.session else { return true };
         let known = session.path.clone().filter(|_| !ask);
         let suggested = session.beside(PROJECT);
-        let path = known.or_else(|| shared.chooser.save(&[("Chladni project", &[PROJECT])], &suggested));
-        let Some(path) = path.map(as_project) else { return false };
+        let mut choose = |suggested: &Path| {
+            let chosen = shared.chooser.save(&[("Chladni project", &[PROJECT])], suggested)?;
+            Some((as_project(chosen.clone()), chosen))
+        };
+        let chosen = match known {
+            Some(known) => Some(known),
+            None => match choose(&suggested) {
+                // What is there is asked about by the dialog alone, which did not know this name.
+                Some((path, chosen)) if path != chosen && path.exists() => {
+                    choose(&path).map(|(path, _)| path)
+                }
+                chosen => chosen.map(|(path, _)| path),
+            },
+        };
+        let Some(path) = chosen else { return false };
         match save_to(session, &path) {
             Ok(()) => {
                 shared.settings.remember(&path);
@@ -202,24 +214,16 @@ impl CaricatureRoom {
             return;
         }
         let name = self.session.as_ref().map(Session::name).unwrap_or_default();
-        let (mut save, mut discard, mut stay) = (false, false, false);
-        let ((), dismissed) = theme::modal(&shared.ctx, "Save before opening another?", 420.0, |ui| {
-            ui.label(format!("“{name}” has changes that are not saved."));
-            ui.add_space(theme::GAP_LARGE);
-            ui.horizontal(|ui| {
-                save = theme::primary_button(ui, "Save").clicked();
-                stay = ui.button("Keep working").author_id("keep-working").clicked();
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    discard = ui.button("Lose changes").author_id("lose-changes").clicked();
-                });
-            });
-        });
-        if discard || (save && self.save(false, shared)) {
-            if let Some(candidate) = self.candidate.take() {
-                self.begin(candidate, &shared.ctx);
+        let line = format!("“{name}” has changes that are not saved.");
+        match Question::OPENING.ask(&shared.ctx, &[line]) {
+            None => {}
+            Some(Answer::Save) if !self.save(false, shared) => {}
+            Some(Answer::Save | Answer::Discard) => {
+                if let Some(candidate) = self.candidate.take() {
+                    self.begin(candidate, &shared.ctx);
+                }
             }
-        } else if stay || dismissed {
-            self.candidate = None;
+            Some(Answer::Stay) => self.candidate = None,
         }
     }
 

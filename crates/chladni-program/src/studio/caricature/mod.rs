@@ -34,7 +34,7 @@ mod stage;
 mod thumbnails;
 mod toolbar;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use chladni_caricature::{Property, Recovered};
 use egui::Ui;
@@ -63,7 +63,7 @@ use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
 use super::{keys, theme};
-use crate::work::formats::{MESHES, PROJECT, is_project};
+use crate::work::formats::{MESHES, PROJECT};
 use crate::work::{Error, Quantity};
 
 /// The room: at most one open project.
@@ -151,10 +151,6 @@ impl Room for CaricatureRoom {
         [PROJECT].into_iter().chain(MESHES).collect()
     }
 
-    fn claims(&self, path: &Path) -> bool {
-        is_project(path)
-    }
-
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
         self.keep_copy(shared);
         self.ask_to_replace(shared);
@@ -162,12 +158,19 @@ impl Room for CaricatureRoom {
     }
 
     fn unsaved(&self) -> Option<String> {
-        let session = self.session.as_ref().filter(|_| self.has_unsaved_work())?;
-        Some(format!("The caricature “{}” has changes that are not saved.", session.name()))
+        let session = self.session.as_ref().filter(|_| self.has_unsaved_work());
+        let changed = session
+            .map(|session| format!("The caricature “{}” has changes that are not saved.", session.name()));
+        let written = self.export.unfinished().map(|label| format!("{label} is not finished."));
+        [changed, written].into_iter().flatten().reduce(|a, b| format!("{a} {b}"))
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
-        !self.has_unsaved_work() || self.save(false, shared)
+        if self.has_unsaved_work() && !self.save(false, shared) {
+            return false;
+        }
+        let written = self.export.unfinished().map(|label| format!("{label}: close when it is done."));
+        written.map(|wait| shared.notices.warn(wait)).is_none()
     }
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {
@@ -189,6 +192,7 @@ impl Room for CaricatureRoom {
     }
 
     fn leave(&mut self) {
+        self.export.stop();
         if let Some(Ok(autosave)) = self.autosave.take() {
             autosave.finish();
         }

@@ -1,7 +1,6 @@
 //! Films of what dances: the form that asks for subject, size and rate; they are made in the background.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use chladni_music::{Action, BeatReading, LoggedAction, Moment, Show, Switch};
 use chladni_view::{FrameRate, Look, ffmpeg_is_there};
@@ -17,9 +16,6 @@ use crate::work::{Aside, Error, Warning};
 
 /// What the menu says of it.
 pub const TIP: &str = "With its sound, in any size: what dances now for a whole song, or all that was done";
-
-/// How long a closing window waits for a film to end.
-const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Sizes that are offered, in pixels.
 const SIZES: [(&str, [u32; 2]); 6] = [
@@ -159,13 +155,15 @@ impl Filming {
         self.running = None;
     }
 
+    /// What is being made.
+    pub fn unfinished(&self) -> Option<&str> {
+        self.running.as_ref().map(Job::label)
+    }
+
     /// Ends what is being made, so that nothing half written stays: the window closes.
     pub fn stop(&mut self) {
-        let Some(running) = self.running.take() else { return };
-        running.cancel();
-        let began = Instant::now();
-        while running.ended().is_none() && began.elapsed() < PATIENCE {
-            std::thread::sleep(Duration::from_millis(10));
+        if let Some(running) = self.running.take() {
+            running.stop();
         }
     }
 

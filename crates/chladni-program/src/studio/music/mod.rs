@@ -86,6 +86,8 @@ pub struct MusicRoom {
     awake: Awake,
     /// Presets and shows that wait for a shape.
     waiting: Vec<PathBuf>,
+    /// A show that waits for an answer: unsaved dances are in its way.
+    replacing: Option<(PathBuf, Show)>,
     /// A show that waits for its own shape.
     coming: Option<(PathBuf, Show)>,
     refused: bool,

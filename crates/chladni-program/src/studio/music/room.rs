@@ -9,7 +9,7 @@ use super::concert::Concert;
 use super::curtain::Curtain;
 use super::film::Scene;
 use super::listening::Listening;
-use super::shows::{save_show, songs_of, the_show};
+use super::shows::{songs_of, the_show};
 use super::wish::Wish;
 use super::{meters, show_bar, transport};
 use crate::studio::author_id::AuthorId;
@@ -65,6 +65,7 @@ impl Room for MusicRoom {
         }
         self.dance(ui, on_stage, shared, &mut wishes);
         self.ask_for_a_film(shared);
+        self.ask_to_replace(shared);
         for wish in wishes {
             self.fulfil(wish, shared);
         }
@@ -104,26 +105,16 @@ impl Room for MusicRoom {
     }
 
     fn unsaved(&self) -> Option<String> {
-        let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;
-        let favorites = match concert.instrument().favorites().len() {
-            0 => "dances that were changed by hand".to_owned(),
-            1 => "one favorite".to_owned(),
-            count => format!("{count} favorites"),
-        };
-        Some(format!("The show of the music room, with {favorites}, is not saved."))
+        let filmed = self.filming.unfinished().map(|label| format!("{label} is not finished."));
+        [self.unsaved_show(), filmed].into_iter().flatten().reduce(|a, b| format!("{a} {b}"))
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
-        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
-        let saved = if concert.has_unsaved_work() {
-            save_show(concert, listening, &self.names, shared)
-        } else {
-            Ok(true)
-        };
-        saved.unwrap_or_else(|why| {
-            shared.notices.failed(why);
-            false
-        })
+        if !self.save_dances(shared) {
+            return false;
+        }
+        let filmed = self.filming.unfinished().map(|label| format!("{label}: close when it is done."));
+        filmed.map(|wait| shared.notices.warn(wait)).is_none()
     }
 
     fn extensions(&self) -> Vec<&'static str> {
@@ -182,6 +173,17 @@ impl Room for MusicRoom {
 }
 
 impl MusicRoom {
+    /// What of the dances no file has.
+    pub(super) fn unsaved_show(&self) -> Option<String> {
+        let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;
+        let favorites = match concert.instrument().favorites().len() {
+            0 => "dances that were changed by hand".to_owned(),
+            1 => "one favorite".to_owned(),
+            count => format!("{count} favorites"),
+        };
+        Some(format!("The show of the music room, with {favorites}, is not saved."))
+    }
+
     /// The autopilot takes over where songs play and nobody is there.
     fn lean_back(&mut self, staged: bool, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
         let plays = self.listening.as_ref().is_some_and(Listening::plays_songs);

@@ -9,6 +9,7 @@ use super::listening::{Listening, ShowSong};
 use super::view::View;
 use super::{MusicRoom, Names};
 use crate::studio::room::Shared;
+use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
 use crate::work::{Error, cautions, refer, resolve};
 
@@ -35,8 +36,41 @@ impl MusicRoom {
         }
     }
 
-    /// Opens a show's shape first where another one dances.
+    /// Opens a show, once it was asked about unsaved dances.
     fn open_show(&mut self, path: PathBuf, show: Show, shared: &mut Shared<'_>) {
+        if self.unsaved_show().is_some() {
+            self.replacing = Some((path, show));
+        } else {
+            self.begin_show(path, show, shared);
+        }
+    }
+
+    /// Asks what to do with unsaved dances when a show is opened.
+    pub(super) fn ask_to_replace(&mut self, shared: &mut Shared<'_>) {
+        let Some((path, show)) = self.replacing.take() else { return };
+        let unsaved: Vec<String> = self.unsaved_show().into_iter().collect();
+        match Question::OPENING.ask(&shared.ctx, &unsaved) {
+            None => self.replacing = Some((path, show)),
+            Some(Answer::Save) if !self.save_dances(shared) => self.replacing = Some((path, show)),
+            Some(Answer::Save | Answer::Discard) => self.begin_show(path, show, shared),
+            Some(Answer::Stay) => {}
+        }
+    }
+
+    /// Saves the show where it has unsaved work; false where it was not saved.
+    pub(super) fn save_dances(&mut self, shared: &mut Shared<'_>) -> bool {
+        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
+        if !concert.has_unsaved_work() {
+            return true;
+        }
+        save_show(concert, listening, &self.names, shared).unwrap_or_else(|why| {
+            shared.notices.failed(why);
+            false
+        })
+    }
+
+    /// Opens a show's shape first where another one dances.
+    fn begin_show(&mut self, path: PathBuf, show: Show, shared: &mut Shared<'_>) {
         let Some(concert) = &self.concert else { return };
         for caution in cautions(&show) {
             shared.notices.warn(format!("{}: {caution}", path.display()));
@@ -89,9 +123,7 @@ impl MusicRoom {
         }
         // What was heard is numbered by these songs; an older file has none, and the song goes on.
         if show.body.is_some() || !songs.is_empty() {
-            let last = show.actions.iter().map(|line| line.moment.at_secs).fold(0.0, f64::max);
-            let at_secs = show.duration_secs.unwrap_or(0.0).max(last);
-            listening.go_on(songs, &show.heard, show.clock.clone(), at_secs);
+            listening.go_on(songs, &show.heard, show.clock.clone(), show.ends_secs());
         }
     }
 }

@@ -105,14 +105,21 @@ impl Session {
         let Some(outcome) = self.solving.as_ref().and_then(Job::ended) else { return Ok(None) };
         self.solving = None;
         if outcome.is_err() {
-            // A project that asks for what its shape cannot have would not open again.
-            let laplacian = self.stack.body().basis.certificate.laplacian;
-            if self.project().laplacian != laplacian {
-                self.apply(vec![Edit::Once(Action::SetLaplacian(laplacian))])?;
-                self.asked.1 = laplacian;
+            // A project that asks for what its shape cannot have would not open again, and one that asks for what was
+            // cancelled would begin with it.
+            let (harmonics, laplacian) = self.solved;
+            let mut back = Vec::new();
+            if self.project().harmonics != harmonics {
+                back.push(Edit::Once(Action::SetHarmonics(harmonics)));
             }
+            if self.project().laplacian != laplacian {
+                back.push(Edit::Once(Action::SetLaplacian(laplacian)));
+            }
+            self.asked = self.solved;
+            self.apply(back)?;
         }
         let (body, warnings) = outcome?;
+        self.solved = self.asked;
         // Matches do not depend on harmonics: finished ones are kept, and a running one continues.
         self.stack = self.stack.with_harmonics_of(Arc::new(body))?;
         self.brush = None;

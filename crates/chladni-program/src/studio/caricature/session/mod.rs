@@ -16,7 +16,7 @@ use chladni_caricature::{
 };
 use chladni_harmonics::Laplacian;
 use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation};
-use chladni_task::Task;
+use chladni_task::{Cancelled, Task};
 
 use super::crossings::CrossingMeter;
 use super::edits::Edit;
@@ -50,6 +50,8 @@ pub struct Session {
     brush: Option<Job<()>>,
     /// The harmonics that were asked for last.
     asked: (usize, Laplacian),
+    /// The same of those that are there.
+    solved: (usize, Laplacian),
     solving: Option<Job<Solved>>,
     /// The orientation estimated from the surface; a matched template may know better.
     stands: Estimate,
@@ -80,6 +82,7 @@ impl Session {
             mirror: Arc::default(),
             brush: None,
             asked,
+            solved: asked,
             solving: None,
             stands: loaded.stands,
         };
@@ -96,14 +99,18 @@ impl Session {
         let (mirror, surface) = (Arc::clone(&self.mirror), Arc::clone(self.stack.surface()));
         self.brush = Some(Job::start("Preparing the brush", ctx, move |task| {
             soften();
-            mirror.get_or_init(|| own_mirror(&surface, task));
+            if mirror.get().is_none() {
+                // Whoever was first has set it.
+                let _ = mirror.set(own_mirror(&surface, task)?);
+            }
             Ok(())
         }));
     }
 
     /// The plane in which the shape comes closest to its mirror image; waits if the search is still running.
     pub fn mirror(&self) -> Option<MirrorPlane> {
-        *self.mirror.get_or_init(|| own_mirror(self.stack.surface(), &Task::new()))
+        // Nobody cancels it.
+        *self.mirror.get_or_init(|| own_mirror(self.stack.surface(), &Task::new()).unwrap_or_default())
     }
 
     /// The same, once it was found or not found.
@@ -198,6 +205,11 @@ impl Session {
         self.keeping.is_some()
     }
 
+    /// Whether layers still wait for a match, or other harmonics are being solved for: the result is to change by itself.
+    pub fn is_working(&self) -> bool {
+        self.solving.is_some() || !self.stack.missing(self.project()).is_empty()
+    }
+
     /// What it looks like now; later edits do not change it.
     pub fn sculpture(&self) -> Sculpture {
         let (source, subject) = (self.project().shape.clone(), self.subject.clone());
@@ -210,9 +222,10 @@ impl Session {
     }
 }
 
-/// `None` if the shape has no extent, or the search was cancelled.
-fn own_mirror(surface: &Surface, task: &Task) -> Option<MirrorPlane> {
-    MirrorSearch::of(&surface.positions, &surface.triangles)?.best(&[], task).ok().flatten()
+/// `None` if the shape has no extent.
+fn own_mirror(surface: &Surface, task: &Task) -> Result<Option<MirrorPlane>, Cancelled> {
+    let search = MirrorSearch::of(&surface.positions, &surface.triangles);
+    search.map_or(Ok(None), |search| search.best(&[], task))
 }
 
 /// Whether the two are the same layer that moves the same shape in the same way.

@@ -5,10 +5,9 @@ use chladni_music::{Action, BarLine, Preset};
 use super::Concert;
 use crate::work::{Error, Programme};
 
-/// The autopilot, and the generation to come back to.
+/// The autopilot.
 pub struct Piloted {
     programme: Programme,
-    generation: usize,
 }
 
 impl Concert {
@@ -32,8 +31,7 @@ impl Concert {
         let favorites = favorites.chain(kept).collect();
         let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs)?;
         let programme = programme.on_sheet(self.staging.is_flat());
-        let generation = self.instrument.gallery().current();
-        let mut piloted = Piloted { programme, generation };
+        let mut piloted = Piloted { programme };
         let actions = piloted.programme.step(self.moment.at_secs, true, &self.instrument);
         actions.into_iter().try_for_each(|action| self.act(action))?;
         self.piloted = Some(piloted);
@@ -69,10 +67,7 @@ impl Concert {
     /// The stage was left or taken by hand: back to the gallery as it was.
     pub(super) fn end_piloting(&mut self) -> Result<(), Error> {
         let Some(piloted) = self.piloted.take() else { return Ok(()) };
-        let current = self.instrument.gallery().current();
-        if current != piloted.generation {
-            self.instrument.apply(self.moment, Action::GoTo { generation: piloted.generation })?;
-        }
-        Ok(())
+        let actions = piloted.programme.end(&self.instrument);
+        Ok(actions.into_iter().try_for_each(|action| self.instrument.apply(self.moment, action))?)
     }
 }

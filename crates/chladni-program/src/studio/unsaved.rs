@@ -1,0 +1,61 @@
+//! The question what to do with work that no file has, before it would be lost.
+
+use super::author_id::AuthorId;
+use super::theme;
+
+/// The user's answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Nothing is to happen.
+    Stay,
+    /// It is saved first.
+    Save,
+    /// It may be lost.
+    Discard,
+}
+
+/// How the question is put: its title, and the words on the buttons that save and that do not.
+#[derive(Clone, Copy, Debug)]
+pub struct Question {
+    title: &'static str,
+    save: (&'static str, &'static str),
+    discard: &'static str,
+}
+
+impl Question {
+    /// Before the window closes.
+    pub const CLOSING: Self = Self {
+        title: "Save before closing?",
+        save: ("Save and close", "save-and-close"),
+        discard: "Close and lose changes",
+    };
+    /// Before something else is opened.
+    pub const OPENING: Self =
+        Self { title: "Save before opening another?", save: ("Save", "save-first"), discard: "Lose changes" };
+
+    /// Asks, in each frame until there is an answer; `lines` say what is not saved.
+    pub fn ask(self, ctx: &egui::Context, lines: &[String]) -> Option<Answer> {
+        let mut answer = None;
+        let ((), dismissed) = theme::modal(ctx, self.title, 420.0, |ui| {
+            for line in lines {
+                ui.label(line);
+            }
+            ui.add_space(theme::GAP_LARGE);
+            ui.horizontal(|ui| {
+                let (save, id) = self.save;
+                if theme::primary_button(ui, save).author_id(id).clicked() {
+                    answer = Some(Answer::Save);
+                }
+                if ui.button("Keep working").author_id("keep-working").clicked() {
+                    answer = Some(Answer::Stay);
+                }
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    if ui.button(self.discard).author_id("lose-changes").clicked() {
+                        answer = Some(Answer::Discard);
+                    }
+                });
+            });
+        });
+        answer.or(dismissed.then_some(Answer::Stay))
+    }
+}
