@@ -56,6 +56,22 @@ impl PaintEdit {
     /// # Errors
     /// A region of another shape, an intensity outside [0, 1], a vertex that is not there.
     pub fn apply(&self, painted: &Painted, surface: &Surface) -> Result<Painted, CaricatureError> {
+        let vertices = |found: usize| {
+            let expected = surface.vertices();
+            let other = CaricatureError::VertexCount { what: "the painted region", found, expected };
+            if found == expected { Ok(()) } else { Err(other) }
+        };
+        // These replace a region, even one of another shape.
+        match self {
+            Self::Set(whole) => {
+                if let Painted::Vertices(values) = whole {
+                    vertices(values.len())?;
+                }
+                return Ok(whole.clone());
+            }
+            Self::Clear => return Ok(Painted::Vertices(vec![0.0; surface.vertices()].into())),
+            _ => {}
+        }
         let mut values = match (painted, self) {
             (Painted::Everywhere, Self::Dab(dab)) if !dab.erase => vec![0.0; surface.vertices()],
             (Painted::Everywhere, Self::FillComponent { intensity, .. }) if *intensity > 0.0 => {
@@ -65,10 +81,7 @@ impl PaintEdit {
             (Painted::Everywhere, _) => vec![1.0; surface.vertices()],
             (Painted::Vertices(values), _) => values.to_vec(),
         };
-        if values.len() != surface.vertices() {
-            let (found, expected) = (values.len(), surface.vertices());
-            return Err(CaricatureError::VertexCount { what: "the painted region", found, expected });
-        }
+        vertices(values.len())?;
         match self {
             Self::Dab(dab) => dab.paint(&mut values)?,
             Self::FillComponent { at, intensity } => {
@@ -79,8 +92,7 @@ impl PaintEdit {
             Self::Shrink => values = ring(surface, &values, f32::min),
             Self::Smooth => values = means(surface, &values),
             Self::Invert => values.iter_mut().for_each(|x| *x = 1.0 - *x),
-            Self::Clear => values.fill(0.0),
-            Self::Set(whole) => return Ok(whole.clone()),
+            Self::Clear | Self::Set(_) => {}
         }
         Ok(Painted::Vertices(Arc::from(values)))
     }
@@ -183,6 +195,17 @@ mod tests {
         let positions = crate::fixture::single(&surface.positions);
         let seen = Seen { surface, positions: &positions, eye: None, blocked: None };
         Dab::of(&Brush { radius: 0.3, mirror: None }.reach(&seen, &at(triangle)), 0.75, false)
+    }
+
+    #[test]
+    fn a_region_of_another_shape_can_be_replaced_but_not_taken() {
+        let (_, surface) = bumpy_sphere();
+        let other = Painted::Vertices(vec![1.0; surface.vertices() + 1].into());
+        assert!(PaintEdit::Grow.apply(&other, &surface).is_err());
+        let everywhere = PaintEdit::Set(Painted::Everywhere).apply(&other, &surface).unwrap();
+        assert_eq!(everywhere, Painted::Everywhere);
+        assert_eq!(count(&PaintEdit::Clear.apply(&other, &surface).unwrap(), &surface).0, 0);
+        assert!(PaintEdit::Set(other).apply(&Painted::Everywhere, &surface).is_err());
     }
 
     #[test]

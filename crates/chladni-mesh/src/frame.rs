@@ -16,8 +16,11 @@ impl Frame {
     /// The frame of `mesh`: its area-weighted centroid goes to the origin and its farthest coordinate to ±1.
     /// A mesh without extent keeps scale 1.
     pub fn of(mesh: &TriMesh) -> Self {
-        // Offsets from a vertex keep the sums accurate where the mesh lies far from the origin.
-        let Some(&origin) = mesh.positions.first() else { return Self { center: [0.0; 3], scale: 1.0 } };
+        // Offsets from a vertex of the surface keep the sums accurate where the mesh lies far from the origin.
+        let first = mesh.triangles.iter().flatten().min();
+        let Some(&origin) = first.and_then(|v| mesh.positions.get(*v as usize)) else {
+            return Self { center: [0.0; 3], scale: 1.0 };
+        };
         let at = |v: u32| {
             let p = mesh.positions[v as usize];
             [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
@@ -60,5 +63,23 @@ impl Frame {
     /// A displacement (no center) of the working frame in the file's units.
     pub fn displacement_to_file(&self, displacement: [f64; 3]) -> [f64; 3] {
         displacement.map(|d| d / self.scale)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::samples;
+
+    #[test]
+    fn what_no_triangle_uses_does_not_count() {
+        let mesh = samples::icosphere(1);
+        let frame = Frame::of(&mesh);
+        let mut with_more = mesh.clone();
+        with_more.positions.insert(0, [1e20, 0.0, 0.0]);
+        with_more.triangles.iter_mut().flatten().for_each(|v| *v += 1);
+        assert_eq!(Frame::of(&with_more), frame);
+        let empty = TriMesh { positions: vec![[1.0; 3]], ..TriMesh::default() };
+        assert_eq!(Frame::of(&empty), Frame { center: [0.0; 3], scale: 1.0 });
     }
 }

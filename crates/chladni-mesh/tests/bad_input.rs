@@ -20,6 +20,8 @@ fn read_soundly(bytes: &[u8], format: Format) -> Result<(), MeshError> {
     assert!(HealthReport::of(&mesh).area.is_finite());
     assert_eq!(weld(&mesh).operator_vertex.len(), n);
     assert_eq!(mesh.triangle_materials().len(), mesh.triangles.len());
+    let uvs = mesh.appearance.uvs.iter().flat_map(|uvs| &uvs.points);
+    assert!(uvs.flatten().all(|x| x.is_finite()));
     // The writers' check is the readers' promise.
     write_mesh(&mesh, Format::Obj).expect("what was read can be written");
     Ok(())
@@ -51,6 +53,17 @@ fn good_files() -> Vec<(Format, Vec<u8>)> {
          property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement tristrips 1\n\
          property list int int vertex_indices\nend_header\n0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n1 1 0 9 9 9\n7 0 1 2 -1 1 2 3\n";
     files.push((Format::Ply, ply.into()));
+    for faces in [
+        "face 2\nproperty list int int vertex_indices\nend_header\n",
+        "tristrips 1\nproperty list int int vertex_indices\nend_header\n",
+    ] {
+        let rows = if faces.starts_with("face") { "3 0 1 2\n3 1 3 2\n" } else { "4 0 1 2 3\n" };
+        let ply = format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float s\n\
+             property float t\nelement {faces}0 0 0 0 0\n1 0 0 1 nan\n0 1 0 0 1\n1 1 0 inf 1\n{rows}"
+        );
+        files.push((Format::Ply, ply.into()));
+    }
     let stl = "solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
     files.push((Format::Stl, stl.into()));
     let gltf = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[2,2,-2]},

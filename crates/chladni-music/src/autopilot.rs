@@ -110,7 +110,10 @@ impl Autopilot {
         if !due || self.holds {
             return None;
         }
-        self.turn(bar.at_secs)
+        let turn = self.turn(bar.at_secs);
+        // This bar is the first of its group.
+        self.bars = 1;
+        turn
     }
 
     /// The next turn at once, or the one before; it may come on any beat, because somebody asked for it.
@@ -127,7 +130,7 @@ impl Autopilot {
         let dance = self.choose(at_secs, hash(self.seed, 4 * count))?;
         let before = self.turns.last().map(|turn| turn.look);
         let others = self.looks - usize::from(before.is_some() && self.looks > 1);
-        let look = hash(self.seed, 4 * count + 1) as usize % others.max(1);
+        let look = (hash(self.seed, 4 * count + 1) % others.max(1) as u64) as usize;
         // Never the same look twice in a row.
         let look = look + usize::from(self.looks > 1 && before.is_some_and(|before| look >= before));
         self.turns.push(Turn { dance, look, gain: 0.8 + 0.4 * self.energy.clamp(0.0, 1.0) });
@@ -226,6 +229,9 @@ mod tests {
         let plain = |i: usize| BarLine { begins_section: false, ..bar(i) };
         let turns = (217..400).filter(|i| autopilot.hear(plain(*i)).is_some()).count();
         assert!((12..=18).contains(&turns), "{turns}");
+        let mut steady = Autopilot::new(1, candidates(), 6);
+        let turns: Vec<usize> = (0..60).filter(|i| steady.hear(plain(*i)).is_some()).collect();
+        assert_eq!(turns, [0, 12, 24, 36, 48], "bars of {} s", bar(1).secs);
         assert!(Autopilot::new(1, Vec::new(), 0).hear(bar(0)).is_none());
     }
 }

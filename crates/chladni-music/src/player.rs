@@ -198,7 +198,8 @@ impl Player {
     /// before it was softened. Nothing is allocated.
     ///
     /// # Errors
-    /// Bands of another number than the mapping was compiled for, or an item of another form or dancer.
+    /// Bands of another number than the mapping was compiled for, or an item of another number of terms or
+    /// harmonics.
     pub fn play(&mut self, bands: &Bands<'_>, item: &mut Item) -> Result<f32, MusicError> {
         self.check(bands)?;
         let terms = self.terms();

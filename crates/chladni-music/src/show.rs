@@ -73,8 +73,8 @@ struct Session {
 
 /// One song fades into the next in at most this time.
 const LONGEST_CROSSFADE_SECS: f64 = 60.0;
-/// The longest show: 24 hours.
-const LONGEST_SECS: f64 = 86_400.0;
+/// The longest show, as of an installation that plays day and night: 400 days.
+const LONGEST_SECS: f64 = 400.0 * 86_400.0;
 
 impl Show {
     /// All actions of an instrument; body, songs and looks are still to be filled in.
@@ -117,6 +117,12 @@ impl Show {
             instrument.apply(line.moment, line.action.clone())?;
         }
         Ok(instrument)
+    }
+
+    /// Where it has come to: the time that it lasts, where the file says that, and at least its last action.
+    pub fn ends_secs(&self) -> f64 {
+        let last = self.actions.iter().map(|line| line.moment.at_secs).fold(0.0, f64::max);
+        self.duration_secs.unwrap_or(0.0).max(last)
     }
 
     /// The same, to be danced to something else from its beginning.
@@ -201,6 +207,10 @@ impl Show {
         let is_time = |secs: f64| (0.0..=LONGEST_SECS).contains(&secs);
         if !self.heard.iter().all(|s| is_time(s.at_secs) && is_time(s.song_secs))
             || !self.duration_secs.is_none_or(is_time)
+            || !self
+                .actions
+                .iter()
+                .all(|line| is_time(line.moment.at_secs) && line.moment.at_beat.is_finite())
         {
             return bad(format!("times must lie from 0 to {LONGEST_SECS} seconds"));
         }

@@ -43,7 +43,7 @@ impl StereoMix {
     pub fn swing(&self, bands: &Bands<'_>, b: usize) -> f32 {
         let s = bands.mid[b];
         let in_step = if s > 0.0 { self.side_gain * self.in_step(bands, b) / s } else { 0.0 };
-        let towards = in_step.clamp(-s, s);
+        let towards = in_step.max(-s).min(s);
         towards + self.mu * (self.antisymmetric(bands, b) - towards)
     }
 

@@ -5,6 +5,10 @@ use std::sync::Arc;
 use realfft::num_complex::Complex;
 use realfft::{RealFftPlanner, RealToComplex};
 
+/// The loudest sample that counts as sound, 120 dB above full scale; damaged files have others, whose squares would
+/// overflow.
+pub(crate) const LOUDEST: f32 = 1e6;
+
 /// The transform of real samples under a Hann window.
 pub(crate) struct WindowedFft {
     fft: Arc<dyn RealToComplex<f32>>,
@@ -39,16 +43,15 @@ impl WindowedFft {
         self.fft.make_output_vec()
     }
 
-    /// The transform of the last samples of `heard`, preceded by silence where there are too few. What is not finite counts
-    /// as silence. Does not allocate.
+    /// The transform of the last samples of `heard`, preceded by silence where there are too few. What is no sound
+    /// ([`LOUDEST`]) counts as silence. Does not allocate.
     pub fn transform(&mut self, heard: &[f32], bins: &mut [Complex<f32>]) {
         let n = self.window.len();
         let have = heard.len().min(n);
         self.samples[..n - have].fill(0.0);
         let tail = self.samples[n - have..].iter_mut().zip(&self.window[n - have..]);
         for ((sample, w), x) in tail.zip(&heard[heard.len() - have..]) {
-            let value = w * x;
-            *sample = if value.is_finite() { value } else { 0.0 };
+            *sample = if x.abs() <= LOUDEST { w * x } else { 0.0 };
         }
         let done = self.fft.process_with_scratch(&mut self.samples, bins, &mut self.scratch);
         debug_assert!(done.is_ok(), "the buffers were made by this plan");

@@ -33,6 +33,9 @@ pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
         }
     }
     let mut draft = ply.draft;
+    for point in draft.uvs.iter_mut().filter(|point| !is_point(**point)) {
+        *point = [0.0; 2];
+    }
     if ply.bad_uvs > 0 {
         draft.mended.push(Mended::Uvs(ply.bad_uvs));
     }
@@ -261,7 +264,7 @@ impl Ply<'_> {
                         self.draft.uvs.push([u, v]);
                         self.draft.uvs.len() as u32 - 1
                     }
-                    None if (v as usize) < vertex_uvs => v,
+                    None if (v as usize) < vertex_uvs && is_point(self.draft.uvs[v as usize]) => v,
                     None if uvs.is_empty() => CornerUvs::NONE,
                     _ => {
                         self.bad_uvs += 1;
@@ -296,9 +299,18 @@ impl Ply<'_> {
         }
         let vertex_uvs = self.draft.uvs.len();
         let has_uvs = vertex_uvs == self.vertices && vertex_uvs > 0;
-        let uv = |&v: &u32| if has_uvs { v } else { CornerUvs::NONE };
-        let known = self.draft.corner_uvs.len();
-        self.draft.corner_uvs.extend(self.draft.corners[known..].iter().map(uv));
+        for corner in self.draft.corner_uvs.len()..self.draft.corners.len() {
+            let v = self.draft.corners[corner];
+            let uv = match has_uvs {
+                true if is_point(self.draft.uvs[v as usize]) => v,
+                true => {
+                    self.bad_uvs += 1;
+                    CornerUvs::NONE
+                }
+                false => CornerUvs::NONE,
+            };
+            self.draft.corner_uvs.push(uv);
+        }
         Ok(())
     }
 
@@ -316,4 +328,9 @@ impl Ply<'_> {
     fn end_row(&mut self) {
         self.long_rows += usize::from(self.source.end_row());
     }
+}
+
+/// Whether texture coordinates are some.
+fn is_point(uv: [f64; 2]) -> bool {
+    uv.iter().all(|x| x.is_finite())
 }

@@ -98,6 +98,8 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
 /// Writes the OBJ file, `STEM.mtl` and the pictures beside it, the OBJ last.
 pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
     let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
+    // What follows it on a line would be a comment.
+    let stem = stem.replace('#', "_");
     let library = format!("{stem}.mtl");
     let mut text = String::new();
     let names = names(&mesh.appearance.materials);

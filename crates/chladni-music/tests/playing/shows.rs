@@ -60,11 +60,16 @@ fn a_session_of_version_1_opens_as_a_show_with_the_knobs_of_then() {
         ("heard = [{ at_secs = 2.0, song = 1, playing = true }]", "no song 1"),
         ("heard = [{ at_secs = 2.0, playing = true }, { at_secs = 1.0, playing = true }]", "in order"),
         ("duration_secs = nan", "times"),
+        ("actions = [{ at_secs = inf, at_beat = 0.0, do = \"breed\" }]", "times"),
+        ("actions = [{ at_secs = 1.0, at_beat = nan, do = \"breed\" }]", "times"),
         ("viewpoint = { distance = 0.0 }", "viewpoint"),
     ] {
         let text = format!("format_version = 2\nseed = 5\nsize = 6\n{bad}\n");
         assert!(Show::from_text(&text).unwrap_err().to_string().contains(why), "{bad}");
     }
+    // An installation that plays for a week.
+    let text = "format_version = 2\nseed = 5\nsize = 6\nduration_secs = 604800.0\n";
+    assert_eq!(Show::from_text(text).unwrap().ends_secs(), 604_800.0);
 }
 
 fn coefficients_of(items: &[Item]) -> Vec<u32> {

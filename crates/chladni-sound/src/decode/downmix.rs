@@ -6,6 +6,8 @@
 
 use symphonia::core::audio::{ChannelLabel, Channels, Position};
 
+use crate::windowed::LOUDEST;
+
 /// −3 dB as an amplitude.
 const MINUS_3_DB: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
@@ -54,7 +56,7 @@ impl Downmix {
     }
 
     /// Appends frames `range` of `interleaved` (as many channels as the mix has) to `stereo`.
-    /// Samples that are not finite become 0.
+    /// Samples that are no sound ([`LOUDEST`]) become 0.
     pub fn append(&self, interleaved: &[f32], range: std::ops::Range<usize>, stereo: &mut Vec<f32>) {
         let channels = self.gains.len();
         let frames = interleaved.chunks_exact(channels).take(range.end).skip(range.start);
@@ -62,7 +64,7 @@ impl Downmix {
         for frame in frames {
             let mut mixed = [0.0f32; 2];
             for (&sample, gain) in frame.iter().zip(&self.gains) {
-                let sample = if sample.is_finite() { sample } else { 0.0 };
+                let sample = if sample.abs() <= LOUDEST { sample } else { 0.0 };
                 mixed[0] += gain[0] * sample;
                 mixed[1] += gain[1] * sample;
             }
@@ -153,5 +155,6 @@ mod tests {
     #[test]
     fn what_is_not_a_number_becomes_silence() {
         assert_eq!(mix(Channels::Discrete(2), &[f32::NAN, f32::INFINITY]), [0.0, 0.0]);
+        assert_eq!(mix(Channels::Discrete(2), &[3e30, -0.5]), [0.0, -0.5], "no sound is so loud");
     }
 }

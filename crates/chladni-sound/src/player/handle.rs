@@ -250,15 +250,16 @@ impl Player {
     }
 
     /// Appends all frames that were heard after frame `from`, before volume, at [`PlayerStatus::rate_hz`],
-    /// and sets `from` to the frame heard now; the first call appends nothing. Frames more than a few
-    /// seconds old are silence.
+    /// and sets `from` to the frame heard now; the first call appends nothing, nor does the first one after a change of
+    /// device, which counts anew. Frames more than a few seconds old are silence.
     pub fn take_heard(&self, from: &mut Option<u64>, left: &mut Vec<f32>, right: &mut Vec<f32>) {
         let timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
         let heard = self.shared.clock.heard_frame(Instant::now(), rate_hz).round().max(0.0) as u64;
         let most = 4 * u64::from(rate_hz);
-        let count = from.map_or(0, |from| heard.saturating_sub(from)).min(most) as usize;
-        *from = Some(from.map_or(heard, |from| from.max(heard)));
+        let (count, now) = since(*from, heard, u64::from(rate_hz));
+        let count = count.min(most) as usize;
+        *from = Some(now);
         let before = left.len();
         left.resize(before + count, 0.0);
         right.resize(before + count, 0.0);
@@ -272,11 +273,33 @@ impl Player {
     }
 }
 
+/// How many frames were heard since frame `from`, and the frame to go on from. A clock that goes back a little stands still;
+/// one that goes back by more than a second is another device's.
+fn since(from: Option<u64>, heard: u64, rate_hz: u64) -> (u64, u64) {
+    match from.filter(|from| *from <= heard + rate_hz) {
+        None => (0, heard),
+        Some(from) => (heard.saturating_sub(from), from.max(heard)),
+    }
+}
+
 impl Drop for Player {
     fn drop(&mut self) {
         self.send(Command::Quit);
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::since;
+
+    #[test]
+    fn what_was_heard_goes_on_after_a_change_of_device() {
+        assert_eq!(since(None, 500, 48_000), (0, 500));
+        assert_eq!(since(Some(500), 1500, 48_000), (1000, 1500));
+        assert_eq!(since(Some(1500), 1400, 48_000), (0, 1500), "a clock that goes back a little");
+        assert_eq!(since(Some(28_800_000), 700, 48_000), (0, 700), "another device counts anew");
     }
 }
