@@ -54,7 +54,10 @@ impl Concert {
         if !on {
             let Some(programme) = self.programme.take() else { return Ok(()) };
             self.act(Action::LeaveStage)?;
-            return Ok(programme.end(&self.instrument).into_iter().try_for_each(|action| self.act(action))?);
+            return Ok(programme
+                .end(&self.instrument)
+                .into_iter()
+                .try_for_each(|action| self.act(action))?);
         }
         let at_secs = self.clock.at_secs();
         let mut programme =
