@@ -256,7 +256,7 @@ fn a_cancelled_solve_is_not_asked_for_again() {
     let harmonics = |person: &mut Person| {
         desk.answers.add(&path);
         person.press_with(CTRL | egui::Modifiers::SHIFT, Key::S);
-        chladni_caricature::Project::load(&path).unwrap().harmonics
+        Project::load(&path).unwrap().harmonics
     };
     let before = harmonics(&mut person);
     person.click("harmonics");
