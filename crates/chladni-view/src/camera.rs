@@ -272,6 +272,7 @@ impl Camera {
         // The axis of the turntable runs through the middle of the frame.
         let target = Vec3::from(self.target);
         self.target = (center + up * (target - center).dot(up)).to_array();
+        self.hold(ring, aspect, fill);
     }
 
     /// As [`fit_turntable`](Self::fit_turntable), but only for turns of up to `swing_rad` to either side: a
@@ -303,9 +304,10 @@ impl Camera {
                 [(level + flat).to_array(), (level - flat).to_array()]
             })
         });
-        self.fit(turned, aspect, fill);
+        self.fit(turned.clone(), aspect, fill);
         let target = Vec3::from(self.target);
         self.target = (center + up * (target - center).dot(up)).to_array();
+        self.hold(turned, aspect, fill);
     }
 
     /// Right, up and back (towards the viewer) of the view, in the scene.

@@ -202,6 +202,28 @@ fn a_turntable_keeps_the_shape_in_the_frame_at_every_yaw() {
 }
 
 #[test]
+fn turntables_and_swings_keep_a_cone_in_the_frame_from_steep_above_and_below() {
+    let turn = |i: usize| (i as f32 / 24.0 * std::f32::consts::TAU).sin_cos();
+    let base = (0..24).map(|i| [turn(i).0, -1.0, turn(i).1]);
+    let cone: Vec<[f32; 3]> = base.chain([[0.0, 1.0, 0.0]]).collect();
+    let (viewport, fill) = (Rect::of_size(1600, 1000), 0.92);
+    for pitch_rad in [-1.2, -0.4, 0.14, 0.7, 1.2] {
+        for swing_rad in [0.4, std::f32::consts::PI] {
+            let mut camera = Camera { pitch_rad, ..Camera::default() };
+            camera.fit_swing(&cone, viewport.aspect(), fill, swing_rad);
+            for step in -10..=10 {
+                camera.yaw_rad = 0.1 * swing_rad * step as f32;
+                for p in &cone {
+                    let ([x, y], _) = camera.project(*p, viewport).unwrap();
+                    let away = (x / 800.0 - 1.0).abs().max((y / 500.0 - 1.0).abs());
+                    assert!(away < fill + 0.02, "{away} at {pitch_rad}, {swing_rad}, step {step}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn a_frame_that_holds_goes_back_and_only_as_far_as_it_must() {
     let points: Vec<[f32; 3]> = sphere(8).0;
     let viewport = Rect::of_size(400, 300);

@@ -124,13 +124,13 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A temporary file in the folder of `path`, with a name that ends in `ending`. When it is complete,
+/// A temporary file in the folder of `path`, or of what that links to, with a name that ends in `ending`. When it is complete,
 /// [`persist`] renames it to `path`.
 ///
 /// # Errors
 /// The file cannot be created.
 pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<NamedTempFile> {
-    create(&Disk, path, ending).map_err(advised)
+    create(&Disk, &where_it_leads(path), ending).map_err(advised)
 }
 
 fn create(system: &dyn System, path: &Path, ending: &str) -> io::Result<NamedTempFile> {

@@ -74,7 +74,7 @@ fn pictured(cell: &CellUniform, picture: &Pyramid, y: usize, pixels: &mut [u8]) 
     let opacity = 255.0 * cell.background_center[3];
     for (x, pixel) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
         let at = [2.0 * (x as f32 + 0.5) / width - 1.0, 2.0 * (y as f32 + 0.5) / height - 1.0];
-        let light = picture.sample([0.5 + scale[0] * at[0], 0.5 + scale[1] * at[1]], right, down);
+        let light = picture.sample_within([0.5 + scale[0] * at[0], 0.5 + scale[1] * at[1]], right, down);
         for k in 0..3 {
             pixel[k] = (clamp(to_srgb(light[k]), 0.0, 1.0) * opacity + 0.5) as u8;
         }

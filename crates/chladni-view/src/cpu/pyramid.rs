@@ -20,6 +20,22 @@ impl Pyramid {
     /// Linear light at `uv`, v down, where a step to the right changes it by `right` and one down by
     /// `down`. The image repeats.
     pub(super) fn sample(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
+        self.filtered(uv, right, down, Self::bilinear)
+    }
+
+    /// The same of an image that ends at its edges.
+    pub(super) fn sample_within(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
+        self.filtered(uv, right, down, Self::bilinear_within)
+    }
+
+    #[inline]
+    fn filtered(
+        &self,
+        uv: [f32; 2],
+        right: [f32; 2],
+        down: [f32; 2],
+        bilinear: impl Fn(&Self, usize, [f32; 2]) -> [f32; 3],
+    ) -> [f32; 3] {
         let Some(first) = self.levels.first() else { return [0.0; 3] };
         let (width, height) = (first.width() as f32, first.height() as f32);
         let texels = |[u, v]: [f32; 2]| (u * width).hypot(v * height);
@@ -32,8 +48,8 @@ impl Pyramid {
             let step = (i as f32 + 0.5) / count - 0.5;
             let at = [uv[0] + along[0] * step, uv[1] + along[1] * step];
             let (low, share) = (level.floor(), level.fract());
-            let near = self.bilinear(low as usize, at);
-            let far = if share > 0.0 { self.bilinear(low as usize + 1, at) } else { near };
+            let near = bilinear(self, low as usize, at);
+            let far = if share > 0.0 { bilinear(self, low as usize + 1, at) } else { near };
             for k in 0..3 {
                 sum[k] += (near[k] * (1.0 - share) + far[k] * share) / count;
             }
@@ -53,6 +69,12 @@ impl Pyramid {
         }
         let (near, far) = (at(low), if share > 0.0 { at(low + 1) } else { [0.0; 3] });
         std::array::from_fn(|k| near[k] * (1.0 - share) + far[k] * share)
+    }
+
+    fn bilinear_within(&self, level: usize, [u, v]: [f32; 2]) -> [f32; 3] {
+        let image = &self.levels[level.min(self.levels.len() - 1)];
+        let within = |x: f32, texels: u32| x.clamp(0.5 / texels as f32, 1.0 - 0.5 / texels as f32);
+        self.bilinear(level, [within(u, image.width()), within(v, image.height())])
     }
 
     fn bilinear(&self, level: usize, [u, v]: [f32; 2]) -> [f32; 3] {
@@ -91,6 +113,8 @@ mod tests {
         let near = |u| pyramid.sample([u, 0.5], [1e-4, 0.0], [0.0, 1e-4])[0];
         assert!((near(0.25) - 1.0).abs() < 1e-6 && near(0.75).abs() < 1e-6 && (near(0.5) - 0.5).abs() < 1e-6);
         assert!((near(-3.75) - 1.0).abs() < 1e-4);
+        let edges = [0.0, 1.0].map(|u| pyramid.sample_within([u, 0.5], [1e-4, 0.0], [0.0, 1e-4])[0]);
+        assert!((near(0.0) - 0.5).abs() < 1e-6 && edges == [1.0, 0.0], "{edges:?}");
         let far = pyramid.sample([0.25, 0.5], [3.0, 0.0], [0.0, 3.0])[0];
         assert!((0.1..0.6).contains(&far), "{far}");
         assert_eq!(pyramid.sample([f32::NAN; 2], [0.0; 2], [0.0; 2]).len(), 3);

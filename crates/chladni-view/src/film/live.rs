@@ -177,9 +177,10 @@ impl LiveFilm {
 
 /// On a thread of its own.
 struct Writer {
-    folder: RecordingFolder,
+    /// Before the folder: what writes into it ends first.
     encoder: Mp4,
     sound: BufWriter<std::fs::File>,
+    folder: RecordingFolder,
     rate: FrameRate,
     shown: Picture,
     written: u64,

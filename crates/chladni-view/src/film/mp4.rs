@@ -30,8 +30,9 @@ pub(super) enum Layout {
 /// Frames go into ffmpeg's standard input; it writes to a temporary file, or in pieces to the file itself.
 pub(super) struct Mp4 {
     path: PathBuf,
-    file: Option<tempfile::NamedTempFile>,
+    /// Before the file: what writes it ends first.
     feed: Feed,
+    file: Option<tempfile::NamedTempFile>,
     opaque: Vec<u8>,
     planes: Vec<u8>,
 }

@@ -32,12 +32,11 @@ impl Palette {
         // About 32 evenly spread frames are enough.
         let step = pictures.len().div_ceil(32).max(1);
         let mut counts = vec![0_u32; CELLS];
-        let mut has_clear = false;
+        let has_clear =
+            pictures.iter().any(|picture| picture.rgba.as_chunks::<4>().0.iter().any(|[.., a]| *a < 128));
         for picture in pictures.iter().step_by(step) {
             for &[r, g, b, a] in picture.rgba.as_chunks::<4>().0 {
-                if a < 128 {
-                    has_clear = true;
-                } else {
+                if a >= 128 {
                     counts[cell(r, g, b)] += 1;
                 }
             }
@@ -76,7 +75,8 @@ impl Palette {
             .iter()
             .enumerate()
             .map(|(i, &[r, g, b, a])| {
-                if a < 128 {
+                // Where no hole was seen before, the index of one would show the frame before.
+                if a < 128 && self.has_clear {
                     return Self::CLEAR;
                 }
                 let nudge = bayer(i % width, i / width) * self.spread;

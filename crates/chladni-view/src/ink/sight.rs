@@ -67,9 +67,16 @@ impl<'a> Sight<'a> {
         let toward = self.toward(p);
         let normal = if dot(normal, toward) < 0.0 { scaled(normal, -1.0) } else { normal };
         let [near, high] = BEFORE_CONTOUR.map(|share| share * self.plate.size);
-        match self.blocked(p, normal, toward, CLEARANCE * self.plate.size) {
+        // What lies behind the eye hides nothing.
+        let eye = match self.camera.projection {
+            Projection::Perspective => length(sub(self.eye, p)),
+            _ => f64::INFINITY,
+        };
+        let hidden =
+            |clearance: f64| self.blocked(p, normal, toward, clearance).filter(|far| *far < eye + clearance);
+        match hidden(CLEARANCE * self.plate.size) {
             None => true,
-            Some(before) => contour && before < near && self.blocked(p, normal, toward, high).is_none(),
+            Some(before) => contour && before < near && hidden(high).is_none(),
         }
     }
 
@@ -83,8 +90,7 @@ impl<'a> Sight<'a> {
         let start = add(p, scaled(normal, clearance));
         let ray = Ray { origin: start.map(|x| x as f32), direction: direction.map(|x| x as f32) };
         let hit = self.plate.tree.pick(&ray, &self.plate.single, &self.plate.triangles);
-        // What lies behind the eye hides nothing.
-        hit.map(|hit| f64::from(hit.distance)).filter(|far| *far < length(sub(self.eye, start)))
+        hit.map(|hit| f64::from(hit.distance))
     }
 
     /// What is seen at a pixel.

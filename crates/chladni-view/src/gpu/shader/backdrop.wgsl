@@ -29,7 +29,7 @@ fn floored(behind: vec3f, at: vec2f) -> vec3f {
 fn pictured_fragment(in: Screen) -> @location(0) vec4f {
     let ratio = cell.viewport.z / (cell.viewport.w * cell.output.y);
     let scale = 0.5 * vec2f(min(ratio, 1.0), -min(1.0 / ratio, 1.0));
-    var c = textureSample(skin, skin_sampler, 0.5 + scale * in.at).rgb;
+    var c = textureSample(skin, map_sampler, 0.5 + scale * in.at).rgb;
     if cell.output.x > 0.5 { c = to_srgb(c); }
     return vec4f(c, 1.0) * cell.background_center.w;
 }
