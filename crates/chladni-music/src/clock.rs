@@ -68,12 +68,10 @@ pub struct ClockOut {
     sent: Option<i64>,
 }
 
-/// More ticks than this at once are a jump, which is not caught up.
-const MOST_TICKS: i64 = 12;
-
 impl ClockOut {
     /// The messages to send where `count` beats have gone by; `None` where there is no beat. It begins on a whole beat
-    /// with a start, and no tick is taken back: if the beat is set back, the clock waits for it.
+    /// with a start, and no tick is taken back: if the beat is set back, the clock waits for it. Of a jump, whole beats are
+    /// left out either way, so that the ticks stay in phase with the beat.
     pub fn due(&mut self, count: Option<f64>) -> Vec<u8> {
         let Some(count) = count.filter(|count| count.is_finite()) else {
             return self.sent.take().map(|_| 0xfc).into_iter().collect();
@@ -86,9 +84,10 @@ impl ClockOut {
             self.sent = Some(now);
             return vec![0xfa, 0xf8];
         };
-        let ticks = (now - sent).max(0);
+        let beat = TICKS_PER_QUARTER as i64;
+        let sent = sent - (sent - now).max(0) / beat * beat;
         self.sent = Some(sent.max(now));
-        vec![0xf8; ticks.min(MOST_TICKS) as usize]
+        vec![0xf8; ((now - sent).max(0) % beat) as usize]
     }
 }
 
@@ -128,7 +127,11 @@ mod tests {
             ticks += out.due(Some(count)).len();
         }
         assert_eq!(ticks, 4 * TICKS_PER_QUARTER as usize);
-        assert_eq!(out.due(Some(1e6)).len(), MOST_TICKS as usize);
+        // Jumps keep the phase: half a beat is caught up, whole beats are not, nor waited for.
+        assert_eq!(out.due(Some(1e6)).len(), 0);
+        assert_eq!(out.due(Some(2e6 + 0.5)).len(), 12);
+        assert_eq!(out.due(Some(7.25)).len(), 0);
+        assert_eq!(out.due(Some(8.0)).len(), 12);
         assert_eq!((out.due(None), out.due(None)), (vec![0xfc], vec![]));
         // What goes out can be followed.
         let (mut out, mut tempo) = (ClockOut::default(), Tempo::default());

@@ -49,6 +49,9 @@ struct Hand {
     at: Option<f32>,
     /// The last position to which it moved its target. While the target stays there, the control owns it.
     put: Option<f32>,
+    /// Where its target stood when it was turned last, since the last feedback: what a control does within one frame
+    /// has not reached the target yet.
+    seen: Option<f32>,
     /// The message that the device shows now.
     shown: Option<[u8; 3]>,
 }
@@ -158,7 +161,8 @@ impl Bindings {
     }
 
     /// The messages with which the devices that `listens` accepts show the positions of targets, each with
-    /// the name of its device. Only changes are sent, and only for bindings to a certain device.
+    /// the name of its device. Only changes are sent, and only for bindings to a certain device. To be called
+    /// once a frame, after all touches.
     pub fn feedback(
         &mut self,
         standing: Standing<'_>,
@@ -166,9 +170,14 @@ impl Bindings {
     ) -> Vec<(String, [u8; 3])> {
         let mut messages = Vec::new();
         for (binding, hand) in self.list.iter().zip(&mut self.hands) {
+            // Its target follows after this.
+            let moves = hand.seen.take().is_some();
             if binding.device.is_empty() || !listens(&binding.device) {
                 // After the device is connected again, everything is sent.
                 hand.shown = None;
+                continue;
+            }
+            if moves {
                 continue;
             }
             let shows =
@@ -212,11 +221,12 @@ impl Hand {
     fn turn(&mut self, value: f32, now: Option<f32>) -> bool {
         let before = self.at.replace(value);
         let has = now.is_none_or(|now| {
-            let stays = self.put.is_some_and(|put| (put - now).abs() < NEAR);
+            let stays = self.put.is_some_and(|put| (put - now).abs() < NEAR || self.seen == Some(now));
             let passes = before.is_some_and(|before| (before - now) * (value - now) <= 0.0);
             stays || passes || (value - now).abs() < NEAR
         });
         self.put = has.then_some(value);
+        self.seen = now.filter(|_| has);
         has
     }
 }

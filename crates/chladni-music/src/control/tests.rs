@@ -186,3 +186,37 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_fader_that_is_moved_fast_keeps_its_target_and_is_not_driven_against_the_hand() {
+    let target = Target::Parameter(Parameter::StereoMu);
+    let device = Binding { device: "desk".into(), ..binding(knob(1, 0).control, target) };
+    let mut bindings = Bindings::new(vec![device]);
+    let mut parameters = Parameters::default();
+    parameters.set(Parameter::StereoMu, 0.0).unwrap();
+    let mut sent = Vec::new();
+    let mut value = 0;
+    for _frame in 0..8 {
+        // All messages of a frame come before the target moves.
+        let before = parameters.clone();
+        let mut last = None;
+        for _ in 0..15 {
+            last = touch(&mut bindings, &knob(1, value), &before);
+            assert!(last.is_some(), "the fader lost its target at {value}");
+            value += 1;
+        }
+        let standing = |target: Target, number| target.standing(number, &before);
+        sent.extend(bindings.feedback(&standing, &|_| true));
+        let Some(Cue::Do(Action::Set { parameter, value })) = last else { panic!("{last:?}") };
+        parameters.set(parameter, value).unwrap();
+    }
+    let standing = |target: Target, number| target.standing(number, &parameters);
+    sent.extend(bindings.feedback(&standing, &|_| true));
+    assert_eq!(sent, [], "the fader shows its position already");
+    // What moves the target otherwise is shown, and takes it from the hand.
+    let mut parameters = parameters.clone();
+    parameters.set(Parameter::StereoMu, 0.1).unwrap();
+    let standing = |target: Target, number| target.standing(number, &parameters);
+    assert_eq!(bindings.feedback(&standing, &|_| true).len(), 1);
+    assert_eq!(touch(&mut bindings, &knob(1, 118), &parameters), None);
+}

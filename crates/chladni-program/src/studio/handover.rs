@@ -43,11 +43,13 @@ impl Handover {
 impl Studio {
     /// Once the device is lost: leaves what is open to the next window, and closes. True from then on.
     pub(super) fn hand_over(&mut self, ctx: &egui::Context) -> bool {
-        let Some(why) = self.loss.reason() else { return false };
+        let Some(why) = self.loss.reason().map(str::to_owned) else { return false };
+        // The next window reads them.
+        self.write_settings();
         if !self.rooms.is_empty() {
             let (rooms, current) = (std::mem::take(&mut self.rooms), self.current.take());
             let at_secs = ctx.input(|input| input.time);
-            self.handover.leave(Left { rooms, current, why: why.to_owned(), at_secs });
+            self.handover.leave(Left { rooms, current, why, at_secs });
         }
         // egui's painter panics where it has something to paint and no device.
         ctx.graphics_mut(|graphics| *graphics = egui::layers::GraphicLayers::default());

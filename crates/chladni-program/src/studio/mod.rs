@@ -81,6 +81,8 @@ pub struct Studio {
     now: fn() -> Instant,
     settings: Settings,
     saved_settings: Settings,
+    /// When they were written last.
+    settings_saved: Option<Instant>,
     notices: Notices,
     pictures: Pictures,
     rooms: Vec<Box<dyn Room>>,
@@ -107,14 +109,23 @@ impl Studio {
     /// The state of a window whose pictures come to `screen`.
     fn on(ctx: &egui::Context, screen: Screen, opening: Opening) -> Self {
         let mut notices = Notices::default();
-        let Opening { folders, chooser, files, measure, first_picture, input, trace, handover, now, .. } =
-            opening;
+        let Opening {
+            mut folders, chooser, files, measure, first_picture, input, trace, handover, now, ..
+        } = opening;
 
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
         let settings = match folders.settings.as_deref().map(Settings::load) {
             Some(Ok(settings)) => settings,
             Some(Err(error)) => {
-                notices.warn(format!("Preferences could not be read, defaults are used: {error}"));
+                let path = folders.settings.take().unwrap_or_default();
+                let kept = match Settings::set_aside(&path) {
+                    Ok(aside) => {
+                        folders.settings = Some(path);
+                        format!("They are kept as {}.", aside.display())
+                    }
+                    Err(why) => format!("Those of now are not saved: {}: {why}.", path.display()),
+                };
+                notices.error(format!("Preferences could not be read, defaults are used: {error}. {kept}"));
                 Settings::default()
             }
             None => Settings::default(),
@@ -143,6 +154,7 @@ impl Studio {
             handover,
             inherited_secs,
             saved_settings: settings.clone(),
+            settings_saved: None,
             settings,
             folders,
             chooser,
@@ -299,10 +311,24 @@ impl Studio {
         }
     }
 
-    fn save_settings(&mut self) {
+    /// Keeps the preferences where they have changed: at once, but no more than once a second while a fader moves.
+    fn save_settings(&mut self, ctx: &egui::Context) {
+        const PAUSE: Duration = Duration::from_secs(1);
         if self.settings == self.saved_settings {
             return;
         }
+        let gone = self.settings_saved.map_or(PAUSE, |saved| saved.elapsed());
+        if gone < PAUSE {
+            return ctx.request_repaint_after(PAUSE - gone);
+        }
+        self.write_settings();
+    }
+
+    pub(super) fn write_settings(&mut self) {
+        if self.settings == self.saved_settings {
+            return;
+        }
+        self.settings_saved = Some(Instant::now());
         if let Some(path) = &self.folders.settings
             && let Err(error) = self.settings.save(path)
         {
@@ -357,7 +383,7 @@ impl Program for Studio {
             }
             self.notices.show(&ctx);
         }
-        self.save_settings();
+        self.save_settings(&ctx);
         self.count_frame(&ctx);
         self.handle_close(&ctx);
         self.hand_over(&ctx);
@@ -368,6 +394,7 @@ impl Program for Studio {
     }
 
     fn leave(&mut self) {
+        self.write_settings();
         self.rooms.iter_mut().for_each(|room| room.leave());
     }
 }

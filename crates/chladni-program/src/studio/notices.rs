@@ -9,8 +9,10 @@ use super::icon::{self, Icon};
 use super::theme;
 use crate::work::Error;
 
-/// How long a message stays that is not an error.
+/// How long a message that is not an error stays once it is seen.
 const LINGER: Duration = Duration::from_secs(6);
+/// How many are on screen at once.
+const MOST: usize = 5;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Severity {
@@ -23,7 +25,8 @@ enum Severity {
 struct Notice {
     severity: Severity,
     text: String,
-    since: Instant,
+    /// When it was seen first.
+    since: Option<Instant>,
 }
 
 /// The messages on screen, newest last.
@@ -63,15 +66,21 @@ impl Notices {
 
     fn push(&mut self, severity: Severity, text: String) {
         self.shown.retain(|notice| notice.text != text);
-        self.shown.push(Notice { severity, text, since: Instant::now() });
-        if self.shown.len() > 5 {
-            self.shown.remove(0);
+        self.shown.push(Notice { severity, text, since: None });
+        if self.shown.len() > MOST {
+            // An error is to be read.
+            let oldest = self.shown.iter().position(|notice| notice.severity != Severity::Error);
+            self.shown.remove(oldest.unwrap_or(0));
         }
     }
 
     /// Draws the messages over everything else.
     pub fn show(&mut self, ctx: &egui::Context) {
-        self.shown.retain(|notice| notice.severity == Severity::Error || notice.since.elapsed() < LINGER);
+        let stays = |notice: &Notice| notice.since.is_none_or(|since| since.elapsed() < LINGER);
+        self.shown.retain(|notice| notice.severity == Severity::Error || stays(notice));
+        for notice in &mut self.shown {
+            notice.since.get_or_insert_with(Instant::now);
+        }
         if self.shown.is_empty() {
             return;
         }

@@ -52,6 +52,13 @@ impl Settings {
         Ok(settings.bounded())
     }
 
+    /// Keeps what could not be read beside `path`, where the next preferences do not replace it; returns where.
+    pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
+        let aside = path.with_extension("toml.unread");
+        std::fs::rename(path, &aside)?;
+        Ok(aside)
+    }
+
     /// Writes `path`, whole or not at all, making its folder where it is missing.
     pub fn save(&self, path: &Path) -> io::Result<()> {
         if let Some(folder) = path.parent() {

@@ -163,9 +163,10 @@ fn every_format_that_is_decoded_is_offered_and_volume_and_device_are_chosen_and_
     }
     assert!(shows(&window, "The system's own"));
     screenshot(&mut window, "window-music-sound.png");
-    drop(window);
-    let kept = std::fs::read_to_string(settings).unwrap();
-    assert!(kept.contains("volume = 0.25") && kept.contains("song_fade_secs = 3.0"), "{kept}");
+    wait(&mut window, "the preferences", |_| {
+        let kept = std::fs::read_to_string(&settings).unwrap();
+        kept.contains("volume = 0.25") && kept.contains("song_fade_secs = 3.0")
+    });
 }
 
 #[test]

@@ -137,7 +137,11 @@ fn bindings_are_learned_with_a_number_and_go_to_another_machine() {
     answers.add(&file);
     click(&mut desk.window, "bindings-import");
     desk.window.run_steps(2);
-    assert!(desk.settings().contains("/pad/1") && desk.settings().contains("/pad/9"), "{}", desk.settings());
+    let settings = desk.settings.clone();
+    wait(&mut desk.window, "both bindings", |_| {
+        let kept = std::fs::read_to_string(&settings).unwrap();
+        kept.contains("/pad/1") && kept.contains("/pad/9")
+    });
     std::fs::write(&file, "format_version = 99\n").unwrap();
     answers.add(&file);
     click(&mut desk.window, "bindings-import");

@@ -257,8 +257,8 @@ fn press(target: Target, concert: &mut Concert, listening: &mut Listening, wishe
         Target::NudgeLater => listening.nudge(-NUDGE_SECS),
         Target::NudgeSooner => listening.nudge(NUDGE_SECS),
         Target::PlayPause => listening.toggle(),
-        Target::NextSong => listening.player().next(),
-        Target::PreviousSong => listening.player().previous(),
+        Target::NextSong => listening.next_song(),
+        Target::PreviousSong => listening.previous_song(),
         _ => return false,
     }
     true

@@ -35,8 +35,8 @@ impl MusicRoom {
         let hearing: [(Shortcut, Hearing); 9] = [
             (PLAY, Listening::toggle),
             (TAP, Listening::tap),
-            (NEXT_SONG, |listening| listening.player().next()),
-            (PREVIOUS_SONG, |listening| listening.player().previous()),
+            (NEXT_SONG, Listening::next_song),
+            (PREVIOUS_SONG, Listening::previous_song),
             (HALVE, Listening::halve),
             (DOUBLE, Listening::double),
             (LOCK_BEAT, |listening| listening.lock(!listening.is_locked())),

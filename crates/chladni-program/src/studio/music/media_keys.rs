@@ -159,8 +159,8 @@ impl MusicRoom {
                 Asked::Pause if plays => listening.toggle(),
                 Asked::Play | Asked::Pause => {}
                 Asked::PlayPause => listening.toggle(),
-                Asked::Next => listening.player().next(),
-                Asked::Previous => listening.player().previous(),
+                Asked::Next => listening.next_song(),
+                Asked::Previous => listening.previous_song(),
                 Asked::SeekBy(secs) => listening.player().seek((status.position_secs + secs).max(0.0)),
                 Asked::SeekTo(secs) => listening.player().seek(secs),
                 Asked::Volume(volume) => {

@@ -23,6 +23,8 @@ pub struct Recorder {
     /// When it began: in the first frame after that, as choosing its file may have taken any time.
     since_secs: Option<f64>,
     resampler: Option<(u32, StereoResampler)>,
+    /// When something came last.
+    last_secs: f64,
     ends: bool,
     /// Lets the next start find what this one may not finish.
     note: Option<Note>,
@@ -41,6 +43,7 @@ impl Recorder {
             asked_secs: now_secs,
             since_secs: None,
             resampler: None,
+            last_secs: now_secs,
             ends: false,
             note: None,
         })
@@ -70,6 +73,7 @@ impl Recorder {
     /// It begins where it is to; whether it had begun before.
     fn start(&mut self, now_secs: f64) -> bool {
         let had_begun = self.since_secs.is_some();
+        self.last_secs = now_secs;
         if !had_begun && now_secs > self.asked_secs {
             self.since_secs = Some(now_secs);
         }
@@ -137,6 +141,14 @@ impl Recorder {
         if ended.is_err() {
             self.note.take().into_iter().for_each(Note::leave);
         }
+    }
+}
+
+/// A set is not lost with a window that breaks off, as in a panic or without a graphics device: its film ends there.
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        self.finish(self.last_secs);
+        self.wait();
     }
 }
 

@@ -103,7 +103,7 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     let back =
         ui.button(icon::text(Icon::SkipBack)).accessible_name("Previous song").author_id("previous-song");
     if back.on_hover_text(PREVIOUS_SONG.tooltip(ui.ctx())).clicked() {
-        listening.player().previous();
+        listening.previous_song();
     }
     let status = listening.player().status();
     let playing = status.state == PlayerState::Playing && listening.live().is_none();
@@ -115,7 +115,7 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     }
     let next = ui.button(icon::text(Icon::SkipForward)).accessible_name("Next song").author_id("next-song");
     if next.on_hover_text(NEXT_SONG.tooltip(ui.ctx())).clicked() {
-        listening.player().next();
+        listening.next_song();
     }
     if listening.live().is_some() {
         ui.label(icon::label(Icon::Mic, "Live"));

@@ -86,8 +86,9 @@ impl Listening {
 
     /// Back to the songs.
     pub fn stop_listening(&mut self) {
-        self.live = None;
-        self.forget_beat();
+        if self.live.take().is_some() {
+            self.forget_beat();
+        }
     }
 
     /// Reports when the source is lost, and when it is back.

@@ -226,6 +226,18 @@ impl Listening {
         self.hearing.beat_at(at_secs).count
     }
 
+    /// The song after the one that plays; live input ends.
+    pub fn next_song(&mut self) {
+        self.stop_listening();
+        self.player.next();
+    }
+
+    /// The one before it, or its beginning.
+    pub fn previous_song(&mut self) {
+        self.stop_listening();
+        self.player.previous();
+    }
+
     /// The player.
     pub fn player(&self) -> &Player {
         &self.player

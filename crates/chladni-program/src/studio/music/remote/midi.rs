@@ -80,6 +80,7 @@ impl Outputs {
             .ports()
             .into_iter()
             .filter_map(|port| Some((lasting(&looking.port_name(&port).ok()?), port)))
+            .filter(|(name, _)| !is_own(name))
             .collect();
         let mut known = lock(&self.0);
         known.open.retain(|name, _| ports.iter().any(|(there, _)| there == name));
@@ -93,6 +94,11 @@ impl Outputs {
         }
         Ok(ports.into_iter().map(|(name, _)| name).collect())
     }
+}
+
+/// Whether a port is one of ours, as ALSA calls them: to them, we would hear what we say.
+fn is_own(name: &str) -> bool {
+    cfg!(target_os = "linux") && name.split_once(':').is_some_and(|(client, _)| client == CLIENT)
 }
 
 /// The name of a port without the numbers that ALSA gives anew each time.
@@ -200,7 +206,7 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
         let id = port.id();
         // A device that disappears meanwhile is handled the next time.
         let Ok(name) = looking.port_name(&port) else { continue };
-        if open.contains_key(&id) {
+        if open.contains_key(&id) || is_own(&name) {
             continue;
         }
         let sender = sender.clone();
@@ -221,6 +227,13 @@ mod tests {
     fn a_device_keeps_its_name() {
         let names = ["nanoKONTROL2:nanoKONTROL2 MIDI 1 24:0", "Launchpad Mini 3", "Port 1:2 A"].map(lasting);
         assert_eq!(names, ["nanoKONTROL2:nanoKONTROL2 MIDI 1", "Launchpad Mini 3", "Port 1:2 A"]);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn own_ports_are_known() {
+        assert!(is_own("chladni:chladni 130:0") && is_own("chladni:chladni"));
+        assert!(!is_own("chladni desk:out 24:0") && !is_own("Launchpad Mini 3"));
     }
 
     #[test]
