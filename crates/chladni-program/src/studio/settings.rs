@@ -4,10 +4,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use chladni_sound::LONGEST_CROSSFADE_SECS;
-use chladni_task::read_text_file;
+use chladni_task::{read_file, read_text_file};
 use serde::{Deserialize, Serialize};
 
 use crate::work::HARMONICS;
+
+/// Of a file of preferences, in bytes.
+const LARGEST: u64 = 1 << 20;
 
 /// Recent files that the start screen shows at most.
 const RECENT: usize = 8;
@@ -43,7 +46,7 @@ impl Default for Settings {
 impl Settings {
     /// Reads `path`. A missing file gives the defaults; a damaged one is an error that says why.
     pub fn load(path: &Path) -> io::Result<Self> {
-        let text = match read_text_file(path, 1 << 20) {
+        let text = match read_text_file(path, LARGEST) {
             Ok(text) => text,
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
             Err(error) => return Err(error),
@@ -55,7 +58,7 @@ impl Settings {
     /// Keeps what could not be read beside `path`, where the next preferences do not replace it; returns where.
     pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
         let aside = path.with_extension("toml.unread");
-        std::fs::rename(path, &aside)?;
+        chladni_task::write_atomic(&aside, &read_file(path, LARGEST)?)?;
         Ok(aside)
     }
 
@@ -117,6 +120,10 @@ mod tests {
         let settings = Settings { light: true, zoom: 1.25, ..Settings::default() };
         settings.save(&path).unwrap();
         assert_eq!(Settings::load(&path).unwrap(), settings);
+        std::fs::write(&path, "zoom = [\n").unwrap();
+        assert!(Settings::load(&path).is_err());
+        let aside = Settings::set_aside(&path).unwrap();
+        assert!(aside != path && std::fs::read_to_string(aside).unwrap() == "zoom = [\n");
         std::fs::write(&path, "zoom = inf\n").unwrap();
         assert_eq!(Settings::load(&path).unwrap().zoom, 1.0);
         std::fs::write(&path, "zoom = [").unwrap();
