@@ -61,10 +61,8 @@ impl Concert {
         self.instrument = show.replay(self.instrument.shape().clone())?;
         let at_secs = show.ends_secs();
         (self.programme, self.script, self.before_sand) = (None, None, None);
-        (self.hearing, self.clock) = (Hearing::default(), ShowClock::from(at_secs));
-        self.hearing.go_on(&show.heard, show.clock);
-        // A clock of now is another one.
-        self.hearing.leave_clock(at_secs);
+        self.hearing = Hearing::continued(&show.heard, show.clock, at_secs);
+        self.clock = ShowClock::from(at_secs);
         self.hearing.tune(at_secs, self.instrument.parameters());
         self.songs = show.songs.into_iter().map(|song| song.path).collect();
         self.viewpoint = show.viewpoint;

@@ -82,7 +82,7 @@ pub struct Studio {
     settings: Settings,
     saved_settings: Settings,
     /// When they were written last.
-    settings_saved: Option<Instant>,
+    settings_written: Option<Instant>,
     notices: Notices,
     pictures: Pictures,
     rooms: Vec<Box<dyn Room>>,
@@ -154,7 +154,7 @@ impl Studio {
             handover,
             inherited_secs,
             saved_settings: settings.clone(),
-            settings_saved: None,
+            settings_written: None,
             settings,
             folders,
             chooser,
@@ -317,7 +317,7 @@ impl Studio {
         if self.settings == self.saved_settings {
             return;
         }
-        let gone = self.settings_saved.map_or(PAUSE, |saved| saved.elapsed());
+        let gone = self.settings_written.map_or(PAUSE, |saved| saved.elapsed());
         if gone < PAUSE {
             return ctx.request_repaint_after(PAUSE - gone);
         }
@@ -328,7 +328,7 @@ impl Studio {
         if self.settings == self.saved_settings {
             return;
         }
-        self.settings_saved = Some(Instant::now());
+        self.settings_written = Some(Instant::now());
         if let Some(path) = &self.folders.settings
             && let Err(error) = self.settings.save(path)
         {

@@ -1,6 +1,7 @@
 //! The question what to do with work that no file has, before it would be lost.
 
 use super::author_id::AuthorId;
+use super::notices::Notices;
 use super::theme;
 
 /// The user's answer.
@@ -58,4 +59,15 @@ impl Question {
         });
         answer.or(dismissed.then_some(Answer::Stay))
     }
+}
+
+/// What a room would lose: work that no file has (`changed`), and what is `being_made`, by the label of its job.
+pub fn would_be_lost(changed: Option<String>, being_made: Option<&str>) -> Option<String> {
+    let made = being_made.map(|label| format!("{label} is not finished."));
+    [changed, made].into_iter().flatten().reduce(|a, b| format!("{a} {b}"))
+}
+
+/// Whether nothing is `being_made`; asks to wait, else.
+pub fn is_made(being_made: Option<&str>, notices: &mut Notices) -> bool {
+    being_made.map(|label| notices.warn(format!("{label}: close when it is done."))).is_none()
 }

@@ -158,8 +158,17 @@ impl Hearing {
         self.stretches.iter().map(|(stretch, _)| *stretch)
     }
 
+    /// Of a show that goes on at `at_secs`: the stretches heard before, in order, and the clock that was followed. A clock
+    /// of now is another one.
+    pub fn continued(stretches: &[Stretch], clock: ClockTrack, at_secs: f64) -> Self {
+        let mut hearing = Self::default();
+        hearing.go_on(stretches, clock);
+        hearing.leave_clock(at_secs);
+        hearing
+    }
+
     /// Continues a show: the stretches heard before, in order, and the clock that was followed.
-    pub fn go_on(&mut self, stretches: &[Stretch], clock: ClockTrack) {
+    fn go_on(&mut self, stretches: &[Stretch], clock: ClockTrack) {
         self.know_clock(clock);
         self.stretches = stretches.iter().map(|stretch| (*stretch, 0.0)).collect();
         (self.ear, self.fade) = (None, None);

@@ -62,6 +62,7 @@ use super::icon::Icon;
 use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
+use super::unsaved::{is_made, would_be_lost};
 use super::{keys, theme};
 use crate::work::formats::{MESHES, PROJECT};
 use crate::work::{Error, Quantity};
@@ -161,16 +162,12 @@ impl Room for CaricatureRoom {
         let session = self.session.as_ref().filter(|_| self.has_unsaved_work());
         let changed = session
             .map(|session| format!("The caricature “{}” has changes that are not saved.", session.name()));
-        let written = self.export.unfinished().map(|label| format!("{label} is not finished."));
-        [changed, written].into_iter().flatten().reduce(|a, b| format!("{a} {b}"))
+        would_be_lost(changed, self.export.unfinished())
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
-        if self.has_unsaved_work() && !self.save(false, shared) {
-            return false;
-        }
-        let written = self.export.unfinished().map(|label| format!("{label}: close when it is done."));
-        written.map(|wait| shared.notices.warn(wait)).is_none()
+        (!self.has_unsaved_work() || self.save(false, shared))
+            && is_made(self.export.unfinished(), shared.notices)
     }
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {

@@ -18,6 +18,7 @@ use crate::studio::job;
 use crate::studio::keys::music::OPEN;
 use crate::studio::room::{Room, Shared};
 use crate::studio::shortcut::Shortcut;
+use crate::studio::unsaved::{is_made, would_be_lost};
 use crate::studio::{keys, measure, theme};
 use crate::work::formats::{self, Kind, LISTS, SONGS, TEXT};
 use crate::work::playlist;
@@ -105,16 +106,11 @@ impl Room for MusicRoom {
     }
 
     fn unsaved(&self) -> Option<String> {
-        let filmed = self.filming.unfinished().map(|label| format!("{label} is not finished."));
-        [self.unsaved_show(), filmed].into_iter().flatten().reduce(|a, b| format!("{a} {b}"))
+        would_be_lost(self.unsaved_show(), self.filming.unfinished())
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
-        if !self.save_dances(shared) {
-            return false;
-        }
-        let filmed = self.filming.unfinished().map(|label| format!("{label}: close when it is done."));
-        filmed.map(|wait| shared.notices.warn(wait)).is_none()
+        self.save_dances(shared) && is_made(self.filming.unfinished(), shared.notices)
     }
 
     fn extensions(&self) -> Vec<&'static str> {

@@ -24,7 +24,6 @@ use backcloth::Backcloth;
 use drawing::on_device;
 use house::House;
 use pane::Pane;
-use piloted::Piloted;
 use standing::Hand;
 use suggesting::{Judging, Recent};
 
@@ -37,7 +36,7 @@ use super::song_title::SongTitle;
 use super::view::View;
 use crate::studio::screen::Screen;
 use crate::work::dancer::Dancing;
-use crate::work::{Deformed, Error, Lag, SandTable, Staging, along};
+use crate::work::{Deformed, Error, Lag, Programme, SandTable, Staging, along};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -67,7 +66,7 @@ pub struct Concert {
     backcloth: Backcloth,
     viewpoint: Viewpoint,
     hand: Hand,
-    piloted: Option<Piloted>,
+    piloted: Option<Programme>,
     /// Black and stillness on stage.
     pub house: House,
     /// The corners of the picture are being moved.

@@ -5,11 +5,6 @@ use chladni_music::{Action, BarLine, Preset};
 use super::Concert;
 use crate::work::{Error, Programme};
 
-/// The autopilot.
-pub struct Piloted {
-    programme: Programme,
-}
-
 impl Concert {
     /// Whether the autopilot chooses what is on stage.
     pub fn is_piloted(&self) -> bool {
@@ -18,7 +13,7 @@ impl Concert {
 
     /// Whether it stays with what is shown.
     pub fn is_held(&self) -> bool {
-        self.piloted.as_ref().is_some_and(|piloted| piloted.programme.holds())
+        self.piloted.as_ref().is_some_and(Programme::holds)
     }
 
     /// Puts the autopilot on stage, with the dances that are kept as favorites; or ends it.
@@ -30,26 +25,25 @@ impl Concert {
         let favorites = favorites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
         let favorites = favorites.chain(kept).collect();
         let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs)?;
-        let programme = programme.on_sheet(self.staging.is_flat());
-        let mut piloted = Piloted { programme };
-        let actions = piloted.programme.step(self.moment.at_secs, true, &self.instrument);
+        let mut programme = programme.on_sheet(self.staging.is_flat());
+        let actions = programme.step(self.moment.at_secs, true, &self.instrument);
         actions.into_iter().try_for_each(|action| self.act(action))?;
-        self.piloted = Some(piloted);
+        self.piloted = Some(programme);
         Ok(())
     }
 
     /// Holds what is shown, or goes on.
     pub fn hold(&mut self) {
-        if let Some(piloted) = &mut self.piloted {
-            let holds = piloted.programme.holds();
-            piloted.programme.hold(!holds);
+        if let Some(programme) = &mut self.piloted {
+            let holds = programme.holds();
+            programme.hold(!holds);
         }
     }
 
     /// The next dance of the autopilot, or the one before.
     pub fn overrule(&mut self, forward: bool) -> Result<(), Error> {
-        let Some(piloted) = &mut self.piloted else { return Ok(()) };
-        for action in piloted.programme.step(self.moment.at_secs, forward, &self.instrument) {
+        let Some(programme) = &mut self.piloted else { return Ok(()) };
+        for action in programme.step(self.moment.at_secs, forward, &self.instrument) {
             self.instrument.apply(self.moment, action)?;
         }
         Ok(())
@@ -57,8 +51,8 @@ impl Concert {
 
     /// These bars have begun.
     pub(super) fn follow_bars(&mut self, bars: &[BarLine]) -> Result<(), Error> {
-        let Some(piloted) = &mut self.piloted else { return Ok(()) };
-        for (_, action) in piloted.programme.hear(bars, self.moment.at_secs, &self.instrument) {
+        let Some(programme) = &mut self.piloted else { return Ok(()) };
+        for (_, action) in programme.hear(bars, self.moment.at_secs, &self.instrument) {
             self.instrument.apply(self.moment, action)?;
         }
         Ok(())
@@ -66,8 +60,8 @@ impl Concert {
 
     /// The stage was left or taken by hand: back to the gallery as it was.
     pub(super) fn end_piloting(&mut self) -> Result<(), Error> {
-        let Some(piloted) = self.piloted.take() else { return Ok(()) };
-        let actions = piloted.programme.end(&self.instrument);
+        let Some(programme) = self.piloted.take() else { return Ok(()) };
+        let actions = programme.end(&self.instrument);
         Ok(actions.into_iter().try_for_each(|action| self.instrument.apply(self.moment, action))?)
     }
 }

@@ -194,12 +194,9 @@ impl Listening {
     /// played from now on.
     pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], clock: ClockTrack, at_secs: f64) {
         (self.live, self.study) = (None, None);
-        self.hearing = Hearing::default();
+        self.hearing = Hearing::continued(heard, clock, at_secs);
         self.clock = ShowClock::from(at_secs);
         self.repertoire = songs;
-        self.hearing.go_on(heard, clock);
-        // A clock of now is another one.
-        self.hearing.leave_clock(at_secs);
         let mut list: Vec<PathBuf> = Vec::new();
         for song in &self.repertoire {
             let path = if song.path == Path::new(TUNE) { self.tune.clone() } else { song.path.clone() };
