@@ -62,17 +62,22 @@ impl ShowClock {
         };
         // A song that already played, as behind live input, has no crossfade.
         let crossfade_secs = if position <= playing.crossfade_secs { playing.crossfade_secs } else { 0.0 };
+        let leap = |clock: &mut Self| {
+            // What was done at the last moment was done before the leap, even if no time has gone by since.
+            let is_first = clock.stretch.is_none() && clock.at_secs == 0.0;
+            let after_secs = if is_first { 0.0 } else { clock.at_secs.next_up() };
+            clock.at_secs = (clock.at_secs + dt_secs).max(after_secs);
+            begin(clock, position, true, crossfade_secs)
+        };
         let Some(stretch) = self.stretch.filter(|stretch| stretch.song == playing.song) else {
-            self.at_secs += dt_secs;
-            return begin(self, position, true, crossfade_secs);
+            return leap(self);
         };
         if playing.song.is_none() {
             self.at_secs += dt_secs;
             return None;
         }
         if moved && !(0.0..=longest_step_secs).contains(&step_secs) {
-            self.at_secs += dt_secs;
-            return begin(self, position, true, crossfade_secs);
+            return leap(self);
         }
         if moved {
             let began = if stretch.playing { None } else { begin(self, stretch.song_secs, true, 0.0) };
@@ -131,6 +136,18 @@ mod tests {
             ]
         );
         assert!(begun.windows(2).all(|pair| pair[0].at_secs < pair[1].at_secs));
+    }
+
+    #[test]
+    fn a_leap_without_any_time_begins_after_what_was_done_before() {
+        for next in [song(0, 0.5), song(1, 0.5), Playing { song: None, ..song(0, 0.0) }] {
+            let mut clock = ShowClock::default();
+            assert_eq!(clock.follow(1.0, song(0, 3.0)).map(|stretch| stretch.at_secs), Some(0.0));
+            clock.follow(1.5, song(0, 3.5));
+            let done_secs = clock.at_secs();
+            let begun = clock.follow(1.5, next);
+            assert!(begun.is_some_and(|stretch| stretch.at_secs > done_secs), "{begun:?}");
+        }
     }
 
     #[test]
