@@ -120,16 +120,13 @@ async function dance(name) {
 export async function openMesh(name, bytes) {
   const mine = ++visit;
   const harmonics = harmonicsOf(bytes.length);
-  const warnings = [];
-  const { body, secs } = await busy(name, (tell) => {
-    const listen = (kind, text) => (kind === "warning" ? warnings.push(text) : tell(kind, text));
-    return ask({ work: "prepare", name, bytes, harmonics }, listen);
+  await busy(name, async (tell) => {
+    const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, tell);
+    if (mine !== visit) return;
+    show(body);
+    report.solveSecs = secs;
+    tell("said", `${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s.`);
   });
-  if (mine !== visit) return;
-  show(body);
-  report.solveSecs = secs;
-  const done = `${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s`;
-  say([done, ...warnings].join(". "), false, warnings.length ? 20 : 8);
 }
 
 // ---- songs

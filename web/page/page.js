@@ -19,15 +19,16 @@ export const attempt = (act) => async (...args) => {
 /** What workers do now, in words. */
 const working = new Map();
 
-/** What they have warned of. */
-let warnings = [];
+/** What they have done, where that is said, and what they have warned of. */
+let remarks = [];
 
 /** Does what a worker is asked for, which may be cancelled meanwhile. What is said of it is said of `what`: `work` gets
- * what the worker reports to. Its warnings are said in the end. */
+ * what the worker reports to. Its remarks are said in the end. */
 export async function busy(what, work) {
   const job = Symbol(what);
   const tell = (kind, text) => {
-    if (kind === "warning") return warnings.push(text);
+    if (kind === "warning") return remarks.push(text);
+    if (kind === "said") return remarks.unshift(text);
     working.set(job, `${what}: ${text}…`);
     say([...working.values()].join(" · "), false, 600);
   };
@@ -37,8 +38,8 @@ export async function busy(what, work) {
     working.delete(job);
     of("cancel").hidden = working.size === 0;
     if (!working.size) {
-      say(warnings.join(" "), false, 20);
-      warnings = [];
+      say(remarks.join(" "), false, 20);
+      remarks = [];
     }
   }
 }

@@ -223,7 +223,9 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
     let phase = answer.phase * answer.palette.period();
     let knows_speed = f32::from(u8::from(figure.lag.is_some()));
     let m = figure.material;
-    let first_vertex = (figure.item * figure.buffers.vertices) as f32;
+    // In two parts that are exact as f32, whatever the number of vertices.
+    let first_vertex = figure.item * figure.buffers.vertices;
+    let [first_high, first_low] = [first_vertex >> 16, first_vertex & 0xffff].map(|part| part as f32);
     FigureUniform {
         model: Mat4::from_cols_array_2d(&figure.model).to_cols_array_2d(),
         color: rgb(linear(m.color), figure.opacity),
@@ -232,7 +234,7 @@ pub(crate) fn figure_uniform(figure: &Figure<'_>) -> FigureUniform {
         material: [m.roughness, m.metal, m.softness, m.iridescence],
         scale,
         wire: figure.wire.map_or([0.0; 4], |wire| srgb(wire.color, wire.opacity)),
-        wire_width: [figure.wire.map_or(0.0, |wire| wire.width_px), first_vertex, 0.0, 0.0],
+        wire_width: [figure.wire.map_or(0.0, |wire| wire.width_px), first_high, first_low, 0.0],
         brush: figure.brush.map_or([0.0; 4], |ring| srgb(ring.color, ring.radius)),
         edge: rgb(linear(m.edge), 0.0),
         answer: [answer.offset, answer.span, answer.swing, answer.travel],

@@ -123,7 +123,7 @@ impl MusicRoom {
             progress: listening.progress(),
             bands: &listening.spectrum().0.mid,
         };
-        self.drawers.remote.tell(music, &now);
+        self.drawers.remote.tell(music, &now, &shared.ctx);
         for cue in cues {
             match cue {
                 Cue::Do(action) => wishes.push(Wish::Do(action)),

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use chladni_synth::Backend;
 use chladni_view::film::{RawFormat, frame_path};
-use chladni_view::{Draw, FilmFormat, FrameRate, Samples, ffmpeg_is_there};
+use chladni_view::{Draw, FilmFormat, FrameRate, Samples};
 
-use crate::work::outputs::check_file;
+use crate::work::outputs::{check_file, check_film};
 use crate::work::{Error, Piece};
 
 /// Morph targets of an animation unless said.
@@ -131,13 +131,7 @@ impl Output {
                     "--piece: a GIF has one palette for all frames: use --frames, -o -, or .mp4",
                 ));
             }
-            if format == FilmFormat::Mp4 && !ffmpeg_is_there() {
-                return Err(Error::input(
-                    "an MP4 needs ffmpeg, which is not on the PATH: install it, write a .gif or .png, or use \
-                     --frames DIR for PNG frames and a WAV",
-                ));
-            }
-            check_file(path)?;
+            check_film(path)?;
         }
         if let Some(path) = &self.animation {
             if !(1..=MOST_TARGETS).contains(&self.targets) {

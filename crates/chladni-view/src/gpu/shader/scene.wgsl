@@ -50,7 +50,7 @@ struct Figure {
     scale: vec4f,
     // sRGB, opacity in w.
     wire: vec4f,
-    // Width of the wire in pixels; first vertex; ambient share; -.
+    // Width of the wire in pixels; first vertex: its upper bits and its lower 16; -.
     wire_width: vec4f,
     // sRGB of a brush's ring; w: its radius.
     brush: vec4f,

@@ -6,13 +6,17 @@
 @group(3) @binding(3) var<storage, read> corner_uvs: array<vec2f>;
 @group(3) @binding(4) var<storage, read> paints: array<u32>;
 
+fn first_vertex() -> u32 {
+    return (u32(figure.wire_width.y) << 16u) + u32(figure.wire_width.z);
+}
+
 fn position_of(vertex: u32) -> vec3f {
-    let i = 3u * (vertex + u32(figure.wire_width.y));
+    let i = 3u * (vertex + first_vertex());
     return vec3f(positions[i], positions[i + 1u], positions[i + 2u]);
 }
 
 fn normal_of(vertex: u32) -> vec3f {
-    let i = 3u * (vertex + u32(figure.wire_width.y));
+    let i = 3u * (vertex + first_vertex());
     return vec3f(normals[i], normals[i + 1u], normals[i + 2u]);
 }
 

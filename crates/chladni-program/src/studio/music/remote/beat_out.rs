@@ -1,22 +1,20 @@
-//! The beat for other programs: OSC messages to an address, and MIDI clock to a device.
+//! The beat for other programs, as OSC messages to an address.
 
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs, UdpSocket};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use chladni_music::{Beat, ClockOut};
+use chladni_music::Beat;
 use rosc::{OscMessage, OscPacket, OscType, encoder};
 
-use super::midi::Outputs;
+use crate::studio::job::Job;
 use crate::studio::music::listening::Progress;
 use crate::work::Error;
 
 /// How often bands are sent, and how many.
 const BANDS_SECS: f64 = 1.0 / 30.0;
 const BANDS: usize = 8;
-/// Below this confidence the beat is a guess, and the outgoing clock stops.
-const SURE: f32 = 0.1;
+/// An address that was not found is looked up again after so long: the network may come later.
+const LOOK_AGAIN: Duration = Duration::from_secs(5);
 
 /// What is sent at one moment.
 #[derive(Clone, Copy, Debug)]
@@ -94,103 +92,72 @@ fn octaves(bands: &[f32]) -> [f32; BANDS] {
 
 /// Sends OSC messages to one address.
 pub struct BeatOut {
+    address: String,
     socket: UdpSocket,
-    to: SocketAddr,
+    found: Found,
     last: Sent,
-    /// Why the last packet could not be sent.
+    /// Why nothing is sent, or why the last packet could not be.
     pub failure: Option<Error>,
+}
+
+/// Where an address is. A name is looked up beside the window, since that may take seconds.
+enum Found {
+    At(SocketAddr),
+    NotYet(Job<SocketAddr>),
+    Nowhere { since: Instant },
 }
 
 impl BeatOut {
     /// To `address`, such as `192.168.1.20:7700` or `localhost:9000`.
-    pub fn to(address: &str) -> std::io::Result<Self> {
+    pub fn to(address: &str, ctx: &egui::Context) -> std::io::Result<Self> {
         let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
         // A network that is busy costs a message, not a frame.
         socket.set_nonblocking(true)?;
-        let to = address.to_socket_addrs()?.find(SocketAddr::is_ipv4);
-        let to = to.ok_or_else(|| std::io::Error::other("no such address"))?;
-        Ok(Self { socket, to, last: Sent::default(), failure: None })
+        let found = Found::NotYet(look_up(address, ctx));
+        Ok(Self { address: address.to_owned(), socket, found, last: Sent::default(), failure: None })
     }
 
-    /// Sends what is new.
-    pub fn tell(&mut self, now: &Now<'_>) {
+    /// Sends what is new, once the address is found.
+    pub fn tell(&mut self, now: &Now<'_>, ctx: &egui::Context) {
+        let Some(to) = self.found(ctx) else { return };
         for message in self.last.messages(now) {
             let packet = encoder::encode(&OscPacket::Message(message));
             let sent = packet
                 .map_err(|why| Error::other(why.to_string()))
-                .and_then(|packet| self.socket.send_to(&packet, self.to).map_err(Error::other));
+                .and_then(|packet| self.socket.send_to(&packet, to).map_err(Error::other));
             self.failure = sent.err();
         }
     }
-}
 
-/// Where a MIDI clock goes, and the beat as the last frame knew it.
-#[derive(Clone, Debug)]
-struct Given {
-    device: String,
-    count: f64,
-    per_sec: f64,
-    at: Instant,
-}
-
-/// The beat of a frame is good for so long.
-const STALE: Duration = Duration::from_secs(2);
-
-/// Sends MIDI clock from a thread of its own, since frames are too far apart for it.
-pub struct ClockSender {
-    given: Arc<Mutex<Option<Given>>>,
-    closed: Arc<AtomicBool>,
-}
-
-impl ClockSender {
-    /// Starts to send; nothing is sent before the first [`tell`](Self::tell).
-    pub fn start(outputs: Outputs) -> std::io::Result<Self> {
-        let given = Arc::new(Mutex::new(None));
-        let closed = Arc::new(AtomicBool::new(false));
-        let (last, ended) = (Arc::clone(&given), Arc::clone(&closed));
-        std::thread::Builder::new().name("clock out".into()).spawn(move || {
-            let mut out = ClockOut::default();
-            let mut device = String::new();
-            loop {
-                let closes = ended.load(Ordering::Relaxed);
-                let now: Option<Given> = last.lock().unwrap_or_else(PoisonError::into_inner).clone();
-                let now = now.filter(|now| !closes && now.at.elapsed() < STALE);
-                // One device stops before another starts.
-                let goes_on = now.as_ref().filter(|now| device.is_empty() || now.device == device);
-                let count = goes_on.map(|now| now.count + now.per_sec * now.at.elapsed().as_secs_f64());
-                if let Some(now) = goes_on {
-                    device.clone_from(&now.device);
+    fn found(&mut self, ctx: &egui::Context) -> Option<SocketAddr> {
+        match &self.found {
+            Found::At(to) => return Some(*to),
+            Found::NotYet(job) => match job.ended()? {
+                Ok(to) => {
+                    self.failure = None;
+                    self.found = Found::At(to);
+                    return Some(to);
                 }
-                out.due(count).into_iter().for_each(|message| outputs.send(&device, &[message]));
-                if count.is_none() {
-                    device.clear();
+                Err(why) => {
+                    self.failure = Some(why.of(&self.address));
+                    self.found = Found::Nowhere { since: Instant::now() };
                 }
-                if closes {
-                    return;
-                }
-                std::thread::sleep(Duration::from_millis(if count.is_some() { 1 } else { 20 }));
+            },
+            Found::Nowhere { since } if since.elapsed() > LOOK_AGAIN => {
+                self.found = Found::NotYet(look_up(&self.address, ctx));
             }
-        })?;
-        Ok(Self { given, closed })
-    }
-
-    /// The beat now; it is sent to `device`, or to none.
-    pub fn tell(&self, device: Option<&str>, now: &Now<'_>) {
-        let device = device.filter(|_| now.tempo_bpm > 0.0 && now.beat.confidence >= SURE);
-        let given = device.map(|device| Given {
-            device: device.to_owned(),
-            count: now.beat.count,
-            per_sec: now.tempo_bpm / 60.0,
-            at: Instant::now(),
-        });
-        *self.given.lock().unwrap_or_else(PoisonError::into_inner) = given;
+            Found::Nowhere { .. } => {}
+        }
+        None
     }
 }
 
-impl Drop for ClockSender {
-    fn drop(&mut self) {
-        self.closed.store(true, Ordering::Relaxed);
-    }
+fn look_up(address: &str, ctx: &egui::Context) -> Job<SocketAddr> {
+    let address = address.to_owned();
+    Job::start("Looking up an address", ctx, move |_| {
+        let mut found = address.to_socket_addrs().map_err(Error::other)?;
+        found.find(SocketAddr::is_ipv4).ok_or_else(|| Error::other("no such address"))
+    })
 }
 
 #[cfg(test)]
@@ -247,16 +214,49 @@ mod tests {
         let ear = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         ear.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
         let port = ear.local_addr().unwrap().port();
-        let mut out = BeatOut::to(&format!("localhost:{port}")).unwrap();
+        let ctx = egui::Context::default();
+        let mut out = BeatOut::to(&format!("localhost:{port}"), &ctx).unwrap();
         let beat = Beat { count: 3.5, confidence: 1.0 };
         let now =
             Now { at_secs: 1.0, beat, tempo_bpm: 98.5, progress: Progress::default(), bands: &[0.25; 16] };
-        out.tell(&now);
+        until_found(&mut out, &now);
         let mut packet = [0u8; 1500];
         let length = ear.recv(&mut packet).unwrap();
         let (_, read) = rosc::decoder::decode_udp(&packet[..length]).unwrap();
         let tempo = OscMessage { addr: "/tempo".into(), args: vec![OscType::Float(98.5)] };
         assert_eq!(read, OscPacket::Message(tempo));
-        assert!(BeatOut::to("nowhere").is_err() && out.failure.is_none());
+        assert!(out.failure.is_none());
+    }
+
+    #[test]
+    fn an_address_that_is_not_found_is_looked_up_again() {
+        let ctx = egui::Context::default();
+        let mut out = BeatOut::to("nowhere", &ctx).unwrap();
+        let now = Now {
+            at_secs: 1.0,
+            beat: Beat::default(),
+            tempo_bpm: 98.5,
+            progress: Progress::default(),
+            bands: &[],
+        };
+        until_found(&mut out, &now);
+        assert!(out.failure.as_ref().is_some_and(|why| why.to_string().starts_with("nowhere: ")));
+        out.tell(&now, &ctx);
+        assert!(matches!(out.found, Found::Nowhere { .. }));
+        out.found = Found::Nowhere { since: Instant::now().checked_sub(2 * LOOK_AGAIN).unwrap() };
+        out.address = "localhost:9".into();
+        until_found(&mut out, &now);
+        assert!(matches!(out.found, Found::At(_)));
+    }
+
+    /// Tells of `now` until the address is found, or is known to be none.
+    fn until_found(out: &mut BeatOut, now: &Now<'_>) {
+        loop {
+            out.tell(now, &egui::Context::default());
+            match out.found {
+                Found::NotYet(_) => std::thread::sleep(Duration::from_millis(5)),
+                Found::At(_) | Found::Nowhere { .. } => return,
+            }
+        }
     }
 }

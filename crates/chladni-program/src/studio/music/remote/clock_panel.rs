@@ -52,11 +52,16 @@ impl Remote {
         ui.label(RichText::new("Beat out").strong());
         let tip = "/beat, /bar, /tempo, /energy, /section, and /bands 30 times a second";
         let label = ui.label("By OSC to").on_hover_text(tip).id;
-        let mut address = preferences.beat_out.clone().unwrap_or_default();
+        let mut address =
+            self.beats_typed.take().or_else(|| preferences.beat_out.clone()).unwrap_or_default();
         let field =
             TextEdit::singleline(&mut address).hint_text("127.0.0.1:9000").desired_width(f32::INFINITY);
-        if ui.add(field).labelled_by(label).on_hover_text(tip).changed() {
-            preferences.beat_out = Some(address).filter(|address| !address.is_empty());
+        let field = ui.add(field).labelled_by(label).on_hover_text(tip);
+        // Half an address would be looked up at each key.
+        if field.lost_focus() {
+            preferences.beat_out = Some(address.trim().to_owned()).filter(|address| !address.is_empty());
+        } else if field.has_focus() {
+            self.beats_typed = Some(address);
         }
         let failure = match &self.beat_out {
             Some(Ok(out)) => out.failure.as_ref(),

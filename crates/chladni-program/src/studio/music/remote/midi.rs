@@ -28,10 +28,21 @@ pub struct Devices {
     pub failure: Option<String>,
 }
 
+/// What a clock has said.
+#[derive(Clone, Debug)]
+pub struct Said {
+    /// The port that it came from. Two devices of one kind have ports of their own.
+    pub port: Arc<str>,
+    /// The name of the device.
+    pub device: Arc<str>,
+    pub message: ClockMessage,
+    pub came: Instant,
+}
+
 /// Listens to every MIDI input that is there or comes later.
 pub struct Midi {
     touches: Receiver<Touch>,
-    clock: Receiver<(ClockMessage, Instant)>,
+    clock: Receiver<Said>,
     devices: Arc<Mutex<Devices>>,
     outputs: Outputs,
     closed: Arc<AtomicBool>,
@@ -140,8 +151,8 @@ impl Midi {
         self.touches.try_iter().take(MOST_TOUCHES)
     }
 
-    /// What clocks have said since the last call, and when.
-    pub fn clock(&self) -> impl Iterator<Item = (ClockMessage, Instant)> {
+    /// What clocks have said since the last call.
+    pub fn clock(&self) -> impl Iterator<Item = Said> {
         self.clock.try_iter().take(MOST_TOUCHES)
     }
 
@@ -171,14 +182,15 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 #[derive(Clone)]
 struct Sender {
     touch: SyncSender<Touch>,
-    tick: SyncSender<(ClockMessage, Instant)>,
+    tick: SyncSender<Said>,
 }
 
 impl Sender {
-    fn hear(&self, device: &str, bytes: &[u8]) {
+    fn hear(&self, port: &Arc<str>, device: &Arc<str>, bytes: &[u8]) {
         // A full queue drops the touch: the next one of the same knob will do.
         if let Some(message) = ClockMessage::from_midi(bytes) {
-            let _ = self.tick.try_send((message, Instant::now()));
+            let (port, device, came) = (Arc::clone(port), Arc::clone(device), Instant::now());
+            let _ = self.tick.try_send(Said { port, device, message, came });
         } else if let Some(touch) = Touch::from_midi(device, bytes) {
             let _ = self.touch.try_send(touch);
         }
@@ -210,8 +222,8 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
             continue;
         }
         let sender = sender.clone();
-        let device = lasting(&name);
-        let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(&device, bytes);
+        let (from, device) = (Arc::from(id.as_str()), Arc::from(lasting(&name)));
+        let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(&from, &device, bytes);
         if let Ok(connection) = input()?.connect(&port, CLIENT, listen, ()) {
             open.insert(id, (name, connection));
         }
@@ -240,10 +252,11 @@ mod tests {
     fn clock_and_touches_have_queues_of_their_own_that_never_block() {
         let ((touch, touches), (tick, clock)) = (sync_channel(4), sync_channel(4));
         let sender = Sender { touch, tick };
+        let (port, device) = (Arc::from("24:0"), Arc::from("a"));
         for _ in 0..100 {
-            sender.hear("a", &[0xf8]);
-            sender.hear("a", &[0xb0, 7, 9]);
-            sender.hear("a", &[0xf0, 1, 2]);
+            for bytes in [&[0xf8][..], &[0xb0, 7, 9], &[0xf0, 1, 2]] {
+                sender.hear(&port, &device, bytes);
+            }
         }
         assert_eq!((touches.try_iter().count(), clock.try_iter().count()), (4, 4));
     }

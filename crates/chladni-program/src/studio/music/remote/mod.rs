@@ -1,7 +1,9 @@
 //! Control from outside: MIDI controllers, clocks and OSC, what they turn, and the beat for others.
 
 mod beat_out;
+mod clock_out;
 mod clock_panel;
+mod leader;
 mod midi;
 mod osc;
 mod panel;
@@ -10,9 +12,11 @@ use std::time::Instant;
 
 use chladni_music::{Action, Bindings, ClockMessage, Control, Cue, Parameters, Standing, Touch, osc_cue};
 
+use self::beat_out::BeatOut;
 pub use self::beat_out::Now;
-use self::beat_out::{BeatOut, ClockSender};
+use self::clock_out::ClockSender;
 pub use self::clock_panel::NUDGE_SECS;
+use self::leader::Leader;
 use self::midi::Midi;
 use self::osc::{From, Osc};
 use super::preferences::Preferences;
@@ -23,6 +27,8 @@ use crate::work::Error;
 pub struct Remote {
     started: bool,
     midi: Option<Midi>,
+    /// Whose MIDI clock is followed.
+    leader: Leader,
     osc: Option<Result<Osc, Error>>,
     /// The port that `osc` was opened for.
     port: Option<(u16, From)>,
@@ -36,6 +42,8 @@ pub struct Remote {
     beat_out: Option<Result<BeatOut, Error>>,
     /// The address that it was opened for.
     beats_to: Option<String>,
+    /// That address as it is being typed.
+    beats_typed: Option<String>,
     clock_out: Option<ClockSender>,
 }
 
@@ -75,7 +83,10 @@ impl Remote {
             self.osc = self.port.clone().map(listen);
         }
         let mut cues = Vec::new();
-        let mut clock: Vec<_> = self.midi.iter().flat_map(Midi::clock).collect();
+        let said = self.midi.iter().flat_map(Midi::clock);
+        let own = preferences.clock_out.as_deref();
+        let said = said.filter(|said| self.leader.follows(said, own));
+        let mut clock: Vec<_> = said.map(|said| (said.message, said.came)).collect();
         let touched: Vec<Touch> = self.midi.iter().flat_map(Midi::touches).collect();
         for touch in touched {
             self.touch(&touch, parameters, standing, &mut cues);
@@ -109,14 +120,14 @@ impl Remote {
     }
 
     /// Tells others of the beat, where the preferences ask for it.
-    pub fn tell(&mut self, preferences: &Preferences, now: &Now<'_>) {
+    pub fn tell(&mut self, preferences: &Preferences, now: &Now<'_>, ctx: &egui::Context) {
         if self.beats_to != preferences.beat_out {
             self.beats_to.clone_from(&preferences.beat_out);
-            let open = |to: &String| BeatOut::to(to).map_err(|why| Error::other(why).of(to));
+            let open = |to: &String| BeatOut::to(to, ctx).map_err(|why| Error::other(why).of(to));
             self.beat_out = self.beats_to.as_ref().map(open);
         }
         if let Some(Ok(out)) = &mut self.beat_out {
-            out.tell(now);
+            out.tell(now, ctx);
         }
         if self.clock_out.is_none() && preferences.clock_out.is_some() {
             let outputs = self.midi.as_ref().map(|midi| midi.outputs().clone());

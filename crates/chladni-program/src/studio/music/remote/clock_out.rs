@@ -1,0 +1,82 @@
+//! The beat for other machines, as MIDI clock to a device.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use chladni_music::ClockOut;
+
+use super::beat_out::Now;
+use super::midi::Outputs;
+
+/// Below this confidence the beat is a guess, and the outgoing clock stops.
+const SURE: f32 = 0.1;
+
+/// Where a MIDI clock goes, and the beat as the last frame knew it.
+#[derive(Clone, Debug)]
+struct Given {
+    device: String,
+    count: f64,
+    per_sec: f64,
+    at: Instant,
+}
+
+/// The beat of a frame is good for so long.
+const STALE: Duration = Duration::from_secs(2);
+
+/// Sends MIDI clock from a thread of its own, since frames are too far apart for it.
+pub struct ClockSender {
+    given: Arc<Mutex<Option<Given>>>,
+    closed: Arc<AtomicBool>,
+}
+
+impl ClockSender {
+    /// Starts to send; nothing is sent before the first [`tell`](Self::tell).
+    pub fn start(outputs: Outputs) -> std::io::Result<Self> {
+        let given = Arc::new(Mutex::new(None));
+        let closed = Arc::new(AtomicBool::new(false));
+        let (last, ended) = (Arc::clone(&given), Arc::clone(&closed));
+        std::thread::Builder::new().name("clock out".into()).spawn(move || {
+            let mut out = ClockOut::default();
+            let mut device = String::new();
+            loop {
+                let closes = ended.load(Ordering::Relaxed);
+                let now: Option<Given> = last.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                let now = now.filter(|now| !closes && now.at.elapsed() < STALE);
+                // One device stops before another starts.
+                let goes_on = now.as_ref().filter(|now| device.is_empty() || now.device == device);
+                let count = goes_on.map(|now| now.count + now.per_sec * now.at.elapsed().as_secs_f64());
+                if let Some(now) = goes_on {
+                    device.clone_from(&now.device);
+                }
+                out.due(count).into_iter().for_each(|message| outputs.send(&device, &[message]));
+                if count.is_none() {
+                    device.clear();
+                }
+                if closes {
+                    return;
+                }
+                std::thread::sleep(Duration::from_millis(if count.is_some() { 1 } else { 20 }));
+            }
+        })?;
+        Ok(Self { given, closed })
+    }
+
+    /// The beat now; it is sent to `device`, or to none.
+    pub fn tell(&self, device: Option<&str>, now: &Now<'_>) {
+        let device = device.filter(|_| now.tempo_bpm > 0.0 && now.beat.confidence >= SURE);
+        let given = device.map(|device| Given {
+            device: device.to_owned(),
+            count: now.beat.count,
+            per_sec: now.tempo_bpm / 60.0,
+            at: Instant::now(),
+        });
+        *self.given.lock().unwrap_or_else(PoisonError::into_inner) = given;
+    }
+}
+
+impl Drop for ClockSender {
+    fn drop(&mut self) {
+        self.closed.store(true, Ordering::Relaxed);
+    }
+}
