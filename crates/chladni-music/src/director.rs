@@ -27,6 +27,8 @@ pub struct Framing {
     pub closeness: f32,
     /// 0: the middle of the figure is looked at; 1: the part that moves most.
     pub toward_part: f32,
+    /// 0: all of a figure is seen, however slim; 1: the lower part of a slim one is left out, so that the rest is larger.
+    pub crop: f32,
 }
 
 impl Framing {
@@ -38,6 +40,7 @@ impl Framing {
             pitch_rad: mix(self.pitch_rad, to.pitch_rad),
             closeness: mix(self.closeness, to.closeness),
             toward_part: mix(self.toward_part, to.toward_part),
+            crop: mix(self.crop, to.crop),
         }
     }
 }
@@ -93,18 +96,17 @@ impl Shot {
         let gone = if x < 1.0 { x } else { 1.0 + 0.4 * (1.0 - ((1.0 - x) / 0.4).exp()) } as f32;
         let (side, reach) = (self.side, self.reach);
         let drift = side * (gone - 0.5);
-        let [yaw_rad, pitch_rad, closeness, toward_part] = match self.kind {
-            Kind::Front => [0.06 * drift, 0.0, 0.0, 0.0],
-            Kind::Orbit => [(0.7 + 0.5 * reach) * drift, 0.08 * reach, 0.0, 0.0],
-            Kind::PushIn => [0.25 * side + 0.2 * drift, 0.02, 0.55 * gone, 0.3 * gone],
-            Kind::PullOut => {
-                [0.3 * drift - 0.2 * side, 0.06, 0.55 * (1.0 - gone), 0.3 * (1.0 - gone).max(0.0)]
-            }
-            Kind::LowAngle => [0.3 * side + 0.35 * drift, -0.36 - 0.1 * reach, 0.0, 0.0],
-            Kind::FromAbove => [0.5 * drift, 0.5 + 0.25 * reach, 0.0, 0.0],
-            Kind::Close => [0.35 * side + 0.3 * drift, 0.04, 0.65, 0.9],
+        let away = (1.0 - gone).max(0.0);
+        let [yaw_rad, pitch_rad, closeness, toward_part, crop] = match self.kind {
+            Kind::Front => [0.16 * drift, 0.0, 0.0, 0.0, 0.0],
+            Kind::Orbit => [(0.7 + 0.5 * reach) * drift, 0.08 * reach, 0.0, 0.0, 1.0],
+            Kind::PushIn => [0.25 * side + 0.2 * drift, 0.02, 0.55 * gone, 0.3 * gone, gone],
+            Kind::PullOut => [0.3 * drift - 0.2 * side, 0.06, 0.55 * away, 0.3 * away, away],
+            Kind::LowAngle => [0.3 * side + 0.35 * drift, -0.36 - 0.1 * reach, 0.0, 0.0, 0.5],
+            Kind::FromAbove => [0.5 * drift, 0.5 + 0.25 * reach, 0.0, 0.0, 0.5],
+            Kind::Close => [0.35 * side + 0.3 * drift, 0.04, 0.65, 0.9, 1.0],
         };
-        Framing { yaw_rad, pitch_rad, closeness: closeness.clamp(0.0, 1.0), toward_part }
+        Framing { yaw_rad, pitch_rad, closeness: closeness.clamp(0.0, 1.0), toward_part, crop: crop.min(1.0) }
     }
 }
 

@@ -16,6 +16,8 @@ const HALVINGS: usize = 11;
 pub const TOP: f32 = 0.94;
 /// The greatest height of a figure seen as a whole, in heights of the picture, however slim it is.
 pub const WHOLE_HEIGHTS: f32 = 0.94;
+/// The same of a figure that is cut off below where it is slim: at the knees, of one that stands.
+pub const CROPPED_HEIGHTS: f32 = 1.4;
 /// The same of a figure seen from near, whose upper part fills the picture.
 pub const NEAR_HEIGHTS: f32 = 1.8;
 /// How far the lower end sinks, as a share of how far the upper one rises.
@@ -36,7 +38,7 @@ pub struct Filling {
 pub struct Headroom {
     /// In the shape's units.
     pub rises: f32,
-    /// [`WHOLE_HEIGHTS`] or [`NEAR_HEIGHTS`].
+    /// [`WHOLE_HEIGHTS`], [`CROPPED_HEIGHTS`] or [`NEAR_HEIGHTS`].
     pub most_heights: f32,
 }
 

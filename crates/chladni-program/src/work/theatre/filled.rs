@@ -3,7 +3,7 @@
 use chladni_mesh::Orientation;
 use chladni_music::{Dancer, Framing};
 use chladni_view::Camera;
-use chladni_view::filling::{Filling, Headroom, NEAR_HEIGHTS, TOP, WHOLE_HEIGHTS};
+use chladni_view::filling::{CROPPED_HEIGHTS, Filling, Headroom, NEAR_HEIGHTS, TOP, WHOLE_HEIGHTS};
 use chladni_view::framing::extremes;
 
 /// The shares of the picture that the figure covers, seen as a whole and near.
@@ -24,6 +24,8 @@ pub(super) struct Filled {
     /// The middle of the shape, and where the whole of it is seen from.
     middle: [f32; 3],
     whole: Filling,
+    /// Where it fills the picture as well without its lower part, if it is slim.
+    cropped: Filling,
     /// The same near the part that moves most.
     part: [f32; 3],
     near: Filling,
@@ -38,22 +40,31 @@ impl Filled {
             std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
         let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
         let rises = RISES * limit * dancer.box_diagonal;
-        let [whole, near] = [(middle, WHOLE_HEIGHTS, COVERS[0]), (part, NEAR_HEIGHTS, COVERS[1])].map(
-            |(target, most_heights, share)| {
-                let room = Headroom { rises, most_heights };
-                Filling::new(surface, stands, target, aspect, share, room)
-            },
-        );
-        Self { aspect, limit, rises, ends: extremes(surface), middle, whole, part, near }
+        let filling = |target, most_heights, share| {
+            let room = Headroom { rises, most_heights };
+            Filling::new(surface, stands, target, aspect, share, room)
+        };
+        Self {
+            aspect,
+            limit,
+            rises,
+            ends: extremes(surface),
+            middle,
+            whole: filling(middle, WHOLE_HEIGHTS, COVERS[0]),
+            cropped: filling(middle, CROPPED_HEIGHTS, COVERS[0]),
+            part,
+            near: filling(part, NEAR_HEIGHTS, COVERS[1]),
+        }
     }
 
     /// A camera that sees it so, before the viewer's own distance and shift.
     pub fn camera(&self, yaw_rad: f32, pitch_rad: f32, framing: &Framing, stands: Orientation) -> Camera {
         let mix = |from: f32, to: f32, share: f32| from + share * (to - from);
-        let (whole, near) = (self.whole.from(yaw_rad, pitch_rad), self.near.from(yaw_rad, pitch_rad));
+        let from = |filling: &Filling| filling.from(yaw_rad, pitch_rad).ln();
         let target =
             std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
-        let distance = mix(whole.ln(), near.ln(), framing.closeness).exp();
+        let far = mix(from(&self.whole), from(&self.cropped), framing.crop);
+        let distance = mix(far, from(&self.near).min(far), framing.closeness).exp();
         let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
         camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
         camera
