@@ -105,7 +105,7 @@ pub struct Dance {
     /// classes by the vote of the extrema, the filter form, linear bands and blended normals.
     #[arg(long)]
     paper: bool,
-    /// Lean back: dances, looks and strength change with the music, where sections and bars begin.
+    /// Lean back: dances, looks and strength change with the music, where sections and bars begin. A look that is given stays.
     #[arg(long, conflicts_with_all = ["preset", "show", "gallery", "coefficients"])]
     autopilot: bool,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here. Not with --resume, which

@@ -59,6 +59,11 @@ impl Programme {
         Self { form: is_flat.then_some(Form::Modal), ..self }
     }
 
+    /// In the look that there is, where that was chosen.
+    pub fn keeping_look(self, keeps: bool) -> Self {
+        Self { looks: if keeps { Vec::new() } else { self.looks }, ..self }
+    }
+
     /// Bars up to then were heard.
     pub fn heard_secs(&self) -> f64 {
         self.heard_secs
@@ -149,6 +154,18 @@ mod tests {
                 instrument.apply(Moment { at_secs: f64::from(i), at_beat: 0.0 }, action).unwrap();
             }
             assert_eq!(instrument.parameters().form, Form::Modal);
+        }
+    }
+
+    #[test]
+    fn a_look_that_was_chosen_stays() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let instrument = Instrument::new(1, 6, shape).unwrap();
+        for keeps in [false, true] {
+            let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap().keeping_look(keeps);
+            let actions = programme.step(0.0, true, &instrument);
+            assert!(actions.iter().any(|action| matches!(action, Action::Perform { .. })));
+            assert_eq!(actions.iter().any(|action| matches!(action, Action::SetLook { .. })), !keeps);
         }
     }
 

@@ -124,10 +124,10 @@ impl Performance {
         self.titles = titles;
     }
 
-    /// Dances, looks and strength change with the music.
-    pub fn pilot(&mut self) -> Result<(), Error> {
+    /// Dances and strength change with the music, and looks unless the film's own is kept.
+    pub fn pilot(&mut self, keeps_look: bool) -> Result<(), Error> {
         let programme = Programme::new(&self.instrument, Vec::new(), self.start_secs)?;
-        let mut programme = programme.on_sheet(self.staging.is_flat());
+        let mut programme = programme.on_sheet(self.staging.is_flat()).keeping_look(keeps_look);
         let at_secs = self.start_secs;
         for action in programme.step(at_secs, true, &self.instrument) {
             self.instrument.apply(Moment { at_secs, at_beat: 0.0 }, action)?;

@@ -53,6 +53,7 @@ impl Prepared {
         seconds.beats = listening.elapsed().as_secs_f64();
 
         let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let keeps_look = wanted.beginning.keeps_look;
         let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;
         let box_diagonal = dancer.box_diagonal;
         let voices = voices.into_iter().map(|(_, term)| term).collect();
@@ -71,7 +72,7 @@ impl Prepared {
             performance.judge_fields();
         }
         if wanted.autopilot {
-            performance.pilot()?;
+            performance.pilot(keeps_look)?;
         }
         if wanted.output.titles {
             performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), start_secs));
