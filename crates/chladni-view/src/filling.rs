@@ -40,6 +40,8 @@ pub struct Headroom {
     pub rises: f32,
     /// [`WHOLE_HEIGHTS`], [`CROPPED_HEIGHTS`] or [`NEAR_HEIGHTS`].
     pub most_heights: f32,
+    /// How far from the middle its sides may be at rest, in halves of the picture.
+    pub most_widths: f32,
 }
 
 impl Filling {
@@ -100,6 +102,7 @@ fn distance(camera: &Camera, points: &[[f32; 3]], aspect: f32, share: f32, room:
         let distance = (low * high).sqrt();
         let lift = lift(&seen, room.rises, distance, tan_y);
         if heights(&seen, room.rises, distance) > 2.0 * tan_y * room.most_heights
+            || width(&seen, distance) > tan_y * aspect * room.most_widths
             || covered(&seen, distance, lift, tan_y, aspect) > share
         {
             low = distance;
@@ -117,6 +120,11 @@ fn heights(seen: &[Vec3], rises: f32, distance: f32) -> f32 {
         (low.min((p.y - SINKS * rises) / depth), high.max((p.y + rises) / depth))
     });
     high - low
+}
+
+/// How far from the middle its sides are seen, at a distance of 1.
+fn width(seen: &[Vec3], distance: f32) -> f32 {
+    seen.iter().fold(0.0f32, |width, p| width.max(p.x.abs() / (distance - p.z)))
 }
 
 /// How far the shape is lowered so that its upper end is seen when it has risen, in heights of the picture.
@@ -182,7 +190,7 @@ mod tests {
     }
 
     fn whole(rises: f32) -> Headroom {
-        Headroom { rises, most_heights: WHOLE_HEIGHTS }
+        Headroom { rises, most_heights: WHOLE_HEIGHTS, most_widths: f32::INFINITY }
     }
 
     #[test]
@@ -206,7 +214,7 @@ mod tests {
     fn the_head_of_a_tall_figure_is_seen_and_the_eye_stays_outside() {
         let points = cuboid([0.3, 2.0, 0.3]);
         let seen_from = |most_heights: f32, target: [f32; 3], share: f32| {
-            let room = Headroom { rises: 0.4, most_heights };
+            let room = Headroom { rises: 0.4, most_heights, most_widths: f32::INFINITY };
             let filling = Filling::new(&points, Orientation::Y_UP, target, 1.7, share, room);
             let mut camera = Camera { target, distance: filling.from(0.0, 0.0), ..Camera::default() };
             camera.keep_below(points.iter().copied(), room.rises, TOP);
@@ -234,7 +242,7 @@ mod tests {
         let ring = (0..48).map(|i| (i as f32 * std::f32::consts::PI / 24.0).sin_cos());
         let points: Vec<[f32; 3]> =
             ring.flat_map(|(sin, cos)| [-0.5, 0.5].map(|y| [1.2 * sin, y, 1.2 * cos])).collect();
-        let room = Headroom { rises: 0.5, most_heights: WHOLE_HEIGHTS };
+        let room = whole(0.5);
         let filling = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 0.9, room);
         for (yaw_rad, pitch_rad) in [(0.0, 0.0), (0.4, 0.1), (1.0, -0.4), (2.0, 0.4), (-0.7, 0.7)] {
             let distance = filling.from(yaw_rad, pitch_rad);
@@ -250,6 +258,22 @@ mod tests {
             let low = points.iter().map(|p| height(p, -SINKS * room.rises)).fold(f32::MAX, f32::min);
             assert!(high < TOP + 1e-3 && low > -1.0, "from {yaw_rad}, {pitch_rad}: {low} to {high}");
         }
+    }
+
+    #[test]
+    fn a_figure_that_is_cropped_below_keeps_its_sides() {
+        let most = |size: [f32; 3]| {
+            let room = Headroom { rises: 0.2, most_heights: CROPPED_HEIGHTS, most_widths: 0.8 };
+            let points = cuboid(size);
+            let distance = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.4, 0.9, room).from(0.0, 0.0);
+            let edge = (0.5 * Camera::default().fov_y_rad).tan();
+            let ends =
+                points.iter().map(|p| [p[0].abs() / 1.4, p[1].abs()].map(|c| c / (distance - p[2]) / edge));
+            ends.fold([0.0f32; 2], |most, end| [0, 1].map(|i| most[i].max(end[i])))
+        };
+        let [wide, slim] = [most([2.0, 1.5, 0.4]), most([0.4, 2.0, 0.4])];
+        assert!((0.7..0.81).contains(&wide[0]) && wide[1] < 1.0, "{wide:?}");
+        assert!(slim[0] < 0.4 && slim[1] > 1.1, "{slim:?}");
     }
 
     #[test]

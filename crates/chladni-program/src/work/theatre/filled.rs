@@ -8,6 +8,10 @@ use chladni_view::framing::extremes;
 
 /// The shares of the picture that the figure covers, seen as a whole and near.
 const COVERS: [f32; 2] = [0.3, 0.43];
+/// A figure that covers less than this as a whole is slim: it may be cut off below until it covers as much.
+const SLIM_COVERS: f32 = 0.2;
+/// How far the sides of a figure that is cut off below are from the middle, in halves of the picture: they move, too.
+const CROPPED_WIDTHS: f32 = 0.7;
 /// The share of the largest displacement by which a figure rises in loud music.
 const RISES: f32 = 0.9;
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
@@ -40,20 +44,21 @@ impl Filled {
             std::array::from_fn(|i| if low[i] <= high[i] { 0.5 * (low[i] + high[i]) } else { 0.0 });
         let part = std::array::from_fn(|i| middle[i] + PART * (dancer.liveliest[i] - middle[i]));
         let rises = RISES * limit * dancer.box_diagonal;
-        let filling = |target, most_heights, share| {
-            let room = Headroom { rises, most_heights };
+        let filling = |target, most_heights, most_widths, share| {
+            let room = Headroom { rises, most_heights, most_widths };
             Filling::new(surface, stands, target, aspect, share, room)
         };
+        let any = f32::INFINITY;
         Self {
             aspect,
             limit,
             rises,
             ends: extremes(surface),
             middle,
-            whole: filling(middle, WHOLE_HEIGHTS, COVERS[0]),
-            cropped: filling(middle, CROPPED_HEIGHTS, COVERS[0]),
+            whole: filling(middle, WHOLE_HEIGHTS, any, COVERS[0]),
+            cropped: filling(middle, CROPPED_HEIGHTS, CROPPED_WIDTHS, SLIM_COVERS),
             part,
-            near: filling(part, NEAR_HEIGHTS, COVERS[1]),
+            near: filling(part, NEAR_HEIGHTS, any, COVERS[1]),
         }
     }
 
@@ -63,7 +68,8 @@ impl Filled {
         let from = |filling: &Filling| filling.from(yaw_rad, pitch_rad).ln();
         let target =
             std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
-        let far = mix(from(&self.whole), from(&self.cropped), framing.crop);
+        // What is not slim is seen as a whole.
+        let far = mix(from(&self.whole), from(&self.cropped).min(from(&self.whole)), framing.crop);
         let distance = mix(far, from(&self.near).min(far), framing.closeness).exp();
         let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
         camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
