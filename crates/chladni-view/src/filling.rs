@@ -2,6 +2,7 @@
 
 use chladni_mesh::Orientation;
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::Camera;
 
@@ -63,7 +64,7 @@ impl Filling {
                 distance(&camera, points, aspect.clamp(0.05, 20.0), share, room)
             })
         };
-        Self { around: (0..YAWS).map(of_yaw).collect() }
+        Self { around: (0..YAWS).into_par_iter().map(of_yaw).collect() }
     }
 
     /// The distance from that side.
