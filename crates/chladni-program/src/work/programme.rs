@@ -12,8 +12,10 @@ use super::Error;
 pub struct Programme {
     autopilot: Autopilot,
     dances: Vec<Preset>,
-    /// Names of [`Look::PRESETS`].
+    /// Names of [`Look::PRESETS`]; none where the look stays.
     looks: Vec<&'static str>,
+    /// The turn that began first: it has the show's own look, which suits the body (but not a sheet without its sand).
+    first: Option<Turn>,
     /// What the gain of each turn is multiplied by.
     gain: f32,
     /// Bars up to then were heard.
@@ -46,6 +48,7 @@ impl Programme {
             autopilot: Autopilot::new(instrument.seed(), candidates.collect(), looks.len()),
             dances,
             looks,
+            first: None,
             gain: instrument.parameters().get(Parameter::Gain),
             heard_secs: at_secs,
             turns: 0,
@@ -122,12 +125,14 @@ impl Programme {
     /// before it is still seen while it leaves.
     fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
         self.turns += 1;
+        let is_first = *self.first.get_or_insert(turn) == turn;
         let item = instrument.gallery().items().len().saturating_sub(1 + self.turns % 2);
         let preset = self.dances.get(turn.dance).cloned();
         let (low, high) = Parameter::Gain.range();
         let value = (self.gain * turn.gain).clamp(low, high);
         let form = self.form.map(|form| Action::SetForm { form });
-        let look = self.looks.get(turn.look).map(|look| Action::SetLook { look: (*look).to_owned() });
+        let look = self.looks.get(turn.look).filter(|_| !is_first || self.form.is_some());
+        let look = look.map(|look| Action::SetLook { look: (*look).to_owned() });
         preset.into_iter().flat_map(move |preset| {
             let take = Action::Take { item, preset: Box::new(preset) };
             let gain = Action::Set { parameter: Parameter::Gain, value };
@@ -158,14 +163,18 @@ mod tests {
     }
 
     #[test]
-    fn a_look_that_was_chosen_stays() {
+    fn the_first_turn_has_the_look_there_is_and_a_chosen_one_stays() {
         let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
         let instrument = Instrument::new(1, 6, shape).unwrap();
         for keeps in [false, true] {
             let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap().keeping_look(keeps);
-            let actions = programme.step(0.0, true, &instrument);
-            assert!(actions.iter().any(|action| matches!(action, Action::Perform { .. })));
-            assert_eq!(actions.iter().any(|action| matches!(action, Action::SetLook { .. })), !keeps);
+            let mut changes_look = |forward: bool| {
+                let actions = programme.step(0.0, forward, &instrument);
+                assert!(actions.iter().any(|action| matches!(action, Action::Perform { .. })));
+                actions.iter().any(|action| matches!(action, Action::SetLook { .. }))
+            };
+            // The first turn has the show's own look, also when it comes back.
+            assert_eq!([true, true, false].map(&mut changes_look), [false, !keeps, false]);
         }
     }
 
@@ -188,13 +197,14 @@ mod tests {
             let at_secs = f64::from(i) * 20.0;
             let bar = BarLine { at_secs, secs: 2.0, energy: 0.5, begins_section: true };
             let actions = programme.hear(&[bar], at_secs, &instrument);
-            assert_eq!(actions.len(), 4);
+            assert_eq!(actions.len(), if i == 0 { 3 } else { 4 });
             for (at_secs, action) in actions {
                 instrument.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
             }
             let scene = instrument.scene(2.0 * at_secs).unwrap();
             assert_ne!(last.replace(scene.to), Some(scene.to));
-            assert!(look_on_stage(&instrument).is_some());
+            // The first has the show's own look.
+            assert_eq!(look_on_stage(&instrument).is_some(), i > 0);
         }
         // Off the stage the show's own look is back, and gallery and knobs are as they were.
         instrument.apply(Moment::default(), Action::LeaveStage).unwrap();

@@ -12,6 +12,11 @@ const COVERS: [f32; 2] = [0.3, 0.43];
 const SLIM_COVERS: f32 = 0.2;
 /// How far the sides of a figure that is cut off below are from the middle, in halves of the picture: they move, too.
 const CROPPED_WIDTHS: f32 = 0.7;
+/// The part of a figure that is cut off, as a share of its height.
+const LOWER: f32 = 0.33;
+/// How far that part may reach to the sides, in comparison with the rest: what stands on its widest part, as a bell
+/// does, is seen as a whole.
+const LOWER_REACHES: f32 = 0.8;
 /// The share of the largest displacement by which a figure rises in loud music.
 const RISES: f32 = 0.9;
 /// How far from the middle of the shape to the part that moves most a camera looks that comes near it.
@@ -28,8 +33,8 @@ pub(super) struct Filled {
     /// The middle of the shape, and where the whole of it is seen from.
     middle: [f32; 3],
     whole: Filling,
-    /// Where it fills the picture as well without its lower part, if it is slim.
-    cropped: Filling,
+    /// Where it fills the picture as well without its lower part, if it is slim and stands on a narrow part.
+    cropped: Option<Filling>,
     /// The same near the part that moves most.
     part: [f32; 3],
     near: Filling,
@@ -56,7 +61,8 @@ impl Filled {
             ends: extremes(surface),
             middle,
             whole: filling(middle, WHOLE_HEIGHTS, any, COVERS[0]),
-            cropped: filling(middle, CROPPED_HEIGHTS, CROPPED_WIDTHS, SLIM_COVERS),
+            cropped: stands_on_a_narrow_part(surface, stands)
+                .then(|| filling(middle, CROPPED_HEIGHTS, CROPPED_WIDTHS, SLIM_COVERS)),
             part,
             near: filling(part, NEAR_HEIGHTS, any, COVERS[1]),
         }
@@ -68,11 +74,46 @@ impl Filled {
         let from = |filling: &Filling| filling.from(yaw_rad, pitch_rad).ln();
         let target =
             std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
+        let whole = from(&self.whole);
         // What is not slim is seen as a whole.
-        let far = mix(from(&self.whole), from(&self.cropped).min(from(&self.whole)), framing.crop);
+        let far =
+            self.cropped.as_ref().map_or(whole, |cropped| mix(whole, from(cropped).min(whole), framing.crop));
         let distance = mix(far, from(&self.near).min(far), framing.closeness).exp();
         let mut camera = Camera { yaw_rad, pitch_rad, target, distance, stands, ..Camera::default() };
         camera.keep_below(self.ends.iter().copied(), self.rises, TOP);
         camera
+    }
+}
+
+/// Whether the lower part of a figure reaches less far to the sides than the rest.
+fn stands_on_a_narrow_part(surface: &[[f32; 3]], stands: Orientation) -> bool {
+    let axes = [stands.right(), stands.up(), stands.front()].map(|axis| axis.map(|c| c as f32));
+    let along = |p: &[f32; 3], axis: [f32; 3]| p.iter().zip(axis).map(|(p, a)| p * a).sum::<f32>();
+    let placed: Vec<[f32; 3]> = surface.iter().map(|p| axes.map(|axis| along(p, axis))).collect();
+    let extent = |axis: usize| {
+        placed.iter().fold([f32::MAX, f32::MIN], |[low, high], p| [low.min(p[axis]), high.max(p[axis])])
+    };
+    let [[left, right], [bottom, top], [behind, ahead]] = [0, 1, 2].map(extent);
+    let edge = bottom + LOWER * (top - bottom);
+    let off_axis = |p: &[f32; 3]| (p[0] - 0.5 * (left + right)).hypot(p[2] - 0.5 * (behind + ahead));
+    let reach = |lower: bool| {
+        let part = placed.iter().filter(|p| (p[1] < edge) == lower);
+        part.map(off_axis).fold(0.0, f32::max)
+    };
+    reach(true) < LOWER_REACHES * reach(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_mesh::samples;
+
+    #[test]
+    fn a_human_may_be_cut_off_at_the_knees_and_a_bell_may_not() {
+        for (name, may) in [("human", true), ("bell", false), ("cat", false), ("octopus", false)] {
+            let mesh = samples::sample(name).unwrap();
+            let points: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+            assert_eq!(stands_on_a_narrow_part(&points, Orientation::Y_UP), may, "{name}");
+        }
     }
 }
