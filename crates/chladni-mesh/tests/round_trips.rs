@@ -177,6 +177,21 @@ fn an_obj_brings_its_library_and_pictures_along() {
 }
 
 #[test]
+fn an_obj_named_with_a_comment_sign_finds_its_library_and_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut mesh = dressed();
+    mesh.appearance.materials[0].base_color_texture.as_mut().unwrap().name = "take #2/oak #7.png".into();
+    let path = folder.path().join("scan #3.obj");
+    save_mesh(&mesh, &path).unwrap();
+    let loaded = load_mesh(&path).unwrap();
+    assert_eq!(loaded.mended, []);
+    let materials =
+        |mesh: &TriMesh| mesh.appearance.materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+    assert_eq!(materials(&loaded.mesh), ["wood panel", "glass"]);
+    assert_eq!(picture(&loaded.mesh), picture(&mesh));
+}
+
+#[test]
 fn saving_over_a_folder_fails_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("no such folder/out.ply");

@@ -60,8 +60,10 @@ impl Concert {
                 .try_for_each(|action| self.act(action))?);
         }
         let at_secs = self.clock.at_secs();
-        let mut programme =
-            Programme::new(&self.instrument, Vec::new(), at_secs)?.on_sheet(self.staging.is_flat());
+        // Another evening, another programme.
+        let draw = js_sys::Date::now() as u64;
+        let programme = Programme::new(&self.instrument, Vec::new(), at_secs, draw)?;
+        let mut programme = programme.on_sheet(self.staging.is_flat());
         let actions = programme.step(at_secs, true, &self.instrument);
         self.programme = Some(programme);
         for action in actions {

@@ -28,11 +28,17 @@ pub struct Programme {
 }
 
 impl Programme {
-    /// The built-in dances and `favorites`, which come more often; from `at_secs` of a show on.
+    /// The built-in dances and `favorites`, which come more often; from `at_secs` of a show on. Which come when follows
+    /// from the instrument's seed and `draw`: another number, other dances and looks.
     ///
     /// # Errors
     /// Where the built-in dances cannot be read.
-    pub fn new(instrument: &Instrument, favorites: Vec<Preset>, at_secs: f64) -> Result<Self, Error> {
+    pub fn new(
+        instrument: &Instrument,
+        favorites: Vec<Preset>,
+        at_secs: f64,
+        draw: u64,
+    ) -> Result<Self, Error> {
         let mut dances = repertoire()?;
         let weights = vec![1; dances.len()].into_iter().chain(vec![Candidate::FAVORITE; favorites.len()]);
         let weights: Vec<u32> = weights.collect();
@@ -45,7 +51,11 @@ impl Programme {
         let looks: Vec<&str> =
             Look::PRESETS.iter().filter(|(_, look)| comes(look)).map(|(name, _)| *name).collect();
         Ok(Self {
-            autopilot: Autopilot::new(instrument.seed(), candidates.collect(), looks.len()),
+            autopilot: Autopilot::new(
+                instrument.seed().wrapping_add(draw),
+                candidates.collect(),
+                looks.len(),
+            ),
             dances,
             looks,
             first: None,
@@ -153,7 +163,7 @@ mod tests {
     fn whatever_dances_on_a_sheet_leaves_its_plane() {
         let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
         let mut instrument = Instrument::new(1, 6, shape).unwrap();
-        let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap().on_sheet(true);
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap().on_sheet(true);
         for i in 0..20 {
             for action in programme.step(f64::from(i), true, &instrument) {
                 instrument.apply(Moment { at_secs: f64::from(i), at_beat: 0.0 }, action).unwrap();
@@ -167,7 +177,7 @@ mod tests {
         let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
         let instrument = Instrument::new(1, 6, shape).unwrap();
         for keeps in [false, true] {
-            let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap().keeping_look(keeps);
+            let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap().keeping_look(keeps);
             let mut changes_look = |forward: bool| {
                 let actions = programme.step(0.0, forward, &instrument);
                 assert!(actions.iter().any(|action| matches!(action, Action::Perform { .. })));
@@ -191,7 +201,7 @@ mod tests {
         }
         let parameters = instrument.parameters().clone();
         let items = instrument.gallery().items().to_vec();
-        let mut programme = Programme::new(&instrument, Vec::new(), 0.0).unwrap();
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
         let mut last = None;
         for i in 0..60 {
             let at_secs = f64::from(i) * 20.0;

@@ -119,6 +119,8 @@ const SHEET_PITCH_RAD: f32 = 0.5;
 const SURFACE_POINTS: usize = 5000;
 /// Distances are measured for aspects so far apart, and serve those between: how a window came to its size plays no part.
 const ASPECT_STEP: f32 = 0.02;
+/// The same for limits of displacement, upward: who drags that knob does not wait for them in every frame.
+const LIMIT_STEP: f32 = 0.08;
 
 /// All that a picture shows beside the shapes themselves.
 #[derive(Clone, Debug, PartialEq)]
@@ -231,7 +233,7 @@ impl Staging {
         framing: &Framing,
         reaction: Reaction,
     ) -> Camera {
-        let limit = self.room.0;
+        let limit = ((self.room.0.ln() / LIMIT_STEP).ceil() * LIMIT_STEP).exp();
         let aspect = ((aspect.ln() / ASPECT_STEP).round() * ASPECT_STEP).exp();
         let known = self.filled.take().filter(|filled| filled.limit == limit && filled.aspect == aspect);
         let filled =

@@ -124,9 +124,9 @@ impl Performance {
         self.titles = titles;
     }
 
-    /// Dances and strength change with the music, and looks unless the film's own is kept.
-    pub fn pilot(&mut self, keeps_look: bool) -> Result<(), Error> {
-        let programme = Programme::new(&self.instrument, Vec::new(), self.start_secs)?;
+    /// Dances and strength change with the music, and looks unless the film's own is kept; another `draw`, other ones.
+    pub fn pilot(&mut self, keeps_look: bool, draw: u64) -> Result<(), Error> {
+        let programme = Programme::new(&self.instrument, Vec::new(), self.start_secs, draw)?;
         let mut programme = programme.on_sheet(self.staging.is_flat()).keeping_look(keeps_look);
         let at_secs = self.start_secs;
         for action in programme.step(at_secs, true, &self.instrument) {

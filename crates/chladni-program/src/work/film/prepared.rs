@@ -72,7 +72,8 @@ impl Prepared {
             performance.judge_fields();
         }
         if wanted.autopilot {
-            performance.pilot(keeps_look)?;
+            // Each song has its own dances, in every film of it.
+            performance.pilot(keeps_look, songs.draw())?;
         }
         if wanted.output.titles {
             performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), start_secs));

@@ -1,5 +1,7 @@
 //! The autopilot in the window.
 
+use std::time::{SystemTime, UNIX_EPOCH};
+
 use chladni_music::{Action, BarLine, Preset};
 
 use super::Concert;
@@ -24,7 +26,9 @@ impl Concert {
         let favorites = self.instrument.favorites().iter();
         let favorites = favorites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
         let favorites = favorites.chain(kept).collect();
-        let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs)?;
+        // Another evening, another programme: what it does is written down in the show.
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+        let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs, now)?;
         let mut programme = programme.on_sheet(self.staging.is_flat());
         let actions = programme.step(self.moment.at_secs, true, &self.instrument);
         actions.into_iter().try_for_each(|action| self.act(action))?;
