@@ -49,8 +49,8 @@ pub(crate) fn bell() -> TriMesh {
                 wall.windows(2).map(|ends| rod(axial, at(ends[0]), at(ends[1]), ends[0][2], ends[1][2]));
             let mut d = parts.fold(f64::INFINITY, f64::min);
             // Two moldings around it, broad enough for the cells.
-            d = join(d, sphere(axial, [0.575, 0.44, 0.0], 0.065), 0.09);
-            d = join(d, sphere(axial, [0.77, -0.50, 0.0], 0.065), 0.09);
+            d = join(d, sphere(axial, [0.59, 0.44, 0.0], 0.050), 0.07);
+            d = join(d, sphere(axial, [0.785, -0.50, 0.0], 0.050), 0.07);
             d = join(d, rod(p, [0.0, 0.80, 0.0], [0.0, 1.02, 0.0], 0.12, 0.07), 0.10);
             d = join(d, sphere(p, [0.0, 1.14, 0.0], 0.15), 0.06);
             let clapper = rod(p, [0.0, 0.70, 0.0], [0.0, -0.70, 0.0], 0.062, 0.075);
