@@ -103,8 +103,9 @@ fn beginning() -> [f32; STATES] {
     std::array::from_fn(|state| (COMMON[place(state).0] / METERS[place(state).0] as f32).ln())
 }
 
-/// The bars of a song, given all of its beats: the most probable path (Viterbi).
-pub(super) fn bars(beats_secs: &[f64], heard: &[BeatFeatures]) -> Vec<Bar> {
+/// The most probable paths through `heard` beats (Viterbi), of which the first `judged` are judged: the score of each
+/// state at the last beat, and where each came from.
+fn paths(heard: &[BeatFeatures], judged: usize) -> ([f32; STATES], Vec<[u8; STATES]>) {
     let signs: Vec<[f32; 4]> = (0..heard.len()).map(|i| signs_at(heard, i)).collect();
     let mut judge = Judge::new();
     signs.iter().for_each(|signs| judge.learn(*signs));
@@ -112,17 +113,30 @@ pub(super) fn bars(beats_secs: &[f64], heard: &[BeatFeatures]) -> Vec<Bar> {
     let mut came_from: Vec<[u8; STATES]> = Vec::with_capacity(heard.len());
     for (i, signs) in signs.iter().enumerate() {
         let past: Vec<&BeatFeatures> = heard[..i].iter().rev().take(METERS[1]).collect();
-        let judged = judge.judge(*signs, &heard[i], &past);
+        let fits = if i < judged { judge.judge(*signs, &heard[i], &past) } else { [0.0; STATES] };
         let mut from = [0; STATES];
         let next = std::array::from_fn(|to| {
-            let arrive = |from: usize| score[from] + step(from, to);
-            let best = (0..STATES).max_by(|&a, &b| arrive(a).total_cmp(&arrive(b))).unwrap_or(0);
+            let (best, arrives) = arrival(&score, to);
             from[to] = best as u8;
-            judged[to] + if i == 0 { score[to] } else { arrive(best) }
+            fits[to] + if i == 0 { score[to] } else { arrives }
         });
         score = next;
         came_from.push(from);
     }
+    (score, came_from)
+}
+
+/// From which state the best path comes to a state, and the score with which it arrives.
+fn arrival(score: &[f32; STATES], to: usize) -> (usize, f32) {
+    let arrive = |from: usize| score[from] + step(from, to);
+    let best = (0..STATES).max_by(|&a, &b| arrive(a).total_cmp(&arrive(b))).unwrap_or(0);
+    (best, arrive(best))
+}
+
+/// The bars of a song, given all of its beats.
+pub(super) fn bars(beats_secs: &[f64], heard: &[BeatFeatures]) -> Vec<Bar> {
+    // Where the last beat ends is assumed, not heard.
+    let (score, came_from) = paths(heard, heard.len().saturating_sub(1));
     let mut at = (0..STATES).max_by(|&a, &b| score[a].total_cmp(&score[b])).unwrap_or(0);
     let mut places = vec![0; heard.len()];
     for i in (0..heard.len()).rev() {
@@ -152,53 +166,29 @@ fn signs_at(heard: &[BeatFeatures], i: usize) -> [f32; 4] {
     signs(&before, &after)
 }
 
-/// The same pointer as a forward filter: its result for a beat depends on no later beat.
-#[derive(Clone, Debug)]
+/// How many beats a listener remembers: about a minute.
+const REMEMBERED: usize = 128;
+
+/// The same for a listener: with each beat, the paths through all that are remembered are found anew, so that what
+/// came later decides about what came before.
+#[derive(Clone, Debug, Default)]
 pub(super) struct BarPointer {
-    belief: [f32; STATES],
-    judge: Judge,
-    /// The beats that have ended, nearest first.
-    past: Vec<BeatFeatures>,
+    heard: Vec<BeatFeatures>,
 }
 
 impl BarPointer {
-    /// A pointer for which all places of a bar are still possible.
-    pub fn new() -> Self {
-        Self { belief: beginning(), judge: Judge::new(), past: Vec::new() }
-    }
-
     /// Takes a beat that has ended. If a bar begins now, returns its likely number of beats.
     pub fn beat(&mut self, ended: BeatFeatures) -> Option<usize> {
-        self.past.insert(0, ended);
-        self.past.truncate(2 * CONTEXT);
-        let heard: Vec<&BeatFeatures> = self.past.iter().collect();
-        // A beat is judged once the context after it has been heard.
-        if let Some((judged, before)) = heard.get(CONTEXT - 1..).and_then(|at| at.split_first()) {
-            let after: Vec<&BeatFeatures> = heard[..CONTEXT].iter().rev().copied().collect();
-            let signs = signs(before, &after);
-            self.judge.learn(signs);
-            let judged = self.judge.judge(signs, judged, before);
-            self.belief.iter_mut().zip(judged).for_each(|(belief, judged)| *belief += judged);
-            self.belief = on(&self.belief);
+        if self.heard.len() == REMEMBERED {
+            self.heard.remove(0);
         }
-        // The belief about the judged beat, advanced to the beat that begins now.
-        let now = (1..CONTEXT).fold(self.belief, |belief, _| on(&belief));
-        let best = (0..STATES).max_by(|&a, &b| now[a].total_cmp(&now[b]))?;
+        self.heard.push(ended);
+        let (score, _) = paths(&self.heard, self.heard.len());
+        let now = |to: &usize| arrival(&score, *to).1;
+        let best = (0..STATES).max_by(|a, b| now(a).total_cmp(&now(b)))?;
         let (meter, at) = place(best);
         (at == 0).then_some(METERS[meter])
     }
-}
-
-/// The belief one beat later, normalized to a maximum of 0.
-fn on(belief: &[f32; STATES]) -> [f32; STATES] {
-    let next: [f32; STATES] = std::array::from_fn(|to| {
-        let arriving: [f32; STATES] = std::array::from_fn(|from| belief[from] + step(from, to));
-        let most = arriving.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-        most + arriving.iter().map(|value| (value - most).exp()).sum::<f32>().ln()
-    });
-    let most = next.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    // Every state stays possible: it may turn out to be the right one.
-    next.map(|value| (value - most).max(-30.0))
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ impl BarFollower {
             frames: Vec::new(),
             onsets: Vec::new(),
             gone: [0; 2],
-            pointer: BarPointer::new(),
+            pointer: BarPointer::default(),
             last_beat_secs: None,
             beats: Vec::new(),
             bars: Vec::new(),
