@@ -4,13 +4,15 @@ use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body};
 use chladni_match::{
-    Ellipsoid, Match, MatchError, MatchReport, MatchSettings, infilled, match_shapes, onto_ellipsoid,
+    Correspondence, Ellipsoid, Match, MatchError, MatchReport, MatchSettings, infilled, match_shapes,
+    onto_ellipsoid,
 };
 use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
 use chladni_task::Task;
 use serde::{Deserialize, Serialize};
 
 use crate::{Base, CaricatureError, Layer, Target, Template};
+use chladni_mesh::surface::SurfacePoint;
 use chladni_mesh::surface::vec3::{Vec3, add, scaled};
 
 /// A template that has to be matched with the shape, once, however many layers use it.
@@ -34,6 +36,8 @@ pub struct Matched {
     pub report: Option<MatchReport>,
     /// How far to trust each of the n file vertices, in [0, 1].
     pub confidence: Vec<f64>,
+    /// Where each of the n file vertices lies on the template's mesh; `None` if the template is not a mesh.
+    pub on_template: Option<Vec<SurfacePoint>>,
     /// The shape's orientation if it stands as its template does; `None` if that is in doubt, too.
     pub stands: Option<Orientation>,
 }
@@ -129,7 +133,8 @@ impl MatchRequest {
             }
         };
         let points = on_operator_vertices(body, &found.target)?;
-        Ok(Matched { points, infill: None, report: None, confidence: found.confidence, stands: None })
+        let Correspondence { confidence, on_template, .. } = found;
+        Ok(Matched { points, infill: None, report: None, confidence, on_template, stands: None })
     }
 
     /// The same where `shape` is matched with the template's `mesh` already, as `found` says.
@@ -152,7 +157,8 @@ impl MatchRequest {
             None => None,
         };
         let points = on_operator_vertices(body, &correspondence.target)?;
-        Ok(Matched { points, infill, report: Some(report), confidence: correspondence.confidence, stands })
+        let Correspondence { confidence, on_template, .. } = correspondence;
+        Ok(Matched { points, infill, report: Some(report), confidence, on_template, stands })
     }
 
     fn failure(&self, why: String) -> CaricatureError {

@@ -1,6 +1,7 @@
 //! Landmarks picked on a shape and its template, side by side: what a press does, and what both shapes look like.
 
 use chladni_match::Landmark;
+use chladni_mesh::surface::SurfacePoint;
 use chladni_mesh::{Frame, Orientation, TriMesh};
 use chladni_view::{
     Camera, ColorMap, Device, Figure, ItemBuffers, Marker, Material, Paint, PickTree, Rect, Scale, Topology,
@@ -250,9 +251,19 @@ impl Side {
         Some(self.triangles.get(hit.triangle as usize)?[hit.nearest_corner()])
     }
 
+    /// Where a point of its surface lies; `None` where there is no such triangle.
+    fn place(&self, on: &SurfacePoint) -> Option<[f32; 3]> {
+        let at = |v: u32| self.positions[v as usize].map(f64::from);
+        Some(on.position(&self.triangles, at)?.map(|c| c as f32))
+    }
+
     /// The pixel of a vertex, and whether nothing hides it.
     pub fn pixel(&self, vertex: u32, cell: Rect) -> Option<([f32; 2], bool)> {
-        let point = self.position(vertex)?;
+        self.pixel_of(self.position(vertex)?, cell)
+    }
+
+    /// The pixel of a point of its surface, and whether nothing hides it.
+    pub fn pixel_of(&self, point: [f32; 3], cell: Rect) -> Option<([f32; 2], bool)> {
         let (pixel, _) = self.camera.project(point, cell)?;
         let ray = self.camera.ray(pixel[0], pixel[1], cell);
         let distance = (0..3).map(|i| (point[i] - ray.origin[i]) * ray.direction[i]).sum::<f32>();
@@ -288,9 +299,58 @@ impl Side {
     }
 }
 
+/// Where a match puts what lies at `vertex` of one side on the other: the shape's vertices lie `on_template`.
+pub fn counterpart(
+    which: Which,
+    vertex: u32,
+    on_template: &[SurfacePoint],
+    [shape, template]: [&Side; 2],
+) -> Option<[f32; 3]> {
+    if which == Which::Shape {
+        return template.place(on_template.get(vertex as usize)?);
+    }
+    let from = template.position(vertex)?;
+    let apart = |on: &SurfacePoint| {
+        let to = template.place(on)?;
+        Some((0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f32>())
+    };
+    let all = on_template.iter().enumerate().filter_map(|(v, on)| Some((v, apart(on)?)));
+    let (nearest, _) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    shape.position(nearest as u32)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_match_puts_together_is_found_from_either_side() {
+        let mesh = chladni_mesh::samples::icosphere(2);
+        let flipped = TriMesh {
+            positions: mesh.positions.iter().map(|p| [-p[0], p[1], p[2]]).collect(),
+            ..mesh.clone()
+        };
+        let side = |mesh| Side::new(&Device::Processor, mesh, Orientation::Y_UP).unwrap();
+        let sides = [&side(&mesh), &side(&flipped)];
+        let corner_of = |v: usize| {
+            let found = mesh.triangles.iter().enumerate().find_map(|(t, corners)| {
+                Some(SurfacePoint::at_corner(t as u32, corners.iter().position(|c| *c as usize == v)?))
+            });
+            found.unwrap()
+        };
+        let on_template: Vec<SurfacePoint> = (0..mesh.positions.len()).map(corner_of).collect();
+        for vertex in [0, 7, 100] {
+            for (which, other) in [(Which::Shape, sides[1]), (Which::Template, sides[0])] {
+                assert_eq!(
+                    counterpart(which, vertex, &on_template, sides),
+                    other.position(vertex),
+                    "{which:?}"
+                );
+            }
+        }
+        assert_eq!(counterpart(Which::Shape, 9999, &on_template, sides), None);
+        assert_eq!(counterpart(Which::Template, 0, &[], sides), None);
+    }
 
     #[test]
     fn a_vertex_is_found_where_it_is_drawn_and_known_to_be_hidden_behind() {

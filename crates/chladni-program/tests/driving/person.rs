@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use chladni_mesh::{TriMesh, samples, save_mesh};
 use chladni_program::studio::{Folders, Opening};
-use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect};
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
 
 use super::{self as driving, Answers, Window};
 
@@ -148,6 +148,19 @@ impl Person {
         let viewports = &mut self.0.input_mut().viewports;
         viewports.entry(egui::ViewportId::ROOT).or_default().events.clear();
         self.0.run_steps(2);
+    }
+
+    /// The pixels of `area` that look otherwise when the pointer is `at` a place than when it is `away`.
+    pub fn what_changes(&mut self, area: Rect, away: Pos2, at: Pos2) -> Vec<Vec2> {
+        let [before, after] = [away, at].map(|at| {
+            self.0.hover_at(at);
+            self.0.run_steps(2);
+            self.0.render().unwrap()
+        });
+        let changed = after.enumerate_pixels().filter(|(x, y, pixel)| {
+            area.contains(pos2(*x as f32, *y as f32)) && **pixel != *before.get_pixel(*x, *y)
+        });
+        changed.map(|(x, y, _)| vec2(x as f32 + 0.5, y as f32 + 0.5)).collect()
     }
 
     /// See [`driving::screenshot`].

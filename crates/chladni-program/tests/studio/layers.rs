@@ -27,6 +27,17 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     }
     person.wait_to_see("The match follows");
     person.wait("the new match", |window| !driving::shows(window, "Matching"));
+    // The place under the pointer is marked on the other shape, from either side.
+    let away = pos2(left.center().x, 10.0);
+    let mut across = |side: egui::Rect, at: egui::Pos2| {
+        let mark = person.what_changes(side, away, at);
+        assert!((20..250).contains(&mark.len()), "{} pixels", mark.len());
+        (mark.iter().fold(vec2(0.0, 0.0), |sum, p| sum + *p) / mark.len() as f32).to_pos2()
+    };
+    let at = left.center() + vec2(40.0, 30.0);
+    let there = across(right, at);
+    let back = across(left, there);
+    assert!((back - at).length() < 0.05 * left.width(), "{at:?}, {there:?}, {back:?}");
     person.screenshot("studio-landmarks.png");
 
     let landmarks = |name: &str| {

@@ -146,20 +146,9 @@ fn the_place_under_the_pointer_is_marked_on_the_template_beside_the_shape_and_ba
     person.press(Key::Home);
     let middle = stage.center().x;
     // What changes in the other half of the picture, where there is no pointer: the middle of the mark.
-    let picture_at = |person: &mut Person, at: Pos2| {
-        person.0.hover_at(at);
-        person.0.run_steps(2);
-        person.0.render().unwrap()
-    };
-    let bare = picture_at(&mut person, pos2(middle, 20.0));
+    let halves = [stage.with_max_x(middle - 1.0), stage.with_min_x(middle)];
     let mut opposite = |at: Pos2| {
-        let marked = picture_at(&mut person, at);
-        let changed = marked.enumerate_pixels().filter(|(x, y, pixel)| {
-            let place = pos2(*x as f32, *y as f32);
-            let across = (place.x < middle) != (at.x < middle);
-            across && stage.contains(place) && **pixel != *bare.get_pixel(*x, *y)
-        });
-        let mark: Vec<_> = changed.map(|(x, y, _)| vec2(x as f32 + 0.5, y as f32 + 0.5)).collect();
+        let mark = person.what_changes(halves[usize::from(at.x < middle)], pos2(middle, 20.0), at);
         assert!((20..250).contains(&mark.len()), "{} pixels", mark.len());
         (mark.iter().fold(vec2(0.0, 0.0), |sum, p| sum + *p) / mark.len() as f32).to_pos2()
     };

@@ -1,7 +1,7 @@
 //! What is drawn behind and over the shapes on the stage: the background, names, the legend of a heat map.
 
 use chladni_view::{Background, Rect, Scale};
-use egui::Ui;
+use egui::{Color32, Stroke, Ui};
 
 use super::look::Show;
 use crate::studio::theme;
@@ -16,6 +16,19 @@ pub fn backdrop(ui: &Ui) -> Background {
     let lift = |c: u8| c.saturating_add(22);
     let [r, g, b, _] = stage.to_array();
     Background::between([r, g, b].map(lift), [r, g, b])
+}
+
+/// Marks a place of a shape that is seen in `area`: a disk where it faces the viewer, a ring where it is hidden.
+pub fn mark_place(ui: &Ui, area: egui::Rect, at: egui::Pos2, faces: bool) {
+    const RADIUS: f32 = 5.0;
+    let (accent, edge) = (theme::palette(ui).accent, Color32::from_black_alpha(200));
+    let painter = ui.painter_at(area);
+    if faces {
+        painter.circle(at, RADIUS, accent, Stroke::new(1.5, edge));
+    } else {
+        painter.circle_stroke(at, RADIUS, Stroke::new(3.5, edge));
+        painter.circle_stroke(at, RADIUS, Stroke::new(1.5, accent));
+    }
 }
 
 pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
@@ -56,7 +69,7 @@ pub fn show_legend(ui: &Ui, rect: egui::Rect, scale: Scale) {
         let [r, g, b] = scale.color(value);
         let y = bar.bottom() - bar.height() * t;
         for x in [bar.left(), bar.right()] {
-            mesh.colored_vertex(egui::pos2(x, y), egui::Color32::from_rgb(r, g, b));
+            mesh.colored_vertex(egui::pos2(x, y), Color32::from_rgb(r, g, b));
         }
         if step > 0 {
             let base = 2 * (step - 1);
@@ -70,7 +83,7 @@ pub fn show_legend(ui: &Ui, rect: egui::Rect, scale: Scale) {
     for tick in scale.ticks(5) {
         let t = (tick - scale.low) / (scale.high - scale.low).max(f32::MIN_POSITIVE);
         let y = bar.bottom() - bar.height() * t;
-        painter.hline(bar.right()..=bar.right() + 4.0, y, egui::Stroke::new(1.0, color));
+        painter.hline(bar.right()..=bar.right() + 4.0, y, Stroke::new(1.0, color));
         let at = egui::pos2(bar.right() + 8.0, y);
         painter.text(at, egui::Align2::LEFT_CENTER, format!("{tick}"), font.clone(), color);
     }

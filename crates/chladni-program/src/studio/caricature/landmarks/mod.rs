@@ -16,7 +16,7 @@ pub use list::show_list;
 use self::drawing::{cell_of, hint, label, numbers};
 use super::edits::Edits;
 use super::look::Portrayal;
-use super::overlay::backdrop;
+use super::overlay::{backdrop, mark_place};
 use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
@@ -114,9 +114,12 @@ impl Picking {
         let half = egui::vec2(rect.width() / 2.0, rect.height());
         let left = egui::Rect::from_min_size(rect.min, half);
         let right = left.translate(egui::vec2(half.x, 0.0));
-        let gestures = [(Which::Shape, left), (Which::Template, right)]
-            .map(|(which, area)| (which, self.interact(ui, which, area, rect, &settings)));
+        let areas = [(Which::Shape, left), (Which::Template, right)];
+        let gestures = areas.map(|(which, area)| (which, self.interact(ui, which, area, rect, &settings)));
         self.draw(ui, rect, [left, right], &settings, look)?;
+        if let Some(matched) = session.selected_match() {
+            self.mark_counterpart(ui, rect, areas, matched);
+        }
         for (which, gesture) in gestures {
             if let Some(gesture) = gesture {
                 self.act(which, gesture, settings.clone(), edits, shared);
@@ -232,6 +235,32 @@ impl Picking {
             self.viewport.invalidate();
         }
         gesture
+    }
+
+    /// Marks, on the other shape, where the match puts the place under the pointer.
+    fn mark_counterpart(
+        &self,
+        ui: &Ui,
+        rect: egui::Rect,
+        areas: [(Which, egui::Rect); 2],
+        matched: &Matched,
+    ) {
+        let (Some(other), Some(on_template)) = (&self.other, &matched.on_template) else { return };
+        let hovered = ui.ctx().pointer_hover_pos().filter(|_| !ui.input(|input| input.pointer.any_down()));
+        let sides = [&self.shape, other];
+        for (i, (which, area)) in areas.into_iter().enumerate() {
+            let Some(at) = hovered.filter(|at| area.contains(*at)) else { continue };
+            let [x, y] = viewport::to_pixels(ui, rect, at);
+            let Some(vertex) = sides[i].vertex_at(x, y, cell_of(ui, area, rect)) else { continue };
+            let over = 1 - i;
+            let place = landmarks::counterpart(which, vertex, on_template, sides);
+            let area = areas[over].1;
+            let seen = place.and_then(|place| sides[over].pixel_of(place, cell_of(ui, area, rect)));
+            if let Some(([x, y], faces)) = seen {
+                let at = rect.min + egui::vec2(x, y) / ui.pixels_per_point();
+                mark_place(ui, area, at, faces);
+            }
+        }
     }
 
     fn act(

@@ -2,21 +2,18 @@
 //! template through its match.
 
 use chladni_view::Rect;
-use egui::{Color32, Stroke, Ui};
+use egui::Ui;
 
+use super::super::overlay::mark_place;
 use super::Stage;
 use super::pointing::Touch;
-use crate::studio::{theme, viewport};
-
-/// Radius of the mark in points.
-const RADIUS: f32 = 5.0;
+use crate::studio::viewport;
 
 impl Stage {
     /// Draws the marks of `touch` over the figures that are `shown`, each in its cell of the canvas that fills `rect`: a disk
     /// where the place faces the viewer, a ring where it faces away.
     pub(super) fn mark_on_each(&self, ui: &Ui, rect: egui::Rect, touch: &Touch, shown: &[(usize, Rect)]) {
         let scale = 1.0 / ui.pixels_per_point();
-        let (accent, edge) = (theme::palette(ui).accent, Color32::from_black_alpha(200));
         for (figure, cell) in shown {
             let Some((point, normal)) = self.place(*figure, touch) else { continue };
             let Some((at, _)) = self.camera.project(point, *cell) else { continue };
@@ -24,13 +21,7 @@ impl Stage {
             let eye = self.eye_of([at.x - rect.min.x, at.y - rect.min.y].map(|c| c / scale), *cell);
             let faces =
                 (0..3).map(|i| f64::from(normal[i]) * (eye[i] - f64::from(point[i]))).sum::<f64>() > 0.0;
-            let painter = ui.painter_at(viewport::to_points(ui, rect, *cell));
-            if faces {
-                painter.circle(at, RADIUS, accent, Stroke::new(1.5, edge));
-            } else {
-                painter.circle_stroke(at, RADIUS, Stroke::new(3.5, edge));
-                painter.circle_stroke(at, RADIUS, Stroke::new(1.5, accent));
-            }
+            mark_place(ui, viewport::to_points(ui, rect, *cell), at, faces);
         }
     }
 
