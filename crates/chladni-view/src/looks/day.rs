@@ -6,7 +6,7 @@ impl Look {
     /// White porcelain by a window; movement blushes.
     pub const PORCELAIN: Self = Self {
         material: Material { roughness: 0.18, softness: 0.4, ..Material::BARE },
-        answer: answer_from(1.0, Palette::Orchid, 0.0, 0.0, 0.65, 0.0),
+        answer: answer_from(1.0, Palette::Orchid, 0.0, 0.0, 0.56, 0.0),
         lights: Lights {
             lights: [
                 lamp(LEFT, [1.0, 0.95, 0.86]),
