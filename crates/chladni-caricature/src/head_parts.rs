@@ -18,6 +18,10 @@ pub struct HeadParts {
     pub report: MatchReport,
 }
 
+/// The misfit of heads, scans and statues among them, to the sample template is at most 0.34, that of an animal's head
+/// 0.41; plates, rings, whole bodies, and heads whose faces look inward have 0.45 and more.
+const NO_HEAD: f64 = 0.45;
+
 impl HeadParts {
     /// Matches `shape` with the sample template, whose parts are known, and carries them over: each vertex
     /// takes the part of most corners of the triangle that it is matched with. If the shape is not a head,
@@ -50,11 +54,15 @@ impl HeadParts {
             }
             (0..votes.len()).max_by(|a, b| votes[*a].total_cmp(&votes[*b])).unwrap_or(0) as u8
         });
-        Ok(Self {
-            part: part.collect(),
-            confidence: found.correspondence.confidence.clone(),
-            report: found.report.clone(),
-        })
+        let (part, confidence) = (part.collect(), found.correspondence.confidence.clone());
+        let mut report = found.report.clone();
+        if let Some(misfit) = report.misfit.filter(|misfit| *misfit > NO_HEAD) {
+            report.warnings.push(format!(
+                "it hardly looks like a head whose faces look outward (misfit {misfit:.2}, heads have less than {NO_HEAD}): \
+                 names of parts may mean nothing"
+            ));
+        }
+        Ok(Self { part, confidence, report })
     }
 
     /// χ01 of the parts called `names`; `operator_vertex` are those of the n file vertices.
@@ -108,5 +116,22 @@ mod tests {
         let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;
         assert!(mean > 0.8 && overlaps.iter().all(|o| *o > 0.6), "{mean}: {overlaps:?}");
         println!("mean {mean:.3}: {overlaps:.3?}");
+    }
+
+    #[test]
+    fn what_is_no_head_is_said_to_be_none() {
+        let doubts = |mesh: &TriMesh| {
+            let found = HeadParts::of(mesh, &Task::new()).unwrap();
+            found.report.warnings.iter().any(|warning| warning.contains("hardly looks like a head"))
+        };
+        let head = sample("head").unwrap();
+        // Mirrored with its winding kept: its faces look inward.
+        let inward = TriMesh {
+            positions: head.positions.iter().map(|p| [-p[0], p[1], p[2]]).collect(),
+            ..head.clone()
+        };
+        assert!(!doubts(&head));
+        assert!(doubts(&inward));
+        assert!(doubts(&sample("ring").unwrap()));
     }
 }

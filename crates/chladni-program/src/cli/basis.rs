@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::Terminal;
 use crate::work::body::{basis_cache, laplacian};
-use crate::work::outputs::{check_file, check_folder};
+use crate::work::outputs::{check_arrays, check_folder};
 use crate::work::{Error, Warning, Watcher};
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
@@ -136,7 +136,7 @@ impl Args {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = self.output.as_deref().filter(|path| is_folder(path));
         let files = [self.output.as_ref().filter(|_| folder.is_none()), self.operator.as_ref()];
-        files.into_iter().flatten().try_for_each(|path| check_file(path))?;
+        files.into_iter().flatten().try_for_each(|path| check_arrays(path))?;
         folder.map_or(Ok(()), check_folder)?;
         let scratch = self.scratch.clone().unwrap_or_else(BasisSettings::default_scratch);
         let ranks = self.on.of(self.engine, &scratch)?;

@@ -15,7 +15,7 @@ use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, Piece, Watcher, blur, cautions, resolve};
+use crate::work::{Error, Piece, Warning, Watcher, blur, cautions, resolve};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -248,6 +248,16 @@ impl Dance {
         if pipe.is_some() && self.json {
             return Err(Error::input("-o - and --json would both write to standard output"));
         }
+        let is_mp4 =
+            |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mp4"));
+        if let (Some(film), Some(Background::TRANSPARENT)) =
+            (file.as_ref().filter(|f| is_mp4(f)), self.background)
+        {
+            terminal.warn(Warning::of(
+                film.display(),
+                "an MP4 is black where it would be transparent; --frames is not",
+            ));
+        }
         let to = file.map_or_else(Output::nowhere, Output::to);
         Ok(Output {
             piece: self.piece.clone(),
@@ -351,10 +361,7 @@ impl Dance {
             changes.push(Action::Set { parameter: Parameter::StereoMu, value });
         }
         for text in &self.set {
-            let action = text.split_once('=').and_then(|(name, value)| setting(name.trim(), value.trim()));
-            changes.push(action.ok_or_else(|| {
-                Error::Input(format!("--set {text}: expected NAME=VALUE, such as decay=0.7 or form=modal"))
-            })?);
+            changes.push(set(text).map_err(|why| Error::Input(format!("--set {text}: {why}")))?);
         }
         Ok(changes)
     }
@@ -365,6 +372,27 @@ impl Dance {
         let preset = self.preset.as_deref().map(load).transpose()?;
         Ok(Beginning { preset, seed: self.seed, gallery: self.gallery, ..Beginning::default() })
     }
+}
+
+/// What NAME=VALUE asks for, or why nothing does.
+fn set(text: &str) -> Result<Action, String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as decay=0.7 or form=modal")?;
+    let (name, value) = (name.trim(), value.trim());
+    if let Some(knob) = Parameter::ALL.into_iter().find(|knob| knob.name() == name) {
+        let (low, high) = knob.range();
+        if !value.parse::<f32>().is_ok_and(|value| (low..=high).contains(&value)) {
+            return Err(format!("{name} is a number from {low} to {high}"));
+        }
+    }
+    let is_known = Switch::ALL.into_iter().any(|switch| switch.name() == name)
+        || ["form", "choir", "harmonics"].contains(&name);
+    setting(name, value).ok_or_else(|| {
+        if is_known {
+            format!("{name} has no value called {value}")
+        } else {
+            format!("no knob or switch is called {name}; docs/controls.md lists them")
+        }
+    })
 }
 
 const BACKENDS: [(&str, Backend); 3] =

@@ -8,7 +8,7 @@ use chladni_mesh::ShapeSource;
 use super::Terminal;
 use super::region::RegionOptions;
 use crate::work::formats::is_project;
-use crate::work::outputs::check_file;
+use crate::work::outputs::{check_apart, check_file};
 use crate::work::{Error, Subject, mask, source};
 
 /// Write a region as a number from 0 to 1 for each vertex of the shape's file.
@@ -34,6 +34,7 @@ impl MaskCommand {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         mask::check(&self.output)?;
         check_file(&self.output)?;
+        check_apart(&self.output, &[&self.shape])?;
         let (subject, painted) =
             if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
         let masked = mask::write(&self.output, &painted, &subject, self.as_colors)?;

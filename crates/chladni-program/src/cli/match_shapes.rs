@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::Terminal;
 use super::layer_options::scaling;
-use crate::work::outputs::{check_file, check_picture};
+use crate::work::outputs::{check_arrays, check_picture};
 use crate::work::{Error, Stance, Warning, Watcher, place_colors, source};
 
 /// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
@@ -129,10 +129,16 @@ impl MatchShapes {
     /// Checks, before any work, that the request is possible and the results can be written.
     fn check(&self) -> Result<(), Error> {
         let of_mesh = self.template.is_some() || self.landmarks.is_some() || self.rigid;
+        let word = self.template.as_deref().filter(|path| !path.exists()).and_then(Path::to_str);
+        if let Some(word @ ("ellipsoid" | "sphere")) = word {
+            return Err(Error::Input(format!(
+                "{word} is no file: match SHAPE --method {word} takes it as a template"
+            )));
+        }
         if !matches!(self.method, How::Mesh(_)) && of_mesh {
             return Err(Error::input("this method takes neither a template, landmarks nor --rigid"));
         }
-        self.output.as_deref().map_or(Ok(()), check_file)?;
+        self.output.as_deref().map_or(Ok(()), check_arrays)?;
         self.render.as_deref().map_or(Ok(()), check_picture)
     }
 

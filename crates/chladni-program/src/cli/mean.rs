@@ -1,13 +1,13 @@
 //! `chladni mean A B C -o OUT`: the mean of several shapes, as a template.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_match::{MatchSettings, MeanShape, Method};
 use chladni_mesh::{TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{method, scaling};
-use crate::work::outputs::check_file;
+use crate::work::outputs::check_mesh;
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Average several shapes, such as scans of many heads, into one: a template of what is usual among them.
@@ -43,7 +43,8 @@ fn without_landmarks(text: &str) -> Result<Method, Error> {
 impl Mean {
     /// Averages them and writes the result. One shape is held at a time beside the first.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        check_file(&self.output)?;
+        let read: Vec<&Path> = self.shapes.iter().map(PathBuf::as_path).collect();
+        check_mesh(&self.output, &read)?;
         let Some((first, others)) = self.shapes.split_first() else {
             return Err(Error::input("the mean needs two shapes or more"));
         };

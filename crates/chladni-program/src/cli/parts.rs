@@ -9,7 +9,7 @@ use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_pic
 use serde::Serialize;
 
 use super::{Terminal, limbs};
-use crate::work::outputs::{check_file, check_picture};
+use crate::work::outputs::{check_arrays, check_picture};
 use crate::work::{Error, Stance, Warning, Watcher, source};
 
 /// Find the parts of a head (nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck), or of any shape.
@@ -51,7 +51,7 @@ struct Printed {
 impl Parts {
     /// Finds, writes and prints them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        self.output.as_deref().map_or(Ok(()), check_file)?;
+        self.output.as_deref().map_or(Ok(()), check_arrays)?;
         self.render.as_deref().map_or(Ok(()), check_picture)?;
         let mesh = source::mesh(&self.mesh, terminal)?;
         let name = self.mesh.display().to_string();

@@ -24,12 +24,12 @@ pub struct Terminal {
     draw: Draw,
 }
 
-/// What Ctrl-C cancels: the task of the command that runs.
+/// What Ctrl-C cancels, or a signal to end: the task of the command that runs.
 static RUNNING: Mutex<Option<Task>> = Mutex::new(None);
 
 impl Terminal {
-    /// A terminal for one command. The first Ctrl-C cancels its task, so that temporary files
-    /// are cleaned up; the second ends the process at once.
+    /// A terminal for one command. The first Ctrl-C (or, on Unix, SIGTERM or SIGHUP) cancels its task, so that temporary
+    /// files are cleaned up; the second ends the process at once.
     pub fn new(quiet: bool) -> Self {
         let task = Task::new();
         *RUNNING.lock().unwrap_or_else(PoisonError::into_inner) = Some(task.clone());

@@ -7,7 +7,7 @@ use chladni_mesh::{TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{method, scaling};
-use crate::work::outputs::check_file;
+use crate::work::outputs::check_mesh;
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Move the difference between two shapes, such as an expression or a caricature, onto a third.
@@ -42,7 +42,7 @@ pub struct TransferCommand {
 impl TransferCommand {
     /// Moves it and writes the result.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        check_file(&self.output)?;
+        check_mesh(&self.output, &[&self.neutral, &self.expression, &self.target])?;
         if !self.amount.is_finite() {
             return Err(Error::input("the amount must be a finite number"));
         }

@@ -4,9 +4,12 @@
 use std::path::Path;
 
 use chladni_task::folder_of;
+use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
 
-use super::Error;
+use chladni_mesh::Format;
+
+use super::{Error, Warning};
 
 /// Checks that a file can be written at `path`.
 ///
@@ -49,6 +52,14 @@ pub fn check_film(path: &Path) -> Result<(), Error> {
     }
 }
 
+/// A warning where a folder has frames of a longer film, which stay behind those of one of `frames` frames.
+pub fn earlier_frames(folder: &Path, frames: u64) -> Option<Warning> {
+    let next = frame_path(folder, frames);
+    let name = next.file_name()?.to_string_lossy();
+    next.is_file()
+        .then(|| Warning::of(folder.display(), format!("{name} and those after it are of an earlier film")))
+}
+
 /// Checks that a picture can be written at `path`, whose name must end in `.png`.
 ///
 /// # Errors
@@ -62,9 +73,56 @@ pub fn check_picture(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// As [`check_file`] does.
 pub fn check_endings(path: &Path, endings: &[&str]) -> Result<(), Error> {
+    check_named(path, "a picture ends", endings)
+}
+
+/// Checks that arrays can be written at `path`, whose name must end in `.npz`.
+///
+/// # Errors
+/// As [`check_file`] does.
+pub fn check_arrays(path: &Path) -> Result<(), Error> {
+    check_named(path, "arrays are written into a file that ends", &["npz"])
+}
+
+/// Checks that a mesh can be written at `path`, and that none of `inputs` lies there; its format.
+///
+/// # Errors
+/// As [`check_file`] does.
+pub fn check_mesh(path: &Path, inputs: &[&Path]) -> Result<Format, Error> {
+    let format = mesh_format(path)?;
+    check_file(path)?;
+    check_apart(path, inputs)?;
+    Ok(format)
+}
+
+/// The format in which a mesh is written at `path`.
+///
+/// # Errors
+/// [`Error::Input`], with the path, where meshes are not written so.
+pub fn mesh_format(path: &Path) -> Result<Format, Error> {
+    match Format::of_path(path) {
+        Some(format @ (Format::Obj | Format::Ply | Format::Stl | Format::Glb)) => Ok(format),
+        _ => Err(Error::Input(format!("{}: results are written as obj, ply, stl or glb", path.display()))),
+    }
+}
+
+/// Checks that what is written at `path` replaces none of `inputs`.
+///
+/// # Errors
+/// [`Error::Input`], with the path.
+pub fn check_apart(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
+    let Ok(there) = path.canonicalize() else { return Ok(()) };
+    if inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == there)) {
+        let why = format!("{}: is read, too, and would be replaced; choose another name", path.display());
+        return Err(Error::Input(why));
+    }
+    Ok(())
+}
+
+fn check_named(path: &Path, what: &str, endings: &[&str]) -> Result<(), Error> {
     if !path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending))) {
         let listed = endings.join(" or .");
-        return Err(Error::Input(format!("{}: a picture ends in .{listed}", path.display())));
+        return Err(Error::Input(format!("{}: {what} in .{listed}", path.display())));
     }
     check_file(path)
 }

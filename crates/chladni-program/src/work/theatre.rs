@@ -145,7 +145,10 @@ impl Staging {
         along: Vec<f32>,
         stands: Orientation,
     ) -> Self {
-        let surface = surface_points(&rest, triangles, SURFACE_POINTS);
+        // Corners that no even spread reaches count, too.
+        let mut surface = surface_points(&rest, triangles, SURFACE_POINTS);
+        let corners = triangles.iter().flatten().filter_map(|v| rest.get(*v as usize)).copied();
+        surface.extend(extremes(&corners.collect::<Vec<_>>()));
         let bends = bends(&rest, triangles);
         let flat = is_flat(&rest);
         Self { dancer, rest, along, bends, stands, flat, room: (0.0, Vec::new()), surface, filled: None }

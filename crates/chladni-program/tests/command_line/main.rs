@@ -234,6 +234,41 @@ fn a_shape_dances_into_frames_and_wav() {
 }
 
 #[test]
+fn frames_of_an_earlier_film_are_not_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = |secs: &str| {
+        let dance = ["dance", "sample:plate", "sample:tune", "-k", "16", "--size", "32x24", "--fps", "10"];
+        Run::of(&[&dance[..], &["--duration", secs, "--frames", text(folder.path())]].concat()).succeeded()
+    };
+    assert!(!film("0.5").stderr().contains("earlier film"));
+    assert!(film("0.2").stderr().contains("frame-00002.png and those after it are of an earlier film"));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_film_that_is_told_to_end_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("film.gif");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_chladni"))
+        .args(["dance", "sample:octopus", "sample:tune", "-k", "16", "--size", "640x480", "-o", text(&film)])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // As soon as there is something to leave.
+    while std::fs::read_dir(folder.path()).unwrap().next().is_none() {
+        assert!(child.try_wait().unwrap().is_none(), "the film was never begun");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-TERM", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("cancelled") || film.exists(), "{said}");
+    let left = files_below(folder.path());
+    assert!(left.iter().all(|path| *path == film), "{left:?}");
+}
+
+#[test]
 fn a_reader_who_has_had_enough_stops_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("b.npz");

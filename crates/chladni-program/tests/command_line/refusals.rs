@@ -96,7 +96,7 @@ fn wrong_arguments_are_told_in_one_line() {
 #[test]
 fn what_never_ends_is_refused_before_it_is_read() {
     let folder = tempfile::tempdir().unwrap();
-    let (mesh, out) = (folder.path().join("mesh.obj"), folder.path().join("out"));
+    let (mesh, out) = (folder.path().join("mesh.obj"), folder.path().join("out.npz"));
     std::fs::write(&mesh, OCTAHEDRON).unwrap();
     let (mesh, out, zero) = (text(&mesh), text(&out), "/dev/zero");
     for arguments in [
@@ -107,5 +107,44 @@ fn what_never_ends_is_refused_before_it_is_read() {
         &["caricature", "--recipe", zero, "-o", out],
     ] {
         Run::of(arguments).refused(zero);
+    }
+}
+
+#[test]
+fn nothing_that_is_read_is_replaced_and_no_array_is_called_a_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let [shape, other] = ["shape.obj", "other.obj"].map(|name| folder.path().join(name));
+    for path in [&shape, &other] {
+        chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), path).unwrap();
+    }
+    let before = std::fs::read(&shape).unwrap();
+    let [shape_name, other_name] = [text(&shape), text(&other)];
+    for arguments in [
+        &["basis", shape_name, "-k", "8", "-o", shape_name][..],
+        &["parts", shape_name, "--level", "0.3", "-o", shape_name],
+        &["match", shape_name, other_name, "-o", shape_name],
+        &["caricature", shape_name, "ellipsoid", "-o", shape_name],
+        &["caricature", other_name, shape_name, "-o", shape_name],
+        &["mean", other_name, shape_name, "-o", shape_name],
+        &["transfer", other_name, other_name, shape_name, "-o", shape_name],
+    ] {
+        Run::of(arguments).refused("shape.obj");
+        assert!(std::fs::read(&shape).unwrap() == before, "{arguments:?}");
+    }
+    let unknown = text(&folder.path().join("mean.abc")).to_owned();
+    Run::of(&["mean", shape_name, other_name, "-o", &unknown]).refused("mean.abc");
+    Run::of(&["match", shape_name, "ellipsoid"]).refused("--method ellipsoid");
+}
+
+#[test]
+fn settings_are_refused_by_name_by_value_and_by_range() {
+    for (setting, why) in [
+        ("foo=1", "no knob or switch is called foo"),
+        ("decay=abc", "decay is a number from 0"),
+        ("decay=99", "decay is a number from 0"),
+        ("form=zzz", "form has no value called zzz"),
+        ("nothing", "expected NAME=VALUE"),
+    ] {
+        Run::of(&["dance", "sample:cat", "sample:tune", "--set", setting, "-o", "never.mp4"]).refused(why);
     }
 }

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::Project;
 use chladni_mesh::Format;
 
-use super::{Caricature, format_of, one};
+use super::{Caricature, one};
 use crate::cli::Terminal;
+use crate::work::outputs::mesh_format;
 use crate::work::{Error, Subject, Warning, Watcher};
 
 impl Caricature {
@@ -75,7 +76,7 @@ impl Caricature {
         for shape in shapes {
             let stem = shape.file_stem().unwrap_or_default();
             // A format that can be written is kept; the others become PLY, which keeps every digit.
-            let extension = match format_of(shape) {
+            let extension = match mesh_format(shape) {
                 Ok(_) => shape.extension().unwrap_or_default(),
                 Err(_) => "ply".as_ref(),
             };

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use chladni_caricature::{
     Base, Crossings, DEFAULT_HARMONICS, Project, Resolution, ShapeSource, Stack, Template,
 };
-use chladni_mesh::{Format, Orientation, TriMesh};
+use chladni_mesh::{Orientation, TriMesh};
 
 use super::Terminal;
 use super::gallery::GalleryOptions;
@@ -21,7 +21,7 @@ use super::resolution::ResolutionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::{check_file, check_film, check_picture};
+use crate::work::outputs::{check_film, check_mesh, check_picture};
 use crate::work::{Error, Made, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -115,8 +115,12 @@ impl Caricature {
     /// Checks, before any work, that the results can be written.
     fn check(&self) -> Result<(), Error> {
         if let Some(output) = &self.output {
-            format_of(output)?;
-            check_file(output)?;
+            let template = match &self.template {
+                Some(Template::File(path)) => Some(path.as_path()),
+                _ => None,
+            };
+            let read = self.shape.as_deref().map(Path::new).into_iter().chain(template);
+            check_mesh(output, &read.collect::<Vec<_>>())?;
         }
         self.portrait.check()?;
         if let Some(film) = &self.turntable.turntable {
@@ -170,8 +174,7 @@ impl Caricature {
         };
         self.portrait.check()?;
         if self.gallery.is_single() {
-            format_of(output)?;
-            check_file(output)?;
+            check_mesh(output, &[Path::new(shape)])?;
         } else {
             check_picture(output)?;
         }
@@ -300,16 +303,6 @@ fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
     };
     let (now, before) = (crossing(&sculpture.evaluation.result)?, crossing(stack.original())?);
     terminal.result(format_args!("{now} triangles pass through others ({before} did before)"))
-}
-
-/// The format of `path`, if it is one that results are written in.
-fn format_of(path: &Path) -> Result<Format, Error> {
-    match Format::of_path(path) {
-        Some(format @ (Format::Obj | Format::Ply | Format::Stl | Format::Glb)) => Ok(format),
-        _ => {
-            Err(Error::input(format_args!("{}: results are written as obj, ply, stl or glb", path.display())))
-        }
-    }
 }
 
 /// The recipe for `mesh`, which is called `name`; warns if the two shapes hardly match.

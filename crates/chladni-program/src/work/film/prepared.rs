@@ -20,6 +20,7 @@ use super::titles::Titles;
 use super::{Film, sound_beside};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
+use crate::work::outputs::earlier_frames;
 use crate::work::{Cast, Error, Hearing, Scenery, Watcher, is_flat};
 
 /// All that is needed before the first frame.
@@ -104,6 +105,9 @@ impl Prepared {
             first: range.start,
             audio: sound.as_ref().map(|file| file.path().to_owned()),
         };
+        if let Some(folder) = output.folder().filter(|_| output.piece.is_none()) {
+            earlier_frames(folder, range.end).into_iter().for_each(|warning| watcher.warn(warning));
+        }
         let film = match &output.film {
             Some(path) => Reel::create(path, settings)?,
             None => Reel::to_pipe(std::io::stdout(), output.pipe.unwrap_or_default(), settings)?,

@@ -10,6 +10,10 @@ use chladni_view::framing::extremes;
 const COVERS: [f32; 2] = [0.3, 0.43];
 /// A figure that covers less than this as a whole is slim: it may be cut off below until it covers as much.
 const SLIM_COVERS: f32 = 0.2;
+/// How far the sides of a figure that is seen as a whole are from the middle, in halves of the picture.
+const WHOLE_WIDTHS: f32 = 0.92;
+/// The same of one seen from near.
+const NEAR_WIDTHS: f32 = 1.5;
 /// How far the sides of a figure that is cut off below are from the middle, in halves of the picture: they move, too.
 const CROPPED_WIDTHS: f32 = 0.7;
 /// The part of a figure that is cut off, as a share of its height.
@@ -53,18 +57,17 @@ impl Filled {
             let room = Headroom { rises, most_heights, most_widths };
             Filling::new(surface, stands, target, aspect, share, room)
         };
-        let any = f32::INFINITY;
         Self {
             aspect,
             limit,
             rises,
             ends: extremes(surface),
             middle,
-            whole: filling(middle, WHOLE_HEIGHTS, any, COVERS[0]),
+            whole: filling(middle, WHOLE_HEIGHTS, WHOLE_WIDTHS, COVERS[0]),
             cropped: stands_on_a_narrow_part(surface, stands)
                 .then(|| filling(middle, CROPPED_HEIGHTS, CROPPED_WIDTHS, SLIM_COVERS)),
             part,
-            near: filling(part, NEAR_HEIGHTS, any, COVERS[1]),
+            near: filling(part, NEAR_HEIGHTS, NEAR_WIDTHS, COVERS[1]),
         }
     }
 
