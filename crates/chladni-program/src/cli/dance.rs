@@ -35,9 +35,10 @@ pub struct Dance {
     /// beside it as .wav. Or -: frames as they are on standard output, silent, for a program that reads them.
     #[arg(short, long, value_name = "FILM")]
     output: Option<PathBuf>,
-    /// What -o - writes: rgba (8 bits each, row by row; the reader has to know size and rate) or y4m, which says both.
-    #[arg(long, value_name = "FORMAT", default_value = "rgba", value_parser = one_of(RawFormat::NAMED))]
-    format: RawFormat,
+    /// What -o - writes: rgba (8 bits each, row by row; the reader has to know size and rate), the default,
+    /// or y4m, which says both.
+    #[arg(long, value_name = "FORMAT", value_parser = one_of(RawFormat::NAMED))]
+    format: Option<RawFormat>,
     /// Write PNG frames and sound.wav into this folder; needs no other program.
     #[arg(long, value_name = "DIR", conflicts_with = "output")]
     frames: Option<PathBuf>,
@@ -48,9 +49,9 @@ pub struct Dance {
     /// Leave what is there already: a film, or the first frames of a folder, which are whole or missing.
     #[arg(long)]
     resume: bool,
-    /// The largest number of morph targets in a .glb: more come nearer to the film.
-    #[arg(long, value_name = "N", default_value_t = film::TARGETS)]
-    targets: usize,
+    /// The largest number of morph targets in a .glb, 48 unless given: more come nearer to the film.
+    #[arg(long, value_name = "N")]
+    targets: Option<usize>,
     /// Width and height in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
     size: Size,
@@ -242,9 +243,14 @@ impl Dance {
     /// What is to be written, and how.
     fn output(&self, terminal: &Terminal) -> Result<Output, Error> {
         let (pipe, file) = match self.output.clone() {
-            Some(path) if path == Path::new("-") => (Some(self.format), None),
+            Some(path) if path == Path::new("-") => (Some(self.format.unwrap_or_default()), None),
             file => (None, file),
         };
+        if self.format.is_some() && pipe.is_none() {
+            return Err(Error::input(
+                "--format says what -o - writes; the ending of a file's name says what it holds",
+            ));
+        }
         if pipe.is_some() && self.json {
             return Err(Error::input("-o - and --json would both write to standard output"));
         }
@@ -259,13 +265,16 @@ impl Dance {
             ));
         }
         let to = file.map_or_else(Output::nowhere, Output::to);
+        if self.targets.is_some() && to.animation.is_none() {
+            return Err(Error::input("--targets is for a dance that is written as .glb"));
+        }
         Ok(Output {
             piece: self.piece.clone(),
             resume: self.resume,
             pipe,
             film: to.film.or_else(|| self.frames.clone()),
             animation: to.animation,
-            targets: self.targets,
+            targets: self.targets.unwrap_or(film::TARGETS),
             is_folder: self.frames.is_some(),
             coefficients: self.coefficients.clone(),
             presets: self.presets.clone(),

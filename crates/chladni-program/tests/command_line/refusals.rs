@@ -147,4 +147,7 @@ fn settings_are_refused_by_name_by_value_and_by_range() {
     ] {
         Run::of(&["dance", "sample:cat", "sample:tune", "--set", setting, "-o", "never.mp4"]).refused(why);
     }
+    for (option, value) in [("--format", "y4m"), ("--targets", "5")] {
+        Run::of(&["dance", "sample:cat", "sample:tune", option, value, "-o", "never.mp4"]).refused(option);
+    }
 }
