@@ -39,20 +39,21 @@ def decode(path, *options):
     return subprocess.run(command, check=True, capture_output=True).stdout
 
 
+def dance(chladni, body, song, fps, *options):
+    command = [chladni, "--quiet", "dance", body, song, "--duration", str(SECS), "--size", f"{WIDTH}x{HEIGHT}"]
+    subprocess.run([*command, "--fps", str(fps), *options], check=True, capture_output=True)
+
+
 def filmed(chladni, body, song, folder):
     film = folder / "film.mp4"
-    command = [chladni, "--quiet", "dance", body, song, "-o", str(film), "--duration", str(SECS)]
-    command += ["--size", f"{WIDTH}x{HEIGHT}", "--fps", str(FPS)]
-    subprocess.run(command, check=True, capture_output=True)
+    dance(chladni, body, song, FPS, "-o", str(film))
     frames = np.frombuffer(decode(film, "-an", "-f", "rawvideo", "-pix_fmt", "rgb24"), np.uint8)
     return frames.reshape(-1, HEIGHT, WIDTH, 3).astype(float)
 
 
 def figure_share(chladni, body, song, folder):
     frames = pathlib.Path(tempfile.mkdtemp(dir=folder))
-    command = [chladni, "--quiet", "dance", body, song, "--frames", str(frames), "--duration", str(SECS)]
-    command += ["--size", f"{WIDTH}x{HEIGHT}", "--fps", "5", "--background", "transparent"]
-    subprocess.run(command, check=True, capture_output=True)
+    dance(chladni, body, song, 5, "--frames", str(frames), "--background", "transparent")
     return np.mean([(np.asarray(Image.open(png).convert("RGBA"))[:, :, 3] > 127).mean() for png in frames.glob("*.png")])
 
 

@@ -90,6 +90,11 @@ impl Autopilot {
         self.turns.get(self.shown).copied()
     }
 
+    /// Whether the first of all turns is shown, or none yet.
+    pub fn is_at_first(&self) -> bool {
+        self.shown == 0
+    }
+
     /// Whether it stays with what is shown.
     pub fn holds(&self) -> bool {
         self.holds

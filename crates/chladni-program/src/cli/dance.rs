@@ -1,15 +1,15 @@
 //! `chladni dance MESH SONG`: what can be asked for, and the film that is meant by it.
 
+mod changes;
+
 use std::path::{Path, PathBuf};
 
-use chladni_music::{
-    Action, BeatReading, CHOIRS, Choir, FORMS, Form, PAPER_MODE, Parameter, Preset, Show, Switch, Timbre,
-    setting,
-};
+use chladni_music::{BeatReading, CHOIRS, Choir, FORMS, Form, Preset, Show};
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
-use chladni_view::{Answer, Background, Lights, Look, Material, Palette, Samples};
+use chladni_view::{Answer, Background, FilmFormat, Lights, Look, Material, Palette, Samples};
 
+use self::changes::{Ring, rings};
 use super::Terminal;
 use super::choice::one_of;
 use super::frames::{Fps, Size};
@@ -254,11 +254,8 @@ impl Dance {
         if pipe.is_some() && self.json {
             return Err(Error::input("-o - and --json would both write to standard output"));
         }
-        let is_mp4 =
-            |path: &PathBuf| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mp4"));
-        if let (Some(film), Some(Background::TRANSPARENT)) =
-            (file.as_ref().filter(|f| is_mp4(f)), self.background)
-        {
+        let is_mp4 = |path: &&PathBuf| FilmFormat::of(path).is_ok_and(|format| format == FilmFormat::Mp4);
+        if let (Some(film), Some(Background::TRANSPARENT)) = (file.as_ref().filter(is_mp4), self.background) {
             terminal.warn(Warning::of(
                 film.display(),
                 "an MP4 is black where it would be transparent; --frames is not",
@@ -353,28 +350,6 @@ impl Dance {
         look
     }
 
-    /// What the arguments change before anything else is done.
-    fn changes(&self) -> Result<Vec<Action>, Error> {
-        let mut changes = Vec::new();
-        changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
-        changes.extend(self.form.map(|form| Action::SetForm { form }));
-        match self.timbre {
-            Some(Ring::As(timbre)) => changes.extend(timbre.actions()),
-            Some(Ring::Not) => changes.push(Action::Switch { switch: Switch::Resonate, on: false }),
-            None => {}
-        }
-        changes.extend(self.choir.map(|choir| Action::SetChoir { choir }));
-        changes.extend(self.gain.map(|value| Action::Set { parameter: Parameter::Gain, value }));
-        if let Some(value) = self.mu {
-            changes.push(Action::Switch { switch: Switch::OwnMu, on: false });
-            changes.push(Action::Set { parameter: Parameter::StereoMu, value });
-        }
-        for text in &self.set {
-            changes.push(set(text).map_err(|why| Error::Input(format!("--set {text}: {why}")))?);
-        }
-        Ok(changes)
-    }
-
     /// How it begins where no show says it.
     fn beginning(&self) -> Result<Beginning, Error> {
         let load = |path: &Path| Preset::load(path).map_err(|error| in_file(path, error));
@@ -383,41 +358,8 @@ impl Dance {
     }
 }
 
-/// What NAME=VALUE asks for, or why nothing does.
-fn set(text: &str) -> Result<Action, String> {
-    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as decay=0.7 or form=modal")?;
-    let (name, value) = (name.trim(), value.trim());
-    if let Some(knob) = Parameter::ALL.into_iter().find(|knob| knob.name() == name) {
-        let (low, high) = knob.range();
-        if !value.parse::<f32>().is_ok_and(|value| (low..=high).contains(&value)) {
-            return Err(format!("{name} is a number from {low} to {high}"));
-        }
-    }
-    let is_known = Switch::ALL.into_iter().any(|switch| switch.name() == name)
-        || ["form", "choir", "harmonics"].contains(&name);
-    setting(name, value).ok_or_else(|| {
-        if is_known {
-            format!("{name} has no value called {value}")
-        } else {
-            format!("no knob or switch is called {name}; docs/controls.md lists them")
-        }
-    })
-}
-
 const BACKENDS: [(&str, Backend); 3] =
     [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("gpu", Backend::Gpu)];
-
-fn rings() -> impl Iterator<Item = (&'static str, Ring)> {
-    let timbres = Timbre::NAMED.into_iter().map(|(name, timbre)| (name, Ring::As(timbre)));
-    std::iter::once(("none", Ring::Not)).chain(timbres)
-}
-
-/// Whether harmonics ring.
-#[derive(Clone, Copy, Debug)]
-enum Ring {
-    Not,
-    As(Timbre),
-}
 
 fn in_file(path: &Path, error: chladni_music::MusicError) -> Error {
     match error {

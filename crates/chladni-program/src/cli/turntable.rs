@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_view::{
-    Camera, Film, FilmFormat, FilmSettings, FrameRate, PictureRequest, PictureShape, Rect, Renderer, Style,
+    Camera, Film, FilmSettings, FrameRate, PictureRequest, PictureShape, Rect, Renderer, Style,
     film_turntable,
 };
 
@@ -43,9 +43,7 @@ impl TurntableOptions {
     ) -> Result<(), Error> {
         let rate = FrameRate::per_second(FRAMES_A_SECOND);
         let frames = rate.frames_in(self.turn_secs);
-        if FilmFormat::of(path).is_ok_and(|format| format == FilmFormat::Frames) {
-            earlier_frames(path, frames).into_iter().for_each(|warning| terminal.warn(warning));
-        }
+        earlier_frames(path, frames).into_iter().for_each(|warning| terminal.warn(warning));
         let film = Film::create(path, FilmSettings { width, height, rate, frames, first: 0, audio: None })?;
         let result = &sculpture.evaluation.result.positions;
         let triangles = &sculpture.body.triangles;

@@ -3,11 +3,10 @@
 
 use std::path::Path;
 
+use chladni_mesh::Format;
 use chladni_task::folder_of;
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
-
-use chladni_mesh::Format;
 
 use super::{Error, Warning};
 
@@ -84,15 +83,14 @@ pub fn check_arrays(path: &Path) -> Result<(), Error> {
     check_named(path, "arrays are written into a file that ends", &["npz"])
 }
 
-/// Checks that a mesh can be written at `path`, and that none of `inputs` lies there; its format.
+/// Checks that a mesh can be written at `path`, and that none of `inputs` lies there.
 ///
 /// # Errors
 /// As [`check_file`] does.
-pub fn check_mesh(path: &Path, inputs: &[&Path]) -> Result<Format, Error> {
-    let format = mesh_format(path)?;
+pub fn check_mesh(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
+    mesh_format(path)?;
     check_file(path)?;
-    check_apart(path, inputs)?;
-    Ok(format)
+    check_apart(path, inputs)
 }
 
 /// The format in which a mesh is written at `path`.
@@ -111,12 +109,17 @@ pub fn mesh_format(path: &Path) -> Result<Format, Error> {
 /// # Errors
 /// [`Error::Input`], with the path.
 pub fn check_apart(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
-    let Ok(there) = path.canonicalize() else { return Ok(()) };
-    if inputs.iter().any(|input| input.canonicalize().is_ok_and(|input| input == there)) {
+    if inputs.iter().any(|input| is_same_file(path, input)) {
         let why = format!("{}: is read, too, and would be replaced; choose another name", path.display());
         return Err(Error::Input(why));
     }
     Ok(())
+}
+
+/// Whether both paths lead to one file that is there.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    real(a).is_some_and(|place| real(b) == Some(place))
 }
 
 fn check_named(path: &Path, what: &str, endings: &[&str]) -> Result<(), Error> {

@@ -14,8 +14,6 @@ pub struct Programme {
     dances: Vec<Preset>,
     /// Names of [`Look::PRESETS`]; none where the look stays.
     looks: Vec<&'static str>,
-    /// The turn that began first: it has the show's own look, which suits the body (but not a sheet without its sand).
-    first: Option<Turn>,
     /// What the gain of each turn is multiplied by.
     gain: f32,
     /// Bars up to then were heard.
@@ -58,7 +56,6 @@ impl Programme {
             ),
             dances,
             looks,
-            first: None,
             gain: instrument.parameters().get(Parameter::Gain),
             heard_secs: at_secs,
             turns: 0,
@@ -135,13 +132,14 @@ impl Programme {
     /// before it is still seen while it leaves.
     fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
         self.turns += 1;
-        let is_first = *self.first.get_or_insert(turn) == turn;
         let item = instrument.gallery().items().len().saturating_sub(1 + self.turns % 2);
         let preset = self.dances.get(turn.dance).cloned();
         let (low, high) = Parameter::Gain.range();
         let value = (self.gain * turn.gain).clamp(low, high);
         let form = self.form.map(|form| Action::SetForm { form });
-        let look = self.looks.get(turn.look).filter(|_| !is_first || self.form.is_some());
+        // The show's own look suits the body, so the first turn has that; but not a sheet without its sand.
+        let keeps_look = self.autopilot.is_at_first() && self.form.is_none();
+        let look = self.looks.get(turn.look).filter(|_| !keeps_look);
         let look = look.map(|look| Action::SetLook { look: (*look).to_owned() });
         preset.into_iter().flat_map(move |preset| {
             let take = Action::Take { item, preset: Box::new(preset) };

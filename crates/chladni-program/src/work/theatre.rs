@@ -255,20 +255,29 @@ impl Staging {
 
     /// The point so far below the middle of the body at rest, and half its width there.
     fn ground(&self, below: f32) -> Option<([f32; 3], f32)> {
-        let axes =
-            [self.stands.right(), self.stands.up(), self.stands.front()].map(|axis| axis.map(|c| c as f32));
-        let along = |p: &[f32; 3], axis: &[f32; 3]| (0..3).map(|i| p[i] * axis[i]).sum::<f32>();
-        let ends = axes.map(|axis| {
-            let all = self.rest.iter().map(|p| along(p, &axis)).filter(|c| c.is_finite());
-            all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
-        });
-        let [right, up, front] = ends;
-        let middle = |(low, high): (f32, f32)| 0.5 * (low + high);
-        let at = [middle(right), up.0 - below, middle(front)];
-        let radius = 0.5 * (right.1 - right.0).max(front.1 - front.0);
+        let axes = axes(self.stands);
+        let [right, up, front] = axes.map(|axis| ends(&self.rest, axis));
+        let at = [0.5 * (right[0] + right[1]), up[0] - below, 0.5 * (front[0] + front[1])];
+        let radius = 0.5 * (right[1] - right[0]).max(front[1] - front[0]);
         let point = std::array::from_fn(|i| (0..3).map(|a| at[a] * axes[a][i]).sum());
         (radius > 0.0 && radius.is_finite()).then_some((point, radius))
     }
+}
+
+/// Right, up and front of what stands so.
+fn axes(stands: Orientation) -> [[f32; 3]; 3] {
+    [stands.right(), stands.up(), stands.front()].map(|axis| axis.map(|c| c as f32))
+}
+
+/// How far along an axis a point lies.
+fn component(p: &[f32; 3], axis: [f32; 3]) -> f32 {
+    (0..3).map(|i| p[i] * axis[i]).sum()
+}
+
+/// From where to where points reach along an axis.
+fn ends(points: &[[f32; 3]], axis: [f32; 3]) -> [f32; 2] {
+    let all = points.iter().map(|p| component(p, axis)).filter(|c| c.is_finite());
+    all.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], c| [low.min(c), high.max(c)])
 }
 
 impl Staged {

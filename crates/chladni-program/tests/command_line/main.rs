@@ -246,7 +246,7 @@ fn frames_of_an_earlier_film_are_not_passed_over() {
 
 #[cfg(unix)]
 #[test]
-fn a_film_that_is_told_to_end_leaves_nothing() {
+fn a_film_that_is_asked_to_end_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("film.gif");
     let mut child = Command::new(env!("CARGO_BIN_EXE_chladni"))

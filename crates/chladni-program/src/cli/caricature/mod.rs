@@ -115,18 +115,22 @@ impl Caricature {
     /// Checks, before any work, that the results can be written.
     fn check(&self) -> Result<(), Error> {
         if let Some(output) = &self.output {
-            let template = match &self.template {
-                Some(Template::File(path)) => Some(path.as_path()),
-                _ => None,
-            };
-            let read = self.shape.as_deref().map(Path::new).into_iter().chain(template);
-            check_mesh(output, &read.collect::<Vec<_>>())?;
+            check_mesh(output, &self.read())?;
         }
         self.portrait.check()?;
         if let Some(film) = &self.turntable.turntable {
             check_film(film)?;
         }
         self.render.as_deref().map_or(Ok(()), check_drawing)
+    }
+
+    /// The meshes that are read.
+    fn read(&self) -> Vec<&Path> {
+        let template = match &self.template {
+            Some(Template::File(path)) => Some(path.as_path()),
+            _ => None,
+        };
+        self.shape.as_deref().map(Path::new).into_iter().chain(template).collect()
     }
 
     fn pictures<'a>(&'a self, path: Option<&'a Path>) -> Pictures<'a> {
@@ -174,7 +178,7 @@ impl Caricature {
         };
         self.portrait.check()?;
         if self.gallery.is_single() {
-            check_mesh(output, &[Path::new(shape)])?;
+            check_mesh(output, &self.read())?;
         } else {
             check_picture(output)?;
         }

@@ -16,6 +16,7 @@ use std::time::Instant;
 use chladni_music::{BeatReading, ClockTrack, Show, Stretch, Viewpoint};
 use chladni_view::Look;
 
+use super::outputs::is_same_file;
 use super::{
     Error, HARMONICS, Scenery, Stance, Warning, Watcher, first_looks, look_named, opening_looks, opening_view,
 };
@@ -172,17 +173,13 @@ impl Film {
     fn check(&self) -> Result<(), Error> {
         self.output.check()?;
         self.stance.check()?;
-        if let Some(sound) = self.output.animation.as_deref().map(sound_beside) {
-            let place = sound.canonicalize().ok();
-            let is_heard = |(song, _): &(String, BeatReading)| {
-                place.is_some() && Path::new(song).canonicalize().ok() == place
-            };
-            if self.songs.iter().any(is_heard) {
-                let sound = sound.display();
-                return Err(Error::Input(format!(
-                    "the sound beside the GLB would replace the song {sound}: give the GLB another name"
-                )));
-            }
+        if let Some(sound) = self.output.animation.as_deref().map(sound_beside)
+            && self.songs.iter().any(|(song, _)| is_same_file(&sound, Path::new(song)))
+        {
+            let sound = sound.display();
+            return Err(Error::Input(format!(
+                "the sound beside the GLB would replace the song {sound}: give the GLB another name"
+            )));
         }
         let times = [Some(self.start_secs), self.duration_secs.map(|d| d.max(-1.0))];
         if times.iter().flatten().any(|secs| !(secs.is_finite() && *secs >= 0.0))

@@ -6,6 +6,8 @@ use chladni_view::Camera;
 use chladni_view::filling::{CROPPED_HEIGHTS, Filling, Headroom, NEAR_HEIGHTS, TOP, WHOLE_HEIGHTS};
 use chladni_view::framing::extremes;
 
+use super::{axes, component, ends};
+
 /// The shares of the picture that the figure covers, seen as a whole and near.
 const COVERS: [f32; 2] = [0.3, 0.43];
 /// A figure that covers less than this as a whole is slim: it may be cut off below until it covers as much.
@@ -90,18 +92,17 @@ impl Filled {
 
 /// Whether the lower part of a figure reaches less far to the sides than the rest.
 fn stands_on_a_narrow_part(surface: &[[f32; 3]], stands: Orientation) -> bool {
-    let axes = [stands.right(), stands.up(), stands.front()].map(|axis| axis.map(|c| c as f32));
-    let along = |p: &[f32; 3], axis: [f32; 3]| p.iter().zip(axis).map(|(p, a)| p * a).sum::<f32>();
-    let placed: Vec<[f32; 3]> = surface.iter().map(|p| axes.map(|axis| along(p, axis))).collect();
-    let extent = |axis: usize| {
-        placed.iter().fold([f32::MAX, f32::MIN], |[low, high], p| [low.min(p[axis]), high.max(p[axis])])
-    };
-    let [[left, right], [bottom, top], [behind, ahead]] = [0, 1, 2].map(extent);
+    let [right, up, front] = axes(stands);
+    let [bottom, top] = ends(surface, up);
     let edge = bottom + LOWER * (top - bottom);
-    let off_axis = |p: &[f32; 3]| (p[0] - 0.5 * (left + right)).hypot(p[2] - 0.5 * (behind + ahead));
+    let from_middle = |axis: [f32; 3]| {
+        let [low, high] = ends(surface, axis);
+        move |p: &[f32; 3]| component(p, axis) - 0.5 * (low + high)
+    };
+    let (across, ahead) = (from_middle(right), from_middle(front));
     let reach = |lower: bool| {
-        let part = placed.iter().filter(|p| (p[1] < edge) == lower);
-        part.map(off_axis).fold(0.0, f32::max)
+        let part = surface.iter().filter(|p| (component(p, up) < edge) == lower);
+        part.map(|p| across(p).hypot(ahead(p))).fold(0.0, f32::max)
     };
     reach(true) < LOWER_REACHES * reach(false)
 }

@@ -1,0 +1,63 @@
+//! What arguments change of an instrument before it is heard: form, ringing, choir, and any knob or switch by name.
+
+use chladni_music::{Action, PAPER_MODE, Parameter, Switch, Timbre, setting};
+
+use super::Dance;
+use crate::work::Error;
+
+impl Dance {
+    /// What the arguments change before anything else is done.
+    pub(super) fn changes(&self) -> Result<Vec<Action>, Error> {
+        let mut changes = Vec::new();
+        changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
+        changes.extend(self.form.map(|form| Action::SetForm { form }));
+        match self.timbre {
+            Some(Ring::As(timbre)) => changes.extend(timbre.actions()),
+            Some(Ring::Not) => changes.push(Action::Switch { switch: Switch::Resonate, on: false }),
+            None => {}
+        }
+        changes.extend(self.choir.map(|choir| Action::SetChoir { choir }));
+        changes.extend(self.gain.map(|value| Action::Set { parameter: Parameter::Gain, value }));
+        if let Some(value) = self.mu {
+            changes.push(Action::Switch { switch: Switch::OwnMu, on: false });
+            changes.push(Action::Set { parameter: Parameter::StereoMu, value });
+        }
+        for text in &self.set {
+            changes.push(set(text).map_err(|why| Error::Input(format!("--set {text}: {why}")))?);
+        }
+        Ok(changes)
+    }
+}
+
+/// What NAME=VALUE asks for, or why nothing does.
+fn set(text: &str) -> Result<Action, String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as decay=0.7 or form=modal")?;
+    let (name, value) = (name.trim(), value.trim());
+    if let Some(knob) = Parameter::ALL.into_iter().find(|knob| knob.name() == name) {
+        let (low, high) = knob.range();
+        if !value.parse::<f32>().is_ok_and(|value| (low..=high).contains(&value)) {
+            return Err(format!("{name} is a number from {low} to {high}"));
+        }
+    }
+    setting(name, value).ok_or_else(|| {
+        // Whatever has a value takes 0.
+        if setting(name, "0").is_some() {
+            format!("{name} has no value called {value}")
+        } else {
+            format!("no knob or switch is called {name}; docs/controls.md lists them")
+        }
+    })
+}
+
+/// How harmonics may ring, by name.
+pub(super) fn rings() -> impl Iterator<Item = (&'static str, Ring)> {
+    let timbres = Timbre::NAMED.into_iter().map(|(name, timbre)| (name, Ring::As(timbre)));
+    std::iter::once(("none", Ring::Not)).chain(timbres)
+}
+
+/// Whether harmonics ring.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Ring {
+    Not,
+    As(Timbre),
+}
