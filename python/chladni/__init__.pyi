@@ -21,7 +21,7 @@ class ChladniWarning(UserWarning): ...
 
 class Certificate:
     @property
-    def inertia_counts_match(self) -> bool: ...
+    def inertia_counts_match(self) -> bool | None: ...
     @property
     def max_relative_residual(self) -> float: ...
     @property
@@ -42,6 +42,7 @@ class Basis:
         engine: str = "chladni",
         ranks: int | None = None,
         groups: int | None = None,
+        iterative: bool = False,
         hosts: str | PathLike[str] | None = None,
         scratch: str | PathLike[str] | None = None,
         boundary: Literal["neumann", "dirichlet"] = "neumann",

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use chladni_harmonics::{self as harmonics, BasisSettings, Body, BuildReport, Operator, Ranks};
+use chladni_harmonics::{self as harmonics, BasisSettings, Body, BuildReport, InnerSolver, Operator, Ranks};
 use chladni_mesh::{Frame, TriMesh};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -20,7 +20,7 @@ pub struct Certificate(pub harmonics::Certificate);
 #[pymethods]
 impl Certificate {
     #[getter]
-    fn inertia_counts_match(&self) -> bool {
+    fn inertia_counts_match(&self) -> Option<bool> {
         self.0.inertia_counts_match
     }
 
@@ -40,7 +40,11 @@ impl Certificate {
     }
 
     fn __repr__(&self) -> String {
-        let counts = if self.0.inertia_counts_match { "True" } else { "False" };
+        let counts = match self.0.inertia_counts_match {
+            Some(true) => "True",
+            Some(false) => "False",
+            None => "None",
+        };
         format!(
             "Certificate(inertia_counts_match={counts}, max_relative_residual={:.1e}, \
              max_orthogonality_error={:.1e})",
@@ -79,7 +83,7 @@ impl Basis {
     #[new]
     #[pyo3(signature = (
         V, F, k, *, whole_clusters=false, threads=None, progress=None, engine="chladni", ranks=None, groups=None,
-        hosts=None, scratch=None, boundary="neumann"
+        iterative=false, hosts=None, scratch=None, boundary="neumann"
     ))]
     #[expect(
         non_snake_case,
@@ -97,12 +101,13 @@ impl Basis {
         engine: &str,
         ranks: Option<&Bound<'_, PyAny>>,
         groups: Option<&Bound<'_, PyAny>>,
+        iterative: bool,
         hosts: Option<PathBuf>,
         scratch: Option<PathBuf>,
         boundary: &str,
     ) -> PyResult<Self> {
         let mesh = arrays::mesh(V, F, ["V", "F"])?;
-        let ranks = ranks_of(engine, ranks, groups, hosts, scratch)?;
+        let ranks = ranks_of(engine, ranks, groups, iterative, hosts, scratch)?;
         let held = is_held(boundary, ranks.is_some())?;
         let harmonics = arrays::count(k, "k", 1)?;
         if harmonics > mesh.positions.len() {
@@ -235,24 +240,30 @@ fn ranks_of(
     engine: &str,
     ranks: Option<&Bound<'_, PyAny>>,
     groups: Option<&Bound<'_, PyAny>>,
+    iterative: bool,
     hosts: Option<PathBuf>,
     scratch: Option<PathBuf>,
 ) -> PyResult<Option<Ranks>> {
-    let given = ranks.is_some() || groups.is_some() || hosts.is_some() || scratch.is_some();
+    let given = ranks.is_some() || groups.is_some() || iterative || hosts.is_some() || scratch.is_some();
     match engine {
         "chladni" if !given => Ok(None),
-        "chladni" => Err(InputError::new_err("ranks, groups, hosts and scratch belong to engine=\"slepc\"")),
+        "chladni" => {
+            Err(InputError::new_err("ranks, groups, iterative, hosts and scratch belong to engine=\"slepc\""))
+        }
         "slepc" => {
             let number = |given: Option<&Bound<'_, PyAny>>, name: &str, usual: usize| {
                 given.map_or(Ok(usual), |given| arrays::count(given, name, 1))
             };
             let cores = std::thread::available_parallelism().map_or(1, usize::from);
-            let ranks = Ranks {
-                count: number(ranks, "ranks", cores)?,
-                groups: number(groups, "groups", 1)?,
-                hosts,
-                scratch,
+            if iterative && groups.is_some() {
+                return Err(InputError::new_err("groups are of factors, which iterative=True does without"));
+            }
+            let inner = if iterative {
+                InnerSolver::Iterated
+            } else {
+                InnerSolver::Factors { groups: number(groups, "groups", 1)? }
             };
+            let ranks = Ranks { count: number(ranks, "ranks", cores)?, inner, hosts, scratch };
             ranks.check().map_err(Failure::from)?;
             Ok(Some(ranks))
         }

@@ -78,7 +78,7 @@ pub(crate) fn polynomials(points: &[Vec3], mass: Vec<f64>) -> Basis {
     }
     let certificate = Certificate {
         laplacian: chladni_harmonics::Laplacian::Delaunay,
-        inertia_counts_match: true,
+        inertia_counts_match: Some(true),
         max_relative_residual: 0.0,
         max_orthogonality_error: 1e-14,
     };

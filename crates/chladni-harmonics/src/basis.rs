@@ -10,8 +10,9 @@ pub struct Certificate {
     #[serde(default)]
     pub laplacian: Laplacian,
     /// Whether the number of eigenvalues below every slice boundary, by Sylvester's law of inertia, equals
-    /// the number of pairs found there: then none is missing and none is doubled.
-    pub inertia_counts_match: bool,
+    /// the number of pairs found there: then none is missing and none is doubled. `None` where a solver
+    /// without factors ([`InnerSolver::Iterated`](crate::InnerSolver)) could not count them.
+    pub inertia_counts_match: Option<bool>,
     /// max over k ≥ 1 of ‖S h − λ M h‖ / ‖S h‖.
     pub max_relative_residual: f64,
     /// max |HᵀMH − I|.
@@ -27,9 +28,14 @@ impl Certificate {
     /// The joint certificate of two sets of pairs with disjoint supports.
     pub(crate) fn and(&self, other: &Self) -> Self {
         let larger = |a: f64, b: f64| if b.is_nan() { b } else { a.max(b) };
+        let both = |a: Option<bool>, b: Option<bool>| match (a, b) {
+            (Some(a), Some(b)) => Some(a && b),
+            (Some(false), None) | (None, Some(false)) => Some(false),
+            _ => None,
+        };
         Self {
             laplacian: self.laplacian,
-            inertia_counts_match: self.inertia_counts_match && other.inertia_counts_match,
+            inertia_counts_match: both(self.inertia_counts_match, other.inertia_counts_match),
             max_relative_residual: larger(self.max_relative_residual, other.max_relative_residual),
             max_orthogonality_error: larger(self.max_orthogonality_error, other.max_orthogonality_error),
         }
@@ -47,8 +53,14 @@ impl Certificate {
     pub fn warning(&self) -> Option<String> {
         let exceeds = |error: f64, limit: f64| error.is_nan() || error > limit;
         let mut failed = Vec::new();
-        if !self.inertia_counts_match {
-            failed.push("harmonics may be missing or double: the counts of eigenvalues do not agree".into());
+        match self.inertia_counts_match {
+            Some(true) => {}
+            Some(false) => failed
+                .push("harmonics may be missing or double: the counts of eigenvalues do not agree".into()),
+            None => failed.push(
+                "nothing counted the eigenvalues, as there were no factors: a second search found none that is missing"
+                    .into(),
+            ),
         }
         if exceeds(self.max_relative_residual, Self::RESIDUAL) {
             failed.push(format!(
@@ -125,7 +137,7 @@ mod tests {
     fn a_warning_names_what_failed_and_nothing_else() {
         let sound = Certificate {
             laplacian: Laplacian::Delaunay,
-            inertia_counts_match: true,
+            inertia_counts_match: Some(true),
             max_relative_residual: 1e-11,
             max_orthogonality_error: 1e-10,
         };
@@ -138,6 +150,9 @@ mod tests {
         assert!(warning(slanted).contains(overlap) && !warning(slanted).contains("equation"));
         let both = warning(Certificate { max_orthogonality_error: 2e-8, ..rough });
         assert!(both.contains(residual) && both.contains(overlap));
-        assert!(warning(Certificate { inertia_counts_match: false, ..sound }).contains("missing"));
+        assert!(
+            warning(Certificate { inertia_counts_match: Some(false), ..sound }).contains("may be missing")
+        );
+        assert!(warning(Certificate { inertia_counts_match: None, ..sound }).contains("nothing counted"));
     }
 }

@@ -71,7 +71,7 @@ impl Body {
             // For an empty set of pairs all conditions hold.
             certificate: Certificate {
                 laplacian: Laplacian::default(),
-                inertia_counts_match: true,
+                inertia_counts_match: Some(true),
                 max_relative_residual: 0.0,
                 max_orthogonality_error: 0.0,
             },

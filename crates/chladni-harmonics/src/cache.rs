@@ -129,7 +129,7 @@ impl CacheEntry {
             magic: *MAGIC,
             vertices: basis.vertices() as u64,
             harmonics: basis.harmonics() as u64,
-            inertia_counts_match: u64::from(basis.certificate.inertia_counts_match),
+            inertia_counts_match: basis.certificate.inertia_counts_match.map_or(2, u64::from),
             cuts_cluster: u64::from(cuts_cluster),
             max_relative_residual: basis.certificate.max_relative_residual,
             max_orthogonality_error: basis.certificate.max_orthogonality_error,
@@ -182,7 +182,11 @@ fn read_entry(
     }
     let certificate = Certificate {
         laplacian,
-        inertia_counts_match: header.inertia_counts_match == 1,
+        inertia_counts_match: match header.inertia_counts_match {
+            0 => Some(false),
+            1 => Some(true),
+            _ => None,
+        },
         max_relative_residual: header.max_relative_residual,
         max_orthogonality_error: header.max_orthogonality_error,
     };

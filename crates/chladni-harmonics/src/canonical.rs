@@ -177,7 +177,7 @@ mod tests {
         let stiffness = SymmetricSparse::laplacian(n, &edges);
         let certificate = Certificate {
             laplacian: crate::Laplacian::Delaunay,
-            inertia_counts_match: true,
+            inertia_counts_match: Some(true),
             max_relative_residual: 0.0,
             max_orthogonality_error: 0.0,
         };

@@ -5,7 +5,9 @@
 
 mod shapes;
 
-use chladni_harmonics::{Basis, BasisSettings, Body, HarmonicsError, Operator, Ranks, RanksReport};
+use chladni_harmonics::{
+    Basis, BasisSettings, Body, HarmonicsError, InnerSolver, Operator, Ranks, RanksReport,
+};
 use chladni_mesh::TriMesh;
 use chladni_task::{Cancelled, Task};
 
@@ -30,9 +32,11 @@ fn solved(
         Ok((body, report, of_ranks)) => {
             // Our own factorizations must agree with those of MUMPS.
             let again = operator.certify(&body.basis).unwrap();
-            for certificate in [again, body.basis.certificate] {
-                assert!(certificate.is_precise(), "{certificate:?}");
-            }
+            let own = body.basis.certificate;
+            assert!(again.is_precise(), "{again:?}");
+            assert!(own.max_relative_residual < 1e-9 && own.max_orthogonality_error < 1e-8, "{own:?}");
+            let counted = (ranks.inner != InnerSolver::Iterated).then_some(true);
+            assert_eq!((own.inertia_counts_match, own.is_precise()), (counted, counted.is_some()));
             if settings.harmonics > operator.components() {
                 assert_eq!((of_ranks.ranks, of_ranks.peak_bytes.len()), (ranks.count, ranks.count));
             }
@@ -78,14 +82,23 @@ fn agree(theirs: &Basis, ours: &Basis) {
 fn one_two_and_four_ranks_find_what_our_solver_finds() {
     let (mesh, settings) = (bumpy(3), BasisSettings::new(40));
     let ours = Body::build(&mesh, &settings, &Task::new()).unwrap();
-    for (count, groups) in [(1, 1), (2, 1), (4, 2)] {
-        let ranks = Ranks { groups, ..Ranks::here(count) };
+    let factors = |groups| InnerSolver::Factors { groups };
+    for (count, inner) in [
+        (1, factors(1)),
+        (2, factors(1)),
+        (4, factors(2)),
+        (1, InnerSolver::Iterated),
+        (2, InnerSolver::Iterated),
+    ] {
+        let ranks = Ranks { inner, ..Ranks::here(count) };
         let (body, report, cuts) = match solved(&mesh, &settings, &ranks) {
             Ok(solved) => solved,
             Err(reason) => return println!("skipped: {reason}"),
         };
         agree(&body.basis, &ours.basis);
-        assert!(!cuts && report.counts.len() >= 3);
+        assert!(!cuts);
+        let is_counted = report.counted_by.is_some() && report.counts.len() >= 3;
+        assert!(if inner == InnerSolver::Iterated { report.searches >= 2 } else { is_counted }, "{report:?}");
         for k in 0..40 {
             // The signs must be chosen equally.
             let product =
@@ -101,10 +114,13 @@ fn clusters_and_several_components_come_whole() {
     // of ten.
     let sphere = shapes::icosphere(3);
     let mesh = shapes::beside(&[sphere.clone(), sphere], [3.0, 0.0, 0.0]);
-    for (whole_clusters, expected) in [(false, 15), (true, 18)] {
+    let (factors, iterated) = (InnerSolver::Factors { groups: 1 }, InnerSolver::Iterated);
+    for (whole_clusters, expected, inner) in
+        [(false, 15, factors), (true, 18, factors), (false, 15, iterated), (true, 18, iterated)]
+    {
         let settings = BasisSettings { whole_clusters, ..BasisSettings::new(15) };
         let ours = Body::build(&mesh, &settings, &Task::new()).unwrap();
-        let (body, _, cuts) = match solved(&mesh, &settings, &Ranks::here(1)) {
+        let (body, _, cuts) = match solved(&mesh, &settings, &Ranks { inner, ..Ranks::here(1) }) {
             Ok(solved) => solved,
             Err(reason) => return println!("skipped: {reason}"),
         };

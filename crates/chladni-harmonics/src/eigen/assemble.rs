@@ -230,7 +230,7 @@ fn certificate(measured: &[Option<Measured>]) -> Certificate {
     }
     Certificate {
         laplacian: Laplacian::default(),
-        inertia_counts_match: true,
+        inertia_counts_match: Some(true),
         max_relative_residual: relative,
         max_orthogonality_error: overlap,
     }

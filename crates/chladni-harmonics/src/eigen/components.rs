@@ -284,7 +284,7 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, wanted: Wanted) -> Resu
     }
     let mut certificate = Certificate {
         laplacian: Laplacian::default(),
-        inertia_counts_match: true,
+        inertia_counts_match: Some(true),
         max_relative_residual: 0.0,
         max_orthogonality_error: 0.0,
     };

@@ -33,7 +33,7 @@ pub(super) fn solve(
             h[v] = coordinates[(v, k)];
         }
     }
-    let certificate = certify(pencil, zeros, &eigenvalues, &vectors, true);
+    let certificate = certify(pencil, zeros, &eigenvalues, &vectors, Some(true));
     let basis = Basis { eigenvalues, vectors: vectors.into(), mass: pencil.mass.to_vec(), certificate };
     Ok(Solved {
         basis,

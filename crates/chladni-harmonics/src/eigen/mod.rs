@@ -189,7 +189,7 @@ fn solve_connected(
 /// The pair with λ = 0 of a connected surface: h = 1 / √area.
 fn constant(pencil: Pencil) -> Solved {
     let vectors = vec![pencil.mass.iter().sum::<f64>().sqrt().recip(); pencil.mass.len()];
-    let certificate = certify(pencil, ZEROS, &[0.0], &vectors, true);
+    let certificate = certify(pencil, ZEROS, &[0.0], &vectors, Some(true));
     let basis =
         Basis { eigenvalues: vec![0.0], vectors: vectors.into(), mass: pencil.mass.to_vec(), certificate };
     Solved {
@@ -213,7 +213,7 @@ pub(crate) fn certify(
     zeros: usize,
     eigenvalues: &[f64],
     vectors: &[f64],
-    inertia: bool,
+    inertia: Option<bool>,
 ) -> Certificate {
     use faer::MatRef;
     let (n, k) = (pencil.mass.len(), eigenvalues.len());

@@ -124,6 +124,10 @@ fn reason(complaints: &[String]) -> String {
         return "Open MPI runs as root only where OMPI_ALLOW_RUN_AS_ROOT=1 and OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 are set"
             .into();
     }
+    if complaints.iter().any(|line| line.contains("on signal 9")) {
+        return "a rank was killed, as systems do where memory ends: --iterative solves without factors, and more hosts have more memory"
+            .into();
+    }
     let of_rank = complaints.iter().find_map(|line| line.strip_prefix("chladni: "));
     let raised = || complaints.iter().find(|line| line.contains("Error: ")).map(|line| line.trim());
     let first =
@@ -166,6 +170,8 @@ mod tests {
             "rank 1 on a: out of memory"
         );
         assert_eq!(reason_of("-----\n\n  Bad hosts\n---"), "Bad hosts");
+        let killed = "mpirun noticed that process rank 1 with PID 0 on node a exited on signal 9 (Killed).";
+        assert!(reason_of(killed).contains("--iterative"));
         assert!(
             reason_of("mpirun has detected an attempt to run as root.").contains("OMPI_ALLOW_RUN_AS_ROOT=1")
         );

@@ -30,21 +30,37 @@ use petsc::ScaledOperator;
 
 /// The program that every rank runs.
 const WORKER: &str = include_str!("worker.py");
+/// Its two ways to solve.
+const METHODS: [(&str, &str); 2] =
+    [("factored.py", include_str!("factored.py")), ("iterated.py", include_str!("iterated.py"))];
 /// A larger number of ranks is taken for a typing error.
 const MOST: usize = 65_536;
 /// The largest number of ranks per core without other hosts; with more, the machine would only switch
 /// between them.
 const MOST_PER_CORE: usize = 8;
 
-/// Where a solve by SLEPc runs.
+/// How the ranks solve (A − σI) y = x, on which all of SLEPc's work rests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InnerSolver {
+    /// With factors by MUMPS, whose inertia counts eigenvalues.
+    Factors {
+        /// The number of groups of equal size into which the ranks are split. Each group has its own factor
+        /// and its own part of the spectrum: faster, but with as many times the memory. 1 keeps a single
+        /// factor, spread over all ranks.
+        groups: usize,
+    },
+    /// With conjugate gradients and algebraic multigrid, for meshes whose factors do not fit on all ranks
+    /// together. Nothing is counted: a second search, orthogonal to what was found, takes its place.
+    Iterated,
+}
+
+/// Where and how SLEPc solves.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ranks {
     /// The number of MPI processes, one core each.
     pub count: usize,
-    /// The number of groups of equal size into which the ranks are split. Each group has its own factor and
-    /// its own part of the spectrum: faster, but with as many times the memory. 1 keeps a single factor,
-    /// spread over all ranks.
-    pub groups: usize,
+    /// How (A − σI) y = x is solved.
+    pub inner: InnerSolver,
     /// A host file of MPI; `None` for this machine alone.
     pub hosts: Option<PathBuf>,
     /// The folder for the operator and the vectors, which all hosts must see under this name; `None` for
@@ -57,17 +73,19 @@ pub struct Ranks {
 pub struct RanksReport {
     /// The number of MPI processes.
     pub ranks: usize,
-    /// The number of groups, each with its own factor.
+    /// The number of groups, each with its own factor; 0 without factors.
     pub groups: usize,
-    /// The program whose factors counted the eigenvalues. (The residuals and scalar products of the
-    /// certificate are measured here.)
-    pub counted_by: &'static str,
+    /// The program whose factors counted the eigenvalues; `None` without factors. (The residuals and scalar
+    /// products of the certificate are measured here.)
+    pub counted_by: Option<&'static str>,
+    /// Without factors, how often pairs were searched for; the last search found none that was missing.
+    pub searches: usize,
     /// Each shift (in working units) and the number of eigenvalues below it, from the inertia of its
     /// factor.
     pub counts: Vec<(f64, usize)>,
     /// The peak memory of each rank, in bytes.
     pub peak_bytes: Vec<u64>,
-    /// The number of values in a factor, over all ranks.
+    /// The number of values in a factor, over all ranks; 0 without factors, like the next one.
     pub factor_entries: f64,
     /// The number of additions and multiplications in one factorization.
     pub factor_flops: f64,
@@ -80,11 +98,11 @@ pub struct RanksReport {
 pub struct RanksSeconds {
     /// Reading the operator from disk.
     pub read: f64,
-    /// Finding the bounds of the requested part of the spectrum.
+    /// Finding the bounds of the requested part of the spectrum, or searching again for what is missing.
     pub count: f64,
     /// Krylov–Schur in all slices.
     pub solve: f64,
-    /// One step of inverse iteration for all vectors, and writing them.
+    /// Inverse iteration of all vectors, and writing them.
     pub polish: f64,
 }
 
@@ -98,9 +116,9 @@ struct Settings {
 }
 
 impl Ranks {
-    /// A single group of `count` ranks on this machine.
+    /// `count` ranks with one factor, on this machine.
     pub fn here(count: usize) -> Self {
-        Self { count, groups: 1, hosts: None, scratch: None }
+        Self { count, inner: InnerSolver::Factors { groups: 1 }, hosts: None, scratch: None }
     }
 
     /// Checks, before any work, what can be checked.
@@ -116,11 +134,10 @@ impl Ranks {
             let of = if self.hosts.is_some() { "" } else { " without a file of hosts" };
             return refused(format!("{} ranks: from 1 to {most} are possible{of}", self.count));
         }
-        if self.groups == 0 || !self.count.is_multiple_of(self.groups) {
-            return refused(format!(
-                "{} ranks cannot be split into {} equal groups",
-                self.count, self.groups
-            ));
+        if let InnerSolver::Factors { groups } = self.inner
+            && (groups == 0 || !self.count.is_multiple_of(groups))
+        {
+            return refused(format!("{} ranks cannot be split into {groups} equal groups", self.count));
         }
         if let Some(hosts) = self.hosts.as_ref().filter(|hosts| !hosts.is_file()) {
             return refused(format!("{}: there is no such file of hosts", hosts.display()));
@@ -136,7 +153,8 @@ impl Body {
     /// A body from `mesh` with harmonics of its `operator`, solved by SLEPc on `ranks`. Nothing is cached.
     ///
     /// The certificate is measured here, except that eigenvalues are counted with the factors that MUMPS
-    /// computed at the bounds of all slices. K is at most half of N.
+    /// computed at the bounds of all slices, and not at all with [`InnerSolver::Iterated`]. K is at most half
+    /// of N.
     ///
     /// # Errors
     /// [`HarmonicsError::NoRanks`] if MPI or slepc4py is missing or the requested ranks are impossible,
@@ -186,16 +204,22 @@ fn solve(
 ) -> Result<(Basis, RanksReport), HarmonicsError> {
     let folder = private_folder(ranks).map_err(|error| unwritten(&error))?;
     let worker = folder.path().join("worker.py");
-    fs::write(&worker, WORKER).map_err(|error| unwritten(&error))?;
+    for (name, text) in METHODS.into_iter().chain([("worker.py", WORKER)]) {
+        fs::write(folder.path().join(name), text).map_err(|error| unwritten(&error))?;
+    }
     let launcher = Launcher::find(&worker)?;
     let zeros = operator.components();
+    let groups = match ranks.inner {
+        InnerSolver::Factors { groups } => groups,
+        InnerSolver::Iterated => 0,
+    };
     let pairs = if harmonics > zeros {
         task.stage("writing the operator", 0);
         let settings = Settings {
             harmonics,
             zeros,
             weyl: 4.0 * std::f64::consts::PI / operator.mass.iter().sum::<f64>(),
-            groups: ranks.groups,
+            groups,
         };
         write_problem(folder.path(), operator, &settings)?;
         launcher.run(ranks, &worker, folder.path(), task)?;
@@ -206,7 +230,7 @@ fn solve(
     };
     drop(folder);
     task.stage("certificate", 0);
-    let counts_match = pairs.counts_match(zeros);
+    let counts_match = (groups > 0).then(|| pairs.counts_match(zeros));
     let mut eigenvalues = vec![0.0; zeros];
     eigenvalues.extend(&pairs.eigenvalues);
     if !eigenvalues.is_sorted() {
@@ -228,8 +252,9 @@ fn solve(
     let certificate = certify(operator.pencil(), zeros, &eigenvalues, &vectors, counts_match);
     let report = RanksReport {
         ranks: ranks.count,
-        groups: ranks.groups,
-        counted_by: "MUMPS",
+        groups,
+        counted_by: (groups > 0).then_some("MUMPS"),
+        searches: pairs.searches,
         counts: pairs.counts,
         peak_bytes: pairs.peak_bytes,
         factor_entries: pairs.factor[0],
@@ -263,6 +288,12 @@ fn write_problem(folder: &Path, operator: &Operator, settings: &Settings) -> Res
         let mut file = BufWriter::with_capacity(1 << 20, fs::File::create(folder.join("operator.petsc"))?);
         scaled.write(&mut file)?;
         file.flush()?;
+        if settings.groups == 0 {
+            let roots = operator.mass.iter().flat_map(|a| a.sqrt().to_le_bytes());
+            fs::write(folder.join("root_mass.f64"), roots.collect::<Vec<u8>>())?;
+            let numbers = operator.component.iter().flat_map(|c| c.to_le_bytes());
+            fs::write(folder.join("component.u32"), numbers.collect::<Vec<u8>>())?;
+        }
         fs::write(folder.join("settings.json"), serde_json::to_vec(settings)?)
     };
     write().map_err(|error: std::io::Error| unwritten(&error))
@@ -301,11 +332,12 @@ mod tests {
         let refused = |ranks: Ranks| ranks.check().unwrap_err().to_string();
         assert!(refused(Ranks::here(0)).contains("0 ranks: from 1 to"));
         assert!(refused(Ranks::here(1_000_000)).contains("without a file of hosts"));
-        assert!(refused(Ranks { groups: 3, ..Ranks::here(4) }).contains("4 ranks cannot be split into 3"));
-        assert!(refused(Ranks { groups: 0, ..Ranks::here(4) }).contains("into 0"));
+        let split = |groups| Ranks { inner: InnerSolver::Factors { groups }, ..Ranks::here(4) };
+        assert!(refused(split(3)).contains("4 ranks cannot be split into 3"));
+        assert!(refused(split(0)).contains("into 0"));
         let nowhere = Some(PathBuf::from("/no/such/place"));
         assert!(refused(Ranks { hosts: nowhere.clone(), ..Ranks::here(1) }).contains("/no/such/place"));
         assert!(refused(Ranks { scratch: nowhere, ..Ranks::here(1) }).contains("no such folder"));
-        assert!(Ranks { groups: 2, ..Ranks::here(4) }.check().is_ok());
+        assert!(split(2).check().is_ok());
     }
 }

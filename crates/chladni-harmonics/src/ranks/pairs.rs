@@ -16,9 +16,12 @@ struct Part {
     rows: [usize; 2],
     eigenvalues: Vec<f64>,
     counts: Vec<(f64, usize)>,
-    below: (f64, usize),
+    #[serde(default)]
+    searches: usize,
     peak_bytes: u64,
+    #[serde(default)]
     factor_entries: f64,
+    #[serde(default)]
     factor_flops: f64,
     seconds: RanksSeconds,
 }
@@ -30,6 +33,7 @@ pub(super) struct Pairs {
     /// Columns of zeros for the constants, followed by the N values of each pair.
     pub(super) vectors: Values,
     pub(super) counts: Vec<(f64, usize)>,
+    pub(super) searches: usize,
     pub(super) peak_bytes: Vec<u64>,
     pub(super) factor: [f64; 2],
     pub(super) seconds: RanksSeconds,
@@ -55,7 +59,7 @@ impl Pairs {
                 pairs.vectors = Values::zeroed(count, keep).map_err(|e| bad(&format!("too much: {e}")))?;
                 (pairs.eigenvalues, pairs.counts, pairs.seconds) =
                     (part.eigenvalues.clone(), part.counts, part.seconds);
-                pairs.counts.push(part.below);
+                pairs.searches = part.searches;
                 pairs.factor = [part.factor_entries, part.factor_flops];
             }
             let [first, end] = part.rows;
@@ -116,7 +120,7 @@ mod tests {
         };
         let json = |rows: &str| {
             format!(
-                r#"{{"rows": {rows}, "eigenvalues": [1.0], "counts": [], "below": [2.0, 2],
+                r#"{{"rows": {rows}, "eigenvalues": [1.0], "counts": [[2.0, 2]],
                 "peak_bytes": 1, "factor_entries": 3, "factor_flops": 4,
                 "seconds": {{"read": 0, "count": 0, "solve": 0, "polish": 0}}}}"#
             )

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_harmonics::npz::{write_basis, write_basis_folder, write_operator};
 use chladni_harmonics::{
-    BasisSettings, Body, BuildReport, HarmonicsError, Laplacian, Operator, Ranks, RanksReport,
+    BasisSettings, Body, BuildReport, HarmonicsError, InnerSolver, Laplacian, Operator, Ranks, RanksReport,
 };
 use chladni_mesh::{ShapeSource, weld};
 use serde::Serialize;
@@ -78,6 +78,10 @@ struct RankOptions {
     /// many times the memory.
     #[arg(long, value_name = "G")]
     groups: Option<usize>,
+    /// Solve without factors, for meshes whose factors do not fit on all ranks together. Nothing then counts the
+    /// eigenvalues; a second search for what may be missing takes its place.
+    #[arg(long, conflicts_with = "groups")]
+    iterative: bool,
     /// A host file of MPI, to solve on more than this machine.
     #[arg(long, value_name = "FILE")]
     hosts: Option<PathBuf>,
@@ -86,16 +90,20 @@ struct RankOptions {
 impl RankOptions {
     /// The ranks that `engine` needs.
     fn of(&self, engine: Engine, scratch: &Path) -> Result<Option<Ranks>, Error> {
-        let Self { ranks, groups, hosts } = self;
+        let Self { ranks, groups, iterative, hosts } = self;
         if engine == Engine::Chladni {
-            let given = ranks.is_some() || groups.is_some() || hosts.is_some();
-            let refused = "--ranks, --groups and --hosts belong to --engine slepc";
+            let given = ranks.is_some() || groups.is_some() || *iterative || hosts.is_some();
+            let refused = "--ranks, --groups, --iterative and --hosts belong to --engine slepc";
             return if given { Err(Error::input(refused)) } else { Ok(None) };
         }
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         let ranks = Ranks {
             count: ranks.unwrap_or_else(cores),
-            groups: groups.unwrap_or(1),
+            inner: if *iterative {
+                InnerSolver::Iterated
+            } else {
+                InnerSolver::Factors { groups: groups.unwrap_or(1) }
+            },
             hosts: hosts.clone(),
             scratch: Some(scratch.to_owned()),
         };
@@ -113,12 +121,22 @@ struct Summary {
     seconds: chladni_harmonics::BuildSeconds,
     max_relative_residual: f64,
     max_orthogonality_error: f64,
-    inertia_counts_match: bool,
+    /// `null` where nothing counted them.
+    inertia_counts_match: Option<bool>,
     cached: bool,
     cuts_cluster: bool,
     profile: chladni_harmonics::SolveProfile,
     #[serde(skip_serializing_if = "Option::is_none")]
     ranks: Option<RanksReport>,
+}
+
+/// Who solved, where SLEPc did.
+fn by_ranks(of: &RanksReport) -> String {
+    let how = match of.counted_by {
+        Some(program) => format!("counted by {program}"),
+        None => format!("in {} searches, the last of which found none that was missing", of.searches),
+    };
+    format!(" by SLEPc on {} rank{}, {how}", of.ranks, if of.ranks == 1 { "" } else { "s" })
 }
 
 /// Whether `path` is the name of a folder, which ends with a separator.
@@ -223,16 +241,20 @@ impl Args {
             });
         }
         terminal.result(format_args!(
-            "{} harmonics of {} vertices ({} Laplacian) in {:.2} s{}{}; residual {:.1e}, orthogonality {:.1e}, counts {}",
+            "{} harmonics of {} vertices ({} Laplacian) in {:.2} s{}{}; residual {:.1e}, orthogonality {:.1e}, {}",
             basis.harmonics(),
             basis.vertices(),
             certificate.laplacian,
             report.seconds.total,
             if report.cached { " (cached)" } else { "" },
-            of_ranks.map_or_else(String::new, |of| format!(" by SLEPc on {} ranks, counted by {}", of.ranks, of.counted_by)),
+            of_ranks.map_or_else(String::new, |of| by_ranks(&of)),
             certificate.max_relative_residual,
             certificate.max_orthogonality_error,
-            if certificate.inertia_counts_match { "match" } else { "do not match" },
+            match certificate.inertia_counts_match {
+                Some(true) => "counts match",
+                Some(false) => "counts do not match",
+                None => "not counted",
+            },
         ))?;
         [&self.output, &self.operator].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
     }

@@ -242,6 +242,7 @@ fn bad_arguments_are_told_apart() {
         ("caricature shape.obj ellipsoid -o folder.obj", "is a folder"),
         ("caricature shape.obj ellipsoid -o out.obj --render out.jpg", "out.jpg: a picture ends in .png"),
         ("basis shape.obj --ranks 2", "belong to --engine slepc"),
+        ("basis shape.obj --iterative", "belong to --engine slepc"),
         ("basis shape.obj --engine slepc --ranks 0", "0 ranks: from 1 to"),
         ("basis shape.obj --engine slepc --ranks 99999", "99999 ranks: from 1 to"),
         ("basis shape.obj --engine slepc --ranks 4 --groups 3", "3 equal groups"),

@@ -82,12 +82,14 @@ fn certificate(ui: &mut Ui, basis: &Basis) {
     if laplacian == Laplacian::Cotangent {
         ui.label(RichText::new("Paper mode: those of its plain cotangent Laplacian.").strong());
     }
-    let complete = if inertia_counts_match {
-        "Complete: an independent count finds as many below the last one, so none is missing and none is double."
-    } else {
-        "Not certified complete: an independent count does not agree, some may be missing."
+    let complete = match inertia_counts_match {
+        Some(true) => {
+            "Complete: an independent count finds as many below the last one, so none is missing and none is double."
+        }
+        Some(false) => "Not certified complete: an independent count does not agree, some may be missing.",
+        None => "Not certified complete: nothing counted them. A second search found none that is missing.",
     };
-    line(ui, inertia_counts_match, complete.into());
+    line(ui, inertia_counts_match == Some(true), complete.into());
     line(
         ui,
         max_relative_residual <= Certificate::RESIDUAL,
