@@ -18,7 +18,7 @@ const rooms = {
   music: [music.laptop, music.phone],
   shows: [shows.shows, shows.films],
   returns: [returns.dances, returns.layers],
-  films: [shows.wholeFilms],
+  films: [shows.wholeFilms, shows.stoppedFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],

@@ -4,8 +4,6 @@ import { EncodedFilm, encodes } from "./encoder.js";
 import { attempt, of, on, save, say } from "./page.js";
 import { drawOnce, hold } from "./picture.js";
 
-/** Seconds of sound that are encoded at a time. */
-const BLOCK_SECS = 1;
 /** Milliseconds after which the page is told how far it is. */
 const TELL = 250;
 
@@ -52,12 +50,11 @@ async function shoot(mine) {
     brush.fillRect(0, 0, width, height);
   };
   const sample = (n) => Math.min(sound.left.length, Math.round((from + n / rate) * sound.rate));
-  const block = Math.round(BLOCK_SECS * rate);
   const began = performance.now();
   let told = 0;
   try {
     for (let n = 0; n < count && !mine.cancelled && !mine.kept; n++) {
-      if (n % block === 0) film.sound(sound.left, sound.right, sample(n), sample(Math.min(n + block, count)));
+      film.sound(sound.left, sound.right, sample(n), sample(n + 1));
       stage.at(n / rate, from + n / rate);
       drawOnce(width, height, take);
       await film.picture(canvas);

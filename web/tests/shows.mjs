@@ -108,6 +108,34 @@ export async function wholeFilms() {
   }
 }
 
+/** A film that is ended before its time has what is there by then; where no sound can be encoded it is silent, and says so. */
+export async function stoppedFilms() {
+  for (const silent of [false, true]) {
+    const prepare = silent ? () => { delete window.AudioEncoder; } : undefined;
+    const { page, wrong, elsewhere } = await opened({ width: 1000, height: 700 }, false, { prepare });
+    await page.click("#enter");
+    await until(page, () => window.chladni.state.body === "sample:octopus");
+    await drop(page, ["clicks.wav", song(60)]);
+    await until(page, () => document.getElementById("song").textContent === "clicks.wav");
+    await page.click("#film-song");
+    await page.selectOption("#film-rate", "24");
+    await page.click("#film-begin");
+    await until(page, () => /^Picture (2[4-9]|[3-9]\d|\d{3}) of/.test(document.getElementById("film-left").textContent));
+    const film = readFileSync(await downloaded(page, "#film-keep"));
+    const [pictures, sounds = 0] = pieces(film);
+    assert.ok(pictures >= 24 && pictures < 700, `${pictures} of 1440`);
+    const seen = await watched(page, film, "video/mp4");
+    assert.ok(Math.abs(seen.secs - pictures / 24) < 0.15, `${seen.secs} s of ${pictures} pictures`);
+    assert.deepEqual([sounds > 0, seen.sounds], [!silent, !silent]);
+    const said = await page.textContent("#status");
+    assert.equal(/the film is silent/.test(said), silent, said);
+    assert.ok(await page.isHidden("#whole-film"));
+    step(`a film was ended after ${pictures} of 1440 pictures${silent ? ", without sound" : ""}`);
+    assert.deepEqual([wrong, elsewhere], [[], []]);
+    await page.context().close();
+  }
+}
+
 export async function films() {
   for (const [name, viewport, touch] of [["laptop", { width: 1000, height: 700 }, false], ["phone", { width: 390, height: 844 }, true]]) {
     const { page, wrong, elsewhere, shot } = await opened(viewport, touch);

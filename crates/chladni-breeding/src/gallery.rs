@@ -106,6 +106,17 @@ impl<G: Genome> Gallery<G> {
         self.current
     }
 
+    /// The generation from which the current one was made; `None` for the first.
+    pub fn back(&self) -> Option<usize> {
+        self.generations[self.current].from
+    }
+
+    /// The latest generation that was made from the current one, else the next.
+    pub fn forth(&self) -> Option<usize> {
+        let child = self.generations.iter().rposition(|generation| generation.from == Some(self.current));
+        child.or_else(|| Some(self.current + 1).filter(|next| *next < self.generations.len()))
+    }
+
     /// The items of the current generation.
     pub fn items(&self) -> &[GalleryItem<G>] {
         &self.generations[self.current].items
@@ -305,6 +316,24 @@ mod tests {
         assert!(matches!(Gallery::new(3, 7, initial(7)), Err(BreedingError::GallerySize(7))));
         assert!(Gallery::new(1 << 63, 6, initial(6)).is_err());
         assert!(Gallery::new(3, 6, initial(5)).is_err());
+    }
+
+    #[test]
+    fn back_leads_to_the_parents_and_forth_to_their_latest_children() {
+        let mut gallery = Gallery::new(3, 6, initial(6)).unwrap();
+        assert_eq!((gallery.back(), gallery.forth()), (None, None));
+        gallery.mutate(0, 0.5).unwrap();
+        gallery.mutate(1, 0.5).unwrap();
+        gallery.go_to(0).unwrap();
+        gallery.mutate(2, 0.5).unwrap();
+        assert_eq!((gallery.current(), gallery.back()), (3, Some(0)));
+        gallery.go_to(0).unwrap();
+        assert_eq!(gallery.forth(), Some(3));
+        // The second has a child of its own; the third has none, and what comes next is offered.
+        gallery.go_to(1).unwrap();
+        assert_eq!((gallery.back(), gallery.forth()), (Some(0), Some(2)));
+        gallery.go_to(2).unwrap();
+        assert_eq!((gallery.back(), gallery.forth()), (Some(1), Some(3)));
     }
 
     #[test]

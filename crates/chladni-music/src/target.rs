@@ -99,7 +99,7 @@ const TABLE: [Row; 42] = [
     (Target::Stage, Kind::Dance, "stage", "Put it on stage"),
     (Target::Cue, Kind::Dance, "cue", "Next on stage"),
     (Target::Breed, Kind::Button, "breed", "Breed the chosen ones"),
-    (Target::Back, Kind::Button, "back", "The generation before"),
+    (Target::Back, Kind::Button, "back", "The generation of the parents"),
     (Target::Forth, Kind::Button, "forth", "The generation after"),
     (Target::NextFavorite, Kind::Button, "next", "Next favorite on stage"),
     (Target::PreviousFavorite, Kind::Button, "previous", "The favorite before"),

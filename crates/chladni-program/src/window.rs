@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::Instant;
 
+use chladni_task::Task;
 use chladni_view::Draw;
 use serde::Serialize;
 
@@ -36,18 +37,19 @@ pub enum Outcome {
     Measured(FrameReport),
 }
 
-/// Opens the window on `files`, drawn by what `draw` asks for, and returns when it is closed.
+/// Opens the window on `files`, drawn by what `draw` asks for, and returns when it is closed; it closes by itself once
+/// `ends` is cancelled.
 ///
 /// # Errors
 /// [`Error::Other`] where it cannot open, or was closed before what was waited for; [`Error::Input`] where a
 /// file shows no picture.
-pub fn open(files: Vec<PathBuf>, until: Until, draw: Draw) -> Result<Option<Outcome>, Error> {
+pub fn open(files: Vec<PathBuf>, until: Until, draw: Draw, ends: Task) -> Result<Option<Outcome>, Error> {
     let measure = match until {
         Until::Measured(secs) => Some(Rc::new(RefCell::new(Measure::new(secs)))),
         Until::Closed | Until::Picture => None,
     };
     let picture = (until == Until::Picture).then(|| Rc::new(FirstPicture::since(Instant::now())));
-    studio::open(files, measure.clone(), picture.clone(), draw).map_err(Error::other)?;
+    studio::open(files, measure.clone(), picture.clone(), draw, ends).map_err(Error::other)?;
     if let Some(picture) = picture {
         let first_picture_secs = match picture.outcome() {
             Some(seen) => seen.map_err(Error::Input)?,

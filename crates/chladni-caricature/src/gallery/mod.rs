@@ -130,8 +130,7 @@ impl VariantGallery {
 
     /// Shows the generation again from which the shown one came; false where it is the first.
     pub fn back(&mut self) -> bool {
-        let from = self.generations.generations()[self.generations.current()].from;
-        from.is_some_and(|from| self.generations.go_to(from).is_ok())
+        self.generations.back().is_some_and(|from| self.generations.go_to(from).is_ok())
     }
 
     /// Those that were marked as favorites, in any generation.

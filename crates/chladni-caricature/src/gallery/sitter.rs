@@ -177,7 +177,7 @@ impl Sitter {
             (true, false) => format!("less {}; ", less.join(" and ")),
             (true, true) => String::new(),
         };
-        title.push_str(&format!("against {against}, {} model", variant.model()));
+        title.push_str(&format!("against {}, {} model", in_words(against), variant.model()));
         title
     }
 
@@ -387,5 +387,17 @@ impl Probes {
 impl Dose {
     fn times(self, share: f64) -> Self {
         Self { mu: self.mu * share, grow: self.grow * share, shrink: self.shrink * share }
+    }
+}
+
+/// What a template is called in a title.
+fn in_words(template: &Template) -> String {
+    match template {
+        Template::File(path) => path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+        Template::Sample(name) if name == "template" => "a plain head".into(),
+        Template::Ellipsoid => "its ellipsoid".into(),
+        Template::Sphere => "its sphere".into(),
+        Template::LowPass(_) => "itself made smooth".into(),
+        other => other.to_string(),
     }
 }

@@ -29,6 +29,7 @@ impl Open {
             None if self.until_picture => Until::Picture,
             None => Until::Closed,
         };
-        window::open(self.files, until, terminal.draw())?.map_or(Ok(()), |outcome| terminal.json(&outcome))
+        let outcome = window::open(self.files, until, terminal.draw(), terminal.task())?;
+        outcome.map_or(Ok(()), |outcome| terminal.json(&outcome))
     }
 }

@@ -1,6 +1,7 @@
 //! Asking the user for files.
 
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use super::file_window::{self, Purpose, Request};
@@ -20,9 +21,39 @@ pub trait Chooser {
     /// of the first kind if the user gave none.
     fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf>;
 
+    /// Begins to ask while the window goes on; false where something is being asked already.
+    fn begin(&mut self, request: Request) -> bool;
+
+    /// The answer to what was [begun](Self::begin), once: no files if the user cancels.
+    fn answer(&mut self) -> Option<Vec<PathBuf>>;
+
     /// What went wrong since the last call: no dialog may have come up at all.
     fn trouble(&mut self) -> Option<String> {
         None
+    }
+}
+
+impl Request {
+    /// A file to read, of any of `kinds`.
+    pub fn open(kinds: &[FileKind<'_>]) -> Self {
+        Self::new(Purpose::Open, kinds, PathBuf::new())
+    }
+
+    /// Several files to read.
+    pub fn open_several(kinds: &[FileKind<'_>]) -> Self {
+        Self::new(Purpose::OpenSeveral, kinds, PathBuf::new())
+    }
+
+    /// A file to write; `suggested` is a name, or a path, to start from.
+    pub fn save(kinds: &[FileKind<'_>], suggested: &Path) -> Self {
+        Self::new(Purpose::Save, kinds, suggested.to_owned())
+    }
+
+    fn new(purpose: Purpose, kinds: &[FileKind<'_>], start: PathBuf) -> Self {
+        let kinds = kinds.iter().map(|(name, extensions)| {
+            ((*name).to_owned(), extensions.iter().map(|extension| (*extension).to_owned()).collect())
+        });
+        Self { purpose, kinds: kinds.collect(), start }
     }
 }
 
@@ -37,84 +68,152 @@ pub struct SystemDialogs {
     /// The folder of the file that was chosen last.
     folder: PathBuf,
     trouble: Option<String>,
+    /// What is asked for in the background, and where the answer will be.
+    asking: Option<(Request, Receiver<Asked>)>,
+}
+
+/// What came of a dialog.
+#[derive(Debug)]
+struct Asked {
+    files: Vec<PathBuf>,
+    /// The system's dialog did not come up.
+    missing: bool,
+    trouble: Option<String>,
+}
+
+/// Asks the system, and uses our own window if that is `missing` or ends without an answer faster than a person could
+/// give one. `folder` is where our own begins if the request does not say.
+fn ask(request: &Request, folder: &Path, mut missing: bool) -> Asked {
+    if !missing {
+        let start = Instant::now();
+        let files = ask_the_system(request);
+        missing = files.is_empty() && start.elapsed() < TOO_FAST;
+        if !missing {
+            return Asked { files, missing, trouble: None };
+        }
+    }
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let start =
+        if is_with_folder(&request.start) { request.start.clone() } else { here.join(&request.start) };
+    match file_window::ask(&Request { start, ..request.clone() }) {
+        Ok(files) => Asked { files, missing, trouble: None },
+        Err(error) => {
+            let trouble = format!(
+                "No file dialog came up, neither the system's (on Linux from xdg-desktop-portal or zenity) \
+                 nor our own: {error}. Files can also be dropped on the window, or named on the command \
+                 line: chladni open FILE."
+            );
+            Asked { files: Vec::new(), missing, trouble: Some(trouble) }
+        }
+    }
+}
+
+fn is_with_folder(path: &Path) -> bool {
+    path.parent().is_some_and(|folder| !folder.as_os_str().is_empty())
+}
+
+fn ask_the_system(request: &Request) -> Vec<PathBuf> {
+    let mut dialog = rfd::FileDialog::new();
+    for (name, extensions) in &request.kinds {
+        dialog = dialog.add_filter(name, extensions);
+    }
+    if let Some(folder) = request.start.parent().filter(|_| is_with_folder(&request.start)) {
+        dialog = dialog.set_directory(folder);
+    }
+    if let Some(name) = request.start.file_name() {
+        dialog = dialog.set_file_name(name.to_string_lossy());
+    }
+    match request.purpose {
+        Purpose::Open => dialog.pick_file().into_iter().collect(),
+        Purpose::OpenSeveral => dialog.pick_files().unwrap_or_default(),
+        Purpose::Save => dialog.save_file().into_iter().collect(),
+    }
+}
+
+/// The request to make again where a file to be saved was named without an extension, and is there with it: the dialog,
+/// which alone asks about what is there, did not know that name. Else the extension is added.
+fn completed(request: &Request, files: &mut [PathBuf]) -> Option<Request> {
+    let extension = request.kinds.first().and_then(|(_, extensions)| extensions.first());
+    let (Purpose::Save, Some(file), Some(extension)) = (request.purpose, files.first_mut(), extension) else {
+        return None;
+    };
+    if file.extension().is_some() {
+        return None;
+    }
+    file.set_extension(extension);
+    file.exists().then(|| Request { start: file.clone(), ..request.clone() })
 }
 
 impl SystemDialogs {
-    fn dialog(kinds: &[FileKind<'_>]) -> rfd::FileDialog {
-        kinds
-            .iter()
-            .fold(rfd::FileDialog::new(), |dialog, (name, extensions)| dialog.add_filter(*name, extensions))
-    }
-
-    /// Asks the system, and uses our own window if the system's dialog ended without an answer faster than a
-    /// person could give one.
-    fn ask(&mut self, request: Request, ask: impl FnOnce() -> Option<Vec<PathBuf>>) -> Option<Vec<PathBuf>> {
-        if !self.missing {
-            let start = Instant::now();
-            let answer = ask();
-            self.missing = answer.is_none() && start.elapsed() < TOO_FAST;
-            if !self.missing {
-                return answer;
-            }
-        }
-        match file_window::ask(&request) {
-            Ok(files) => {
-                let folder = files.first().and_then(|file| file.parent());
-                self.folder = folder.map_or_else(|| std::mem::take(&mut self.folder), Path::to_owned);
-                Some(files).filter(|files| !files.is_empty())
-            }
-            Err(error) => {
-                self.trouble = Some(format!(
-                    "No file dialog came up, neither the system's (on Linux from xdg-desktop-portal or zenity) \
-                     nor our own: {error}. Files can also be dropped on the window, or named on the command \
-                     line: chladni open FILE."
-                ));
-                None
+    /// Waits for the answer.
+    fn wait(&mut self, mut request: Request) -> Vec<PathBuf> {
+        loop {
+            let asked = ask(&request, &self.folder, self.missing);
+            let mut files = self.take(asked);
+            match completed(&request, &mut files) {
+                Some(again) => request = again,
+                None => return files,
             }
         }
     }
 
-    fn request(&self, purpose: Purpose, kinds: &[FileKind<'_>]) -> Request {
-        let kinds = kinds.iter().map(|(name, extensions)| {
-            ((*name).to_owned(), extensions.iter().map(|extension| (*extension).to_owned()).collect())
-        });
-        let start = if self.folder.as_os_str().is_empty() { PathBuf::from(".") } else { self.folder.clone() };
-        Request { purpose, kinds: kinds.collect(), start }
+    fn take(&mut self, asked: Asked) -> Vec<PathBuf> {
+        let Asked { files, missing, trouble } = asked;
+        self.missing = missing;
+        self.trouble = trouble.or(self.trouble.take());
+        if let Some(folder) = files.first().and_then(|file| file.parent()) {
+            self.folder = folder.to_owned();
+        }
+        files
     }
 }
 
 impl Chooser for SystemDialogs {
     fn open(&mut self, kinds: &[FileKind<'_>]) -> Option<PathBuf> {
-        let request = self.request(Purpose::Open, kinds);
-        self.ask(request, || Self::dialog(kinds).pick_file().map(|file| vec![file]))?.pop()
+        self.wait(Request::open(kinds)).pop()
     }
 
     fn open_several(&mut self, kinds: &[FileKind<'_>]) -> Vec<PathBuf> {
-        let request = self.request(Purpose::OpenSeveral, kinds);
-        self.ask(request, || Self::dialog(kinds).pick_files()).unwrap_or_default()
+        self.wait(Request::open_several(kinds))
     }
 
     fn save(&mut self, kinds: &[FileKind<'_>], suggested: &Path) -> Option<PathBuf> {
-        let mut dialog = Self::dialog(kinds);
-        let folder = suggested.parent().filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder {
-            dialog = dialog.set_directory(folder);
+        self.wait(Request::save(kinds, suggested)).pop()
+    }
+
+    fn begin(&mut self, request: Request) -> bool {
+        if self.asking.is_some() {
+            return false;
         }
-        if let Some(name) = suggested.file_name() {
-            dialog = dialog.set_file_name(name.to_string_lossy());
+        let (answer, answers) = channel();
+        let (asks, folder, missing) = (request.clone(), self.folder.clone(), self.missing);
+        let asking = move || {
+            // If nobody waits any longer, the window is closed.
+            let _ = answer.send(ask(&asks, &folder, missing));
+        };
+        match std::thread::Builder::new().name("file dialog".into()).spawn(asking) {
+            Ok(_) => self.asking = Some((request, answers)),
+            Err(error) => self.trouble = Some(format!("No file dialog can be opened: {error}")),
         }
-        let request = self.request(Purpose::Save, kinds);
-        let start = folder.map_or_else(|| request.start.join(suggested), |_| suggested.to_owned());
-        let request = Request { start, ..request };
-        let path = self.ask(request, || dialog.save_file().map(|file| vec![file]))?.pop()?;
-        let first = kinds.first().and_then(|(_, extensions)| extensions.first());
-        match first {
-            Some(extension) if path.extension().is_none() => {
-                let completed = path.with_extension(extension);
-                // What is there is asked about by the dialog alone, which did not know this name.
-                if completed.exists() { self.save(kinds, &completed) } else { Some(completed) }
+        true
+    }
+
+    fn answer(&mut self) -> Option<Vec<PathBuf>> {
+        let asked = match self.asking.as_ref()?.1.try_recv() {
+            Ok(asked) => asked,
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => {
+                Asked { files: Vec::new(), missing: self.missing, trouble: None }
             }
-            _ => Some(path),
+        };
+        let (request, _) = self.asking.take()?;
+        let mut files = self.take(asked);
+        match completed(&request, &mut files) {
+            Some(again) => {
+                self.begin(again);
+                None
+            }
+            None => Some(files),
         }
     }
 

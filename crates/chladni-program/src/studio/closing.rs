@@ -1,7 +1,14 @@
 //! Leaving the window: unsaved work is asked about first.
 
+use std::time::Duration;
+
+use chladni_task::Task;
+
 use super::Studio;
-use super::unsaved::{Answer, Question};
+use super::unsaved::{Answer, Question, ask_to_wait};
+
+/// Time between two looks whether the program is asked to end.
+const LOOK: Duration = Duration::from_millis(100);
 
 /// The state of closing the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,25 +18,58 @@ pub enum Closing {
     No,
     /// Asked about unsaved work.
     Asked,
+    /// All is saved; it closes once what is being made is done.
+    Waiting,
     /// Decided; the window is about to go.
     Yes,
+}
+
+/// A window that nobody touches draws nothing: wakes it once `ends` is cancelled.
+pub fn wake_to_end(ctx: &egui::Context, ends: Task) {
+    let ctx = ctx.clone();
+    let watch = move || {
+        while !ends.is_cancelled() {
+            std::thread::sleep(LOOK);
+        }
+        ctx.request_repaint();
+    };
+    // Without it, the window ends with the next thing that happens in it.
+    let _ = std::thread::Builder::new().name("end".into()).spawn(watch);
 }
 
 impl Studio {
     /// Asks before unsaved work is lost.
     pub(super) fn handle_close(&mut self, ctx: &egui::Context) {
-        let unsaved: Vec<String> = self.rooms.iter().filter_map(|room| room.unsaved()).collect();
+        let being_made: Vec<String> =
+            self.rooms.iter().filter_map(|room| room.being_made().map(str::to_owned)).collect();
+        let unfinished = being_made.iter().map(|label| format!("{label} is not finished."));
+        let unsaved: Vec<String> =
+            self.rooms.iter().filter_map(|room| room.unsaved()).chain(unfinished).collect();
         if ctx.input(|input| input.viewport().close_requested())
             && !unsaved.is_empty()
             && self.closing != Closing::Yes
         {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.closing = Closing::Asked;
+            if self.closing == Closing::No {
+                self.closing = Closing::Asked;
+            }
         }
-        if self.closing != Closing::Asked {
-            return;
+        match self.closing {
+            Closing::No | Closing::Yes => {}
+            // What was being made is done meanwhile.
+            Closing::Asked if unsaved.is_empty() => self.leave(ctx),
+            Closing::Asked => self.ask_to_save(ctx, &unsaved),
+            Closing::Waiting if being_made.is_empty() => self.leave(ctx),
+            Closing::Waiting => match ask_to_wait(ctx, &being_made) {
+                None | Some(Answer::Save) => {}
+                Some(Answer::Stay) => self.closing = Closing::No,
+                Some(Answer::Discard) => self.leave(ctx),
+            },
         }
-        match Question::CLOSING.ask(ctx, &unsaved) {
+    }
+
+    fn ask_to_save(&mut self, ctx: &egui::Context, unsaved: &[String]) {
+        match Question::CLOSING.ask(ctx, unsaved) {
             None => {}
             Some(Answer::Stay) => self.closing = Closing::No,
             Some(Answer::Discard) => self.leave(ctx),
@@ -38,8 +78,21 @@ impl Studio {
                     self.with_room(ctx, index, |room, shared| room.save_all(shared)).unwrap_or(true)
                 });
                 // Anything that could not be saved has shown an error; nothing is lost.
-                if saved { self.leave(ctx) } else { self.closing = Closing::No }
+                self.closing = if saved { Closing::Waiting } else { Closing::No };
+                ctx.request_repaint();
             }
+        }
+    }
+
+    /// Closes without a question where the system asks the program to end: unsaved work is kept as after a crash, to be
+    /// offered next time.
+    pub(super) fn end_if_asked(&mut self, ctx: &egui::Context) {
+        let asked = self.ends.as_ref().is_some_and(Task::is_cancelled);
+        if asked && self.closing != Closing::Yes {
+            for index in 0..self.rooms.len() {
+                self.with_room(ctx, index, |room, shared| room.interrupt(shared));
+            }
+            self.leave(ctx);
         }
     }
 

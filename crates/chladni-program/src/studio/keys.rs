@@ -26,7 +26,7 @@ keys! {
     /// Everywhere.
     window:
     HELP = key F1, "Show all keys";
-    SWITCH_ROOM = command Tab, "Next workspace";
+    SWITCH_ROOM = command Tab, "The other room";
     ZOOM_IN = command Plus, "Larger text and controls";
     ZOOM_OUT = command Minus, "Smaller text and controls";
     FULL_SCREEN = key F11, "Full screen";
@@ -90,7 +90,7 @@ keys! {
     /// In the gallery of caricatures, as in that of dances.
     breeding:
     BREED = key Enter, "Breed the chosen ones";
-    BACK = command Z, "Back to the generation before";
+    BACK = command Z, "Back to the generation of the parents";
     MARK_LEFT = key ArrowLeft, "Mark the caricature to the left";
     MARK_RIGHT = key ArrowRight, "Mark the caricature to the right";
     MARK_ABOVE = key ArrowUp, "Mark the caricature above";
@@ -120,7 +120,7 @@ keys! {
     NUDGE_BACK = key Comma, "The beat a little later";
     NUDGE_ON = key Period, "The beat a little sooner";
     BREED = key Enter, "Breed the chosen ones";
-    BACK = command Z, "Back to the generation before";
+    BACK = command Z, "Back to the generation of the parents";
     FORTH = command_shift Z, "On to the generation after";
     MARK_LEFT = key ArrowLeft, "Mark the dance to the left (on stage: the favorite before)";
     MARK_RIGHT = key ArrowRight, "Mark the dance to the right (on stage: the next favorite)";

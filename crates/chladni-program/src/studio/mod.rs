@@ -40,6 +40,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use chladni_synth::DeviceLoss;
+use chladni_task::Task;
 use egui::Key;
 
 pub use caricature::Rehearsal;
@@ -92,6 +93,8 @@ pub struct Studio {
     closing: Closing,
     /// Nobody has chosen preferences yet.
     first_run: bool,
+    /// Cancelled where the system asks the program to end.
+    ends: Option<Task>,
 }
 
 impl Studio {
@@ -110,7 +113,17 @@ impl Studio {
     fn on(ctx: &egui::Context, screen: Screen, opening: Opening) -> Self {
         let mut notices = Notices::default();
         let Opening {
-            mut folders, chooser, files, measure, first_picture, input, trace, handover, now, ..
+            mut folders,
+            chooser,
+            files,
+            measure,
+            first_picture,
+            input,
+            trace,
+            handover,
+            now,
+            ends,
+            ..
         } = opening;
 
         let first_run = folders.settings.as_ref().is_some_and(|path| !path.exists());
@@ -167,7 +180,11 @@ impl Studio {
             key_sheet_open: false,
             closing: Closing::No,
             first_run,
+            ends,
         };
+        if let Some(ends) = &studio.ends {
+            closing::wake_to_end(ctx, ends.clone());
+        }
         if inherited_secs.is_some() {
             for index in 0..studio.rooms.len() {
                 studio.with_room(ctx, index, |room, shared| room.change_device(shared));
@@ -220,7 +237,7 @@ impl Studio {
             self.current = Some(self.current.map_or(0, |room| (room + 1) % self.rooms.len()));
         }
         if ZOOM_IN.pressed(ctx) {
-            self.settings.zoom = (self.settings.zoom * 1.1).min(3.0);
+            self.enlarge(ctx);
         }
         if ZOOM_OUT.pressed(ctx) {
             self.settings.zoom = (self.settings.zoom / 1.1).max(0.5);
@@ -228,6 +245,19 @@ impl Studio {
         if FULL_SCREEN.pressed(ctx) {
             let full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
             ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!full));
+        }
+    }
+
+    /// Larger controls, as far as the window has room for them.
+    fn enlarge(&mut self, ctx: &egui::Context) {
+        let points =
+            ctx.input(|input| input.viewport().inner_rect).map_or(egui::Vec2::INFINITY, |rect| rect.size());
+        let room = (points / egui::Vec2::from(opening::SMALLEST)).min_elem();
+        if room < 1.1 {
+            self.notices
+                .update("size of letters", "There is no room for larger letters: enlarge the window first.");
+        } else {
+            self.settings.zoom = (self.settings.zoom * 1.1).min(3.0);
         }
     }
 
@@ -344,6 +374,7 @@ impl Program for Studio {
         if self.hand_over(&ctx) {
             return;
         }
+        self.end_if_asked(&ctx);
         self.look_for_picture(&ctx);
         self.handle_keys(&ctx);
         let theme = if self.settings.light { egui::Theme::Light } else { egui::Theme::Dark };

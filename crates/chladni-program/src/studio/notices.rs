@@ -27,6 +27,8 @@ struct Notice {
     text: String,
     /// When it was seen first.
     since: Option<Instant>,
+    /// What it is about, where there is one message on that at a time.
+    matter: Option<&'static str>,
 }
 
 /// The messages on screen, newest last.
@@ -59,6 +61,24 @@ impl Notices {
         }
     }
 
+    /// A warning in the place of the last one on the same `matter`, which it outdates.
+    pub fn update(&mut self, matter: &'static str, text: impl Display) {
+        self.shown.retain(|notice| notice.matter != Some(matter));
+        self.push(Severity::Warning, text.to_string());
+        if let Some(notice) = self.shown.last_mut() {
+            notice.matter = Some(matter);
+        }
+    }
+
+    /// Errors were seen by a person who went on: those on screen go soon, like all else.
+    pub fn outdate_errors(&mut self) {
+        for notice in &mut self.shown {
+            if notice.severity == Severity::Error {
+                (notice.severity, notice.since) = (Severity::Warning, None);
+            }
+        }
+    }
+
     /// The oldest error on screen.
     pub fn first_error(&self) -> Option<&str> {
         self.shown.iter().find(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str())
@@ -66,7 +86,7 @@ impl Notices {
 
     fn push(&mut self, severity: Severity, text: String) {
         self.shown.retain(|notice| notice.text != text);
-        self.shown.push(Notice { severity, text, since: None });
+        self.shown.push(Notice { severity, text, since: None, matter: None });
         if self.shown.len() > MOST {
             // An error is to be read.
             let oldest = self.shown.iter().position(|notice| notice.severity != Severity::Error);

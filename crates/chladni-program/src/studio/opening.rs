@@ -6,6 +6,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use chladni_task::Task;
 use chladni_view::Draw;
 use winit::window::Window;
 
@@ -22,18 +23,22 @@ use super::screen::Screen;
 /// Points of the window when it opens.
 pub(super) const WINDOW: [f32; 2] = [1320.0, 820.0];
 
+/// The fewest points on which everything has room.
+pub(super) const SMALLEST: [f32; 2] = [900.0, 600.0];
+
 /// If a device is lost sooner than this after its window has opened, give up.
 const SHORTEST: Duration = Duration::from_secs(10);
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
 /// it is closed. With a measure it closes by itself when all is counted.
-/// With a first picture it closes as soon as that is shown. Where the processor draws it paints the window, too; where the graphics device is lost,
+/// It closes, too, once `ends` is cancelled. With a first picture it closes as soon as that is shown. Where the processor draws it paints the window, too; where the graphics device is lost,
 /// another window goes on with what was open.
 pub fn open(
     mut files: Vec<PathBuf>,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
     draw: Draw,
+    ends: Task,
 ) -> Result<(), StudioError> {
     let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(target_os = "linux") && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
@@ -49,6 +54,7 @@ pub fn open(
             first_picture: first_picture.clone(),
             handover: handover.clone(),
             draw,
+            ends: Some(ends.clone()),
             ..Opening::default()
         })?;
         match handover.reason() {
@@ -64,7 +70,7 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
         .with_title("Chladni")
         .with_app_id("chladni")
         .with_inner_size(WINDOW)
-        .with_min_inner_size([900.0, 600.0]);
+        .with_min_inner_size(SMALLEST);
     if !opening.draw.means_graphics() {
         let create = |ctx: &egui::Context, window: &Arc<Window>| -> Box<dyn Program> {
             Box::new(Studio::on(ctx, Screen::processor(ctx, Some(Arc::clone(window))), opening))
@@ -115,6 +121,8 @@ pub struct Opening {
     pub handover: Handover,
     /// Who draws the 3D views.
     pub draw: Draw,
+    /// Cancelled by whoever asks the program to end: the window then closes without a question.
+    pub ends: Option<Task>,
     /// The clock that measures how long work takes, to reduce quality on a slow machine. Tests pass their own
     /// clock, so that they behave the same on every machine.
     pub now: fn() -> Instant,
@@ -132,6 +140,7 @@ impl Default for Opening {
             trace: None,
             handover: Handover::default(),
             draw: Draw::Auto,
+            ends: None,
             now: Instant::now,
         }
     }

@@ -1,4 +1,4 @@
-//! A workspace of the window, and what all of them share.
+//! A room of the window, and what all of them share.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use super::screen::Screen;
 use super::settings::Settings;
 use super::shortcut::Shortcut;
 
-/// One workspace: the caricature studio or the music gallery.
+/// One room: the caricature studio or the music gallery.
 pub trait Room {
     /// Its name in the switch at the top.
     fn name(&self) -> &'static str;
@@ -66,6 +66,11 @@ pub trait Room {
         None
     }
 
+    /// What it is making in the background that closing would stop, as its progress calls it.
+    fn being_made(&self) -> Option<&str> {
+        None
+    }
+
     /// Saves all that is unsaved, asking for names where there are none; false where something
     /// still is.
     fn save_all(&mut self, _shared: &mut Shared<'_>) -> bool {
@@ -74,6 +79,9 @@ pub trait Room {
 
     /// Puts what it shows on the device of another window: its own was lost, with all that was on it.
     fn change_device(&mut self, shared: &mut Shared<'_>);
+
+    /// The program must end: keeps what is not saved for the next time, without a question.
+    fn interrupt(&mut self, _shared: &mut Shared<'_>) {}
 
     /// The window closes, and all that matters is saved or given up.
     fn leave(&mut self) {}

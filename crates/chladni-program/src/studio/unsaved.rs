@@ -1,7 +1,6 @@
 //! The question what to do with work that no file has, before it would be lost.
 
 use super::author_id::AuthorId;
-use super::notices::Notices;
 use super::theme;
 
 /// The user's answer.
@@ -61,13 +60,27 @@ impl Question {
     }
 }
 
-/// What a room would lose: work that no file has (`changed`), and what is `being_made`, by the label of its job.
-pub fn would_be_lost(changed: Option<String>, being_made: Option<&str>) -> Option<String> {
-    let made = being_made.map(|label| format!("{label} is not finished."));
-    [changed, made].into_iter().flatten().reduce(|a, b| format!("{a} {b}"))
-}
-
-/// Whether nothing is `being_made`; asks to wait, else.
-pub fn is_made(being_made: Option<&str>, notices: &mut Notices) -> bool {
-    being_made.map(|label| notices.warn(format!("{label}: close when it is done."))).is_none()
+/// While a window that is to close waits for what is `being_made`: whether it is to stay, or to close at once.
+pub fn ask_to_wait(ctx: &egui::Context, being_made: &[String]) -> Option<Answer> {
+    let mut answer = None;
+    let ((), dismissed) = theme::modal(ctx, "Closing when this is done", 420.0, |ui| {
+        for label in being_made {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(format!("{label} …"));
+            });
+        }
+        ui.add_space(theme::GAP_LARGE);
+        ui.horizontal(|ui| {
+            if ui.button("Keep working").author_id("keep-working").clicked() {
+                answer = Some(Answer::Stay);
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Stop it and close").author_id("stop-and-close").clicked() {
+                    answer = Some(Answer::Discard);
+                }
+            });
+        });
+    });
+    answer.or(dismissed.then_some(Answer::Stay))
 }

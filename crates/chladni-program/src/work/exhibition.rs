@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni_caricature::{
-    Action, Layer, MatchRequest, Portrait, Project, Sitter, Stack, Template, VariantGallery,
+    Action, Layer, MatchRequest, Portrait, Project, Property, Sitter, Stack, Template, VariantGallery,
 };
 use chladni_match::MatchSettings;
 use chladni_mesh::TriMesh;
@@ -86,11 +86,15 @@ impl Exhibition {
     }
 }
 
-/// What puts `layers` on top of a project.
+/// What puts `layers` on top of a project and hides those that are there: the gallery shows its variants without them.
 pub fn hung(project: &Project, layers: Vec<Layer>) -> Vec<Action> {
+    let seen = || project.layers().iter().filter(|(_, layer)| layer.enabled);
+    let hide = seen().map(|(id, _)| Action::Set { layer: *id, to: Property::Enabled(false) });
+    let alone = project.layers().iter().filter(|(_, layer)| layer.solo);
+    let alone = alone.map(|(id, _)| Action::Set { layer: *id, to: Property::Solo(false) });
     let top = project.layers().len();
     let add = |(i, layer)| Action::Add { index: top + i, layer: Box::new(layer) };
-    layers.into_iter().enumerate().map(add).collect()
+    hide.chain(alone).chain(layers.into_iter().enumerate().map(add)).collect()
 }
 
 #[cfg(test)]
@@ -100,6 +104,21 @@ mod tests {
     use chladni_caricature::GALLERY_SIZE;
     use chladni_harmonics::{BasisSettings, Body};
     use chladni_task::Task;
+
+    #[test]
+    fn what_is_taken_is_seen_alone_and_what_was_there_is_hidden() {
+        use chladni_caricature::History;
+
+        let mut project = Project::new(chladni_mesh::ShapeSource::Sample("head".into()), 20);
+        project.push(Layer { solo: true, ..Layer::new("below", Template::Sphere) }).unwrap();
+        let mut history = History::new(project);
+        for action in hung(history.project(), vec![Layer::new("taken", Template::Ellipsoid)]) {
+            history.apply(&action, None).unwrap();
+        }
+        let project = history.project();
+        let acts: Vec<_> = project.layers().iter().map(|(_, l)| (l.name.as_str(), project.acts(l))).collect();
+        assert_eq!(acts, [("below", false), ("taken", true)]);
+    }
 
     #[test]
     fn those_that_are_chosen_have_children_and_the_parents_come_back() {

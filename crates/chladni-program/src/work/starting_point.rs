@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use chladni_caricature::{Layer, LayerId, Project, Template};
+use chladni_mesh::ShapeSource;
 
 /// A template that needs no file.
 #[derive(Clone, Copy, Debug)]
@@ -62,8 +63,27 @@ pub fn layer_since(project: &Project, below: LayerId, name: &str) -> Layer {
     project.new_layer(format!("Since {name}"), Template::Layer(below))
 }
 
-/// A layer of `project` against the mesh at `path`, to be put on top.
+/// A layer of `project` against the mesh at `path`, or `sample:NAME`, to be put on top.
 pub fn layer_against(project: &Project, path: PathBuf) -> Layer {
-    let name = path.file_stem().map_or_else(|| "Template".into(), |stem| stem.to_string_lossy().into_owned());
-    project.new_layer(name, Template::File(path))
+    match ShapeSource::named(path) {
+        ShapeSource::Sample(name) => project.new_layer(name.clone(), Template::Sample(name)),
+        ShapeSource::File(path) => {
+            let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+            project.new_layer(stem.unwrap_or_else(|| "Template".into()), Template::File(path))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_is_a_template_wherever_a_file_is() {
+        let project = Project::new(ShapeSource::Sample("head".into()), 20);
+        let layer = layer_against(&project, "sample:template".into());
+        assert_eq!((layer.name.as_str(), layer.template), ("template", Template::Sample("template".into())));
+        let layer = layer_against(&project, "heads/max.ply".into());
+        assert_eq!((layer.name.as_str(), layer.template), ("max", Template::File("heads/max.ply".into())));
+    }
 }

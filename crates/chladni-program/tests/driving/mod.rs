@@ -7,14 +7,14 @@ pub mod painted;
 #[allow(dead_code, reason = "each test program uses a part")]
 pub mod person;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use chladni_program::studio::{Chooser, FileKind, Opening, Studio};
+use chladni_program::studio::{Chooser, FileKind, Opening, Purpose, Request, Studio};
 use chladni_view::{Draw, Gpu};
 use eframe::wgpu;
 use egui_kittest::kittest::Queryable;
@@ -26,12 +26,23 @@ pub type Window = Harness<'static, Studio>;
 
 /// What the person will answer when asked for files, in turn, and what was offered last.
 #[derive(Clone, Default)]
-pub struct Answers(Rc<RefCell<VecDeque<PathBuf>>>, Rc<RefCell<Vec<String>>>);
+pub struct Answers(
+    Rc<RefCell<VecDeque<PathBuf>>>,
+    Rc<RefCell<Vec<String>>>,
+    Rc<RefCell<Option<Vec<PathBuf>>>>,
+    Rc<Cell<bool>>,
+);
 
 impl Answers {
     /// One more answer.
     pub fn add(&self, path: impl Into<PathBuf>) {
         self.0.borrow_mut().push_back(path.into());
+    }
+
+    /// The person looks at a dialog and says nothing, or goes on.
+    #[allow(dead_code, reason = "each test program uses a part")]
+    pub fn hesitate(&self, still: bool) {
+        self.3.set(still);
     }
 
     /// Extensions that the person could choose from when last asked for several files.
@@ -54,6 +65,22 @@ impl Chooser for Answers {
 
     fn save(&mut self, _: &[FileKind<'_>], _: &Path) -> Option<PathBuf> {
         self.0.borrow_mut().pop_front()
+    }
+
+    fn begin(&mut self, request: Request) -> bool {
+        if self.2.borrow().is_some() {
+            return false;
+        }
+        let extensions = request.kinds.iter().flat_map(|(_, extensions)| extensions);
+        *self.1.borrow_mut() = extensions.cloned().collect();
+        let several = request.purpose == Purpose::OpenSeveral;
+        let count = if several { self.0.borrow().len() } else { 1.min(self.0.borrow().len()) };
+        *self.2.borrow_mut() = Some(self.0.borrow_mut().drain(..count).collect());
+        true
+    }
+
+    fn answer(&mut self) -> Option<Vec<PathBuf>> {
+        if self.3.get() { None } else { self.2.borrow_mut().take() }
     }
 }
 

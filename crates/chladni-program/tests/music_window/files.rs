@@ -229,3 +229,36 @@ fn a_project_with_a_song_dances_to_it() {
     wait(&mut window, "the song", |w| w.query_by_label("song").is_some());
     assert!(is_there(&window, "dance/12"));
 }
+
+#[test]
+fn the_dance_goes_on_while_files_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    answers.add("sample:cat");
+    answers.hesitate(true);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    window.run_steps(2);
+    let before = trace.borrow().len();
+    window.run_steps(10);
+    assert!(trace.borrow().len() >= before + 10, "the window waits");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    window.run_steps(2);
+    assert!(shows(&window, "open already"));
+    answers.hesitate(false);
+    wait(&mut window, "the cat", |w| shows(w, "Opening"));
+}
+
+#[test]
+fn a_program_that_is_asked_to_end_closes_its_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let (files, ends) = (ball_and_song(folder.path()).to_vec(), chladni_task::Task::new());
+    let opening =
+        Opening { folders: folders(folder.path()), files, ends: Some(ends.clone()), ..Opening::default() };
+    let mut window = enter(opening);
+    window.run_steps(3);
+    assert!(!closes(&window));
+    ends.cancel();
+    window.run_steps(1);
+    assert!(closes(&window));
+}

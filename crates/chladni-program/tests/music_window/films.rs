@@ -177,3 +177,31 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
         film.rgba.chunks(4).filter(|p| p.iter().zip(ground).any(|(a, b)| a.abs_diff(*b) > 40)).count();
     assert!(shape > film.rgba.len() / 400, "nothing is seen");
 }
+
+#[test]
+fn a_window_that_is_closed_while_it_films_waits_for_the_film() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("film.gif");
+    let (answers, files) = (Answers::default(), ball_and_song(folder.path()).to_vec());
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
+    answers.add(&film);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    click(&mut window, "size/1920x1080");
+    click(&mut window, "fps/50");
+    click(&mut window, "film-begin");
+    wait(&mut window, "progress", |w| shows(w, "Filming film.gif"));
+    ask_to_close(&mut window);
+    assert!(shows(&window, "is not finished"));
+    click(&mut window, "save-and-close");
+    window.run_steps(3);
+    assert!(shows(&window, "Closing when this is done"));
+    screenshot(&mut window, "window-music-closing.png");
+    click(&mut window, "keep-working");
+    assert!(!shows(&window, "Closing when this is done") && !film.exists());
+    ask_to_close(&mut window);
+    click(&mut window, "save-and-close");
+    wait(&mut window, "the end", closes);
+    assert!(film.exists());
+}

@@ -186,12 +186,7 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
     let chooser = Box::new(answers.clone());
     let mut window = enter(Opening { folders: folders(folder.path()), chooser, ..Opening::default() });
     let close = |window: &mut Window| {
-        for close in [true, false] {
-            let viewport = window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
-            viewport.events.clear();
-            viewport.events.extend(close.then_some(egui::ViewportEvent::Close));
-            window.run_steps(2);
-        }
+        ask_to_close(window);
         shows(window, "Save before closing?")
     };
     click(&mut window, "dance/2");
@@ -222,9 +217,19 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
 
     assert!(close(&mut window) && shows(&window, "with one favorite"));
     let session = folder.path().join("evening.toml");
+    click(&mut window, "keep-working");
+    answers.add(session.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    window.run_steps(3);
+    assert!(!close(&mut window));
+    // Now that the show has a file, it lacks what is bred.
+    point_at(&mut window, "dance/1");
+    window.key_press(Key::M);
+    window.run_steps(2);
+    assert!(close(&mut window));
     answers.add(session.clone());
     click(&mut window, "save-and-close");
-    assert!(Show::load(&session).unwrap().actions.len() == 6);
+    assert!(Show::load(&session).unwrap().actions.len() == 7);
 }
 
 #[test]

@@ -96,6 +96,22 @@ fn drag(window: &mut Window, points: &[Pos2]) {
     window.run_steps(2);
 }
 
+/// Asks the window to close, as its frame's cross does.
+fn ask_to_close(window: &mut Window) {
+    for close in [true, false] {
+        let viewport = window.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+        viewport.events.clear();
+        viewport.events.extend(close.then_some(egui::ViewportEvent::Close));
+        window.run_steps(2);
+    }
+}
+
+/// Whether the window asked to be closed in its last frame.
+fn closes(window: &Window) -> bool {
+    let commands = &window.output().viewport_output[&egui::ViewportId::ROOT].commands;
+    commands.contains(&egui::ViewportCommand::Close)
+}
+
 /// How long the window may wait for its next frame.
 fn pause(window: &Window) -> std::time::Duration {
     window.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay

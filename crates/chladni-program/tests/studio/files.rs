@@ -203,3 +203,29 @@ fn the_start_screen_offers_all_that_can_be_opened() {
         assert!(offered.iter().any(|known| known == extension), "{extension} is not among {offered:?}");
     }
 }
+
+#[test]
+fn a_program_that_is_asked_to_end_keeps_what_is_not_saved_for_the_next_time() {
+    let desk = Desk::new();
+    let ends = chladni_task::Task::new();
+    let mut person = Person::new(Opening { ends: Some(ends.clone()), ..desk.opening(&["shape.obj"]) });
+    person.wait_to_see("Layers");
+    person.click("add");
+    person.click("template/magnify");
+    ends.cancel();
+    person.0.run_steps(2);
+    drop(person);
+    let person = desk.sit_down(&[]);
+    assert!(person.sees("did not end well"));
+}
+
+#[test]
+fn letters_grow_as_far_as_the_window_has_room() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1000.0, 640.0));
+    let viewport = person.0.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    viewport.inner_rect = Some(rect);
+    person.press_with(CTRL, Key::Plus);
+    assert!(person.sees("enlarge the window first"));
+}

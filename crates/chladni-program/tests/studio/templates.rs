@@ -258,3 +258,40 @@ fn a_cancelled_solve_is_not_asked_for_again() {
     let solved = driving::shows(&person.0, "512 harmonics");
     assert_eq!(harmonics(&mut person), if solved { 512 } else { before }, "cancelled: {cancel:?}");
 }
+
+#[test]
+fn the_camera_comes_forward_again_when_an_exaggeration_is_undone() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.click("add");
+    person.click("template/ellipsoid");
+    person.wait_to_see("No folds");
+    fill_slider(&mut person, "μ", -0.5);
+    person.0.run_steps(5);
+    let middle = |person: &mut Person| {
+        let picture = person.0.render().unwrap();
+        image::imageops::crop_imm(&picture, 500, 200, 300, 400).to_image()
+    };
+    let before = middle(&mut person);
+    fill_slider(&mut person, "μ", -40.0);
+    person.0.run_steps(5);
+    // Pixels, of 120,000; edges may still be refined.
+    let differing = |a: &image::RgbaImage, b: &image::RgbaImage| {
+        a.pixels().zip(b.pixels()).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 24)).count()
+    };
+    assert!(differing(&middle(&mut person), &before) > 20_000);
+    person.press_with(CTRL, Key::Z);
+    person.0.run_steps(10);
+    let far = differing(&middle(&mut person), &before);
+    assert!(far < 1000, "it stays far away: {far}");
+}
+
+#[test]
+fn a_layer_without_its_template_says_so() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "missing.obj"]);
+    person.wait_to_see("Has no template");
+    assert!(!person.sees("No folds"));
+    person.screenshot("studio-no-template.png");
+}

@@ -86,6 +86,11 @@ impl Autosave {
         self.is_behind(history).then(|| (self.last_secs + INTERVAL_SECS - now_secs).max(0.0))
     }
 
+    /// The next [`tick`](Self::tick) keeps what is not kept, however soon.
+    pub fn hurry(&mut self) {
+        self.last_secs = f64::NEG_INFINITY;
+    }
+
     /// Another project was opened in its place.
     pub fn forget(&mut self) {
         self.kept = None;

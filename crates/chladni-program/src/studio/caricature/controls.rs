@@ -26,8 +26,8 @@ pub struct Measured<'a> {
     pub spectrum: &'a Spectrum,
     /// The shape's own mirror plane, once it was looked for.
     pub mirror: Option<Option<MirrorPlane>>,
-    /// Triangles folded by this layer.
-    pub folds: usize,
+    /// Triangles folded by this layer; `None` where it could not be matched and does nothing.
+    pub folds: Option<usize>,
     /// Triangles of the whole result that pass through others; `None` until they are counted.
     pub crossings: Option<crossings::Count>,
     /// How far the layer is held back, where the project keeps triangles.
@@ -211,7 +211,7 @@ fn amount(
         ui.spacing_mut().interact_size.y = 18.0;
         ui.spacing_mut().button_padding.y = 0.0;
         ui.spacing_mut().item_spacing.y = 2.0;
-        let where_it_folds = folds(ui, measured.folds);
+        let where_it_folds = measured.folds.and_then(|count| folds(ui, count));
         let where_it_crosses = crossings(ui, measured.crossings);
         let where_it_is_held = measured.kept.and_then(|held| held_back(ui, held));
         where_it_folds.or(where_it_crosses).or(where_it_is_held)

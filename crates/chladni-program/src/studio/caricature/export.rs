@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_caricature::LayerState;
 use chladni_mesh::Format;
 use chladni_task::write_atomic;
 use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
@@ -154,10 +153,8 @@ impl CaricatureRoom {
         if session.is_settling() {
             shared.notices.warn(STILL_SETTLING);
         }
-        for layer in
-            session.evaluation.layers.iter().filter(|layer| matches!(layer.state, LayerState::Failed(_)))
-        {
-            let name = session.project().layer(layer.id).map_or_else(String::new, |layer| layer.name.clone());
+        for id in session.failed_layers() {
+            let name = session.project().layer(id).map_or_else(String::new, |layer| layer.name.clone());
             shared.notices.warn(format!("Written without the layer {name}, whose match has failed."));
         }
         let Export { what, size: [width, height], secs, fps, .. } = self.export;

@@ -22,12 +22,14 @@ pub struct LayerList {
 }
 
 impl LayerList {
-    /// Draws the list and its buttons; `selected` is the layer that the other panels edit.
+    /// Draws the list and its buttons; `selected` is the layer that the other panels edit, `failed` are those whose
+    /// template could not be read or matched.
     pub fn show(
         &mut self,
         ui: &mut Ui,
         project: &Project,
         pictures: &Thumbnails,
+        failed: &[LayerId],
         selected: &mut Option<LayerId>,
         edits: &mut Edits,
     ) {
@@ -54,8 +56,10 @@ impl LayerList {
         let count = project.layers().len();
         let mut dropped: Option<(LayerId, usize)> = None;
         for (index, (id, layer)) in project.layers().iter().enumerate().rev() {
+            let has_failed = failed.contains(id);
             let row =
-                ui.push_id(id.0, |ui| self.row(ui, project, pictures, *id, layer, selected, edits)).inner;
+                |ui: &mut Ui| self.row(ui, project, (pictures, has_failed), *id, layer, selected, edits);
+            let row = ui.push_id(id.0, row).inner;
             row.dnd_set_drag_payload(*id);
             if let Some(dragged) = row.dnd_release_payload::<LayerId>() {
                 dropped = Some((*dragged, index));
@@ -76,7 +80,7 @@ impl LayerList {
         &mut self,
         ui: &mut Ui,
         project: &Project,
-        pictures: &Thumbnails,
+        (pictures, has_failed): (&Thumbnails, bool),
         id: LayerId,
         layer: &Layer,
         selected: &mut Option<LayerId>,
@@ -111,7 +115,7 @@ impl LayerList {
                     edits.set(id, Property::Enabled(!layer.enabled));
                 }
                 let acts = project.acts(layer);
-                thumbnail(ui, pictures.of(id), acts);
+                thumbnail(ui, pictures.of(id), acts && !has_failed);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     let tip = if layer.solo { "Show the other layers again" } else { "Only this layer" };
                     let color = if layer.solo { palette.accent } else { weak };
@@ -132,8 +136,11 @@ impl LayerList {
                         let text = RichText::new(&layer.name);
                         let text = if acts { text } else { text.color(weak) };
                         self.name(ui, id, text, edits);
-                        let summary = format!("μ {:.2}  {}", layer.effective_mu(), layer.model);
-                        let summary = RichText::new(summary).small().color(weak);
+                        let (summary, color) = match has_failed {
+                            true => (icon::label(Icon::TriangleAlert, "Has no template"), palette.error),
+                            false => (format!("μ {:.2}  {}", layer.effective_mu(), layer.model), weak),
+                        };
+                        let summary = RichText::new(summary).small().color(color);
                         ui.add(egui::Label::new(summary).truncate().selectable(false));
                     });
                 });

@@ -62,7 +62,6 @@ use super::icon::Icon;
 use super::job::Job;
 use super::room::{Room, Shared};
 use super::shortcut::Shortcut;
-use super::unsaved::{is_made, would_be_lost};
 use super::{keys, theme};
 use crate::work::formats::{MESHES, PROJECT};
 use crate::work::{Error, Quantity};
@@ -160,14 +159,15 @@ impl Room for CaricatureRoom {
 
     fn unsaved(&self) -> Option<String> {
         let session = self.session.as_ref().filter(|_| self.has_unsaved_work());
-        let changed = session
-            .map(|session| format!("The caricature “{}” has changes that are not saved.", session.name()));
-        would_be_lost(changed, self.export.unfinished())
+        session.map(|session| format!("The caricature “{}” has changes that are not saved.", session.name()))
+    }
+
+    fn being_made(&self) -> Option<&str> {
+        self.export.unfinished()
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
-        (!self.has_unsaved_work() || self.save(false, shared))
-            && is_made(self.export.unfinished(), shared.notices)
+        !self.has_unsaved_work() || self.save(false, shared)
     }
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {
@@ -186,6 +186,15 @@ impl Room for CaricatureRoom {
         {
             toggle_picking(&mut self.picking, session, shared);
         }
+    }
+
+    fn interrupt(&mut self, shared: &mut Shared<'_>) {
+        if let Some(Ok(autosave)) = &mut self.autosave {
+            autosave.hurry();
+        }
+        self.keep_copy(shared);
+        // What it was given is written before it is gone, and stays.
+        self.autosave = Some(Err(()));
     }
 
     fn leave(&mut self) {
@@ -252,6 +261,7 @@ impl CaricatureRoom {
             autosave.forget();
         }
         self.adopting = recovered;
+        shared.notices.outdate_errors();
         self.picture_new_shape(shared);
         Ok(())
     }
@@ -266,7 +276,8 @@ impl CaricatureRoom {
                 .show(ui, |ui| footer::show(ui, session, shared.settings, edits));
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let mut selected = session.selected;
-                self.layers.show(ui, session.project(), &self.thumbnails, &mut selected, edits);
+                let failed = session.failed_layers();
+                self.layers.show(ui, session.project(), &self.thumbnails, &failed, &mut selected, edits);
                 if selected != session.selected {
                     session.selected = selected;
                     self.stale = true;
@@ -294,7 +305,7 @@ impl CaricatureRoom {
                 };
                 let spectrum = heat::spectrum(session);
                 let crossings = session.crossings.count(&session.evaluation);
-                let folds = session.folds_of(id);
+                let folds = (!session.failed_layers().contains(&id)).then(|| session.folds_of(id));
                 let mirror = session.known_mirror();
                 let kept = session.kept();
                 let channels: Vec<String> = session.subject.mesh.channels().map(str::to_owned).collect();

@@ -50,7 +50,8 @@ impl CaricatureRoom {
         if ui.add_enabled(modified, save).on_hover_text(SAVE.tooltip(&ctx)).clicked() {
             self.save(false, shared);
         }
-        if ui.button(icon::label(Icon::Share, "Export")).on_hover_text(EXPORT.tooltip(&ctx)).clicked() {
+        let export = egui::Button::new(icon::label(Icon::Share, "Export"));
+        if ui.add_enabled(self.session.is_some(), export).on_hover_text(EXPORT.tooltip(&ctx)).clicked() {
             self.export();
         }
         // The project being loaded will replace the open one.

@@ -186,9 +186,11 @@ impl FileWindow {
                 ui.add(egui::Label::new(why).wrap().selectable(true))
             }
             None => {
-                let kinds: Vec<&str> =
-                    self.browser.request().kinds.iter().map(|(name, _)| name.as_str()).collect();
-                ui.label(RichText::new(kinds.join(", ")).color(palette.weak).small())
+                // The first kind of files to read has all that the others have; a file to write is of one of them.
+                let Request { purpose, kinds, .. } = self.browser.request();
+                let shown = if *purpose == Purpose::Save { kinds.len() } else { 1 };
+                let kinds: Vec<&str> = kinds.iter().take(shown).map(|(name, _)| name.as_str()).collect();
+                ui.label(RichText::new(kinds.join(" · ")).color(palette.weak).small())
             }
         };
         entered

@@ -8,6 +8,7 @@ use egui::{DragValue, RichText, Ui};
 
 use super::view::View;
 use crate::studio::author_id::AuthorId;
+use crate::studio::file_window::Request;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -120,9 +121,8 @@ impl Filming {
         self.form.is_some()
     }
 
-    /// Asks where to, and begins.
-    pub fn begin(&mut self, scene: Scene, shared: &mut Shared<'_>) -> Result<(), Error> {
-        let Some(form) = self.form.clone() else { return Ok(()) };
+    /// Where a film can go to, to be asked.
+    pub fn where_to() -> Request {
         let kinds: [(&str, &[&str]); 3] = [
             ("MP4 with sound", &["mp4"]),
             ("GIF", &["gif"]),
@@ -130,11 +130,16 @@ impl Filming {
         ];
         let (kinds, name) =
             if ffmpeg_is_there() { (&kinds[..], "dance.mp4") } else { (&kinds[1..], "dance.gif") };
-        let Some(path) = shared.chooser.save(kinds, Path::new(name)) else { return Ok(()) };
+        Request::save(kinds, Path::new(name))
+    }
+
+    /// Begins the film of the form.
+    pub fn begin(&mut self, scene: Scene, path: PathBuf, ctx: &egui::Context) -> Result<(), Error> {
+        let Some(form) = self.form.clone() else { return Ok(()) };
         let film = form.film(scene, path.clone())?;
         self.form = None;
         let label = format!("Filming {}", path.file_name().unwrap_or_default().to_string_lossy());
-        self.running = Some(Job::start(label, &shared.ctx, move |task| {
+        self.running = Some(Job::start(label, ctx, move |task| {
             let aside = Aside::new(task);
             film::make(film, &aside)?;
             Ok(Made { path, warnings: aside.warnings() })

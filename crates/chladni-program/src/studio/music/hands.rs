@@ -236,12 +236,10 @@ fn press(target: Target, concert: &mut Concert, listening: &mut Listening, wishe
     let gallery = concert.instrument().gallery();
     match target {
         Target::Back => {
-            let before = gallery.current().checked_sub(1);
-            wishes.extend(before.map(|generation| Wish::Do(Action::GoTo { generation })));
+            wishes.extend(gallery.back().map(|generation| Wish::Do(Action::GoTo { generation })));
         }
         Target::Forth => {
-            let after = Some(gallery.current() + 1).filter(|after| *after < gallery.generations().len());
-            wishes.extend(after.map(|generation| Wish::Do(Action::GoTo { generation })));
+            wishes.extend(gallery.forth().map(|generation| Wish::Do(Action::GoTo { generation })));
         }
         Target::NextFavorite => wishes.push(Wish::StepFavorite(true)),
         Target::PreviousFavorite => wishes.push(Wish::StepFavorite(false)),

@@ -69,10 +69,7 @@ impl MusicRoom {
         when(&mut wishes, BREED, Wish::Do(Action::Breed));
         let gallery = concert.instrument().gallery();
         // With Shift first: the key without it would answer, too.
-        let go = [
-            (FORTH, Some(gallery.current() + 1).filter(|&after| after < gallery.generations().len())),
-            (BACK, gallery.current().checked_sub(1)),
-        ];
+        let go = [(FORTH, gallery.forth()), (BACK, gallery.back())];
         for (key, generation) in go {
             if key.pressed(ctx)
                 && let Some(generation) = generation

@@ -7,14 +7,13 @@ use egui::{RichText, Ui};
 use std::path::Path;
 
 use super::preferences::{Camera, Screen};
+use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
-use crate::studio::choose::Chooser;
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::{FILMS, PANORAMAS, PICTURES};
 
 /// Draws the drawer.
-pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
+pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool, wishes: &mut Vec<Wish>) {
     let preferences = &mut shared.settings.music;
     let before = preferences.look.clone();
     scene(ui, &mut preferences.look);
@@ -35,12 +34,14 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool) {
     palette(ui, &mut preferences.palette);
     let own = Look::named(&preferences.look).unwrap_or(Look::PLAIN).finish.blur;
     blur(ui, &mut preferences.blur_percent, own);
-    let chooser = &mut *shared.chooser;
     let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background, or a film (through ffmpeg)";
-    let kinds: Vec<&str> = PICTURES.into_iter().chain(FILMS).collect();
-    file(ui, chooser, ("Picture", tip), &mut preferences.picture, ("Pictures and films", &kinds));
+    if file(ui, ("Picture", tip), &mut preferences.picture) {
+        wishes.push(Wish::Picture);
+    }
     let tip = "A panorama of your own (HDR, PNG or JPEG, twice as wide as high): shapes mirror it, and its light is theirs";
-    file(ui, chooser, ("Panorama", tip), &mut preferences.panorama, ("Panoramas", &PANORAMAS));
+    if file(ui, ("Panorama", tip), &mut preferences.panorama) {
+        wishes.push(Wish::Panorama);
+    }
     ui.label(RichText::new("Stage").strong());
     screens(ui, &mut preferences.screen, shared.screen.monitors());
     let tip = "The picture goes into a second window, on that screen; controls and gallery stay here";
@@ -108,28 +109,20 @@ fn camera(ui: &mut Ui, chosen: &mut Camera) {
     ui.add_space(theme::GAP);
 }
 
-/// A file of one's own, or none.
-fn file(
-    ui: &mut Ui,
-    chooser: &mut dyn Chooser,
-    (heading, tip): (&str, &str),
-    chosen: &mut String,
-    kind: (&str, &[&str]),
-) {
+/// A file of one's own, or none; true where another is to be chosen.
+fn file(ui: &mut Ui, (heading, tip): (&str, &str), chosen: &mut String) -> bool {
+    let mut asks = false;
     ui.label(RichText::new(heading).strong());
     ui.horizontal(|ui| {
         let name = Path::new(chosen.as_str()).file_name().map(|name| name.to_string_lossy().into_owned());
         let label = name.unwrap_or_else(|| format!("{heading} …"));
-        if ui.button(label).on_hover_text(tip).clicked()
-            && let Some(path) = chooser.open(&[kind])
-        {
-            *chosen = path.to_string_lossy().into_owned();
-        }
+        asks = ui.button(label).on_hover_text(tip).clicked();
         if !chosen.is_empty() && ui.button(format!("No {}", heading.to_lowercase())).clicked() {
             chosen.clear();
         }
     });
     ui.add_space(theme::GAP);
+    asks
 }
 
 /// The whole scene: too many for a row of buttons.

@@ -1,5 +1,6 @@
 //! The music room: a gallery of living shapes, breeding, and the stage.
 
+mod asking;
 mod close_up;
 mod coarse;
 mod concert;
@@ -49,6 +50,7 @@ use std::path::PathBuf;
 use chladni_music::Show;
 use chladni_sound::Capture;
 
+use self::asking::Then;
 use self::concert::Concert;
 use self::curtain::Curtain;
 use self::drawer::{Drawer, Drawers};
@@ -73,6 +75,8 @@ pub struct MusicRoom {
     /// What is being loaded and what dances, as the command line calls them.
     names: Names,
     filming: Filming,
+    /// What is done with the files that are being chosen.
+    asking: Option<Then>,
     concert: Option<Concert>,
     listening: Option<Listening>,
     /// What to listen to once there are ears.

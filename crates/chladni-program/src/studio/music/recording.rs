@@ -3,27 +3,40 @@
 use std::path::Path;
 
 use super::MusicRoom;
+use super::asking::Then;
 use super::preferences::Camera;
 use super::recorder::Recorder;
+use crate::studio::file_window::Request;
 use crate::studio::room::Shared;
 use crate::work::Error;
 
 impl MusicRoom {
-    /// Asks for a file and records the set from now on; or ends that.
-    pub(super) fn record(&mut self, shared: &mut Shared<'_>) -> Result<(), Error> {
+    /// Asks where to record the set; or ends a recording.
+    pub(super) fn record(&mut self, shared: &mut Shared<'_>) {
+        let now_secs = shared.ctx.input(|input| input.time);
+        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
+        if concert.outgoing.recorder.is_some() {
+            listening.keep_sound(false);
+            let device = concert.device().clone();
+            if let Err(why) = concert.outgoing.end_recording(&device, now_secs) {
+                shared.notices.failed(why);
+            }
+            return;
+        }
+        let request = Request::save(&[("Films", &["mp4"])], Path::new("set.mp4"));
+        self.ask_for(Then::Record, request, shared);
+    }
+
+    /// Records the set from now on.
+    pub(super) fn record_to(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
         let now_secs = shared.ctx.input(|input| input.time);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
             return Ok(());
         };
         if concert.outgoing.recorder.is_some() {
-            listening.keep_sound(false);
-            let device = concert.device().clone();
-            return concert.outgoing.end_recording(&device, now_secs);
+            return Err(Error::input("The set is being recorded already."));
         }
-        let Some(path) = shared.chooser.save(&[("Films", &["mp4"])], Path::new("set.mp4")) else {
-            return Ok(());
-        };
-        let mut recorder = Recorder::begin(&path, concert.picture_size(), now_secs)?;
+        let mut recorder = Recorder::begin(path, concert.picture_size(), now_secs)?;
         if let Some(recovery) = &shared.folders.recovery
             && let Err(why) = recorder.note(recovery)
         {

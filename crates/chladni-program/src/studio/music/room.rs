@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use egui::Ui;
 
 use super::MusicRoom;
+use super::asking::Then;
 use super::concert::Concert;
 use super::curtain::Curtain;
-use super::film::Scene;
+use super::film::{Filming, Scene};
 use super::listening::Listening;
 use super::shows::{songs_of, the_show};
 use super::wish::Wish;
@@ -18,11 +19,10 @@ use crate::studio::job;
 use crate::studio::keys::music::OPEN;
 use crate::studio::room::{Room, Shared};
 use crate::studio::shortcut::Shortcut;
-use crate::studio::unsaved::{is_made, would_be_lost};
 use crate::studio::{keys, measure, theme};
 use crate::work::formats::{self, Kind, LISTS, SONGS, TEXT};
-use crate::work::playlist;
 use crate::work::source::sample_path;
+use crate::work::{Error, playlist};
 
 /// How often a room at rest checks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
@@ -50,6 +50,7 @@ impl Room for MusicRoom {
         }
         self.listening(shared);
         self.poll(shared);
+        self.follow_dialog(shared);
         self.filming.poll(shared);
         let mut wishes = self.keys(&shared.ctx);
         self.follow_remote(shared, &mut wishes);
@@ -106,11 +107,15 @@ impl Room for MusicRoom {
     }
 
     fn unsaved(&self) -> Option<String> {
-        would_be_lost(self.unsaved_show(), self.filming.unfinished())
+        self.unsaved_show()
+    }
+
+    fn being_made(&self) -> Option<&str> {
+        self.filming.unfinished()
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
-        self.save_dances(shared) && is_made(self.filming.unfinished(), shared.notices)
+        self.save_dances(shared)
     }
 
     fn extensions(&self) -> Vec<&'static str> {
@@ -124,6 +129,8 @@ impl Room for MusicRoom {
     fn change_device(&mut self, shared: &mut Shared<'_>) {
         // The new window has to fill the screen again.
         self.curtain = Curtain::default();
+        // So is the dialog: it belonged to the one that is gone.
+        self.asking = None;
         if let Some(concert) = &mut self.concert
             && let Err(why) = concert.change_device(shared.screen)
         {
@@ -173,7 +180,7 @@ impl MusicRoom {
     pub(super) fn unsaved_show(&self) -> Option<String> {
         let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;
         let favorites = match concert.instrument().favorites().len() {
-            0 => "dances that were changed by hand".to_owned(),
+            0 => "dances that were bred or changed by hand".to_owned(),
             1 => "one favorite".to_owned(),
             count => format!("{count} favorites"),
         };
@@ -253,11 +260,18 @@ impl MusicRoom {
         });
     }
 
-    /// Shows the form for a film while it is open, and begins the film that was asked for.
+    /// Shows the form for a film while it is open, and asks where the film is to go.
     fn ask_for_a_film(&mut self, shared: &mut Shared<'_>) {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening)
             && self.filming.show_form(&shared.ctx, concert.picture_size(), listening.at_secs())
         {
+            self.ask_for(Then::Film, Filming::where_to(), shared);
+        }
+    }
+
+    /// Begins the film that was asked for.
+    pub(super) fn film_to(&mut self, path: PathBuf, shared: &mut Shared<'_>) -> Result<(), Error> {
+        if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
             let scene = Scene {
                 show: the_show(concert, listening, &self.names, shared, None),
                 body: self.names.dancing.to_string_lossy().into_owned(),
@@ -266,10 +280,9 @@ impl MusicRoom {
                 view: concert.view(),
                 favorites: concert.instrument().favorites().len(),
             };
-            if let Err(why) = self.filming.begin(scene, shared) {
-                shared.notices.warn(why);
-            }
+            self.filming.begin(scene, path, &shared.ctx)?;
         }
+        Ok(())
     }
 }
 

@@ -63,10 +63,11 @@ impl MusicRoom {
         if !concert.has_unsaved_work() {
             return true;
         }
-        save_show(concert, listening, &self.names, shared).unwrap_or_else(|why| {
-            shared.notices.failed(why);
-            false
-        })
+        let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
+            return false;
+        };
+        let saved = write_show(&path, concert, listening, &self.names, shared);
+        saved.map_err(|why| shared.notices.failed(why)).is_ok()
     }
 
     /// Opens a show's shape first where another one dances.
@@ -185,31 +186,17 @@ pub fn songs_of(listening: &Listening) -> Vec<(String, BeatReading)> {
     songs.iter().map(|song| (song.path.to_string_lossy().into_owned(), song.reading)).collect()
 }
 
-/// False where the person thinks better of it.
-pub fn save_show(
+/// Saves the show.
+pub fn write_show(
+    path: &Path,
     concert: &mut Concert,
     listening: &Listening,
     names: &Names,
     shared: &mut Shared<'_>,
-) -> Result<bool, Error> {
-    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
-        return Ok(false);
-    };
+) -> Result<(), Error> {
     let show = the_show(concert, listening, names, shared, path.parent());
-    show.save(&path).map_err(Error::unsaved)?;
+    show.save(path).map_err(Error::unsaved)?;
     shared.notices.done(format!("Saved {}", path.display()));
     concert.mark_saved();
-    Ok(true)
-}
-
-/// False where the person thinks better of it.
-pub fn save_as(
-    name: &str,
-    shared: &mut Shared<'_>,
-    save: impl FnOnce(&Path) -> Result<(), Error>,
-) -> Result<bool, Error> {
-    let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new(name)) else { return Ok(false) };
-    save(&path)?;
-    shared.notices.done(format!("Saved {}", path.display()));
-    Ok(true)
+    Ok(())
 }

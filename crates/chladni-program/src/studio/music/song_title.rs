@@ -23,9 +23,9 @@ impl SongTitle {
         self.cover = listening.source_cover().cloned();
     }
 
-    /// Draws it over the stage, which fills `screen`.
-    pub fn show(&self, ui: &Ui, screen: Rect, now_secs: f64) {
-        let opacity = title_opacity(now_secs - self.since_secs);
+    /// Draws it over the stage, which fills `screen` and is as `light` as this, in [0, 1].
+    pub fn show(&self, ui: &Ui, screen: Rect, now_secs: f64, light: f32) {
+        let opacity = title_opacity(now_secs - self.since_secs) * light;
         if opacity <= 0.0 {
             return;
         }
@@ -41,5 +41,23 @@ impl SongTitle {
         }
         let color = Color32::from_white_alpha((220.0 * opacity) as u8);
         ui.painter().text(at, Align2::LEFT_BOTTOM, &self.text, FontId::proportional(size), color);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_is_not_seen_where_the_stage_is_black() {
+        let title = SongTitle { text: "A song".into(), ..SongTitle::default() };
+        let letters = |light: f32| {
+            let ctx = egui::Context::default();
+            let output =
+                ctx.run_ui(egui::RawInput::default(), |ui| title.show(ui, ui.max_rect(), 2.0, light));
+            let is_text = |shape: &&egui::epaint::ClippedShape| matches!(shape.shape, egui::Shape::Text(_));
+            output.shapes.iter().filter(is_text).count()
+        };
+        assert_eq!((letters(0.0), letters(1.0)), (0, 1));
     }
 }

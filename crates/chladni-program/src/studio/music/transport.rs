@@ -14,6 +14,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{
     BACK, BREED, FILM, FORTH, NEXT_SONG, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW,
 };
+use crate::studio::shortcut::Shortcut;
 use crate::studio::theme;
 
 /// Draws the bar.
@@ -149,16 +150,9 @@ fn stage(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
 fn breeding(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let gallery = concert.instrument().gallery();
     sizes(ui, concert, wishes);
-    let (current, count) = (gallery.current(), gallery.generations().len());
-    let forth = egui::Button::new(icon::text(Icon::ChevronRight));
-    if ui.add_enabled(current + 1 < count, forth).on_hover_text(FORTH.tooltip(ui.ctx())).clicked() {
-        wishes.push(Wish::Do(Action::GoTo { generation: current + 1 }));
-    }
+    step(ui, Icon::ChevronRight, FORTH, gallery.forth(), wishes);
     generations(ui, concert, wishes);
-    let back = egui::Button::new(icon::text(Icon::ChevronLeft));
-    if ui.add_enabled(current > 0, back).on_hover_text(BACK.tooltip(ui.ctx())).clicked() {
-        wishes.push(Wish::Do(Action::GoTo { generation: current - 1 }));
-    }
+    step(ui, Icon::ChevronLeft, BACK, gallery.back(), wishes);
     let chosen = gallery.items().iter().filter(|item| item.chosen).count();
     let name = if chosen == 0 { "Breed".into() } else { format!("Breed {chosen}") };
     let button = egui::Button::new(icon::label(Icon::Heart, &name));
@@ -177,6 +171,14 @@ fn breeding(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         .clicked()
     {
         wishes.push(Wish::Do(Action::Breed));
+    }
+}
+
+/// The button to a neighboring generation, where there is one.
+fn step(ui: &mut Ui, mark: Icon, key: Shortcut, to: Option<usize>, wishes: &mut Vec<Wish>) {
+    let button = ui.add_enabled(to.is_some(), egui::Button::new(icon::text(mark)));
+    if button.on_hover_text(key.tooltip(ui.ctx())).clicked() {
+        wishes.extend(to.map(|generation| Wish::Do(Action::GoTo { generation })));
     }
 }
 

@@ -21,6 +21,10 @@ pub enum Wish {
     SaveShow,
     /// Record the set as it is played, or end that.
     Record,
+    /// Choose a picture or film to be the background.
+    Picture,
+    /// Choose a panorama whose light is that of the dance.
+    Panorama,
     /// Ask for a film of what dances.
     Film,
     /// Show the gallery, one item or the harmonics.

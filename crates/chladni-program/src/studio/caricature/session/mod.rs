@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, EvaluatedLayer, Evaluation, History, KeepRequest, Kept, LayerId, MatchRequest, Project, Stack,
-    Surface,
+    Action, EvaluatedLayer, Evaluation, History, KeepRequest, Kept, LayerId, LayerState, MatchRequest,
+    Project, Stack, Surface,
 };
 use chladni_harmonics::Laplacian;
 use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation};
@@ -192,6 +192,12 @@ impl Session {
             }
         });
         self.folds = folds.collect();
+    }
+
+    /// Layers whose template could not be read or matched: they do nothing.
+    pub fn failed_layers(&self) -> Vec<LayerId> {
+        let failed = |layer: &&EvaluatedLayer| matches!(layer.state, LayerState::Failed(_));
+        self.evaluation.layers.iter().filter(failed).map(|layer| layer.id).collect()
     }
 
     /// Triangles folded by `layer`.

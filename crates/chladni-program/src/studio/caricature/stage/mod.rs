@@ -70,8 +70,10 @@ pub struct Stage {
     fitted: bool,
     /// The user has moved the camera since all was shown: it is not moved automatically.
     by_hand: bool,
-    /// What is shown may reach farther than before.
+    /// What is shown may reach farther than before, or less far.
     grown: bool,
+    /// Target and distance of the camera before it moved back by itself.
+    stood: Option<([f32; 3], f32)>,
     last_look: Option<Portrayal>,
 }
 
@@ -128,6 +130,7 @@ impl Stage {
             fitted: false,
             by_hand: false,
             grown: false,
+            stood: None,
             last_look: None,
         };
         for figure in 0..FIGURES {
@@ -265,15 +268,27 @@ impl Stage {
     }
 
     /// Brings everything shown into view: fitted on request, else by moving back if it grew beyond the edges
-    /// and the user has not moved the camera.
-    fn frame(&mut self, figures: &[usize], aspect: f32) {
+    /// and the user has not moved the camera. With the hand at rest it comes forward again as far as it can.
+    fn frame(&mut self, figures: &[usize], aspect: f32, resting: bool) {
         let shown = figures.iter().flat_map(|figure| self.poses[*figure].0.iter().copied());
         if !self.fitted {
             self.camera.fit(shown, aspect, 0.86);
-            (self.fitted, self.by_hand) = (true, false);
+            (self.fitted, self.by_hand, self.stood) = (true, false, None);
             self.viewport.invalidate();
-        } else if std::mem::take(&mut self.grown) && !self.by_hand && self.camera.hold(shown, aspect, 0.97) {
-            self.viewport.invalidate();
+        } else if self.by_hand {
+            self.stood = None;
+        } else if std::mem::take(&mut self.grown) {
+            let before = (self.camera.target, self.camera.distance);
+            let stood = self.stood.take().unwrap_or(before);
+            if resting {
+                (self.camera.target, self.camera.distance) = stood;
+            }
+            self.camera.hold(shown, aspect, 0.97);
+            let now = (self.camera.target, self.camera.distance);
+            self.stood = (now != stood).then_some(stood);
+            if now != before {
+                self.viewport.invalidate();
+            }
         }
     }
 
@@ -289,7 +304,8 @@ impl Stage {
         let canvas = viewport::area(ui, rect);
         let (figures, cells) = self.arranged(ui, rect, look.show);
         if let Some(cell) = cells.first() {
-            self.frame(figures, cell.aspect());
+            let resting = !ui.input(|input| input.pointer.any_down());
+            self.frame(figures, cell.aspect(), resting);
         }
         let free = brush.is_none();
         let before = self.camera;

@@ -111,7 +111,7 @@ impl Concert {
             let area = viewport::area(ui, rect);
             let (cells, _) = Staging::cells(area, apart.count);
             self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
-            self.song_title.show(ui, rect, ui.input(|input| input.time));
+            self.song_title.show(ui, rect, ui.input(|input| input.time), self.house.light());
             if self.adjusts {
                 shared.settings.music.projection.adjust(ui, rect);
             }

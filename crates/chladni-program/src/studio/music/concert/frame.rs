@@ -194,7 +194,7 @@ impl Concert {
             let took = (shared.now)().saturating_duration_since(frame.began);
             if let Some(message) = self.pace.frame(took, self.ensemble.dancer().harmonics()) {
                 self.ensemble.use_at_most(self.pace.harmonics());
-                shared.notices.warn(message);
+                shared.notices.update("harmonics in use", message);
             }
         }
         // Reported once; then the processor continues.

@@ -32,6 +32,11 @@ impl House {
         self.black
     }
 
+    /// How light it was when last looked at, in [0, 1].
+    pub fn light(&self) -> f32 {
+        1.0 - self.level
+    }
+
     /// Light again at once, for a stage that is left.
     pub fn open(&mut self) {
         *self = Self::default();

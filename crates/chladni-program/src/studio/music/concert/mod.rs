@@ -46,6 +46,8 @@ pub struct Concert {
     instrument: Instrument,
     /// The number of log lines that are saved.
     saved: usize,
+    /// The show was read from a file, or saved.
+    is_of_a_file: bool,
     ensemble: Ensemble,
     deformed: Deformed,
     pane: Pane,
@@ -113,6 +115,7 @@ impl Concert {
         let mut concert = Self {
             instrument,
             saved: 0,
+            is_of_a_file: false,
             ensemble,
             deformed,
             rest,
@@ -251,7 +254,7 @@ impl Concert {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
         self.instrument = show.replay(shape)?;
-        self.saved = self.instrument.log().len();
+        self.mark_saved();
         self.view = View::Gallery;
         self.viewpoint = show.viewpoint;
         Ok(())
@@ -261,7 +264,7 @@ impl Concert {
     pub fn go_on_from(&mut self, before: &Self) -> Result<(), Error> {
         let viewpoint = self.viewpoint;
         self.replay(&Show::of(&before.instrument))?;
-        self.saved = before.saved;
+        (self.saved, self.is_of_a_file) = (before.saved, before.is_of_a_file);
         self.viewpoint = viewpoint;
         self.strew_on_sheets(before.staging.is_flat())
     }
@@ -283,21 +286,24 @@ impl Concert {
 
     /// Marks all actions as saved.
     pub fn mark_saved(&mut self) {
-        self.saved = self.instrument.log().len();
+        (self.saved, self.is_of_a_file) = (self.instrument.log().len(), true);
     }
 
-    /// Whether there are favorites, names or hand-drawn curves that are not saved.
+    /// Whether there are favorites, names or hand-drawn curves that are not saved; of a show that has a file, also
+    /// whether there are children.
     pub fn has_unsaved_work(&self) -> bool {
         let by_hand = |action: &Action| {
-            matches!(
-                action,
-                Action::Favorite { .. }
-                    | Action::Rename { .. }
-                    | Action::SetTransfer { .. }
-                    | Action::SetAmplification { .. }
-                    | Action::SetStereoMu { .. }
-                    | Action::SetItemGain { .. }
-            )
+            let bred = matches!(action, Action::Breed | Action::Mutate { .. });
+            self.is_of_a_file && bred
+                || matches!(
+                    action,
+                    Action::Favorite { .. }
+                        | Action::Rename { .. }
+                        | Action::SetTransfer { .. }
+                        | Action::SetAmplification { .. }
+                        | Action::SetStereoMu { .. }
+                        | Action::SetItemGain { .. }
+                )
         };
         self.instrument.log().iter().skip(self.saved).any(|line| by_hand(&line.action))
     }
