@@ -188,7 +188,7 @@ fn a_window_that_is_closed_while_it_films_waits_for_the_film() {
     answers.add(&film);
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.run_steps(3);
-    click(&mut window, "size/1920x1080");
+    click(&mut window, "size/1280x720");
     click(&mut window, "fps/50");
     click(&mut window, "film-begin");
     wait(&mut window, "progress", |w| shows(w, "Filming film.gif"));
