@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use chladni_caricature::{Evaluation, History, LayerId, Project, ShapeSource, Stack};
 use chladni_harmonics::Body;
-use chladni_mesh::{Estimate, Known, MirrorPlane, MirrorSearch, Orientation, TriMesh};
+use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation, TriMesh};
 use chladni_program::work::{Aside, Error, OwnLook, Subject, settled, source};
 use chladni_task::Task;
 use wasm_bindgen::prelude::*;
@@ -86,7 +86,7 @@ impl Sitting {
             None => Project::new(ShapeSource::named(name), harmonics),
         };
         let mesh = Subject::of_mesh(shape(name, file.as_deref(), &aside)?, &mut project, &aside)?.mesh;
-        let known = project.shape.stands().map_or_else(Known::default, Known::from);
+        let known = project.shape.known();
         let stands = Estimate::of(&mesh, known, &task)?;
         let body = Body::unsolved(&mesh).map_err(|error| Error::from(error).of(name))?;
         let look = OwnLook::of(name, &mesh, &body, &aside);

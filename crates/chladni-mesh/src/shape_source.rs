@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Loaded, MeshError, Orientation, load_mesh, samples};
+use crate::{Known, Loaded, MeshError, Orientation, load_mesh, samples};
 
 /// A mesh file, or one of the [`samples`]: what a user writes as a path or as `sample:NAME`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -39,6 +39,24 @@ impl ShapeSource {
         match self {
             Self::Sample(_) => Some(Orientation::Y_UP),
             Self::File(_) => None,
+        }
+    }
+
+    /// What is known of how it stands without looking at it: all of a sample, and of a glTF file, by name, that y is up and
+    /// z should be in front (glTF 2.0, section 3.4).
+    pub fn known(&self) -> Known {
+        let is_gltf = |path: &Path| {
+            let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default();
+            ["glb", "gltf"].into_iter().any(|known| end.eq_ignore_ascii_case(known))
+        };
+        match self {
+            Self::Sample(_) => Orientation::Y_UP.into(),
+            Self::File(path) if is_gltf(path) => Known {
+                up: Some(Orientation::Y_UP.up()),
+                usual_front: Some(Orientation::Y_UP.front()),
+                ..Known::default()
+            },
+            Self::File(_) => Known::default(),
         }
     }
 
@@ -96,6 +114,16 @@ impl From<ShapeSource> for String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn gltf_files_have_y_up_and_a_usual_front() {
+        for (name, up) in [("a/b.GLB", true), ("c.gltf", true), ("glb", false), ("d.obj", false)] {
+            let known = ShapeSource::named(name).known();
+            assert_eq!((known.up.is_some(), known.usual_front.is_some()), (up, up), "{name}");
+            assert_eq!(known.front, None);
+        }
+        assert_eq!(ShapeSource::named("sample:cat").known(), Orientation::Y_UP.into());
+    }
 
     #[test]
     fn what_is_written_is_read_back() {

@@ -115,7 +115,12 @@ fn what_is_known_is_kept_and_the_rest_is_found() {
     let head = samples::sample("head").unwrap();
     let of = |up: Option<&str>, front: Option<&str>| {
         let direction = |axis: Option<&str>| axis.map(|a| a.parse::<Axis>().unwrap().direction());
-        Estimate::of(&head, Known { up: direction(up), front: direction(front) }, &Task::new()).unwrap()
+        Estimate::of(
+            &head,
+            Known { up: direction(up), front: direction(front), ..Known::default() },
+            &Task::new(),
+        )
+        .unwrap()
     };
     assert_eq!(of(Some("y"), None).orientation, Orientation::Y_UP);
     assert_eq!(of(None, Some("z")).orientation, Orientation::Y_UP);

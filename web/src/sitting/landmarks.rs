@@ -97,7 +97,8 @@ impl Sitting {
             None => template_mesh(&wanted, &aside)?,
         };
         let mesh = mesh.ok_or_else(|| JsError::new("the template is no mesh"))?;
-        let found = Estimate::of(&mesh, Known::default(), &task)?;
+        let known = wanted.mesh().map_or_else(Known::default, |source| source.known());
+        let found = Estimate::of(&mesh, known, &task)?;
         let beside = self.stands_now();
         let stands = if found.in_doubt { beside } else { found.orientation };
         let device = self.stage.device();

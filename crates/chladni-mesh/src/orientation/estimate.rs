@@ -50,11 +50,13 @@ pub struct Known {
     pub up: Option<[f64; 3]>,
     /// Where the front is.
     pub front: Option<[f64; 3]>,
+    /// Where it should be by the rules of the file's format: taken where the surface leaves it in doubt.
+    pub usual_front: Option<[f64; 3]>,
 }
 
 impl From<Orientation> for Known {
     fn from(stands: Orientation) -> Self {
-        Self { up: Some(stands.up()), front: Some(stands.front()) }
+        Self { up: Some(stands.up()), front: Some(stands.front()), usual_front: None }
     }
 }
 
@@ -148,7 +150,12 @@ impl Estimate {
         // The evidence that distinguishes it from its rival, not what they share.
         let apart = |i: usize| votes[i] - rival.map_or(0.0, |(_, votes, _)| votes[i]);
         let strongest = (0..votes.len()).max_by(|i, j| apart(*i).total_cmp(&apart(*j))).unwrap_or(4);
-        Ok(Self { orientation, in_doubt: lead < CLEAR_LEAD, evidence: KINDS[strongest], mirror })
+        let in_doubt = lead < CLEAR_LEAD;
+        let usual = known.usual_front.and_then(|front| Orientation::new(orientation.up(), front));
+        match usual.filter(|usual| in_doubt && agrees(usual, known)) {
+            Some(usual) => Ok(Self { orientation: usual, in_doubt, evidence: Evidence::Custom, mirror }),
+            None => Ok(Self { orientation, in_doubt, evidence: KINDS[strongest], mirror }),
+        }
     }
 }
 

@@ -40,9 +40,12 @@ impl Info {
     /// Prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let (report, mended, found) = terminal.watch("reading the mesh", |task| {
-            let loaded = ShapeSource::named(&self.mesh).load(None)?;
+            let source = ShapeSource::named(&self.mesh);
+            let loaded = source.load(None)?;
             let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
-            let found = Estimate::of(&loaded.mesh, Known::default(), task)?;
+            // Samples are estimated, too: that shows how well it goes.
+            let known = if source.stands().is_some() { Known::default() } else { source.known() };
+            let found = Estimate::of(&loaded.mesh, known, task)?;
             Ok::<_, Error>((loaded.health(), mended, found))
         })?;
         for line in &mended {
@@ -89,16 +92,22 @@ fn lines(report: &HealthReport) -> Vec<String> {
         row(name, count.to_string());
     }
     let [low, high] = [report.bounds_min, report.bounds_max];
+    let length = |value| digits(value, report.diagonal);
     for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
-        row(axis, format!("{:.6} to {:.6}", low[i], high[i]));
+        row(axis, format!("{} to {}", length(low[i]), length(high[i])));
     }
-    let extent: Vec<String> = (0..3).map(|i| format!("{:.6}", high[i] - low[i])).collect();
-    row("extent", format!("{} (diagonal {:.6})", extent.join(" × "), report.diagonal));
-    row("area", format!("{:.6}", report.area));
+    let extent: Vec<String> = (0..3).map(|i| length(high[i] - low[i])).collect();
+    row("extent", format!("{} (diagonal {})", extent.join(" × "), length(report.diagonal)));
+    row("area", digits(report.area, report.area));
     if let Some(volume) = report.volume {
-        row("volume", format!("{volume:.6}"));
+        row("volume", digits(volume, volume));
     }
     lines
+}
+
+/// `value` with six decimals or, where these would say little on a `scale` as small as this one, six digits.
+fn digits(value: f64, scale: f64) -> String {
+    if scale.abs() < 1e-3 && value != 0.0 { format!("{value:.5e}") } else { format!("{:.6}", value + 0.0) }
 }
 
 /// A topology in words, the good news short.
@@ -124,4 +133,17 @@ fn described(topology: &Topology) -> String {
         words.push(format!("genus {genus}"));
     }
     words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_shapes_have_sizes_too() {
+        assert_eq!(digits(1.25, 2.0), "1.250000");
+        assert_eq!(digits(-0.0, 2.0), "0.000000");
+        assert_eq!(digits(1e-5, 1.7e-5), "1.00000e-5");
+        assert_eq!(digits(0.0, 1.7e-5), "0.000000");
+    }
 }

@@ -74,7 +74,7 @@ impl Terminal {
     pub fn result(&self, line: impl Display) -> Result<(), Error> {
         match writeln!(std::io::stdout().lock(), "{line}") {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-            written => written.map_err(Error::other),
+            written => written.map_err(|error| Error::unwritten(Path::new("standard output"), error)),
         }
     }
 

@@ -13,6 +13,10 @@ pub struct Stance {
     pub front: Option<Axis>,
 }
 
+fn is_along(axis: Axis, direction: [f64; 3]) -> bool {
+    Axis::of(direction).is_some_and(|other| axis.is_along(other))
+}
+
 impl Stance {
     /// Whether anything was given.
     pub fn is_told(&self) -> bool {
@@ -29,6 +33,23 @@ impl Stance {
                 Err(Error::Input(format!("--up {up} and --front {front} lie on one line")))
             }
             _ => Ok(()),
+        }
+    }
+
+    /// What is given here and, where that leaves it open, what is known of the source.
+    fn known(&self, source: &ShapeSource) -> Known {
+        let given = Known {
+            up: self.up.map(Axis::direction),
+            front: self.front.map(Axis::direction),
+            ..Known::default()
+        };
+        match source {
+            ShapeSource::File(_) if self.up.is_none() => {
+                let of_source = source.known();
+                let is_free = |up: &[f64; 3]| self.front.is_none_or(|front| !is_along(front, *up));
+                Known { up: of_source.up.filter(is_free), usual_front: of_source.usual_front, ..given }
+            }
+            _ => given,
         }
     }
 
@@ -51,7 +72,7 @@ impl Stance {
         if let Some(kept) = kept.filter(|_| !self.is_told()) {
             return Ok(kept);
         }
-        let known = Known { up: self.up.map(Axis::direction), front: self.front.map(Axis::direction) };
+        let known = self.known(&ShapeSource::named(name));
         let found = watcher.watch("finding which way is up", |task| Estimate::of(mesh, known, task))?;
         if !found.in_doubt {
             return Ok(found.orientation);

@@ -1,6 +1,6 @@
 //! Templates: their meshes, and the match of a shape with one.
 
-use chladni_caricature::{CaricatureError, MatchRequest, Matched, ShapeSource, Template};
+use chladni_caricature::{CaricatureError, MatchRequest, Matched, Template};
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 
@@ -11,12 +11,7 @@ use super::{Error, Warning, Watcher, source};
 /// # Errors
 /// As [`source::shape`] does.
 pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Option<TriMesh>, Error> {
-    let source = match template {
-        Template::File(path) => ShapeSource::File(path.clone()),
-        Template::Sample(name) => ShapeSource::Sample(name.clone()),
-        _ => return Ok(None),
-    };
-    source::shape(&source, watcher).map(Some)
+    template.mesh().map(|source| source::shape(&source, watcher)).transpose()
 }
 
 /// Matches the shape `mesh`, which `body` was built from, as `request` says, and warns of what is wrong

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 
 use chladni_caricature::{Painted, Project, Recovered, Stack};
-use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
+use chladni_mesh::{Estimate, Orientation, TriMesh};
 use chladni_task::Task;
 
 use crate::work::{Aside, Error, OwnLook, Subject, Warning, Watcher, body};
@@ -68,7 +68,7 @@ pub fn load(
     if let Some(message) = project.taken_over() {
         aside.warn(Warning::Plain(format!("This is {message}.")));
     }
-    let known = project.shape.stands().map_or_else(Known::default, Known::from);
+    let known = project.shape.known();
     let stands = Estimate::of(mesh, known, task)?;
     // There may be no receiver any more.
     let _ = read.send((Arc::clone(mesh), project.stands.unwrap_or(stands.orientation)));

@@ -66,7 +66,8 @@ impl Picking {
         let reading = Job::start("Reading the template", &shared.ctx, move |task| {
             let mesh = template_mesh(&wanted, &Aside::new(task))?;
             let mesh = mesh.ok_or_else(|| Error::Input(format!("{wanted} is no mesh")))?;
-            let found = Estimate::of(&mesh, Known::default(), task)?;
+            let known = wanted.mesh().map_or_else(Known::default, |source| source.known());
+            let found = Estimate::of(&mesh, known, task)?;
             // Shapes that belong together mostly use the same axes.
             Ok((mesh, if found.in_doubt { beside } else { found.orientation }))
         });
