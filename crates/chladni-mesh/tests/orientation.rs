@@ -146,3 +146,18 @@ fn what_tells_nothing_is_in_doubt_and_no_panic() {
     cancelled.cancel();
     assert!(Estimate::of(&ball, Known::default(), &cancelled).is_err());
 }
+
+#[test]
+fn the_rules_of_a_format_decide_between_sides_that_differ_little() {
+    let ball = samples::icosphere(2);
+    let usual = |usual_front: [f64; 3]| {
+        let known = Known { up: Some([0.0, 1.0, 0.0]), usual_front: Some(usual_front), front: None };
+        Estimate::of(&ball, known, &Task::new()).unwrap().orientation.to_string()
+    };
+    assert_eq!(usual([0.0, 0.0, 1.0]), "up y, front z");
+    assert_eq!(usual([-1.0, 0.0, 0.0]), "up y, front -x");
+    // A face is clearer than rules.
+    let head = samples::sample("head").unwrap();
+    let known = Known { usual_front: Some([0.0, 0.0, -1.0]), ..Known::default() };
+    assert_eq!(Estimate::of(&head, known, &Task::new()).unwrap().orientation, Orientation::Y_UP);
+}

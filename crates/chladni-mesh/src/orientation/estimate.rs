@@ -50,7 +50,7 @@ pub struct Known {
     pub up: Option<[f64; 3]>,
     /// Where the front is.
     pub front: Option<[f64; 3]>,
-    /// Where it should be by the rules of the file's format: taken where the surface leaves it in doubt.
+    /// Where it should be by the rules of the file's format: it counts, and is taken where the surface leaves it in doubt.
     pub usual_front: Option<[f64; 3]>,
 }
 
@@ -85,11 +85,14 @@ const SNAP_RAD: f64 = 10.0 * PI / 180.0;
 const LIKE: (f64, f64) = (0.038, 0.043);
 /// A candidate whose misfit is larger by this much no longer counts as head-like.
 const LESS_LIKE: f64 = 0.006;
+/// What the rules of a file's format count: more than details that differ a little between two sides.
+const USUAL: f64 = 1.0;
 /// Below this lead over another orientation a person should look.
 const CLEAR_LEAD: f64 = 0.5;
 
 /// The evidence for a candidate, in units that can be added; in the order of [`KINDS`].
 type Votes = [f64; 5];
+const CUSTOM: usize = 4;
 const KINDS: [Evidence; 5] =
     [Evidence::Head, Evidence::Base, Evidence::Opening, Evidence::Detail, Evidence::Custom];
 
@@ -136,7 +139,11 @@ impl Estimate {
             .candidates(known)
             .into_iter()
             .map(|candidate| {
-                let votes = witness.votes(&candidate);
+                let mut votes = witness.votes(&candidate);
+                let usual = known.usual_front.and_then(|front| Orientation::new(candidate.up(), front));
+                if usual.is_some_and(|usual| candidate.angle_to(&usual) < SAME_RAD) {
+                    votes[CUSTOM] += USUAL;
+                }
                 (votes.iter().sum(), votes, candidate)
             })
             .collect();
@@ -149,7 +156,7 @@ impl Estimate {
         let lead = rival.map_or(f64::INFINITY, |(sum, _, _)| best - sum);
         // The evidence that distinguishes it from its rival, not what they share.
         let apart = |i: usize| votes[i] - rival.map_or(0.0, |(_, votes, _)| votes[i]);
-        let strongest = (0..votes.len()).max_by(|i, j| apart(*i).total_cmp(&apart(*j))).unwrap_or(4);
+        let strongest = (0..votes.len()).max_by(|i, j| apart(*i).total_cmp(&apart(*j))).unwrap_or(CUSTOM);
         let in_doubt = lead < CLEAR_LEAD;
         let usual = known.usual_front.and_then(|front| Orientation::new(orientation.up(), front));
         match usual.filter(|usual| in_doubt && agrees(usual, known)) {
