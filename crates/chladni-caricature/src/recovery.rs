@@ -1,26 +1,19 @@
 //! Recovery of a session that crashed.
-//!
-//! A running session keeps a copy of its project in a state folder, and holds a lock beside it. The system
-//! releases the lock when the process dies, for whatever reason; a copy whose lock is free was left by a
-//! crash.
 
-use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use chladni_task::read_text_file;
+use chladni_task::{RecoveryCopy, read_text_file};
 
 use crate::project_file::MOST_BYTES;
 use crate::{CaricatureError, Project};
 
+/// What names of copies begin and end with.
+const NAMES: (&str, &str) = ("session", "chladni");
+
 /// The recovery copy of a running session; [`finish`](Self::finish) removes it.
 #[derive(Debug)]
-pub struct Recovery {
-    copy: PathBuf,
-    lock: PathBuf,
-    /// Held for as long as the session lives.
-    _held: File,
-}
+pub struct Recovery(RecoveryCopy);
 
 /// A project that a session left behind when it died.
 #[derive(Clone, Debug)]
@@ -42,21 +35,8 @@ impl Recovery {
     /// # Errors
     /// A folder that cannot be made or written.
     pub fn start(folder: &Path, id: u32) -> Result<Self, CaricatureError> {
-        std::fs::create_dir_all(folder)
-            .map_err(|source| CaricatureError::Io { path: folder.into(), source })?;
-        for attempt in 0..1000 {
-            let name = format!("session-{id}-{attempt}");
-            let lock = folder.join(format!("{name}.lock"));
-            let copy = folder.join(format!("{name}.chladni"));
-            let held = File::options().create(true).truncate(false).write(true).open(&lock);
-            let held = held.map_err(|source| CaricatureError::Io { path: lock.clone(), source })?;
-            // An old copy waits to be recovered; another session may hold the lock.
-            if !copy.exists() && held.try_lock().is_ok() {
-                return Ok(Self { copy, lock, _held: held });
-            }
-        }
-        let source = std::io::Error::other("too many sessions were left behind");
-        Err(CaricatureError::Io { path: folder.into(), source })
+        let copy = RecoveryCopy::start(folder, NAMES.0, NAMES.1, id);
+        copy.map(Self).map_err(|source| CaricatureError::Io { path: folder.into(), source })
     }
 
     /// Keeps `project` as it is now. `original` is where the user saved it, if anywhere.
@@ -64,31 +44,27 @@ impl Recovery {
     /// # Errors
     /// As [`Project::save`].
     pub fn keep(&self, project: &Project, original: Option<&Path>) -> Result<(), CaricatureError> {
-        let original = original.map(|p| std::path::absolute(p).unwrap_or_else(|_| p.into()));
-        let text = project.to_text(&self.copy, original)?;
-        chladni_task::write_atomic(&self.copy, text.as_bytes())
-            .map_err(|source| CaricatureError::Io { path: self.copy.clone(), source })
+        let (copy, original) =
+            (self.0.path(), original.map(|p| std::path::absolute(p).unwrap_or_else(|_| p.into())));
+        let text = project.to_text(copy, original)?;
+        self.0.keep(text.as_bytes()).map_err(|source| CaricatureError::Io { path: copy.into(), source })
     }
 
     /// Drops the copy: everything is saved.
     pub fn clear(&self) {
-        // If it cannot be removed, it is offered for recovery again, which does no harm.
-        let _ = std::fs::remove_file(&self.copy);
+        self.0.clear();
     }
 
     /// Ends the session well. A session that is merely dropped, as by a panic, leaves its copy.
     pub fn finish(self) {
-        self.clear();
-        let _ = std::fs::remove_file(&self.lock);
+        self.0.finish();
     }
 
     /// The projects in `folder` whose sessions died, newest first, and the copies that cannot be
     /// read, each with the reason. An absent folder holds none.
     pub fn find(folder: &Path) -> (Vec<Recovered>, Vec<CaricatureError>) {
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let copies = entries.map(|e| e.path()).filter(|p| p.extension().is_some_and(|e| e == "chladni"));
         let (mut found, mut unreadable) = (Vec::new(), Vec::new());
-        for copy in copies.filter(|copy| !is_running(&copy.with_extension("lock"))) {
+        for copy in RecoveryCopy::left_behind(folder, NAMES.0, NAMES.1) {
             match Recovered::read(&copy) {
                 Ok(recovered) => found.push(recovered),
                 Err(why) => unreadable.push(why),
@@ -110,13 +86,6 @@ impl Recovered {
 
     /// Removes the copy: it was recovered, or it is not wanted.
     pub fn discard(&self) {
-        let _ = std::fs::remove_file(&self.copy);
-        let _ = std::fs::remove_file(self.copy.with_extension("lock"));
+        RecoveryCopy::discard(&self.copy);
     }
-}
-
-/// Whether somebody holds the lock at `path`.
-fn is_running(path: &Path) -> bool {
-    let lock = File::options().write(true).open(path);
-    lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }

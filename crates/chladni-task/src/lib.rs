@@ -1,5 +1,5 @@
-//! Progress and cancellation of long work, files that are written whole or not at all, and files that are
-//! read whole up to a size limit.
+//! Progress and cancellation of long work, files that are written whole or not at all, files that are read
+//! whole up to a size limit, and copies of unsaved work that outlive a crash.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -25,10 +25,12 @@
 mod atomic_file;
 mod progress;
 mod read_file;
+mod recovery;
 
 pub use atomic_file::{Draft, folder_of, persist, temporary_beside, write_atomic, write_atomic_with};
 pub use progress::{Cancelled, Progress, Stage, Task};
 pub use read_file::{open_file, read_file, read_text_file};
+pub use recovery::RecoveryCopy;
 
 /// The examples of README.md, compiled.
 #[cfg(doctest)]

@@ -20,6 +20,17 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     FileRef { path: named.to_string_lossy().into_owned(), blake3: hash(&whole) }
 }
 
+/// How a copy of a show names a file: its whole path, without reading it.
+pub fn unread(path: &Path) -> FileRef {
+    let is_sample = ShapeSource::sample_name(path).is_some();
+    let whole = if is_sample {
+        path.to_owned()
+    } else {
+        std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+    };
+    FileRef { path: whole.to_string_lossy().into_owned(), blake3: None }
+}
+
 /// The path of a file that a show in `folder` names, and a warning if it has changed since.
 ///
 /// # Errors

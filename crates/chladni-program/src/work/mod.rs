@@ -69,7 +69,7 @@ pub use deformed::Deformed;
 pub use ear::{Ear, LIVE_SEED};
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
-pub use files::{refer, resolve};
+pub use files::{refer, resolve, unread};
 pub use frame_guard::FrameGuard;
 pub use hearing::{Heard, Hearing, KnownSong, bands_of};
 pub use heat::{Coating, Quantity, Seen, coating};

@@ -262,3 +262,52 @@ fn a_program_that_is_asked_to_end_closes_its_window() {
     window.run_steps(1);
     assert!(closes(&window));
 }
+
+/// Shows that were left in the folder of recovery copies.
+fn shows_in(folder: &Path) -> Vec<std::path::PathBuf> {
+    let entries = std::fs::read_dir(folder.join("recovery")).into_iter().flatten().flatten();
+    entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|end| end == "toml")).collect()
+}
+
+#[test]
+fn a_show_survives_a_crash_and_a_request_to_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = folder.path();
+    let ends = chladni_task::Task::new();
+    let opening = |files: Vec<std::path::PathBuf>| Opening {
+        folders: Folders { recovery: Some(home.join("recovery")), ..folders(home) },
+        files,
+        ends: Some(ends.clone()),
+        now: no_time,
+        ..Opening::default()
+    };
+    let mut window = enter(opening(ball_and_song(home).to_vec()));
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    wait(&mut window, "a copy", |_| shows_in(home).len() == 1);
+    // Nobody tells the window that it ends: a crash.
+    drop(window);
+
+    let mut window = open(opening(Vec::new()), [1000.0, 640.0]);
+    window.run_steps(3);
+    assert!(shows(&window, "The last show did not end well"));
+    screenshot(&mut window, "window-music-recover.png");
+    click(&mut window, "recover-show");
+    wait(&mut window, "the gallery", |w| shows(w, "12 items") && !shows(w, "Opening"));
+    let old = shows_in(home);
+    wait(&mut window, "a copy of its own", |_| shows_in(home).len() == 1 && shows_in(home) != old);
+    ask_to_close(&mut window);
+    assert!(shows(&window, "with one favorite"));
+    click(&mut window, "keep-working");
+    point_at(&mut window, "dance/5");
+    window.key_press(Key::F);
+    window.run_steps(2);
+    // What was done since the last copy is kept, too.
+    ends.cancel();
+    window.run_steps(1);
+    assert!(closes(&window));
+    drop(window);
+    let kept = Show::load(&shows_in(home)[0]).unwrap();
+    let favorites = kept.actions.iter().filter(|line| matches!(line.action, chladni_music::Action::Favorite { .. }));
+    assert_eq!(favorites.count(), 2);
+}

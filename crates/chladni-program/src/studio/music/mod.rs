@@ -13,6 +13,7 @@ mod gallery;
 mod glimpse;
 mod hands;
 mod harmonics;
+mod keepsake;
 mod keyboard;
 mod knobs;
 mod leaning;
@@ -55,6 +56,7 @@ use self::concert::Concert;
 use self::curtain::Curtain;
 use self::drawer::{Drawer, Drawers};
 use self::film::Filming;
+use self::keepsake::Keepsake;
 use self::leaning::Leaning;
 use self::listening::Listening;
 use self::loading::Ready;
@@ -75,6 +77,7 @@ pub struct MusicRoom {
     /// What is being loaded and what dances, as the command line calls them.
     names: Names,
     filming: Filming,
+    keepsake: Keepsake,
     /// What is done with the files that are being chosen.
     asking: Option<Then>,
     concert: Option<Concert>,

@@ -22,7 +22,7 @@ use crate::studio::shortcut::Shortcut;
 use crate::studio::{keys, measure, theme};
 use crate::work::formats::{self, Kind, LISTS, SONGS, TEXT};
 use crate::work::source::sample_path;
-use crate::work::{Error, playlist};
+use crate::work::{Error, playlist, refer};
 
 /// How often a room at rest checks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
@@ -72,6 +72,7 @@ impl Room for MusicRoom {
             self.fulfil(wish, shared);
         }
         self.recorded_secs = shared.ctx.input(|input| input.time);
+        self.keep_show(false, shared);
         self.salvage.follow(shared);
         self.follow_recording(shared);
         self.follow_camera(shared);
@@ -104,6 +105,14 @@ impl Room for MusicRoom {
 
     fn hides_the_window(&self) -> bool {
         !self.apart && self.concert.as_ref().is_some_and(Concert::on_stage)
+    }
+
+    fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+        self.offer_show(shared)
+    }
+
+    fn interrupt(&mut self, shared: &mut Shared<'_>) {
+        self.leave_show(shared);
     }
 
     fn unsaved(&self) -> Option<String> {
@@ -141,6 +150,7 @@ impl Room for MusicRoom {
 
     fn leave(&mut self) {
         self.save_recording();
+        self.drop_show();
         self.filming.stop();
     }
 
@@ -273,7 +283,7 @@ impl MusicRoom {
     pub(super) fn film_to(&mut self, path: PathBuf, shared: &mut Shared<'_>) -> Result<(), Error> {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
             let scene = Scene {
-                show: the_show(concert, listening, &self.names, shared, None),
+                show: the_show(concert, listening, &self.names, shared, |file| refer(file, None)),
                 body: self.names.dancing.to_string_lossy().into_owned(),
                 songs: songs_of(listening),
                 song: listening.song_number(),

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Action, BeatReading, Preset, Show, SongRef};
+use chladni_music::{Action, BeatReading, FileRef, Preset, Show, SongRef};
 
 use super::concert::Concert;
 use super::listening::{Listening, ShowSong};
@@ -102,9 +102,13 @@ impl MusicRoom {
 
     /// Continues a show on the shape that dances.
     pub(super) fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
+        let is_recovered = self.is_recovered(path);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         if let Err(why) = concert.replay(show) {
             return shared.notices.error(format!("{}: {why}", path.display()));
+        }
+        if is_recovered {
+            concert.mark_unsaved();
         }
         if let Some(looks) = &show.looks {
             shared.settings.music.look_like(looks);
@@ -158,18 +162,18 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     Ok(())
 }
 
-/// The show so far, to be saved in `folder`.
+/// The show so far, whose files are named by `refer`.
 pub fn the_show(
     concert: &Concert,
     listening: &Listening,
     names: &Names,
     shared: &Shared<'_>,
-    folder: Option<&Path>,
+    refer: impl Fn(&Path) -> FileRef,
 ) -> Show {
     let (heard, songs) = listening.heard();
-    let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path, folder)) };
+    let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path)) };
     Show {
-        body: Some(refer(&names.dancing, folder)),
+        body: Some(refer(&names.dancing)),
         looks: Some(shared.settings.music.looks()),
         viewpoint: concert.viewpoint(),
         songs: songs.iter().map(song).collect(),
@@ -194,7 +198,7 @@ pub fn write_show(
     names: &Names,
     shared: &mut Shared<'_>,
 ) -> Result<(), Error> {
-    let show = the_show(concert, listening, names, shared, path.parent());
+    let show = the_show(concert, listening, names, shared, |file| refer(file, path.parent()));
     show.save(path).map_err(Error::unsaved)?;
     shared.notices.done(format!("Saved {}", path.display()));
     concert.mark_saved();

@@ -289,23 +289,24 @@ impl Concert {
         (self.saved, self.is_of_a_file) = (self.instrument.log().len(), true);
     }
 
+    /// No file of the user has any of the actions, though a copy had.
+    pub fn mark_unsaved(&mut self) {
+        (self.saved, self.is_of_a_file) = (0, true);
+    }
+
     /// Whether there are favorites, names or hand-drawn curves that are not saved; of a show that has a file, also
     /// whether there are children.
     pub fn has_unsaved_work(&self) -> bool {
-        let by_hand = |action: &Action| {
-            let bred = matches!(action, Action::Breed | Action::Mutate { .. });
-            self.is_of_a_file && bred
-                || matches!(
-                    action,
-                    Action::Favorite { .. }
-                        | Action::Rename { .. }
-                        | Action::SetTransfer { .. }
-                        | Action::SetAmplification { .. }
-                        | Action::SetStereoMu { .. }
-                        | Action::SetItemGain { .. }
-                )
-        };
-        self.instrument.log().iter().skip(self.saved).any(|line| by_hand(&line.action))
+        self.since_saved(|action| is_by_hand(action) || self.is_of_a_file && is_bred(action))
+    }
+
+    /// Whether there is anything that was not saved and would be missed.
+    pub fn has_changed(&self) -> bool {
+        self.since_saved(|action| is_by_hand(action) || is_bred(action))
+    }
+
+    fn since_saved(&self, counts: impl Fn(&Action) -> bool) -> bool {
+        self.instrument.log().iter().skip(self.saved).any(|line| counts(&line.action))
     }
 
     /// Plays a preset in the gallery's place in the next frame.
@@ -322,4 +323,20 @@ impl Concert {
     pub fn on_stage_now(&self) -> Option<ItemId> {
         self.instrument.scene(self.moment.at_beat).map(|scene| scene.to)
     }
+}
+
+fn is_bred(action: &Action) -> bool {
+    matches!(action, Action::Breed | Action::Mutate { .. })
+}
+
+fn is_by_hand(action: &Action) -> bool {
+    matches!(
+        action,
+        Action::Favorite { .. }
+            | Action::Rename { .. }
+            | Action::SetTransfer { .. }
+            | Action::SetAmplification { .. }
+            | Action::SetStereoMu { .. }
+            | Action::SetItemGain { .. }
+    )
 }

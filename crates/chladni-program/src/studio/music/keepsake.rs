@@ -1,0 +1,215 @@
+//! A copy of the show, kept in the background: a crash loses seconds of it, and the next start offers the rest.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::SystemTime;
+
+use chladni_music::Show;
+use chladni_task::RecoveryCopy;
+use egui::RichText;
+
+use super::MusicRoom;
+use super::shows::the_show;
+use crate::studio::author_id::AuthorId;
+use crate::studio::room::Shared;
+use crate::studio::theme;
+use crate::work::unread;
+
+/// The least time between two copies.
+const INTERVAL_SECS: f64 = 5.0;
+/// What names of copies begin and end with.
+const NAMES: (&str, &str) = ("show", "toml");
+
+/// The copy of this window's show, and those that were found.
+#[derive(Default)]
+pub struct Keepsake {
+    /// `None` until it is needed; an error where it cannot be.
+    copy: Option<Result<RecoveryCopy, ()>>,
+    /// What is being written, and how many actions it has; and how many the copy has.
+    writing: Option<(Receiver<Result<RecoveryCopy, (RecoveryCopy, String)>>, usize)>,
+    kept: usize,
+    last_secs: f64,
+    /// Why the last copy could not be written: reported once, and tried again.
+    failure: Option<String>,
+    /// What an earlier window left, once it was looked for.
+    found: Option<Vec<PathBuf>>,
+    /// One that is open in this window again; it goes once our own copy is on the disk.
+    adopted: Option<PathBuf>,
+}
+
+impl Keepsake {
+    /// Takes in what was written; what went wrong, if that is news.
+    fn settle(&mut self) -> Option<String> {
+        let (written, actions) = self.writing.as_ref()?;
+        let (copy, failure) = match written.try_recv() {
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => (Err(()), Some("its thread ended".to_owned())),
+            Ok(Ok(copy)) => (Ok(copy), None),
+            Ok(Err((copy, why))) => (Ok(copy), Some(why)),
+        };
+        if failure.is_none() {
+            self.kept = *actions;
+            self.adopted.take().iter().for_each(|old| RecoveryCopy::discard(old));
+        }
+        (self.copy, self.writing) = (Some(copy), None);
+        let is_news = failure.is_some() && failure != self.failure;
+        self.failure.clone_from(&failure);
+        failure.filter(|_| is_news)
+    }
+
+    /// Writes `show`, which has so many `actions`, on a thread.
+    fn write(&mut self, show: Show, actions: usize) {
+        let Some(Ok(copy)) = self.copy.take() else { return };
+        let (done, written) = channel();
+        let work = move || {
+            let text = show.to_text().map_err(|why| why.to_string());
+            let kept = text.and_then(|text| copy.keep(text.as_bytes()).map_err(|why| why.to_string()));
+            // If nobody waits any longer, the window is gone, and the copy stays.
+            let _ = done.send(match kept {
+                Ok(()) => Ok(copy),
+                Err(why) => Err((copy, why)),
+            });
+        };
+        match std::thread::Builder::new().name("show copy".into()).spawn(work) {
+            Ok(_) => self.writing = Some((written, actions)),
+            Err(_) => self.copy = Some(Err(())),
+        }
+    }
+}
+
+impl MusicRoom {
+    /// Keeps a copy of what of the show no file has, and drops it once all is saved.
+    pub(super) fn keep_show(&mut self, at_once: bool, shared: &mut Shared<'_>) {
+        let keepsake = &mut self.keepsake;
+        if let Some(why) = keepsake.settle() {
+            shared.notices.warn(format!("No copy of the show could be kept: {why}"));
+        }
+        let (Some(concert), Some(listening)) = (&self.concert, &self.listening) else { return };
+        let Some(folder) = &shared.folders.recovery else { return };
+        let now_secs = shared.ctx.input(|input| input.time);
+        if !concert.has_changed() {
+            if keepsake.kept > 0
+                && let Some(Ok(copy)) = &keepsake.copy
+            {
+                copy.clear();
+                keepsake.kept = 0;
+            }
+            return;
+        }
+        let actions = concert.instrument().log().len();
+        let is_due = at_once || now_secs - keepsake.last_secs >= INTERVAL_SECS;
+        if keepsake.writing.is_some() || actions == keepsake.kept || !is_due {
+            return;
+        }
+        if keepsake.copy.is_none() {
+            let copy = RecoveryCopy::start(folder, NAMES.0, NAMES.1, std::process::id());
+            keepsake.copy = Some(copy.map_err(|why| {
+                let path = folder.display();
+                shared
+                    .notices
+                    .warn(format!("There will be no copy of the show after a crash: {path}: {why}"));
+            }));
+        }
+        keepsake.last_secs = now_secs;
+        let show = the_show(concert, listening, &self.names, shared, unread);
+        self.keepsake.write(show, actions);
+    }
+
+    /// The program must end: what is not saved is written before that, and stays.
+    pub(super) fn leave_show(&mut self, shared: &mut Shared<'_>) {
+        // Whatever is being written comes first.
+        for _ in 0..2 {
+            if let Some((written, actions)) = self.keepsake.writing.take() {
+                let (done, again) = channel();
+                // If its thread is gone, so is the copy.
+                let _ = written.recv().map(|copy| done.send(copy));
+                self.keepsake.writing = Some((again, actions));
+            }
+            self.keep_show(true, shared);
+        }
+        self.keepsake.copy = Some(Err(()));
+    }
+
+    /// The window closes, and all that matters is saved or given up.
+    pub(super) fn drop_show(&mut self) {
+        if let Some((written, _)) = self.keepsake.writing.take() {
+            self.keepsake.copy = written.recv().ok().map(|copy| Ok(copy.unwrap_or_else(|(copy, _)| copy)));
+        }
+        if let Some(Ok(copy)) = self.keepsake.copy.take() {
+            copy.finish();
+        }
+    }
+
+    /// Offers shows that a crash left behind; true if one is to be opened.
+    pub(super) fn offer_show(&mut self, shared: &mut Shared<'_>) -> bool {
+        let folder = &shared.folders.recovery;
+        let left = || folder.as_ref().map_or_else(Vec::new, |folder| found_in(folder));
+        let found = self.keepsake.found.get_or_insert_with(left);
+        let Some(newest) = found.last().cloned() else { return false };
+        let mut answer = None;
+        let ((), dismissed) = theme::modal(&shared.ctx, "The last show did not end well", 460.0, |ui| {
+            let weak = theme::palette(ui).weak;
+            ui.label(
+                RichText::new("What was bred is still there. Recover it, or throw it away.").color(weak),
+            );
+            ui.label(RichText::new(age(&newest)).color(weak));
+            ui.add_space(theme::GAP);
+            ui.horizontal(|ui| {
+                if theme::primary_button(ui, "Recover").author_id("recover-show").clicked() {
+                    answer = Some(true);
+                }
+                if ui.button("Throw away").author_id("discard-show").clicked() {
+                    answer = Some(false);
+                }
+                if ui.button("Ask again next time").clicked() {
+                    found.clear();
+                }
+            });
+        });
+        if dismissed {
+            found.clear();
+        }
+        match answer {
+            None => false,
+            Some(wanted) => {
+                found.pop();
+                if wanted {
+                    // The others are asked about the next time: one show is played at a time.
+                    found.clear();
+                    self.keepsake.adopted = Some(newest.clone());
+                    self.waiting.push(newest);
+                } else {
+                    RecoveryCopy::discard(&newest);
+                }
+                wanted
+            }
+        }
+    }
+
+    /// Whether `path` is the copy that was just recovered: a show that no file of the user has.
+    pub(super) fn is_recovered(&self, path: &Path) -> bool {
+        self.keepsake.adopted.as_deref() == Some(path)
+    }
+}
+
+/// The copies in `folder`, the newest last.
+fn found_in(folder: &Path) -> Vec<PathBuf> {
+    let mut found = RecoveryCopy::left_behind(folder, NAMES.0, NAMES.1);
+    found.sort_by_key(|path| changed(path));
+    found
+}
+
+fn changed(path: &Path) -> Option<SystemTime> {
+    std::fs::metadata(path).and_then(|about| about.modified()).ok()
+}
+
+fn age(path: &Path) -> String {
+    let secs = changed(path).and_then(|changed| SystemTime::now().duration_since(changed).ok());
+    match secs.map(|age| age.as_secs() / 60) {
+        None | Some(0) => "Changed less than a minute ago".into(),
+        Some(1) => "Changed a minute ago".into(),
+        Some(minutes @ 2..120) => format!("Changed {minutes} minutes ago"),
+        Some(minutes @ 120..2880) => format!("Changed {} hours ago", minutes / 60),
+        Some(minutes) => format!("Changed {} days ago", minutes / 1440),
+    }
+}

@@ -1,0 +1,119 @@
+//! A copy of unsaved work that outlives a crash.
+//!
+//! A running program keeps the copy in a folder of its own, and holds a lock beside it. The system releases the
+//! lock when the process dies, for whatever reason; a copy whose lock is free was left by a crash.
+
+use std::fs::{File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::write_atomic;
+
+/// The copy of a running program; [`finish`](Self::finish) removes it. One that is merely dropped, as by a
+/// panic, stays.
+#[derive(Debug)]
+pub struct RecoveryCopy {
+    copy: PathBuf,
+    lock: PathBuf,
+    /// Held for as long as the program runs.
+    _held: File,
+}
+
+impl RecoveryCopy {
+    /// Begins to keep copies in `folder`, which is created if missing, under names that begin with `kind` and end with
+    /// `extension`. Programs that run at once need another `id` each, such as that of the process.
+    ///
+    /// # Errors
+    /// A folder that cannot be made or written.
+    pub fn start(folder: &Path, kind: &str, extension: &str, id: u32) -> io::Result<Self> {
+        std::fs::create_dir_all(folder)?;
+        for attempt in 0..1000 {
+            let copy = folder.join(format!("{kind}-{id}-{attempt}.{extension}"));
+            let lock = copy.with_extension("lock");
+            let held = File::options().create(true).truncate(false).write(true).open(&lock)?;
+            // An old copy waits to be recovered; another program may hold the lock.
+            if !copy.exists() && held.try_lock().is_ok() {
+                return Ok(Self { copy, lock, _held: held });
+            }
+        }
+        Err(io::Error::other("too many copies were left behind"))
+    }
+
+    /// Where the copy is, once it was written.
+    pub fn path(&self) -> &Path {
+        &self.copy
+    }
+
+    /// Keeps `bytes` in the place of what was kept before.
+    ///
+    /// # Errors
+    /// As [`write_atomic`].
+    pub fn keep(&self, bytes: &[u8]) -> io::Result<()> {
+        write_atomic(&self.copy, bytes)
+    }
+
+    /// Drops the copy: everything is saved.
+    pub fn clear(&self) {
+        // If it cannot be removed, it is offered for recovery again, which does no harm.
+        let _ = std::fs::remove_file(&self.copy);
+    }
+
+    /// The program ends well: nothing stays.
+    pub fn finish(self) {
+        self.clear();
+        let _ = std::fs::remove_file(&self.lock);
+    }
+
+    /// The copies in `folder`, of this kind and extension, whose programs died. An absent folder holds none.
+    pub fn left_behind(folder: &Path, kind: &str, extension: &str) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let begins = |path: &Path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            name.strip_prefix(kind).is_some_and(|rest| rest.starts_with('-'))
+        };
+        let ours = |path: &PathBuf| path.extension().is_some_and(|end| end == extension) && begins(path);
+        entries
+            .map(|e| e.path())
+            .filter(ours)
+            .filter(|copy| !is_running(&copy.with_extension("lock")))
+            .collect()
+    }
+
+    /// Removes a copy that was [left behind](Self::left_behind): it was recovered, or it is not wanted.
+    pub fn discard(copy: &Path) {
+        let _ = std::fs::remove_file(copy);
+        let _ = std::fs::remove_file(copy.with_extension("lock"));
+    }
+}
+
+/// Whether somebody holds the lock at `path`.
+fn is_running(path: &Path) -> bool {
+    let lock = File::options().write(true).open(path);
+    lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_crash_leaves_is_found_by_its_kind_and_what_runs_is_not() {
+        let home = tempfile::tempdir().unwrap();
+        let folder = home.path().join("recovery");
+        let left = |kind: &str| RecoveryCopy::left_behind(&folder, kind, "toml");
+        assert!(left("show").is_empty());
+        let copy = RecoveryCopy::start(&folder, "show", "toml", 7).unwrap();
+        copy.keep(b"first").unwrap();
+        copy.keep(b"second").unwrap();
+        let other = RecoveryCopy::start(&folder, "show", "toml", 7).unwrap();
+        assert!(left("show").is_empty() && copy.path() != other.path(), "they run");
+        drop(copy);
+        let found = left("show");
+        assert_eq!(found.iter().map(|path| std::fs::read(path).unwrap()).collect::<Vec<_>>(), [b"second"]);
+        assert!(left("sho").is_empty() && left("session").is_empty());
+        RecoveryCopy::discard(&found[0]);
+        other.keep(b"third").unwrap();
+        other.finish();
+        assert!(left("show").is_empty() && std::fs::read_dir(&folder).unwrap().count() == 0);
+    }
+}
