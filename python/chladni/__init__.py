@@ -4,13 +4,25 @@ Rows of every array are the vertices that were given, in their order; units are 
 interpreter's lock, stops at Ctrl-C, and calls ``progress(stage, done, total)`` where there is such an argument.
 """
 
+from importlib.metadata import version as _version
+
 from ._chladni import Certificate
-from ._errors import ChladniWarning, Error, FileError, InputError, InternalError, NotCertifiedError
+from ._errors import (
+    ChladniWarning,
+    Error,
+    FileError,
+    InputError,
+    InternalError,
+    MissingFileError,
+    NotCertifiedError,
+)
 from .functional_maps import FM_to_p2p, p2p_to_FM, zoomout_refine
 from .geodesics import MeshHeatMethodDistanceSolver, compute_distance, compute_distance_multisource
 from .shapes import Basis, Match, Symmetry, caricature, match, read_mesh, symmetry, write_mesh
 from .signatures import HKS, WKS, auto_HKS, auto_WKS
 from .spectrum import eigsh, mesh_laplacian, point_cloud_laplacian
+
+__version__ = _version("chladni")
 
 __all__ = [
     "HKS",
@@ -25,6 +37,7 @@ __all__ = [
     "InternalError",
     "Match",
     "MeshHeatMethodDistanceSolver",
+    "MissingFileError",
     "NotCertifiedError",
     "Symmetry",
     "auto_HKS",

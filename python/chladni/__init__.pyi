@@ -1,24 +1,61 @@
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Literal, SupportsIndex, final
 
 import numpy as np
 import scipy.sparse
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Self
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
-Progress = Callable[[str, int, int], object]
-Matrix = scipy.sparse.spmatrix | scipy.sparse.sparray | ArrayLike
-Method = Literal["same", "icp", "fit", "map"]
+__version__: str
+__all__ = [
+    "HKS",
+    "WKS",
+    "Basis",
+    "Certificate",
+    "ChladniWarning",
+    "Error",
+    "FM_to_p2p",
+    "FileError",
+    "InputError",
+    "InternalError",
+    "Match",
+    "MeshHeatMethodDistanceSolver",
+    "MissingFileError",
+    "NotCertifiedError",
+    "Symmetry",
+    "auto_HKS",
+    "auto_WKS",
+    "caricature",
+    "compute_distance",
+    "compute_distance_multisource",
+    "eigsh",
+    "match",
+    "mesh_laplacian",
+    "p2p_to_FM",
+    "point_cloud_laplacian",
+    "read_mesh",
+    "symmetry",
+    "write_mesh",
+    "zoomout_refine",
+]
+
+_Floats = NDArray[np.float64]
+_Indices = NDArray[np.int64]
+_Progress = Callable[[str, int, int], object]
+_Matrix = scipy.sparse.spmatrix | scipy.sparse.sparray | ArrayLike
+_Method = Literal["same", "icp", "fit", "map"]
 
 class Error(Exception): ...
 class InputError(Error, ValueError): ...
 class NotCertifiedError(Error, RuntimeError): ...
 class FileError(Error, OSError): ...
 class InternalError(Error, RuntimeError): ...
+class MissingFileError(FileError, FileNotFoundError): ...
 class ChladniWarning(UserWarning): ...
 
+@final
 class Certificate:
     @property
     def inertia_counts_match(self) -> bool | None: ...
@@ -30,68 +67,70 @@ class Certificate:
     def is_precise(self) -> bool: ...
 
 class Basis:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         V: ArrayLike,
         F: ArrayLike,
-        k: int,
+        k: SupportsIndex,
         *,
         whole_clusters: bool = False,
-        threads: int | None = None,
-        progress: Progress | None = None,
+        threads: SupportsIndex | None = None,
+        progress: _Progress | None = None,
         engine: str = "chladni",
-        ranks: int | None = None,
-        groups: int | None = None,
+        ranks: SupportsIndex | None = None,
+        groups: SupportsIndex | None = None,
         iterative: bool = False,
         hosts: str | PathLike[str] | None = None,
         scratch: str | PathLike[str] | None = None,
         boundary: Literal["neumann", "dirichlet"] = "neumann",
-    ) -> None: ...
+    ) -> Self: ...
     @property
-    def eigenvalues(self) -> Floats: ...
+    def eigenvalues(self) -> _Floats: ...
     @property
-    def eigenvectors(self) -> Floats: ...
+    def eigenvectors(self) -> _Floats: ...
     @property
-    def mass(self) -> Floats: ...
+    def mass(self) -> _Floats: ...
     @property
     def certificate(self) -> Certificate: ...
 
+@dataclass(frozen=True)
 class Match:
-    p2p: Indices
-    triangles: Indices
-    weights: Floats
-    points: Floats
-    targets: Floats
-    confidence: Floats
-    transform: Floats
+    p2p: _Indices
+    triangles: _Indices
+    weights: _Floats
+    points: _Floats
+    targets: _Floats
+    confidence: _Floats
+    transform: _Floats
     coverage: float
     flipped_triangles: int
     near_tie: bool
 
+@dataclass(frozen=True)
 class Symmetry:
     classes: NDArray[np.int8]
-    scores: Floats
-    eigenvectors: Floats
-    normal: Floats | None
+    scores: _Floats
+    eigenvectors: _Floats
+    normal: _Floats | None
     offset: float | None
 
 class MeshHeatMethodDistanceSolver:
     def __init__(self, V: ArrayLike, F: ArrayLike, t_coef: float = 1.0, use_robust: bool = True) -> None: ...
-    def compute_distance(self, v_ind: int) -> Floats: ...
-    def compute_distance_multisource(self, v_inds: ArrayLike) -> Floats: ...
+    def compute_distance(self, v_ind: SupportsIndex) -> _Floats: ...
+    def compute_distance_multisource(self, v_inds: ArrayLike) -> _Floats: ...
 
-def compute_distance(V: ArrayLike, F: ArrayLike, v_ind: int) -> Floats: ...
-def compute_distance_multisource(V: ArrayLike, F: ArrayLike, v_inds: ArrayLike) -> Floats: ...
+def compute_distance(V: ArrayLike, F: ArrayLike, v_ind: SupportsIndex) -> _Floats: ...
+def compute_distance_multisource(V: ArrayLike, F: ArrayLike, v_inds: ArrayLike) -> _Floats: ...
 def mesh_laplacian(
     verts: ArrayLike, faces: ArrayLike, mollify_factor: float = 1e-5
-) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.dia_matrix]: ...
+) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]: ...
 def point_cloud_laplacian(
-    points: ArrayLike, mollify_factor: float = 1e-5, n_neighbors: int = 30
-) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.dia_matrix]: ...
+    points: ArrayLike, mollify_factor: float = 1e-5, n_neighbors: SupportsIndex = 30
+) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]: ...
 def eigsh(
-    A: Matrix,
-    k: int = 6,
-    M: Matrix | None = None,
+    A: _Matrix,
+    k: SupportsIndex = 6,
+    M: _Matrix | None = None,
     sigma: float | None = None,
     which: str = "LM",
     v0: Any = None,
@@ -105,32 +144,32 @@ def eigsh(
     rng: Any = None,
     *,
     return_certificate: bool = False,
-    threads: int | None = None,
-    progress: Progress | None = None,
+    threads: SupportsIndex | None = None,
+    progress: _Progress | None = None,
 ) -> Any: ...
-def HKS(evals: ArrayLike, evects: ArrayLike, time_list: ArrayLike, scaled: bool = False) -> Floats: ...
+def HKS(evals: ArrayLike, evects: ArrayLike, time_list: ArrayLike, scaled: bool = False) -> _Floats: ...
 def WKS(
     evals: ArrayLike, evects: ArrayLike, energy_list: ArrayLike, sigma: float, scaled: bool = False
-) -> Floats: ...
-def auto_HKS(evals: ArrayLike, evects: ArrayLike, num_T: int, scaled: bool = True) -> Floats: ...
-def auto_WKS(evals: ArrayLike, evects: ArrayLike, num_E: int, scaled: bool = True) -> Floats: ...
+) -> _Floats: ...
+def auto_HKS(evals: ArrayLike, evects: ArrayLike, num_T: SupportsIndex, scaled: bool = True) -> _Floats: ...
+def auto_WKS(evals: ArrayLike, evects: ArrayLike, num_E: SupportsIndex, scaled: bool = True) -> _Floats: ...
 def FM_to_p2p(
     FM_12: ArrayLike, evects1: ArrayLike, evects2: ArrayLike, use_adj: bool = False, n_jobs: Any = None
-) -> Indices: ...
-def p2p_to_FM(p2p_21: ArrayLike, evects1: ArrayLike, evects2: ArrayLike, A2: Matrix | None = None) -> Floats: ...
+) -> _Indices: ...
+def p2p_to_FM(p2p_21: ArrayLike, evects1: ArrayLike, evects2: ArrayLike, A2: _Matrix | None = None) -> _Floats: ...
 def zoomout_refine(
     FM_12: ArrayLike,
     evects1: ArrayLike,
     evects2: ArrayLike,
-    nit: int = 10,
-    step: int | tuple[int, int] = 1,
-    A2: Matrix | None = None,
+    nit: SupportsIndex = 10,
+    step: SupportsIndex | tuple[SupportsIndex, SupportsIndex] = 1,
+    A2: _Matrix | None = None,
     subsample: tuple[ArrayLike, ArrayLike] | None = None,
     return_p2p: bool = False,
     n_jobs: Any = None,
     verbose: bool = False,
     *,
-    progress: Progress | None = None,
+    progress: _Progress | None = None,
 ) -> Any: ...
 def match(
     V1: ArrayLike,
@@ -139,26 +178,26 @@ def match(
     F2: ArrayLike,
     landmarks: ArrayLike | None = None,
     *,
-    method: Method = "fit",
-    seed: int = 0,
+    method: _Method = "fit",
+    seed: SupportsIndex = 0,
     rigid: bool = False,
-    progress: Progress | None = None,
+    progress: _Progress | None = None,
 ) -> Match: ...
 def caricature(
     V: ArrayLike | Basis,
     F: ArrayLike | None = None,
     *,
-    template: str | int | Sequence[ArrayLike] = "ellipsoid",
+    template: Literal["ellipsoid", "sphere"] | SupportsIndex | Sequence[ArrayLike] = "ellipsoid",
     mu: float = -0.5,
-    k: int = 512,
+    k: SupportsIndex = 512,
     model: Literal["coordinate", "normal", "distance"] = "coordinate",
     landmarks: ArrayLike | None = None,
-    method: Method = "fit",
-    seed: int = 0,
-    progress: Progress | None = None,
-) -> Floats: ...
+    method: _Method = "fit",
+    seed: SupportsIndex = 0,
+    progress: _Progress | None = None,
+) -> _Floats: ...
 def symmetry(
-    V: ArrayLike | Basis, F: ArrayLike | None = None, *, k: int = 64, progress: Progress | None = None
+    V: ArrayLike | Basis, F: ArrayLike | None = None, *, k: SupportsIndex = 64, progress: _Progress | None = None
 ) -> Symmetry: ...
-def read_mesh(path: str | PathLike[str]) -> tuple[Floats, Indices]: ...
+def read_mesh(path: str | PathLike[str]) -> tuple[_Floats, _Indices]: ...
 def write_mesh(path: str | PathLike[str], V: ArrayLike, F: ArrayLike) -> None: ...

@@ -17,6 +17,10 @@ class FileError(Error, OSError):
     """A mesh could not be read or written."""
 
 
+class MissingFileError(FileError, FileNotFoundError):
+    """There is no such file; ``errno`` is ENOENT."""
+
+
 class InternalError(Error, RuntimeError):
     """A bug of the engines."""
 

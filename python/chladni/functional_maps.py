@@ -4,6 +4,7 @@ import numpy as np
 import scipy.sparse
 
 from . import _chladni
+from ._arguments import floats
 from ._errors import InputError
 
 
@@ -50,17 +51,28 @@ def zoomout_refine(
     if subsample is None:
         source, target, dual = evects1, evects2, _dual(A2, evects2)
     else:
-        rows1, rows2 = subsample
-        source, target, dual = np.asarray(evects1)[rows1], np.asarray(evects2)[rows2], None
+        source, target = _sampled(subsample, floats(evects1, "evects1"), floats(evects2, "evects2"))
+        dual = None
     refined = _chladni.zoomout(FM_12, source, target, dual, nit, steps, progress)
     return (refined, FM_to_p2p(refined, evects1, evects2)) if return_p2p else refined
+
+
+def _sampled(subsample, evects1, evects2):
+    try:
+        rows1, rows2 = subsample
+    except (TypeError, ValueError):
+        raise InputError("subsample is not a pair of rows of shape 1 and rows of shape 2") from None
+    try:
+        return evects1[np.asarray(rows1)], evects2[np.asarray(rows2)]
+    except (IndexError, TypeError, ValueError) as error:
+        raise InputError(f"subsample names rows that are not there: {error}") from None
 
 
 def _dual(A2, evects2):
     if A2 is None:
         return None
-    areas = A2 if scipy.sparse.issparse(A2) else np.asarray(A2, dtype=float)
-    evects2 = np.asarray(evects2, dtype=float)
+    areas = A2 if scipy.sparse.issparse(A2) else floats(A2, "A2")
+    evects2 = floats(evects2, "evects2")
     if areas.ndim not in (1, 2) or evects2.ndim != 2 or areas.shape != (len(evects2),) * areas.ndim:
         raise InputError(f"A2 has the shape {areas.shape}, evects2 {evects2.shape}: they do not belong together")
     return areas[:, None] * evects2 if areas.ndim == 1 else areas @ evects2

@@ -8,13 +8,17 @@ class MeshHeatMethodDistanceSolver:
     """Distances along a triangle mesh, prepared once for any number of sources.
 
     Works on the intrinsic Delaunay triangulation of any mesh with area, so that ``use_robust`` cannot be False. ``t_coef``
-    is the heat step in squared mean edge lengths. Vertices on pieces without a source are infinitely far away.
+    is the heat step in squared mean edge lengths. Vertices in one place are one. Vertices on pieces without a source
+    are infinitely far away. Cannot be pickled or copied.
     """
 
     def __init__(self, V, F, t_coef=1.0, use_robust=True):
         if not use_robust:
             raise InputError("use_robust=False is not offered: the intrinsic Delaunay triangulation is always used")
         self._solver = _chladni.HeatGeodesics(V, F, t_coef)
+
+    def __reduce__(self):
+        raise InputError("a MeshHeatMethodDistanceSolver is neither pickled nor copied: make one where it is needed")
 
     def compute_distance(self, v_ind):
         """(n,) distances from the vertex ``v_ind``."""

@@ -1,11 +1,14 @@
 """Bases of meshes, and what is made with them: matches, caricatures, symmetry classes."""
 
+import errno
+import os
 from dataclasses import dataclass
 
 import numpy as np
 
 from . import _chladni
-from ._errors import InputError
+from ._arguments import count
+from ._errors import FileError, InputError, MissingFileError
 
 
 class Basis(_chladni.Basis):
@@ -21,10 +24,43 @@ class Basis(_chladni.Basis):
     Borders are free (``boundary="neumann"``) or held: with ``boundary="dirichlet"`` harmonics are zero along them. Held ones
     can be used in all that takes eigenvalues and eigenvectors, not in ``caricature`` and ``symmetry``.
 
-    ``eigenvectors.T @ (mass[:, None] * eigenvectors)`` is the identity.
+    ``eigenvectors.T @ (mass[:, None] * eigenvectors)`` is the identity. A basis can be pickled and copied.
     """
 
     __slots__ = ()
+
+    def __new__(
+        cls,
+        V,
+        F,
+        k,
+        *,
+        whole_clusters=False,
+        threads=None,
+        progress=None,
+        engine="chladni",
+        ranks=None,
+        groups=None,
+        iterative=False,
+        hosts=None,
+        scratch=None,
+        boundary="neumann",
+    ):
+        on_ranks = (engine, ranks, groups, iterative, hosts, scratch)
+        return super().__new__(cls, V, F, k, whole_clusters, threads, progress, *on_ranks, boundary, None)
+
+    def __reduce__(self):
+        return _basis_of, (type(self), *self.parts())
+
+
+def _basis_of(kind, V, F, solved):
+    """What `Basis.__reduce__` took apart."""
+    return _chladni.Basis.__new__(kind, V, F, 1, False, None, None, "", None, None, False, None, None, "", solved)
+
+
+def _certificate(*parts):
+    """What `Certificate.__reduce__` took apart."""
+    return _chladni.restored_certificate(parts)
 
 
 @dataclass(frozen=True)
@@ -84,6 +120,7 @@ def caricature(
     paper.
     """
     basis = _basis(V, F, k, progress)
+    template = tuple(template) if isinstance(template, list) and len(template) == 2 else template
     return _chladni.caricature(basis, template, mu, model, landmarks, method, seed, progress)
 
 
@@ -110,11 +147,22 @@ def symmetry(V, F=None, *, k=64, progress=None):
 def read_mesh(path):
     """Vertices (n, 3) and triangles (m, 3) of a file: OBJ, PLY, STL, OFF, GLB, glTF; polygons are cut into fans.
     "sample:NAME" is a shape of our own: head, template, octopus, plate, disc, drum, bell, ring, jellyfish, human, cat."""
-    return _chladni.read_mesh(path)
+    try:
+        return _chladni.read_mesh(path)
+    except FileError as error:
+        name = os.fsdecode(path)
+        if name.startswith("sample:") or os.path.exists(name):
+            raise
+        missing = MissingFileError(str(error))
+    missing.errno = errno.ENOENT
+    raise missing
 
 
 def write_mesh(path, V, F):
-    """Writes a mesh, whole or not at all, in the format of the name: .obj, .ply, .stl or .glb."""
+    """Writes a mesh, whole or not at all, in the format of the name: .obj, .ply, .stl or .glb.
+
+    OBJ and PLY keep coordinates as they are; STL and GLB can hold 32-bit numbers only.
+    """
     _chladni.write_mesh(path, V, F)
 
 
@@ -125,5 +173,6 @@ def _basis(V, F, k, progress):
         return V
     if F is None:
         raise InputError("give a Basis, or both V and F")
+    k = count(k, "k")
     n = len(V) if hasattr(V, "__len__") else k
     return Basis(V, F, min(k, max(n, 1)), progress=progress)

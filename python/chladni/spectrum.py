@@ -4,8 +4,10 @@ from numbers import Real
 
 import numpy as np
 import scipy.sparse
+import scipy.sparse.linalg
 
 from . import _chladni
+from ._arguments import number
 from ._errors import InputError, NotCertifiedError
 
 
@@ -25,9 +27,9 @@ def mesh_laplacian(verts, faces, mollify_factor=1e-5):
     -------
     S : (n, n) scipy.sparse.csc_matrix
         Positive semidefinite, nothing off the diagonal above zero, rows that sum to zero.
-    M : (n, n) scipy.sparse.dia_matrix
-        The mixed Voronoi areas (robust_laplacian has a third of the triangles' areas). A vertex that no triangle uses
-        has zeros in both.
+    M : (n, n) scipy.sparse.csc_matrix
+        The mixed Voronoi areas on the diagonal (robust_laplacian has a third of the triangles' areas). A vertex that no
+        triangle uses has 1 in S and a thousandth of the least area in M, as in robust_laplacian.
     """
     return _matrices(*_chladni.mesh_laplacian(verts, faces, mollify_factor))
 
@@ -42,7 +44,8 @@ def point_cloud_laplacian(points, mollify_factor=1e-5, n_neighbors=30):
     Parameters
     ----------
     points : (n, 3) array_like
-        Points on a surface, in any order. One in the place of another has zeros in both matrices.
+        Points on a surface, in any order. One in the place of another has 1 in S and a thousandth of the least area
+        in M.
     mollify_factor : float
         As in ``mesh_laplacian``.
     n_neighbors : int
@@ -52,15 +55,17 @@ def point_cloud_laplacian(points, mollify_factor=1e-5, n_neighbors=30):
     -------
     S : (n, n) scipy.sparse.csc_matrix
         Positive semidefinite, nothing off the diagonal above zero, rows that sum to zero.
-    M : (n, n) scipy.sparse.dia_matrix
-        The mixed Voronoi areas.
+    M : (n, n) scipy.sparse.csc_matrix
+        The mixed Voronoi areas on the diagonal.
     """
     return _matrices(*_chladni.point_cloud_laplacian(points, mollify_factor, n_neighbors))
 
 
 def _matrices(starts, rows, values, mass):
     n = len(mass)
-    return scipy.sparse.csc_matrix((values, rows, starts), shape=(n, n)), scipy.sparse.diags(mass)
+    diagonal = np.arange(n + 1)
+    entries = ((values, rows, starts), (mass, diagonal[:-1], diagonal))
+    return tuple(scipy.sparse.csc_matrix(entry, shape=(n, n)) for entry in entries)
 
 
 def eigsh(
@@ -95,10 +100,10 @@ def eigsh(
         Symmetric and positive definite, diagonal or not; the identity where it is left out.
     sigma, which, mode
         What asks for the smallest: ``sigma`` at or below 0 (or so little above that the k nearest are the k smallest)
-        with ``which="LM"``, or ``which`` "SM" or "SA" without a sigma; anything else is refused. Where sigma lies
+        with ``which="LM"``, any with k = n, or ``which`` "SM" or "SA" without a sigma; anything else is refused. Where sigma lies
         does not matter: the solver chooses its own shifts.
     tol : float
-        The relative residual to be content with. It is never the reason to stop; pairs whose certificate exceeds it are
+        0 for any, else the relative residual to be content with. It is never the reason to stop; pairs whose certificate exceeds it are
         refused.
     v0, ncv, maxiter, Minv, OPinv, rng
         Taken for the sake of calls that have them and not used: they steer ARPACK.
@@ -126,9 +131,10 @@ def eigsh(
     if not smallest:
         asked = f"which={which!r}" + ("" if sigma is None else f" with sigma={sigma!r}")
         raise InputError(f"{asked} asks for other pairs than the smallest: write sigma=0, or which='SM'")
+    tol = number(tol, "tol")
     a, m = _columns(A, "A"), None if M is None else _columns(M, "M")
     w, v, certificate = _chladni.eigsh(a, m, k, threads, progress)
-    if sigma is not None and not _are_nearest(w, sigma):
+    if sigma is not None and len(w) < a[0] and not _are_nearest(w, sigma):
         raise InputError(f"sigma={sigma!r} lies among the eigenvalues ({w[0]:.3g} to {w[-1]:.3g}): others may be nearer")
     if tol and not certificate.max_relative_residual <= tol:
         raise NotCertifiedError(f"the relative residual is {certificate.max_relative_residual:.1e}, tol {tol:.1e}")
@@ -144,6 +150,8 @@ def _are_nearest(w, sigma):
 
 def _columns(matrix, name):
     """(n, starts, rows, values) of compressed columns; values in any order."""
+    if isinstance(matrix, scipy.sparse.linalg.LinearOperator):
+        raise InputError(f"{name} is a LinearOperator, which can only be applied: its entries are needed to factor it")
     if scipy.sparse.issparse(matrix):
         columns = matrix.tocsc()
     else:

@@ -1,5 +1,8 @@
 //! From whatever numpy makes an array of to the engines' vectors, with a message where that is impossible, and back.
 
+use std::fmt::Display;
+use std::path::PathBuf;
+
 use chladni_mesh::TriMesh;
 use numpy::ndarray::{Array2, ShapeBuilder};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -33,9 +36,40 @@ fn as_array<'py>(
     array.call_method("astype", (dtype,), Some(&options))
 }
 
-/// Any number of dimensions of f64, in C order.
+/// Any number of dimensions of f64, in C or F order.
 fn floats<'py>(object: Any<'_, 'py>, name: &str, order: &str) -> PyResult<PyReadonlyArrayDyn<'py, f64>> {
-    as_array(object, name, "float64", order, "fiu")?.extract()
+    as_array(object, name, "float64", order, "fiub")?.extract()
+}
+
+/// How an argument looks, in at most one short line.
+fn shown(object: Any) -> String {
+    let Ok(text) = object.repr().map(|text| text.to_string()) else { return "unprintable".into() };
+    if text.len() <= 60 && !text.contains('\n') {
+        return text;
+    }
+    let kind = object.get_type().name().map_or_else(|_| "object".into(), |name| name.to_string());
+    format!("a long {kind}")
+}
+
+/// One of a few words.
+pub fn word(object: Any, name: &str) -> PyResult<String> {
+    object
+        .extract()
+        .map_err(|_| InputError::new_err(format!("{name} is {}, where a word is needed", shown(object))))
+}
+
+/// True or False.
+pub fn flag(object: Any, name: &str) -> PyResult<bool> {
+    object.extract().map_err(|_| {
+        InputError::new_err(format!("{name} is {}, where True or False is needed", shown(object)))
+    })
+}
+
+/// A path as a string or an `os.PathLike`.
+pub fn path(object: Any, name: &str) -> PyResult<PathBuf> {
+    object
+        .extract()
+        .map_err(|_| InputError::new_err(format!("{name} is {}, where a path is needed", shown(object))))
 }
 
 fn shape_error(name: &str, found: &[usize], wanted: &str) -> PyErr {
@@ -92,13 +126,33 @@ pub fn points(object: Any, name: &str) -> PyResult<Vec<[f64; 3]>> {
 
 /// Whole numbers ≥ 0 with their shape.
 fn indices(object: Any, name: &str, below: usize, of: &str) -> PyResult<(Vec<usize>, Vec<usize>)> {
-    let array: PyReadonlyArrayDyn<'_, i64> = as_array(object, name, "int64", "C", "iu")?.extract()?;
-    let values = array.as_slice()?;
-    if let Some(at) = values.iter().position(|v| usize::try_from(*v).map_or(true, |v| v >= below)) {
-        let value = values[at];
-        return Err(InputError::new_err(format!("{name} has {value}, but there are {below} {of}, from 0")));
+    // Numbers of 64 bits without a sign may be larger than any with one.
+    if let Ok(array) = object.extract::<PyReadonlyArrayDyn<'_, u64>>() {
+        let values: Vec<u64> = array.as_array().iter().copied().collect();
+        return below_all(&values, array.shape(), name, below, of);
     }
-    Ok((values.iter().map(|v| *v as usize).collect(), array.shape().to_vec()))
+    let array: PyReadonlyArrayDyn<'_, i64> = as_array(object, name, "int64", "C", "iu")?.extract()?;
+    below_all(array.as_slice()?, array.shape(), name, below, of)
+}
+
+/// `values` as numbers from 0 to below `below`, with their shape.
+fn below_all<T: Copy + Display>(
+    values: &[T],
+    shape: &[usize],
+    name: &str,
+    below: usize,
+    of: &str,
+) -> PyResult<(Vec<usize>, Vec<usize>)>
+where
+    usize: TryFrom<T>,
+{
+    let number = |value: &T| {
+        let number = usize::try_from(*value).ok().filter(|number| *number < below);
+        number.ok_or_else(|| {
+            InputError::new_err(format!("{name} has {value}, but there are {below} {of}, from 0"))
+        })
+    };
+    Ok((values.iter().map(number).collect::<PyResult<_>>()?, shape.to_vec()))
 }
 
 /// n whole numbers ≥ 0 and < `below`, which counts `of`; a single one is a list of one.
@@ -128,7 +182,7 @@ pub fn count(object: Any, name: &str, least: usize) -> PyResult<usize> {
     match number.filter(|number| *number >= least) {
         Some(number) => Ok(number),
         None => {
-            let given = object.repr()?;
+            let given = shown(object);
             Err(InputError::new_err(format!(
                 "{name} is {given}, where a whole number of at least {least} is needed"
             )))
@@ -141,7 +195,7 @@ pub fn number(object: Any, name: &str) -> PyResult<f64> {
     match object.extract::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => {
-            Err(InputError::new_err(format!("{name} is {}, where a finite number is needed", object.repr()?)))
+            Err(InputError::new_err(format!("{name} is {}, where a finite number is needed", shown(object))))
         }
     }
 }

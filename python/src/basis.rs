@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use chladni_harmonics::{self as harmonics, BasisSettings, Body, BuildReport, InnerSolver, Operator, Ranks};
+use chladni_harmonics::{
+    self as harmonics, BasisSettings, Body, BuildReport, InnerSolver, Laplacian, Operator, Ranks,
+};
 use chladni_mesh::{Frame, TriMesh};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
-use crate::arrays::{self, give, give_matrix};
+use crate::arrays::{self, give, give_matrix, give_rows};
 use crate::failure::{Failure, InputError};
 use crate::work;
 
@@ -39,6 +41,13 @@ impl Certificate {
         self.0.is_precise()
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, CertificateParts)> {
+        let is_delaunay = self.0.laplacian == Laplacian::Delaunay;
+        let (residual, orthogonality) = (self.0.max_relative_residual, self.0.max_orthogonality_error);
+        let parts = (is_delaunay, self.0.inertia_counts_match, residual, orthogonality);
+        Ok((py.import("chladni.shapes")?.getattr("_certificate")?, parts))
+    }
+
     fn __repr__(&self) -> String {
         let counts = match self.0.inertia_counts_match {
             Some(true) => "True",
@@ -51,6 +60,20 @@ impl Certificate {
             self.0.max_relative_residual, self.0.max_orthogonality_error
         )
     }
+}
+
+/// Whether the Laplacian is the intrinsic Delaunay one, whether counts match, and the two errors.
+type CertificateParts = (bool, Option<bool>, f64, f64);
+
+/// A certificate from what `__reduce__` made of it.
+#[pyfunction]
+pub fn restored_certificate(parts: CertificateParts) -> Certificate {
+    Certificate(harmonics::Certificate {
+        laplacian: if parts.0 { Laplacian::Delaunay } else { Laplacian::Cotangent },
+        inertia_counts_match: parts.1,
+        max_relative_residual: parts.2,
+        max_orthogonality_error: parts.3,
+    })
 }
 
 /// Warns of what a solve was not quite as asked for.
@@ -81,10 +104,6 @@ pub struct Basis {
 #[pymethods]
 impl Basis {
     #[new]
-    #[pyo3(signature = (
-        V, F, k, *, whole_clusters=false, threads=None, progress=None, engine="chladni", ranks=None, groups=None,
-        iterative=false, hosts=None, scratch=None, boundary="neumann"
-    ))]
     #[expect(
         non_snake_case,
         clippy::too_many_arguments,
@@ -95,20 +114,28 @@ impl Basis {
         V: &Bound<'_, PyAny>,
         F: &Bound<'_, PyAny>,
         k: &Bound<'_, PyAny>,
-        whole_clusters: bool,
+        whole_clusters: &Bound<'_, PyAny>,
         threads: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
-        engine: &str,
+        engine: &Bound<'_, PyAny>,
         ranks: Option<&Bound<'_, PyAny>>,
         groups: Option<&Bound<'_, PyAny>>,
-        iterative: bool,
-        hosts: Option<PathBuf>,
-        scratch: Option<PathBuf>,
-        boundary: &str,
+        iterative: &Bound<'_, PyAny>,
+        hosts: Option<&Bound<'_, PyAny>>,
+        scratch: Option<&Bound<'_, PyAny>>,
+        boundary: &Bound<'_, PyAny>,
+        solved: Option<SolvedArrays>,
     ) -> PyResult<Self> {
         let mesh = arrays::mesh(V, F, ["V", "F"])?;
-        let ranks = ranks_of(engine, ranks, groups, iterative, hosts, scratch)?;
-        let held = is_held(boundary, ranks.is_some())?;
+        if let Some(solved) = solved {
+            return Self::restored(mesh, solved);
+        }
+        let whole_clusters = arrays::flag(whole_clusters, "whole_clusters")?;
+        let hosts = hosts.map(|hosts| arrays::path(hosts, "hosts")).transpose()?;
+        let scratch = scratch.map(|scratch| arrays::path(scratch, "scratch")).transpose()?;
+        let (engine, iterative) = (arrays::word(engine, "engine")?, arrays::flag(iterative, "iterative")?);
+        let ranks = ranks_of(&engine, ranks, groups, iterative, hosts, scratch)?;
+        let held = is_held(&arrays::word(boundary, "boundary")?, ranks.is_some())?;
         let harmonics = arrays::count(k, "k", 1)?;
         if harmonics > mesh.positions.len() {
             let n = mesh.positions.len();
@@ -130,8 +157,9 @@ impl Basis {
             })
         })?;
         warn_of(py, &report, &body.basis.certificate)?;
-        let rows = rows_of(&body);
-        let Body { frame, positions, triangles, operator_vertex, .. } = body;
+        let (frame, positions, triangles) = (body.frame, body.positions.clone(), body.triangles.clone());
+        let operator_vertex = body.operator_vertex.clone();
+        let rows = into_rows(body);
         let shape = [operator_vertex.len(), rows.eigenvalues.len()];
         Ok(Self {
             mesh,
@@ -167,13 +195,53 @@ impl Basis {
         Certificate(self.certificate)
     }
 
+    /// V, F, and what was solved, from which `chladni.Basis` restores itself.
+    #[expect(clippy::type_complexity, reason = "what Python is given")]
+    fn parts<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>, SolvedArrays)> {
+        let corners: Vec<[i64; 3]> = self.mesh.triangles.iter().map(|t| t.map(i64::from)).collect();
+        let arrays = (
+            self.eigenvalues.clone_ref(py),
+            self.eigenvectors.clone_ref(py),
+            self.mass.clone_ref(py),
+            Py::new(py, Certificate(self.certificate))?,
+            self.held,
+        );
+        Ok((give_rows(py, self.mesh.positions.clone())?, give_rows(py, corners)?, arrays))
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let k = self.eigenvalues.bind(py).readonly().as_slice()?.len();
         Ok(format!("Basis({} vertices, {k} harmonics)", self.operator_vertex.len()))
     }
 }
 
+/// Eigenvalues, eigenvectors, mass, their certificate, and whether the borders are held.
+type SolvedArrays = (Py<PyArray1<f64>>, Py<PyArray2<f64>>, Py<PyArray1<f64>>, Py<Certificate>, bool);
+
 impl Basis {
+    /// The basis of `mesh` from what was solved before.
+    fn restored(mesh: TriMesh, solved: SolvedArrays) -> PyResult<Self> {
+        let Body { frame, positions, triangles, operator_vertex, .. } =
+            Body::unsolved(&mesh).map_err(Failure::from)?;
+        let (eigenvalues, eigenvectors, mass, certificate, held) = solved;
+        let certificate = certificate.get().0;
+        Ok(Self {
+            mesh,
+            frame,
+            positions,
+            triangles,
+            operator_vertex,
+            eigenvalues,
+            eigenvectors,
+            mass,
+            certificate,
+            held,
+        })
+    }
+
     /// The mesh that it is of.
     pub fn mesh(&self) -> &TriMesh {
         &self.mesh
@@ -274,13 +342,22 @@ fn ranks_of(
 /// The basis of a body in the file's units, with a row for each of the file's vertices. Those that were welded have the
 /// same row and share their area; those that no triangle uses have zeros.
 pub fn rows_of(body: &Body) -> harmonics::Basis {
+    if has_own_rows(body) { body.basis_in_file() } else { spread(body) }
+}
+
+/// The same without a copy where the file has a vertex for each of the body's.
+fn into_rows(body: Body) -> harmonics::Basis {
+    if has_own_rows(&body) { body.into_basis_in_file() } else { spread(&body) }
+}
+
+fn has_own_rows(body: &Body) -> bool {
+    body.operator_vertex.len() == body.basis.vertices()
+        && body.operator_vertex.iter().enumerate().all(|(i, v)| *v == Some(i as u32))
+}
+
+fn spread(body: &Body) -> harmonics::Basis {
     let own = body.basis_in_file();
     let n = own.vertices();
-    let is_same = body.operator_vertex.len() == n
-        && body.operator_vertex.iter().enumerate().all(|(i, v)| *v == Some(i as u32));
-    if is_same {
-        return own;
-    }
     let mut sharing = vec![0.0; n];
     body.operator_vertex.iter().flatten().for_each(|v| sharing[*v as usize] += 1.0);
     let row = |values: &[f64]| -> Vec<f64> {

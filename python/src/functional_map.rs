@@ -49,11 +49,12 @@ pub fn fm_to_p2p<'py>(
     map: &Bound<'py, PyAny>,
     source: &Bound<'py, PyAny>,
     target: &Bound<'py, PyAny>,
-    adjoint: bool,
+    adjoint: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray1<i64>>> {
-    let map = map_of(map)?;
+    let (map, adjoint) = (map_of(map)?, arrays::flag(adjoint, "use_adj")?);
     let (source, target) = (Columns::of(source, "evects1")?, Columns::of(target, "evects2")?);
-    let points = work::run(py, None, |_| Ok(map.to_point_map(source.view(), target.view(), adjoint)?))?;
+    let points =
+        work::run(py, None, |task| Ok(map.to_point_map(source.view(), target.view(), adjoint, task)?))?;
     Ok(give(py, points.into_iter().map(i64::from).collect()))
 }
 

@@ -17,7 +17,7 @@ use crate::basis::{Basis, rows_of};
 use crate::failure::{Failure, InputError};
 use crate::{matching, work};
 
-/// What a shape is compared with, from Python's words: a name, a factor of its size, or a mesh (V, F).
+/// What a shape is compared with, from Python's words: a name, a number of harmonics, or a mesh (V, F).
 fn template(object: &Bound<'_, PyAny>) -> PyResult<(Template, Option<TriMesh>)> {
     if let Ok(name) = object.extract::<String>() {
         return match name.as_str() {
@@ -44,15 +44,15 @@ pub fn caricature<'py>(
     basis: &Bound<'py, Basis>,
     against: &Bound<'py, PyAny>,
     mu: &Bound<'py, PyAny>,
-    model: &str,
+    model: &Bound<'py, PyAny>,
     landmarks: Option<&Bound<'py, PyAny>>,
-    method: &str,
+    method: &Bound<'py, PyAny>,
     seed: &Bound<'py, PyAny>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (mesh, body) = (basis.get().mesh(), Arc::new(basis.get().body(py)?));
     let (template, template_mesh) = template(against)?;
-    let model = match model {
+    let model = match arrays::word(model, "model")?.as_str() {
         "coordinate" => Model::Coordinate,
         "normal" => Model::Normal,
         "distance" => Model::Distance,
@@ -126,7 +126,8 @@ type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<i64>>);
 
 /// See `chladni.read_mesh`.
 #[pyfunction]
-pub fn read_mesh<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Arrays<'py>> {
+pub fn read_mesh<'py>(py: Python<'py>, path: &Bound<'py, PyAny>) -> PyResult<Arrays<'py>> {
+    let path = arrays::path(path, "path")?;
     let source = ShapeSource::named(&path);
     let Loaded { mesh, mended, .. } = work::run(py, None, |_| Ok(source.load(None)?))?;
     let mended: Vec<String> = mended.iter().map(|mended| format!("{}: {mended}", path.display())).collect();
@@ -138,7 +139,13 @@ pub fn read_mesh<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Arrays<'py>> {
 /// See `chladni.write_mesh`.
 #[pyfunction]
 #[expect(non_snake_case, reason = "as the field writes them")]
-pub fn write_mesh(py: Python<'_>, path: PathBuf, V: &Bound<'_, PyAny>, F: &Bound<'_, PyAny>) -> PyResult<()> {
+pub fn write_mesh(
+    py: Python<'_>,
+    path: &Bound<'_, PyAny>,
+    V: &Bound<'_, PyAny>,
+    F: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    let path = arrays::path(path, "path")?;
     let mesh = arrays::mesh(V, F, ["V", "F"])?;
     work::run(py, None, |_| Ok(save_mesh(&mesh, &path)?))
 }

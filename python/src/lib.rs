@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _chladni {
     #[pymodule_export]
-    use crate::basis::{Basis, Certificate};
+    use crate::basis::{Basis, Certificate, restored_certificate};
     #[pymodule_export]
     use crate::functional_map::{fm_to_p2p, p2p_to_fm, zoomout};
     #[pymodule_export]

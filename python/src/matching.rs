@@ -10,13 +10,13 @@ use crate::work;
 
 /// How to match, from Python's words.
 pub fn settings(
-    method: &str,
+    method: &Bound<'_, PyAny>,
     landmarks: Option<&Bound<'_, PyAny>>,
     sizes: [usize; 2],
     seed: &Bound<'_, PyAny>,
     rigid: bool,
 ) -> PyResult<MatchSettings> {
-    let method = match method {
+    let method = match arrays::word(method, "method")?.as_str() {
         "same" => Method::Same,
         "icp" => Method::Icp,
         "fit" => Method::Fit,
@@ -62,15 +62,15 @@ pub fn match_meshes<'py>(
     V2: &Bound<'py, PyAny>,
     F2: &Bound<'py, PyAny>,
     landmarks: Option<&Bound<'py, PyAny>>,
-    method: &str,
+    method: &Bound<'py, PyAny>,
     seed: &Bound<'py, PyAny>,
-    rigid: bool,
+    rigid: &Bound<'py, PyAny>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let shape = arrays::mesh(V1, F1, ["V1", "F1"])?;
     let template = arrays::mesh(V2, F2, ["V2", "F2"])?;
     let sizes = [shape.positions.len(), template.positions.len()];
-    let settings = settings(method, landmarks, sizes, seed, rigid)?;
+    let settings = settings(method, landmarks, sizes, seed, arrays::flag(rigid, "rigid")?)?;
     let found = work::run(py, progress, |task| Ok(match_shapes(&shape, &template, &settings, task)?))?;
     let (correspondence, report) = (found.correspondence, found.report);
     let Some(on) = correspondence.on_template else {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use chladni_task::{Progress, Task};
 use pyo3::prelude::*;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, InputError};
 
 /// Between two looks at signals and progress; work that is done is noticed at once.
 const LOOK: Duration = Duration::from_millis(50);
@@ -18,6 +18,11 @@ pub fn run<T: Send>(
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Task) -> Result<T, Failure> + Send,
 ) -> PyResult<T> {
+    if let Some(callback) = progress
+        && !callback.is_callable()
+    {
+        return Err(InputError::new_err("progress is nothing that can be called with (stage, done, total)"));
+    }
     let task = Task::new();
     let (done, waiting) = (AtomicBool::new(false), std::thread::current());
     let mut stopped = None;

@@ -1,5 +1,7 @@
 """Bases of meshes."""
 
+import copy
+import pickle
 import warnings
 
 import chladni
@@ -83,6 +85,23 @@ def test_fewer_harmonics_than_asked_for_are_told():
     assert basis.eigenvectors.shape == (6, 4)
 
 
+def test_a_basis_can_be_pickled_and_copied(ball):
+    V, F = ball
+    for V, F in (ball, (np.vstack([V, V[:1], [[9, 9, 9]]]), np.vstack([F[1:], np.where(F[:1] == 0, len(V), F[:1])]))):
+        basis = chladni.Basis(V, F, 20)
+        for again in (pickle.loads(pickle.dumps(basis)), copy.copy(basis), copy.deepcopy(basis)):
+            assert type(again) is chladni.Basis and repr(again) == repr(basis)
+            for name in ("eigenvalues", "eigenvectors", "mass"):
+                assert (getattr(again, name) == getattr(basis, name)).all()
+            for name in ("inertia_counts_match", "max_relative_residual", "max_orthogonality_error", "is_precise"):
+                assert getattr(again.certificate, name) == getattr(basis.certificate, name)
+            assert again.eigenvectors.flags.f_contiguous
+            assert (chladni.caricature(again) == chladni.caricature(basis)).all()
+    held = pickle.loads(pickle.dumps(chladni.Basis(V, F[5:], 5, boundary="dirichlet")))
+    with pytest.raises(chladni.InputError, match="held"):
+        chladni.caricature(held)
+
+
 def test_what_is_no_mesh_is_refused(ball):
     V, F = ball
     holed = V.copy()
@@ -107,6 +126,8 @@ def test_what_is_no_mesh_is_refused(ball):
         ((V, np.empty((0, 3), int), 5), "no triangle"),
         ((V * 0, F, 5), "triangle|area"),
         ((V * 1e200, F, 5), "too large"),
+        ((V * 1e-160, F, 5), "scale it"),
+        ((V, F.astype(np.uint64) + np.uint64(2**64 - 13), 5), "F has 1844674407370955160"),
     ]
     for arguments, reason in refused:
         with pytest.raises(chladni.InputError, match=reason):

@@ -18,6 +18,20 @@ def test_the_laplacian_is_that_of_robust_laplacian(sphere, square, pebble):
         assert np.allclose(ours, theirs, rtol=1e-8, atol=1e-9)
 
 
+def test_flat_triangles_and_unused_vertices_are_those_of_robust_laplacian(square):
+    peer = pytest.importorskip("robust_laplacian")
+    V, F = square
+    # A border, triangles without height at it, and vertices that none uses.
+    V = np.vstack([V, 0.5 * (V[:10] + V[1:11]), [[9, 9, 9], [8, 8, 8]]])
+    F = np.vstack([F, np.stack([np.arange(10), np.arange(10) + len(V) - 12, np.arange(1, 11)], axis=1)])
+    (S, M), (L, areas) = chladni.mesh_laplacian(V, F), peer.mesh_laplacian(V, F)
+    assert abs(S - L).max() < 1e-9 * abs(L).max()
+    assert (S.diagonal()[-2:] == L.diagonal()[-2:]).all()
+    for mass in (M, areas):
+        assert np.allclose(mass.diagonal()[-2:], 1e-3 * mass.diagonal()[:-2].min())
+    assert (chladni.eigsh(S, 9, M, sigma=-0.01)[0][1:] > 0).all()
+
+
 def test_the_laplacian_of_points_is_that_of_robust_laplacian(sphere, pebble):
     peer = pytest.importorskip("robust_laplacian")
     for V in (sphere[0], pebble[0]):

@@ -1,5 +1,7 @@
 """Geodesics, matches, caricatures, symmetry and files."""
 
+import errno
+
 import chladni
 import numpy as np
 import pytest
@@ -60,6 +62,8 @@ def test_a_caricature_exaggerates_what_is_different(pebble):
         for template in ("sphere", 10, (V[:, [1, 0, 2]] * [1, -1, 1.2], F)):
             moved = chladni.caricature(basis, template=template, model=model, method="icp")
             assert moved.shape == V.shape and np.isfinite(moved).all()
+    pair = (V * 1.1, F)
+    assert (chladni.caricature(basis, template=list(pair)) == chladni.caricature(basis, template=pair)).all()
     for bad in (dict(mu=np.nan), dict(mu=1000), dict(model="x"), dict(template="x"), dict(template=-3), dict(F=F)):
         with pytest.raises(chladni.InputError):
             chladni.caricature(basis, **bad)
@@ -88,6 +92,9 @@ def test_meshes_come_back_from_their_files(tmp_path, pebble):
         assert (faces == F).all() and np.allclose(again, V, rtol=0, atol=1e-7)
     with pytest.raises(chladni.FileError, match="no such|No such"):
         chladni.read_mesh(tmp_path / "missing.obj")
+    with pytest.raises(FileNotFoundError) as missing:
+        chladni.read_mesh(tmp_path / "missing.obj")
+    assert isinstance(missing.value, chladni.FileError) and missing.value.errno == errno.ENOENT
     (tmp_path / "bad.ply").write_bytes(b"ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n")
     for bad in (lambda: chladni.read_mesh(tmp_path / "bad.ply"), lambda: chladni.write_mesh(tmp_path / "a.txt", V, F)):
         with pytest.raises(chladni.FileError):

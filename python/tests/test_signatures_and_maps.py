@@ -54,6 +54,11 @@ def test_the_nearest_row_is_found(basis):
     assert (chladni.FM_to_p2p(fm, a, b) == gaps.argmin(axis=1)).all()
     gaps = np.linalg.norm(a[None] - (b @ fm)[:, None], axis=2)
     assert (chladni.FM_to_p2p(fm, a, b, use_adj=True) == gaps.argmin(axis=1)).all()
+    # So many dimensions that all distances are looked at.
+    a, b = rng.normal(size=(700, 60)), rng.normal(size=(600, 60))
+    gaps = np.linalg.norm(a[None] - b[:, None], axis=2)
+    assert (chladni.FM_to_p2p(np.eye(60), a, b) == gaps.argmin(axis=1)).all()
+    a, b = a[:300, :8], b[:200, :6]
     p2p = rng.integers(0, 300, 200)
     assert np.allclose(chladni.p2p_to_FM(p2p, a, b), np.linalg.lstsq(b, a[p2p], rcond=None)[0])
 

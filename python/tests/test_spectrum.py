@@ -100,6 +100,9 @@ def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
         (dict(sigma=0, A=S * np.nan), "nan"),
         (dict(sigma=0, A=S * 1j), "complex128"),
         (dict(sigma=0, A=None), "A"),
+        (dict(sigma=0, A=-S), "^S has .*-S is what"),
+        (dict(sigma=0, A=scipy.sparse.linalg.aslinearoperator(S)), "LinearOperator"),
+        (dict(sigma=0, tol="a"), "tol is 'a'"),
         (dict(sigma=0, threads=0), "threads"),
     ]
     for change, reason in refused:
@@ -126,11 +129,28 @@ def test_the_laplacian_of_a_mesh(sphere, square):
     assert np.abs(chladni.mesh_laplacian(*square)[0] @ square[0][:, 0])[inside].max() < 1e-12
 
 
-def test_a_vertex_that_is_not_used_has_zeros(ball):
+def test_a_vertex_that_is_not_used_is_in_nobody_s_way(ball):
     V, F = ball
     S, M = chladni.mesh_laplacian(np.vstack([V, [[7, 7, 7]]]), F)
-    assert S.shape == (643, 643) and abs(S[642]).max() == M.diagonal()[642] == 0
-    assert abs(S[:642, :642] - chladni.mesh_laplacian(V, F)[0]).max() < 1e-12
+    assert S.format == M.format == "csc" and S.shape == (643, 643)
+    assert S[642].sum() == S[642, 642] == 1 and M[642, 642] == pytest.approx(1e-3 * M.diagonal()[:642].min())
+    alone, areas = chladni.mesh_laplacian(V, F)
+    assert abs(S[:642, :642] - alone).max() < 1e-12
+    assert np.allclose(chladni.eigsh(S, 9, M, sigma=-0.01)[0], chladni.eigsh(alone, 9, areas, sigma=-0.01)[0])
+
+
+def test_matrices_unlike_those_of_surfaces():
+    rng = np.random.default_rng(0)
+    for n in (402, 500):
+        A, B = (X @ X.T + n * np.eye(n) for X in rng.standard_normal((2, n, n)))
+        assert np.allclose(chladni.eigsh(A, 5, sigma=0)[0], scipy.linalg.eigvalsh(A)[:5], rtol=1e-9)
+        assert np.allclose(chladni.eigsh(A, 5, B, sigma=0)[0], scipy.linalg.eigvalsh(A, B)[:5], rtol=1e-9)
+    assert np.allclose(chladni.eigsh(np.eye(9, dtype=bool), 2, sigma=0)[0], 1, rtol=1e-14)
+    many = scipy.sparse.diags(np.r_[np.zeros(3000), np.arange(2000.0)])
+    w, v = chladni.eigsh(many, 7, sigma=0)
+    assert (w == 0).all() and v.shape == (5000, 7) and np.abs(many @ v).max() < 1e-9
+    # All of the eigenvalues, wherever sigma lies.
+    assert len(chladni.eigsh(np.diag([1.0, 2.0, 3.0]), 3, sigma=2.1)[0]) == 3
 
 
 def test_points_without_triangles_have_a_laplacian(sphere):
@@ -149,6 +169,10 @@ def test_points_without_triangles_have_a_laplacian(sphere):
 def test_a_held_border_is_rows_and_columns_left_out(square, elements):
     V, F = square
     inside = np.flatnonzero((np.abs(V[:, :2] - 0.5) < 0.499).all(axis=1))
+    free = inside
+    S, M = chladni.mesh_laplacian(V, F)
+    w = chladni.eigsh(S[free][:, free], 10, M[free][:, free], sigma=0)[0]
+    assert np.allclose(w, chladni.Basis(V, F, 10, boundary="dirichlet").eigenvalues, rtol=1e-8)
     S, M = (A[inside][:, inside] for A in elements(V, F))
     w, v = chladni.eigsh(S, 10, M, sigma=0)
     exact = np.sort([(i * i + j * j) * np.pi**2 for i in range(1, 6) for j in range(1, 6)])[:10]

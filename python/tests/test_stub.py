@@ -29,6 +29,8 @@ def test_the_stub_has_every_name_and_every_argument():
             ]
             assert parameters(node) == found, name
         else:
+            is_dataclass = any("dataclass" in ast.dump(d) for d in node.decorator_list)
+            assert is_dataclass == hasattr(real, "__dataclass_fields__"), name
             assert [base.id for base in node.bases] in ([], [base.__name__ for base in real.__bases__])
             fields = getattr(real, "__dataclass_fields__", {})
             for member in node.body:

@@ -1,12 +1,14 @@
 """Progress, cancelling, the interpreter's lock, and exceptions of one family."""
 
 import os
+import pickle
 import signal
 import threading
 
 import chladni
 import numpy as np
 import pytest
+import scipy.sparse
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -28,7 +30,7 @@ def test_progress_is_told_and_what_it_raises_stops_the_work(human):
 
     with pytest.raises(KeyError, match="enough"):
         chladni.Basis(*human, 100, progress=stop)
-    with pytest.raises(TypeError):
+    with pytest.raises(chladni.InputError, match="progress"):
         chladni.Basis(*human, 100, progress=3)
 
 
@@ -63,6 +65,60 @@ def test_ctrl_c_stops_the_work(human):
         signal.signal(signal.SIGINT, before)
     # The next call begins anew.
     assert len(chladni.Basis(*human, 4).eigenvalues) == 4
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of one's own")
+def test_ctrl_c_stops_what_reports_no_progress():
+    rng = np.random.default_rng(0)
+    a, b = rng.normal(size=(30000, 150)), rng.normal(size=(30000, 150))
+    path = scipy.sparse.diags([2 * np.ones(3000), -np.ones(2999), -np.ones(2999)], [0, 1, -1])
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        for work in (lambda: chladni.FM_to_p2p(np.eye(150), a, b), lambda: chladni.eigsh(path, 2900, sigma=0)):
+            timer = threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT))
+            timer.start()
+            with pytest.raises(KeyboardInterrupt):
+                work()
+            timer.join()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def wrong_types():
+    V, F = np.eye(3), [[0, 1, 2]]
+    H, w = np.ones((5, 4)), np.arange(4.0)
+    return [
+        lambda: chladni.Basis(V, F, 2, boundary=None),
+        lambda: chladni.Basis(V, F, 2, engine=None),
+        lambda: chladni.Basis(V, F, 2, whole_clusters="x"),
+        lambda: chladni.Basis(V, F, 2, hosts=3, engine="slepc"),
+        lambda: chladni.eigsh(np.eye(3), 2, sigma=0, progress=3),
+        lambda: chladni.eigsh(np.eye(3), 2, sigma=0, tol="a"),
+        lambda: chladni.caricature(V, F, k="a"),
+        lambda: chladni.caricature(V, F, k=2, model=3),
+        lambda: chladni.caricature(V, F, k=2, template=[V, F, F]),
+        lambda: chladni.match(V, F, V, F, method=None),
+        lambda: chladni.match(V, F, V, F, rigid="x"),
+        lambda: chladni.read_mesh(3),
+        lambda: chladni.write_mesh(None, V, F),
+        lambda: chladni.HKS(["a"] * 4, H, [1.0]),
+        lambda: chladni.WKS(w, H, [1.0], None),
+        lambda: chladni.auto_HKS(w, H, -1),
+        lambda: chladni.auto_WKS(w, H, 2.5),
+        lambda: chladni.FM_to_p2p(np.eye(2), H, H, use_adj="x"),
+        lambda: chladni.zoomout_refine(np.eye(2), H, H, nit=1, A2="a"),
+        lambda: chladni.zoomout_refine(np.eye(2), H, H, nit=1, subsample=100),
+        lambda: chladni.zoomout_refine(np.eye(2), H, H, nit=1, subsample=([10**9], [0])),
+        lambda: chladni.compute_distance_multisource(V, F, []),
+        lambda: pickle.dumps(chladni.MeshHeatMethodDistanceSolver(V, F)),
+    ]
+
+
+@pytest.mark.parametrize("call", wrong_types())
+def test_arguments_of_a_wrong_type_are_refused_in_a_line(call):
+    with pytest.raises(chladni.InputError) as error:
+        call()
+    assert 10 < len(str(error.value)) < 250 and "\n" not in str(error.value)
 
 
 def test_exceptions_are_one_family():

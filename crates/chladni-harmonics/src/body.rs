@@ -54,6 +54,16 @@ impl Body {
         }
     }
 
+    /// The same without a copy, if nothing else holds the basis.
+    pub fn into_basis_in_file(self) -> Basis {
+        let scale = self.frame.scale;
+        let mut basis = Arc::unwrap_or_clone(self.basis);
+        basis.eigenvalues.iter_mut().for_each(|l| *l = *l * scale * scale);
+        basis.vectors.iter_mut().for_each(|h| *h *= scale);
+        basis.mass.iter_mut().for_each(|a| *a /= scale * scale);
+        basis
+    }
+
     /// Converts `displacements` of the operator vertices (N, working frame) to displacements of the n file
     /// vertices in file units; zero for vertices that no triangle uses.
     pub fn displacements_in_file(&self, displacements: &[[f64; 3]]) -> Vec<[f64; 3]> {

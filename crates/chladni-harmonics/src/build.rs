@@ -108,7 +108,8 @@ impl Pencil<'_> {
     /// S must be positive semidefinite. Its null space may have any dimension, and eigenvalues that are 0
     /// within rounding are returned as exactly 0. A harmonic is positive where its magnitude is largest.
     /// Within the space of a multiple eigenvalue, rounding determines the basis. The certificate is that of
-    /// S + tM, where t is about the mean distance between the first K eigenvalues.
+    /// S + tM, where t is about the mean distance between the first K eigenvalues, or, if all of them are 0, about
+    /// the first that is not.
     ///
     /// `settings.laplacian` is ignored. K is limited to N; the report says if more were requested.
     ///

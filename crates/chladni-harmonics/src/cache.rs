@@ -11,7 +11,7 @@ use crate::values::{Keep, Values};
 use crate::{Basis, BasisSettings, Certificate, HarmonicsError, Laplacian, memory};
 
 /// Increased whenever the same mesh and settings would give a different basis.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const MAGIC: &[u8; 16] = b"chladni basis  1";
 
 /// A folder of solved bases.

@@ -80,7 +80,7 @@ pub enum HarmonicsError {
         vertices: usize,
     },
     /// S and M do not form a pencil that can be solved.
-    #[error("not a symmetric pencil: {reason}")]
+    #[error("{reason}")]
     BadPencil {
         /// What is wrong with them.
         reason: String,
@@ -108,6 +108,18 @@ pub enum HarmonicsError {
         vertices: usize,
         /// The reason.
         reason: &'static str,
+    },
+    /// Distances are asked for from no vertex.
+    #[error("there is no source to measure distances from")]
+    NoSource,
+    /// The shape is so small or so large that its areas or eigenvalues are no numbers.
+    #[error(
+        "the shape is about {size:e} across, so that areas or eigenvalues in its units are beyond what numbers can \
+         hold: scale it"
+    )]
+    ExtremeSize {
+        /// The extent along an axis, in its own units.
+        size: f64,
     },
     /// A functional map whose size does not fit its eigenvectors.
     #[error("functional map: {reason}")]

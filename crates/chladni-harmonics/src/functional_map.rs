@@ -8,7 +8,7 @@ use faer::{Accum, Mat, MatRef};
 use rayon::prelude::*;
 
 use crate::HarmonicsError;
-use crate::nearest::PointTree;
+use crate::nearest::nearest;
 use crate::platform::split;
 
 /// The first eigenvectors of a shape, at all of its vertices or at a sample of them.
@@ -48,14 +48,15 @@ impl FunctionalMap {
     /// nearest to its row of Φ₂, or, with `adjoint`, whose row of Φ₁ is nearest to its row of Φ₂ C.
     ///
     /// # Errors
-    /// Fewer eigenvectors than C has columns or rows, or a shape without vertices.
+    /// Fewer eigenvectors than C has columns or rows, a shape without vertices, or a cancelled task.
     pub fn to_point_map(
         &self,
         source: Eigenvectors,
         target: Eigenvectors,
         adjoint: bool,
+        task: &Task,
     ) -> Result<Vec<u32>, HarmonicsError> {
-        self.point_map(source, target, adjoint, &[])
+        self.point_map(source, target, adjoint, &[], task)
     }
 
     fn point_map(
@@ -64,6 +65,7 @@ impl FunctionalMap {
         target: Eigenvectors,
         adjoint: bool,
         guesses: &[u32],
+        task: &Task,
     ) -> Result<Vec<u32>, HarmonicsError> {
         enough(source, self.columns, "source")?;
         enough(target, self.rows, "target")?;
@@ -87,7 +89,7 @@ impl FunctionalMap {
         if !points.iter().chain(&queries).all(|x| x.abs() < 1e150) {
             return Err(bad("the map or the eigenvectors are too large to compute distances with".into()));
         }
-        Ok(PointTree::new(&points, dimensions).nearest(&queries, guesses))
+        Ok(nearest(&points, &queries, dimensions, guesses, task)?)
     }
 
     /// The functional map C of a point map, which gives for each of the n₂ vertices of shape 2 a vertex of
@@ -169,7 +171,7 @@ impl FunctionalMap {
         let mut points = Vec::new();
         for _ in 0..rounds {
             task.check()?;
-            points = refined.point_map(source, target, false, &points)?;
+            points = refined.point_map(source, target, false, &points, task)?;
             let size = [refined.rows + step[0], refined.columns + step[1]];
             refined = Self::of_first(&points, source, target, dual, size)?;
             stage.advance(1);
@@ -244,7 +246,7 @@ mod tests {
                 }
             }
             for adjoint in [false, true] {
-                assert_eq!(map.to_point_map(vectors, target, adjoint).unwrap(), shuffled);
+                assert_eq!(map.to_point_map(vectors, target, adjoint, &Task::new()).unwrap(), shuffled);
             }
             // Start from the signs of five functions, and refine to all forty.
             let start = FunctionalMap {
@@ -254,7 +256,7 @@ mod tests {
             };
             let refined = start.zoomed_out(vectors, target, dual, 7, [5, 5], &Task::new()).unwrap();
             assert_eq!((refined.rows, refined.columns), (40, 40));
-            assert_eq!(refined.to_point_map(vectors, target, false).unwrap(), shuffled);
+            assert_eq!(refined.to_point_map(vectors, target, false, &Task::new()).unwrap(), shuffled);
         }
     }
 
@@ -266,17 +268,23 @@ mod tests {
             Eigenvectors { vertices: 2, values: &values[..4] },
         );
         let map = FunctionalMap { rows: 2, columns: 2, values: vec![1.0, 0.0, 0.0, 1.0] };
-        assert_eq!(map.to_point_map(three, two, false).unwrap().len(), 2);
-        assert!(FunctionalMap { rows: 3, ..map.clone() }.to_point_map(three, two, false).is_err());
+        assert_eq!(map.to_point_map(three, two, false, &Task::new()).unwrap().len(), 2);
+        assert!(
+            FunctionalMap { rows: 3, ..map.clone() }.to_point_map(three, two, false, &Task::new()).is_err()
+        );
         let huge = FunctionalMap { values: vec![1e200, 0.0, 0.0, 1e200], ..map.clone() };
-        assert!(huge.to_point_map(three, two, false).is_err());
-        assert!(FunctionalMap { values: vec![1.0], ..map.clone() }.to_point_map(three, two, false).is_err());
+        assert!(huge.to_point_map(three, two, false, &Task::new()).is_err());
+        assert!(
+            FunctionalMap { values: vec![1.0], ..map.clone() }
+                .to_point_map(three, two, false, &Task::new())
+                .is_err()
+        );
         assert!(map.zoomed_out(three, two, None, 1, [1, 1], &Task::new()).is_err());
         assert!(FunctionalMap::of_point_map(&[0, 3], three, two, None).is_err());
         assert!(FunctionalMap::of_point_map(&[0], three, two, None).is_err());
         assert!(FunctionalMap::of_point_map(&[0, 1], three, two, Some(&[1.0])).is_err());
         let none = Eigenvectors { vertices: 0, values: &[] };
-        assert!(map.to_point_map(none, two, false).is_err());
+        assert!(map.to_point_map(none, two, false, &Task::new()).is_err());
         let cancelled = Task::new();
         cancelled.cancel();
         assert_eq!(

@@ -74,7 +74,7 @@ impl HeatGeodesics {
     pub fn distances(&self, sources: &[usize]) -> Result<Vec<f64>, HarmonicsError> {
         let sources = sources.iter().map(|v| self.on_surface(*v)).collect::<Result<Vec<usize>, _>>()?;
         if sources.is_empty() {
-            return Err(HarmonicsError::BadMap { reason: "distances are asked for from no vertex".into() });
+            return Err(HarmonicsError::NoSource);
         }
         let n = self.component.len();
         let mut reached = vec![false; n];

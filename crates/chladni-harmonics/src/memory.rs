@@ -14,6 +14,8 @@ const FACTOR: u64 = 1100;
 const SPACE: u64 = 3000;
 /// Bytes per value of a harmonic.
 const VALUE: u64 = 8;
+/// The number of matrices of a dense solve.
+const DENSE: u64 = 4;
 
 /// The approximate number of bytes of memory needed to solve for `harmonics` of `vertices` with `slices` at
 /// once; those on disk do not count.
@@ -77,7 +79,7 @@ pub(crate) fn room_for_solve<'a>(
 ) -> Result<Room<'a>, HarmonicsError> {
     let harmonics = settings.harmonics;
     let needed = |slices, on_disk| of_solve(vertices, harmonics, slices, on_disk);
-    let Some(free) = settings.memory_bytes.or_else(available) else {
+    let Some(free) = free(settings) else {
         check_promise(vertices, harmonics)?;
         return Ok(Room { slices, keep: Keep::Memory, frugal: false });
     };
@@ -103,7 +105,7 @@ pub(crate) fn room_for_harmonics(
 ) -> Result<Keep<'_>, HarmonicsError> {
     let harmonics = settings.harmonics;
     let needed = |on_disk| of_harmonics(vertices, harmonics, on_disk);
-    match (settings.memory_bytes.or_else(available), &settings.scratch) {
+    match (free(settings), &settings.scratch) {
         (Some(free), Some(folder)) if needed(false) > free && needed(true) <= free => {
             check_disk(folder, on_disk(vertices, harmonics) / 2)?;
             Ok(Keep::Folder(folder))
@@ -115,21 +117,40 @@ pub(crate) fn room_for_harmonics(
     }
 }
 
+/// Refuses vectors that take more than the `free` bytes.
+pub(crate) fn check_vectors(vertices: usize, count: usize, free: u64) -> Result<(), HarmonicsError> {
+    let needed = VALUE.saturating_mul(vertices as u64).saturating_mul(count as u64);
+    if needed > free { Err(too_large(vertices, count, needed, free)) } else { Ok(()) }
+}
+
+/// Refuses a dense solve whose matrices take more than the `free` bytes.
+pub(crate) fn check_dense(vertices: usize, harmonics: usize, free: u64) -> Result<(), HarmonicsError> {
+    let needed = (DENSE * VALUE).saturating_mul(vertices as u64).saturating_mul(vertices as u64);
+    if needed > free { Err(too_large(vertices, harmonics, needed, free)) } else { Ok(()) }
+}
+
+/// The bytes that a solve may take; `None` if there is no telling.
+pub(crate) fn free(settings: &BasisSettings) -> Option<u64> {
+    settings.memory_bytes.or_else(available)
+}
+
 fn check_disk(folder: &Path, bytes: u64) -> Result<(), HarmonicsError> {
     values::check_folder(folder, bytes).map_err(|e| {
-        let reason = format!("{:.1} GB: {e}", bytes as f64 / 1e9);
+        let reason = format!("{}: {e}", size(bytes));
         HarmonicsError::NoScratch { folder: folder.to_owned(), reason }
     })
 }
 
 fn too_large(vertices: usize, harmonics: usize, needed: u64, free: u64) -> HarmonicsError {
-    let gigabytes = |bytes: u64| bytes as f64 / 1e9;
-    let reason = format!(
-        "it takes at least about {:.1} GB of memory, and {:.1} GB are free",
-        gigabytes(needed),
-        gigabytes(free)
-    );
+    let (needed, free) = (size(needed), size(free));
+    let reason = format!("it takes at least about {needed} of memory, and {free} are free");
     HarmonicsError::TooMany { harmonics, vertices, reason }
+}
+
+/// A number of bytes in words, with a tenth of its unit.
+fn size(bytes: u64) -> String {
+    let bytes = bytes as f64;
+    if bytes < 1e9 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }
 
 /// Refuses what the system would not even promise.

@@ -56,7 +56,8 @@ impl Domain {
 }
 
 /// S and the diagonal of M of `mesh` as it is, in its own units: the intrinsic Delaunay Laplacian on its n
-/// vertices, which are not welded. A vertex that no triangle uses has mass 0 and a zero row in S.
+/// vertices, which are not welded. A vertex that no triangle uses has 1 in S and a thousandth of the least area in
+/// M, as in robust_laplacian: its eigenvalue is above all that matter.
 ///
 /// Lengths are mollified: in every triangle the sum of two sides exceeds the third by at least `mollify` ≥
 /// 0 mean edge lengths (Sharp & Crane 2020, §4.5); 1e-5 is usual.
@@ -89,15 +90,28 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
         let used = &used;
         own.column(j).filter(move |(i, _)| *i >= j).map(move |(i, value)| (used[i], used[j], value))
     });
-    let stiffness = SymmetricSparse::from_entries(local.len(), entries)?;
+    let mut stiffness = SymmetricSparse::from_entries(local.len(), entries)?;
     let mut mass = vec![0.0; local.len()];
     used.iter().zip(areas).for_each(|(v, a)| mass[*v] = a / (frame.scale * frame.scale));
+    fill_unused(&mut stiffness, &mut mass);
     Ok((stiffness, mass))
+}
+
+/// Gives vertices without a triangle a 1 in S and a thousandth of the least area in M, as robust_laplacian does:
+/// they make no difference to others, and the pencil can be solved.
+fn fill_unused(stiffness: &mut SymmetricSparse, mass: &mut [f64]) {
+    let least = mass.iter().copied().filter(|a| *a > 0.0).fold(f64::INFINITY, f64::min);
+    for (v, own) in mass.iter_mut().enumerate().filter(|(_, own)| **own == 0.0) {
+        *own = 1e-3 * least;
+        let range = stiffness.column_starts[v]..stiffness.column_starts[v + 1];
+        stiffness.values[range].fill(1.0);
+    }
 }
 
 /// S and the diagonal of M of points on a surface that has no triangles, in their own units: a third of
 /// [`mesh_laplacian`] of the stars that [`delaunay_stars`](chladni_mesh::surface::delaunay_stars) finds among the `neighbors` ≥ 2 nearest of each point (Sharp &
-/// Crane 2020, on point clouds; 30 is usual). A point without a star, such as one in the place of another, has zeros.
+/// Crane 2020, on point clouds; 30 is usual). A point without a star, such as one in the place of
+/// another, is as a vertex that no triangle uses.
 ///
 /// # Errors
 /// As [`mesh_laplacian`]; and fewer than two neighbors, or points that all lie in one line.
@@ -121,8 +135,16 @@ pub fn point_cloud_laplacian(
         )));
     }
     let (mut stiffness, mut mass) = mesh_laplacian(&cloud, mollify)?;
-    // Each triangle comes from all three of its corners.
-    stiffness.values.iter_mut().chain(&mut mass).for_each(|value| *value /= 3.0);
+    // Each triangle comes from all three of its corners. Points without one stay as they are.
+    let mut has_star = vec![false; points.len()];
+    cloud.triangles.as_flattened().iter().for_each(|v| has_star[*v as usize] = true);
+    for v in 0..points.len() {
+        let range = stiffness.column_starts[v]..stiffness.column_starts[v + 1];
+        if has_star[v] {
+            stiffness.values[range].iter_mut().for_each(|value| *value /= 3.0);
+        }
+        mass[v] /= 3.0;
+    }
     Ok((stiffness, mass))
 }
 
@@ -137,7 +159,21 @@ fn check_mesh(mesh: &TriMesh) -> Result<(), HarmonicsError> {
     let measurable = |x: &f64| x.is_finite() && x.abs() < 1e150;
     match mesh.positions.iter().position(|p| !p.iter().all(measurable)) {
         Some(vertex) => Err(HarmonicsError::NotFinite { vertex }),
-        None => Ok(()),
+        None => check_size(mesh),
+    }
+}
+
+/// Refuses a surface for which areas times lengths, or eigenvalues in its units, would overflow or underflow.
+fn check_size(mesh: &TriMesh) -> Result<(), HarmonicsError> {
+    let corners = || mesh.triangles.as_flattened().iter().map(|v| mesh.positions[*v as usize]);
+    let Some(first) = corners().next() else { return Ok(()) };
+    let size =
+        corners().fold(0.0_f64, |size, p| (0..3).fold(size, |size, i| size.max((p[i] - first[i]).abs())));
+    // A surface without any extent is refused for its area.
+    if size == 0.0 || (1e-100..1e100).contains(&size) {
+        Ok(())
+    } else {
+        Err(HarmonicsError::ExtremeSize { size })
     }
 }
 

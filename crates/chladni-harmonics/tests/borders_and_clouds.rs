@@ -108,6 +108,21 @@ fn points_of_a_flat_grid_have_the_laplacian_of_its_mesh() {
 }
 
 #[test]
+fn a_point_in_the_place_of_another_is_in_nobody_s_way() {
+    let mut points = samples::icosphere(3).positions;
+    let solve = |points: &[[f64; 3]]| {
+        let (stiffness, mass) = point_cloud_laplacian(points, 30, 1e-5).unwrap();
+        let pencil = Pencil::new(&stiffness, &mass).unwrap();
+        pencil.solve(&BasisSettings::new(9), &Task::new()).unwrap().0.eigenvalues
+    };
+    let alone = solve(&points);
+    points.push(points[7]);
+    for (a, b) in alone.iter().zip(solve(&points)) {
+        assert!((a - b).abs() <= 1e-2 * b, "{a} {b}");
+    }
+}
+
+#[test]
 fn points_without_a_surface_are_refused() {
     let line: Vec<[f64; 3]> = (0..50).map(|i| [f64::from(i), 0.0, 0.0]).collect();
     for (points, neighbors, word) in [

@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use chladni_harmonics::{
-    BasisSettings, ConsistentPencil, Eigenpairs, HarmonicsError, Laplacian, Operator, Pencil,
+    BasisSettings, Body, ConsistentPencil, Eigenpairs, HarmonicsError, Laplacian, Operator, Pencil,
     SymmetricSparse, mesh_laplacian,
 };
 use chladni_mesh::samples;
@@ -209,7 +209,9 @@ fn the_laplacian_of_a_mesh_as_it_is_has_its_rows_and_units() {
     moved.positions.insert(0, [0.5; 3]);
     moved.triangles.iter_mut().flatten().for_each(|v| *v += 1);
     let (shifted, shifted_mass) = mesh_laplacian(&moved, 1e-5).unwrap();
-    assert_eq!((shifted_mass[0], shifted.column(0).collect::<Vec<_>>()), (0.0, vec![(0, 0.0)]));
+    let least = mass.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((shifted_mass[0] / (1e-3 * least) - 1.0).abs() < 1e-9);
+    assert_eq!(shifted.column(0).collect::<Vec<_>>(), [(0, 1.0)]);
     for j in 0..n as usize {
         assert!((shifted_mass[j + 1] - mass[j]).abs() < 1e-12 * total);
         for ((i, a), (k, b)) in stiffness.column(j).zip(shifted.column(j + 1)) {
@@ -222,4 +224,31 @@ fn the_laplacian_of_a_mesh_as_it_is_has_its_rows_and_units() {
     seam.triangles[0][0] = n;
     assert!(mesh_laplacian(&seam, 1e-5).unwrap().1.iter().all(|a| *a > 0.0));
     assert!(mesh_laplacian(&mesh, f64::NAN).is_err());
+    // The unused vertex is in nobody's way.
+    let solve = |stiffness: &SymmetricSparse, mass: &[f64]| {
+        let pencil = Pencil::new(stiffness, mass).unwrap();
+        pencil.solve(&BasisSettings::new(9), &Task::new()).unwrap().0.eigenvalues
+    };
+    for (a, b) in solve(&stiffness, &mass).iter().zip(solve(&shifted, &shifted_mass)) {
+        assert!((a - b).abs() <= 1e-9 * b, "{a} {b}");
+    }
+}
+
+#[test]
+fn a_shape_so_large_or_small_that_its_numbers_overflow_is_refused() {
+    for scale in [1e-160, 1e-110, 1e110] {
+        let mut mesh = samples::icosphere(2);
+        mesh.positions.iter_mut().flatten().for_each(|x| *x *= scale);
+        let refused = mesh_laplacian(&mesh, 1e-5).unwrap_err().to_string();
+        assert!(refused.contains("scale it"), "{refused}");
+        assert!(Body::build(&mesh, &BasisSettings::new(2), &Task::new()).is_err());
+    }
+    for scale in [1e-95, 1e95] {
+        let mut mesh = samples::icosphere(2);
+        mesh.positions.iter_mut().flatten().for_each(|x| *x *= scale);
+        let (_, mass) = mesh_laplacian(&mesh, 1e-5).unwrap();
+        assert!(mass.iter().all(|a| a.is_normal()));
+        let file = Body::build(&mesh, &BasisSettings::new(9), &Task::new()).unwrap().basis_in_file();
+        assert!(file.eigenvalues[1..].iter().chain(&*file.vectors).all(|x| x.is_normal()));
+    }
 }

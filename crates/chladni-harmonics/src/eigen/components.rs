@@ -7,7 +7,7 @@ use chladni_task::Task;
 
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
-use super::{Solved, Wanted, cluster_end, or_dense, solve_connected};
+use super::{CLUSTER, Solved, Wanted, cluster_end, or_dense, solve_connected};
 use crate::platform::Instant;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil, SymmetricSparse};
 
@@ -76,10 +76,12 @@ pub(super) fn solve(
         .map(|(c, component)| {
             let Component { vertices, stiffness, mass, consistent, problem } = component;
             let pencil = Pencil { stiffness: &stiffness, mass: &mass, consistent: consistent.as_ref() };
-            let (count, zeros) = (shift.counts[c], problem.zeros);
-            let wanted = Wanted { harmonics: count, whole_clusters: false, ..wanted };
+            let (below, zeros) = (shift.counts[c], problem.zeros);
+            // The first K of all are among the first K of each.
+            let count = if below > wanted.most { wanted.harmonics } else { below };
+            let wanted = Wanted { harmonics: count, whole_clusters: false, most: count, ..wanted };
             let solved = solve_connected(pencil, zeros, Some(problem), wanted, &stage, task);
-            let solved = or_dense(solved, pencil, zeros, wanted)?;
+            let solved = or_dense(solved, pencil, zeros, wanted, task)?;
             if solved.basis.eigenvalues.last().is_some_and(|last| *last > shift.sigma) {
                 return Err(HarmonicsError::not_certified(
                     "a component has fewer eigenvalues below a shift than were counted",
@@ -274,8 +276,12 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, wanted: Wanted) -> Resu
     entries.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut eigenvalues: Vec<f64> = entries.iter().map(|e| e.0).collect();
     let cluster_end = cluster_end(&eigenvalues, harmonics);
-    let keep = if wanted.whole_clusters { cluster_end } else { harmonics };
+    let keep = wanted.kept(cluster_end);
     eigenvalues.truncate(keep);
+    let last = eigenvalues.last().map_or(0.0, |last| last * (1.0 + CLUSTER));
+    let cuts = |basis: &Basis| basis.eigenvalues.last().is_some_and(|own| *own <= last);
+    let cuts_cluster =
+        keep < cluster_end || parts.iter().any(|(_, part)| part.cuts_cluster && cuts(&part.basis));
     let mut vectors = wanted.vectors(n, keep)?;
     let mut columns: Vec<Vec<&mut [f64]>> = parts.iter().map(|_| Vec::new()).collect();
     // Within a component the pairs are ascending, and its columns keep that order.
@@ -302,6 +308,5 @@ fn merge(pencil: Pencil, parts: Vec<(Vec<u32>, Solved)>, wanted: Wanted) -> Resu
         }
     });
     let basis = Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate };
-    let cuts_cluster = keep < cluster_end;
     Ok(Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory: None, profile })
 }

@@ -1,31 +1,45 @@
 //! All eigenpairs of a small operator at once.
 
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
+
+use chladni_task::Task;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Mat, Par, Side};
 
-use super::{Solved, certify, cluster_end};
-use crate::platform::split;
+use super::{Solved, Wanted, certify, cluster_end};
+use crate::build::on_threads;
+use crate::platform::{HAS_THREADS, split};
 use crate::symmetric_eigen::symmetric_eigen;
-use crate::{Basis, HarmonicsError, Pencil, SolveProfile, SymmetricSparse};
+use crate::{Basis, HarmonicsError, Pencil, SolveProfile, SymmetricSparse, memory};
+
+/// Up to this many vertices a dense solve takes less than a second.
+const LONG: usize = 1000;
+/// Between two looks whether it was cancelled.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Solves M^-½ S M^-½, `zeros` eigenvalues of which are 0, as a dense matrix. All pairs are computed,
 /// therefore none can be missed.
 pub(super) fn solve(
     pencil: Pencil,
     zeros: usize,
-    harmonics: usize,
-    whole_clusters: bool,
+    wanted: Wanted,
+    task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     let n = pencil.mass.len();
+    if let Some(free) = wanted.free {
+        memory::check_dense(n, wanted.harmonics, free)?;
+    }
     let par = split();
     let root = Root::of(pencil)?;
     let symmetric = root.symmetrized(pencil, par);
-    let (mut eigenvalues, coordinates) = symmetric_eigen(&symmetric, par)
+    let (mut eigenvalues, coordinates) = interruptible(symmetric, par, task)?
         .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
+    task.check()?;
     let coordinates = root.untransformed(coordinates, par);
     eigenvalues[..zeros].fill(0.0);
-    let cluster_end = cluster_end(&eigenvalues, harmonics);
-    let keep = if whole_clusters { cluster_end } else { harmonics };
+    let cluster_end = cluster_end(&eigenvalues, wanted.harmonics);
+    let keep = wanted.kept(cluster_end);
     eigenvalues.truncate(keep);
     let mut vectors = vec![0.0; n * keep];
     for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
@@ -42,6 +56,33 @@ pub(super) fn solve(
         short_of_memory: None,
         profile: SolveProfile::default(),
     })
+}
+
+/// Eigenvalues and eigenvectors.
+type DensePairs = (Vec<f64>, Mat<f64>);
+
+/// All eigenpairs of `matrix`, of which a cancelled task does not wait: a large one is then left to a thread of its own,
+/// because the dense solver cannot be stopped.
+fn interruptible(matrix: Mat<f64>, par: Par, task: &Task) -> Result<Option<DensePairs>, HarmonicsError> {
+    if !HAS_THREADS || matrix.nrows() <= LONG {
+        return Ok(symmetric_eigen(&matrix, par));
+    }
+    let threads = rayon::current_num_threads();
+    let (done, waiting) = mpsc::channel();
+    let worker = move || {
+        let solved = on_threads(Some(threads), || symmetric_eigen(&matrix, par));
+        // Nobody may be waiting any more.
+        let _ = done.send(solved);
+    };
+    std::thread::Builder::new().spawn(worker).map_err(|e| HarmonicsError::Threads(e.to_string()))?;
+    loop {
+        task.check()?;
+        match waiting.recv_timeout(LOOK) {
+            Ok(solved) => return solved,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(None),
+        }
+    }
 }
 
 /// The factor G of M = G Gᵀ.

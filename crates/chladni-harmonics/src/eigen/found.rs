@@ -170,6 +170,10 @@ impl Found {
         let (shift, width) = (self.slice.shift, self.slice.high - self.slice.low);
         self.slice.shift = quiet_place(&pairs.values, shift, 0.25 * width, attempt as usize)
             .unwrap_or(shift + width * 0.011 * f64::from(attempt));
+        if self.slice.shift > self.slice.high {
+            // Far more eigenvalues than are wanted may lie below such a place.
+            self.slice.shift = shift - 0.05 * width;
+        }
         false
     }
 

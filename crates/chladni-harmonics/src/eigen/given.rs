@@ -22,7 +22,8 @@ const PROPORTIONAL: usize = 5;
 ///
 /// The relative error of an eigenvalue 0 is undefined, and its vectors are unknown. Instead of S, S + tM is
 /// solved. Its eigenvalues are those of S plus t, where t is about the distance between the first ones;
-/// none of them is small compared with the distance to the next.
+/// none of them is small compared with the distance to the next. If all that are wanted are 0, t is about the
+/// first eigenvalue that is not.
 pub(crate) fn solve(pencil: Pencil, settings: &BasisSettings, task: &Task) -> Result<Solved, HarmonicsError> {
     let (vertices, planned) = (pencil.mass.len(), plan::slices(settings.harmonics));
     let mut solved = where_it_fits(vertices, planned, settings, |wanted| solve_wanted(pencil, wanted, task))?;
@@ -41,8 +42,11 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
     // Zeros are counted by inertia: by value, a zero cannot be distinguished from anything small compared
     // with the lift.
     let (spacing, zeros) = if bound > 0.0 {
-        let spacing = spacing(&problem, bound, harmonics, &mut profile, task)?;
-        (spacing, inertia(&problem, FIRST * bound, &mut profile)?.1)
+        check_signs(&problem, bound, &mut profile)?;
+        let zeros = inertia(&problem, FIRST * bound, &mut profile)?.1;
+        // Where all wanted ones are 0, as far as the first that is not.
+        let (among, steps) = if zeros < harmonics { (harmonics, harmonics) } else { (zeros + 1, 1) };
+        (above(&problem, bound, among, &mut profile, task)? / steps as f64, zeros)
     } else {
         (1.0, pencil.mass.len())
     };
@@ -62,7 +66,7 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
         let stage = task.stage("harmonics", harmonics as u64);
         solve_connected(lifted, 0, Some(problem), wanted, &stage, task)
     };
-    let mut solved = or_dense(solved, lifted, 0, wanted)?;
+    let mut solved = or_dense(solved, lifted, 0, wanted, task)?;
     solved.profile.add(&profile);
     for (k, value) in solved.basis.eigenvalues.iter_mut().enumerate() {
         *value = if k < zeros { 0.0 } else { (*value - lift).max(0.0) };
@@ -71,20 +75,28 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
     Ok(solved)
 }
 
-/// The approximate distance between the first `harmonics` eigenvalues; `bound` is above all of them.
-fn spacing(
+/// Refuses negative eigenvalues.
+fn check_signs(problem: &Problem, bound: f64, profile: &mut Profile) -> Result<(), HarmonicsError> {
+    let (_, negative) = inertia(problem, -BELOW_ZERO * bound, profile)?;
+    if negative > 0 {
+        let mut reason =
+            format!("S has {negative} negative eigenvalues, so that it is not positive semidefinite");
+        if inertia(problem, BELOW_ZERO * bound, profile)?.1 == problem.mass.len() {
+            reason += ": it has no positive ones, and -S is what Laplacians of the other sign need";
+        }
+        return Err(HarmonicsError::bad_pencil(reason));
+    }
+    Ok(())
+}
+
+/// A value about as high as the first `harmonics` eigenvalues reach; `bound` is above all eigenvalues.
+fn above(
     problem: &Problem,
     bound: f64,
     harmonics: usize,
     profile: &mut Profile,
     task: &Task,
 ) -> Result<f64, HarmonicsError> {
-    let (_, negative) = inertia(problem, -BELOW_ZERO * bound, profile)?;
-    if negative > 0 {
-        let reason =
-            format!("S has {negative} negative eigenvalues, so that it is not positive semidefinite");
-        return Err(HarmonicsError::bad_pencil(reason));
-    }
     let (mut low, mut high) = (FIRST * bound, 1.01 * bound);
     // Assumes evenly spread eigenvalues, as those of surfaces are; their mean is that of the diagonal.
     let wanted = 1.5 * harmonics as f64;
@@ -106,7 +118,7 @@ fn spacing(
         }
         at *= wanted / (count as f64).max(0.5);
     }
-    Ok(high / harmonics as f64)
+    Ok(high)
 }
 
 #[cfg(test)]
@@ -235,7 +247,11 @@ mod tests {
         assert!(refused(&two, &[1.0]).contains("S has 2 rows and M has 1"));
         assert!(refused(&two, &[1.0, 0.0]).contains("value 1 of M is 0"));
         let indefinite = SymmetricSparse::from_entries(2, [(0, 0, 1.0), (0, 1, 2.0), (1, 1, 1.0)]).unwrap();
-        assert!(refused(&indefinite, &[1.0; 2]).contains("1 negative eigenvalues"));
+        let indefinite_refused = refused(&indefinite, &[1.0; 2]);
+        assert!(indefinite_refused.starts_with("S has 1 negative eigenvalues"), "{indefinite_refused}");
+        assert!(!indefinite_refused.contains("-S"), "{indefinite_refused}");
+        let other_sign = SymmetricSparse::from_entries(2, [(0, 0, -1.0), (0, 1, 1.0), (1, 1, -1.0)]).unwrap();
+        assert!(refused(&other_sign, &[1.0; 2]).contains("-S is what"));
         let mut slanted = indefinite.clone();
         slanted.values[1] = 0.5;
         assert!(refused(&slanted, &[1.0; 2]).contains("not symmetric"));

@@ -98,6 +98,10 @@ pub(super) fn run(
 /// this factor.
 const RANK: f64 = 1e-11;
 
+/// The smallest step away from an eigenvalue, as a share of the largest diagonal value; pivots below 1e-15 of
+/// that count as zero.
+const LEAST_NUDGE: f64 = 4e-15;
+
 /// Replaces X by Q of X = Q R, column by column. A column that depends on others or is only rounding is
 /// replaced by a random one orthogonal to all others, with zeros in R. `None` if no direction is left.
 fn fill_up(
@@ -175,6 +179,8 @@ pub(super) fn factor_near(
 ) -> bool {
     let start = Instant::now();
     let mut done = false;
+    // A smaller step would be lost in rounding.
+    let nudge = nudge.abs().max(LEAST_NUDGE * problem.largest).copysign(nudge);
     for attempt in 0..8 {
         if problem.factor(factor, *shift, workspace).is_ok() {
             done = true;

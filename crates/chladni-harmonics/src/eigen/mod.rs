@@ -42,6 +42,9 @@ const DENSE: usize = 300;
 const DENSE_SHARE: usize = 4000;
 /// A dense solve of more vertices would hold four matrices of 3 GB.
 const DENSE_MOST: usize = 20_000;
+/// Up to twice K and this many pairs, a group of equal eigenvalues is solved as a whole although K cuts it, so
+/// that geometry can choose among its vectors. The spheres of a thousand harmonics have groups of 63.
+const SPARE: usize = 256;
 /// The number of columns of M H in memory at once when all scalar products are measured.
 const COLUMNS: usize = 32;
 /// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
@@ -63,6 +66,10 @@ struct Wanted<'a> {
     harmonics: usize,
     /// Whether to extend K to the end of a group of equal eigenvalues that it would cut.
     whole_clusters: bool,
+    /// A group that reaches beyond this many pairs is cut at K after all.
+    most: usize,
+    /// Bytes that there are for the vectors, if the system says.
+    free: Option<u64>,
     /// Where the vectors are kept.
     keep: Keep<'a>,
     /// Whether to compute factors again rather than keep them.
@@ -74,7 +81,16 @@ struct Wanted<'a> {
 impl Wanted<'_> {
     /// An array of zeros for vectors of `n` values.
     fn vectors(self, n: usize, count: usize) -> Result<Values, HarmonicsError> {
+        if let (Keep::Memory, Some(free)) = (self.keep, self.free) {
+            // More than K if the last group is whole, however large that is.
+            memory::check_vectors(n, count, free)?;
+        }
         Values::zeroed(n * count, self.keep).map_err(|e| self.unkept(&e))
+    }
+
+    /// How many pairs to keep where the group of the K-th ends after `end`.
+    fn kept(self, end: usize) -> usize {
+        if self.whole_clusters && end <= self.most { end } else { self.harmonics }
     }
 
     fn unkept(self, error: &std::io::Error) -> HarmonicsError {
@@ -94,8 +110,11 @@ fn where_it_fits(
     let slices = rayon::current_num_threads().min(planned);
     let kept = if planned <= plan::KEPT { planned } else { 0 };
     let Room { slices: fitting, keep, frugal } = memory::room_for_solve(vertices, slices, kept, settings)?;
+    let harmonics = settings.harmonics;
+    let most = if settings.whole_clusters { usize::MAX } else { harmonics.saturating_mul(2) + SPARE };
+    let free = memory::free(settings);
     let wanted =
-        Wanted { harmonics: settings.harmonics, whole_clusters: true, keep, frugal, at_once: fitting.max(1) };
+        Wanted { harmonics, whole_clusters: true, most, free, keep, frugal, at_once: fitting.max(1) };
     // Each thread solves a slice.
     let solved = if fitting < slices { on_threads(Some(fitting), || solve(wanted))? } else { solve(wanted) };
     let short_of_memory = keep.short_of(fitting, slices, vertices, settings.harmonics);
@@ -123,7 +142,7 @@ pub(crate) fn solve(
             let stage = task.stage("harmonics", harmonics as u64);
             solve_connected(pencil, ZEROS, None, wanted, &stage, task)
         };
-        or_dense(solved, pencil, operator.components(), wanted)
+        or_dense(solved, pencil, operator.components(), wanted, task)
     })?;
     canonical::choose(&mut solved.basis, &operator.positions, &operator.stiffness);
     if !settings.whole_clusters && solved.basis.harmonics() > harmonics {
@@ -140,10 +159,11 @@ fn or_dense(
     pencil: Pencil,
     zeros: usize,
     wanted: Wanted,
+    task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     match solved {
         Err(HarmonicsError::NotCertified { .. }) if pencil.mass.len() <= DENSE_SHARE => {
-            let solved = dense::solve(pencil, zeros, wanted.harmonics, wanted.whole_clusters)?;
+            let solved = dense::solve(pencil, zeros, wanted, task)?;
             Ok(Solved { fell_back_to_dense: true, ..solved })
         }
         solved => solved,
@@ -171,7 +191,7 @@ fn solve_connected(
             let reason = "half of all and more take a dense solver, which is for at most 20000 vertices";
             return Err(HarmonicsError::TooMany { harmonics, vertices: n, reason: reason.into() });
         }
-        let solved = dense::solve(pencil, zeros, harmonics, wanted.whole_clusters)?;
+        let solved = dense::solve(pencil, zeros, wanted, task)?;
         // If slivers make the largest eigenvalues huge, slices are more accurate for the lowest ones.
         if n > DENSE || harmonics * 2 > n || solved.basis.certificate.is_precise() {
             stage.advance(harmonics as u64);

@@ -16,6 +16,8 @@ const UNEVEN: f64 = 0.12;
 /// How far a count may be from the line between its neighbors, in slices, before the eigenvalues are
 /// assumed to come in clumps (0.02 to 0.09 on ordinary shapes, 0.28 to 0.43 on spheres).
 const CLUMPED: f64 = 0.2;
+/// A part of the spectrum that is narrower than this share of its place is a single multiple eigenvalue.
+const NARROW: f64 = 1e-4;
 /// Number of counts taken in parallel in each round. It is not the number of threads, because the plan must
 /// not depend on that.
 const PROBES: usize = 4;
@@ -71,14 +73,32 @@ pub(super) fn plan(
         counted.0.push((bounds[slices], wanted));
         below = counted.0.iter().map(|&(_, count)| Some(count as usize)).collect();
     }
-    Ok((0..slices)
-        .map(|i| {
-            let shift = at(zeros as f64 + step * (i as f64 + 0.5));
-            let (low, high, ends) = (bounds[i], bounds[i + 1], below[i].zip(below[i + 1]));
-            let expected = ends.map_or(step.ceil() as usize, |(low, high)| high.saturating_sub(low));
-            (Slice { shift, low, high, expected, ends, top: i + 1 == slices }, None)
-        })
-        .collect())
+    let planned = (0..slices).map(|i| {
+        let shift = at(zeros as f64 + step * (i as f64 + 0.5));
+        let (low, high, ends) = (bounds[i], bounds[i + 1], below[i].zip(below[i + 1]));
+        let expected = ends.map_or(step.ceil() as usize, |(low, high)| high.saturating_sub(low));
+        Slice { shift, low, high, expected, ends, top: i + 1 == slices }
+    });
+    Ok(at_a_jump(planned.collect()).into_iter().map(|slice| (slice, None)).collect())
+}
+
+/// The `slices`, but for those at a multiple eigenvalue that reaches through several of them: the slice below takes
+/// all of it, from a shift well below it.
+fn at_a_jump(mut slices: Vec<Slice>) -> Vec<Slice> {
+    let is_narrow = |slice: &Slice, from: f64| slice.high - from < NARROW * slice.high;
+    let whole: usize = slices.iter().map(|slice| slice.expected).sum();
+    let first = (1..slices.len()).find(|&i| is_narrow(&slices[i], slices[i].low)).unwrap_or(slices.len());
+    let reaches_through = first < slices.len();
+    let high = slices.last().map_or(0.0, |slice| slice.high);
+    slices.truncate(first);
+    let below: usize = slices.iter().rev().skip(1).map(|slice| slice.expected).sum();
+    if let Some(top) = slices.last_mut()
+        && (reaches_through || is_narrow(top, top.shift))
+    {
+        let shift = top.low + 0.9 * (top.high - top.low);
+        *top = Slice { shift, high, expected: whole - below, ends: None, top: true, ..*top };
+    }
+    slices
 }
 
 /// The number of slices for this number of pairs.

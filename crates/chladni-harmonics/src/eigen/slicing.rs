@@ -15,6 +15,8 @@ use crate::{HarmonicsError, Pencil};
 
 /// The largest number of extra runs before the solve is given up.
 const REPAIRS: usize = 100;
+/// How often the end of a group of equal eigenvalues is not reached before it is counted how large it is.
+const PATIENCE: usize = 3;
 
 /// Solves for the first pairs of `problem`, which belongs to `pencil`.
 pub(super) fn solve(
@@ -72,10 +74,10 @@ pub(super) fn solve(
         profile.add(&part);
         slices.push(found);
     }
-    let known = mend(problem, &mut slices, harmonics, &mut profile, task)?;
+    let known = mend(problem, &mut slices, harmonics, wanted.most, &mut profile, task)?;
     problem.free_spare_blocks();
-    let keep = if wanted.whole_clusters { known.cluster_end } else { harmonics };
-    let cuts_cluster = keep < known.cluster_end;
+    let keep = wanted.kept(known.cluster_end);
+    let cuts_cluster = keep < known.cluster_end || known.is_cut;
     let start = Instant::now();
     let basis =
         assemble::assemble(problem, pencil, slices, &known, Wanted { harmonics: keep, ..wanted }, task)?;
@@ -84,24 +86,36 @@ pub(super) fn solve(
     Ok(Solved { basis, cuts_cluster, fell_back_to_dense: false, short_of_memory: None, profile })
 }
 
-/// Joins the slices, and searches again wherever a count shows that a pair is missing.
+/// Joins the slices, and searches again wherever a count shows that a pair is missing. The group of the K-th
+/// eigenvalue is found as a whole unless it reaches beyond `most` pairs.
 fn mend(
     problem: &Problem,
     slices: &mut [Found],
     harmonics: usize,
+    most: usize,
     profile: &mut Profile,
     task: &Task,
 ) -> Result<Known, HarmonicsError> {
     let mut top_count = slices.last().and_then(|top| top.top_count);
+    let (mut lacking, mut is_cut) = (0, false);
     for repair in 0..REPAIRS {
         task.check()?;
-        match Join::of(slices, problem.zeros, harmonics, top_count) {
+        let join = if is_cut { Join::within_group } else { Join::of };
+        match join(slices, problem.zeros, harmonics, top_count) {
             Join::Whole(known) => return Ok(known),
             Join::NeedsCount(at) => {
                 top_count = Some(inertia(problem, at, profile)?);
             }
             Join::NeedsMore => {
                 let last = slices.len() - 1;
+                lacking += 1;
+                if lacking == PATIENCE
+                    && let Some(end) = Join::end(slices, problem.zeros)
+                    && inertia(problem, end, profile)?.1 > most
+                {
+                    (is_cut, top_count) = (true, None);
+                    continue;
+                }
                 slices[last].search(problem, 1, harmonics + 8 * (repair + 1), profile, task)?;
             }
             Join::Missing(below, above) => {

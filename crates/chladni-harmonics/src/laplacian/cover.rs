@@ -14,6 +14,8 @@ pub(crate) struct Cover {
     pub twin: Vec<u32>,
     /// The length of each side, equal for both sides of a glued pair.
     pub length: Vec<f64>,
+    /// The mean length of the surface's edges, each counted once whether it has one triangle or several.
+    mean_length: f64,
 }
 
 /// The next side around the triangle of side `h`.
@@ -30,16 +32,25 @@ impl Cover {
     /// The cover of unconnected triangles, each with three different corners.
     pub(crate) fn of(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
         let edges = Edges::of(positions.len(), triangles);
-        if edges.are_closed_and_oriented(triangles) {
+        let mut cover = if edges.are_closed_and_oriented(triangles) {
             Self::one_sheet(positions, triangles, &edges)
         } else {
             Self::tufted(positions, triangles, &edges)
-        }
+        };
+        let lengths = edges.iter().map(|sides| edge_length(positions, triangles, sides[0]));
+        cover.mean_length = lengths.sum::<f64>() / edges.iter().count().max(1) as f64;
+        cover
+    }
+
+    /// Sides without lengths, which are glued to nothing.
+    fn unglued(sheets: usize, tail: Vec<u32>) -> Self {
+        let sides = tail.len();
+        Self { sheets, tail, twin: vec![0; sides], length: vec![0.0; sides], mean_length: 0.0 }
     }
 
     fn one_sheet(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Self {
         let tail: Vec<u32> = triangles.iter().flatten().copied().collect();
-        let mut cover = Self { sheets: 1, twin: vec![0; tail.len()], length: vec![0.0; tail.len()], tail };
+        let mut cover = Self::unglued(1, tail);
         for sides in edges.iter() {
             cover.glue(sides[0], sides[1], edge_length(positions, triangles, sides[0]));
         }
@@ -56,7 +67,7 @@ impl Cover {
         let tail: Vec<u32> = fronts.chain(backs).collect();
         // Side 0 of the front, a → b, is side 2 of the back, b → a, and so on.
         let back = |h: u32| 3 * (m + h / 3) + (2 - h % 3);
-        let mut cover = Self { sheets: 2, twin: vec![0; tail.len()], length: vec![0.0; tail.len()], tail };
+        let mut cover = Self::unglued(2, tail);
         let mut around = Vec::new();
         for sides in edges.iter() {
             around.clear();
@@ -85,7 +96,7 @@ impl Cover {
     /// Adds to all lengths the smallest constant that gives every triangle a slack of `factor` mean lengths
     /// (Sharp & Crane 2020, eq. 9 and 10). It is 0 for a sound mesh.
     pub(crate) fn mollify(&mut self, factor: f64) {
-        let slack = factor * self.length.iter().sum::<f64>() / self.length.len().max(1) as f64;
+        let slack = factor * self.mean_length;
         let mut missing = 0.0_f64;
         for l in self.length.as_chunks::<3>().0 {
             for i in 0..3 {

@@ -202,6 +202,17 @@ fn plain_cotangents_are_those_of_the_table() {
 }
 
 #[test]
+fn mollification_is_by_the_mean_of_the_edges_each_counted_once() {
+    // A triangle without height on the long side of another: the edge between them has two triangles.
+    let positions = [[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+    let mut cover = Cover::of(&positions, &[[0, 1, 3], [1, 0, 2]]);
+    cover.mollify(0.1);
+    let mean = (2.0 + 1.0 + 1.0 + 2.0 * 2.0_f64.sqrt()) / 5.0;
+    let shortest = cover.length.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((shortest - (1.0 + 0.1 * mean)).abs() < 1e-14, "{shortest}");
+}
+
+#[test]
 fn plain_cotangents_keep_the_negative_weight_of_an_obtuse_pair() {
     let positions = [[0.0; 3], [3.0, -1.0, 0.0], [6.0, 0.0, 0.0], [3.0, 1.0, 0.0]];
     let (s, mass) = cotangent_laplacian(&positions, &[[0, 1, 2], [0, 2, 3]]).unwrap();

@@ -59,6 +59,11 @@ fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
         order_by_degree(whole, &part.name, order);
         return;
     }
+    if part.graph.neighbors.len() > n * n / 2 {
+        // Nearly all are joined to each other: no order fills less, and looking for one would take long.
+        order.copy_from_slice(&part.name);
+        return;
+    }
     let sides = split(&part.graph);
     let (left, right) = (part.side(&sides, LEFT), part.side(&sides, RIGHT));
     let (first, rest) = order.split_at_mut(left.name.len());
@@ -79,6 +84,10 @@ fn dissect(whole: &Graph, part: &Part, order: &mut [u32]) {
 /// Orders a small part by minimum degree. Neighbors in the surrounding separators count too, although they
 /// are eliminated later.
 fn order_by_degree(whole: &Graph, part: &[u32], order: &mut [u32]) {
+    // One side of a clique's separator is empty.
+    if part.is_empty() {
+        return;
+    }
     let mut around: Vec<u32> = part.iter().flat_map(|&v| whole.of(v)).copied().collect();
     around.sort_unstable();
     around.dedup();

@@ -86,6 +86,11 @@ fn missed(basis: &Basis, exact: &[f64], residual: f64, lift: f64) -> Option<Stri
 /// residuals.
 fn lift(exact: &[f64], k: usize) -> f64 {
     let largest = exact.last().copied().unwrap_or(0.0);
+    let zeros = exact.iter().take_while(|value| **value <= 1e-12 * largest).count();
+    if zeros >= k {
+        // Where all wanted ones are 0, about as much as the first that is not.
+        return exact.get(2 * zeros + 2).map_or(4.0 * largest, |above| 1.2 * above);
+    }
     exact.get(2 * k).map_or(4.0 * largest, |above| 1.2 * above) / k as f64 + 1e-9 * largest
 }
 

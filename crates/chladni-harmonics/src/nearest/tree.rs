@@ -1,4 +1,4 @@
-//! Exact nearest neighbors in any number of dimensions, for example among the rows of a spectral embedding.
+//! A tree over points, which finds the nearest ones where most can be excluded.
 //!
 //! Vertices that are neighbors on a surface are close in all coordinates of such an embedding at once. Each
 //! node of the tree therefore keeps the bounding box of its points in all dimensions: beyond ten
@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::total;
 use crate::ldlt::Row;
 use crate::simd::{Kernel, Lanes, dispatch};
 
@@ -13,13 +14,9 @@ use crate::simd::{Kernel, Lanes, dispatch};
 const LEAF: usize = 16;
 /// How many rows of eight coordinates are summed between two checks whether a point is too far already.
 const STRETCH: usize = 4;
-/// How many queries are answered in sequence; each starts with the answer to the previous one.
-const CHUNK: usize = 256;
-
 /// A binary tree over points. Each node splits its points in half along the dimension in which they spread
 /// most.
-pub(crate) struct PointTree {
-    dimensions: usize,
+pub(super) struct PointTree {
     /// The number of rows of eight in a point; the last row is padded with zeros.
     width: usize,
     /// The points in the order of the leaves, their original indices, and the place of each index.
@@ -41,14 +38,13 @@ struct Node {
 
 impl PointTree {
     /// A tree of at least one point; `points` holds `dimensions` ≥ 1 finite coordinates of each, one point
-    /// after the other.
-    pub fn new(points: &[f64], dimensions: usize) -> Self {
+    /// after the other, and `rows` the same, padded.
+    pub fn new(points: &[f64], dimensions: usize, rows: &[Row]) -> Self {
         let count = points.len() / dimensions;
         let width = dimensions.div_ceil(8);
         let mut numbers: Vec<u32> = (0..count as u32).collect();
         let mut nodes = Vec::new();
         grow(points, dimensions, &mut numbers, 0, &mut nodes);
-        let rows = padded(points, dimensions, width);
         let of = |number: u32| &rows[number as usize * width..][..width];
         let points: Vec<Row> = numbers.iter().flat_map(|number| of(*number)).copied().collect();
         let mut places = vec![0; count];
@@ -65,35 +61,15 @@ impl PointTree {
             ends
         };
         let boxes = nodes.par_iter().flat_map_iter(around).collect();
-        Self { dimensions, width, points, numbers, places, nodes, boxes }
+        Self { width, points, numbers, places, nodes, boxes }
     }
 
-    /// For each of `queries` the nearest point, and the first of several at the same distance. `guesses`,
-    /// one per query or empty, only speed up the search.
-    pub fn nearest(&self, queries: &[f64], guesses: &[u32]) -> Vec<u32> {
-        let queries = padded(queries, self.dimensions, self.width);
-        let mut found = vec![0; queries.len() / self.width];
-        found.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, found)| {
-            let first = chunk * CHUNK;
-            let queries = &queries[first * self.width..(first + found.len()) * self.width];
-            dispatch(Search {
-                tree: self,
-                queries,
-                guesses: guesses.get(first..).unwrap_or_default(),
-                found,
-            });
-        });
-        found
+    /// For each of `queries`, as padded rows, the nearest point, and the first of several at the same
+    /// distance. `guesses`, one per query or empty, only speed up the search. Each search begins where the one before
+    /// ended. Returns `false`, and leaves `found` unfinished, once more than `most` points had to be looked at.
+    pub fn nearest(&self, queries: &[Row], guesses: &[u32], most: usize, found: &mut [u32]) -> bool {
+        dispatch(Search { tree: self, queries, guesses, most, found })
     }
-}
-
-/// Splits values into rows of eight, padded with zeros.
-fn padded(values: &[f64], dimensions: usize, width: usize) -> Vec<Row> {
-    let mut rows = vec![[0.0; 8]; values.len() / dimensions * width];
-    rows.par_chunks_exact_mut(width).zip(values.par_chunks_exact(dimensions)).for_each(|(rows, values)| {
-        rows.as_flattened_mut()[..dimensions].copy_from_slice(values);
-    });
-    rows
 }
 
 /// Splits `numbers`, the first of which is at position `first`, and appends their nodes.
@@ -125,16 +101,17 @@ struct Search<'a> {
     tree: &'a PointTree,
     queries: &'a [Row],
     guesses: &'a [u32],
+    most: usize,
     found: &'a mut [u32],
 }
 
 impl Kernel for Search<'_> {
-    type Output = ();
+    type Output = bool;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, _lanes: L) {
-        let Self { tree, queries, guesses, found } = self;
-        let mut before = 0;
+    fn run<L: Lanes>(self, _lanes: L) -> bool {
+        let Self { tree, queries, guesses, most, found } = self;
+        let (mut before, mut looked_at) = (0, 0);
         // The nodes to visit, and the squared distances of their boxes.
         let mut waiting: Vec<(f64, usize)> = Vec::new();
         for (q, (query, found)) in queries.chunks_exact(tree.width).zip(found).enumerate() {
@@ -150,8 +127,12 @@ impl Kernel for Search<'_> {
                 if gap > best.0 * (1.0 + 1e-12) {
                     continue;
                 }
+                if looked_at > most {
+                    return false;
+                }
                 let node = &tree.nodes[at];
                 let Some(above) = node.above else {
+                    looked_at += node.end - node.first;
                     (node.first..node.end).for_each(|place| consider(tree, query, place, &mut best));
                     continue;
                 };
@@ -160,11 +141,13 @@ impl Kernel for Search<'_> {
                     (distance_to_box(tree, query, above), above),
                 );
                 let (near, far) = if near.0 <= far.0 { (near, far) } else { (far, near) };
+                looked_at += 2;
                 waiting.extend([far, near]);
             }
             *found = best.1;
             before = tree.places[best.1 as usize] as usize;
         }
+        true
     }
 }
 
@@ -199,41 +182,4 @@ fn distance_to_box(tree: &PointTree, query: &[Row], node: usize) -> f64 {
         }
     }
     total(&sums)
-}
-
-#[inline(always)]
-fn total(sums: &Row) -> f64 {
-    ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
-        #[test]
-        fn it_finds_what_looking_at_all_points_finds(
-            dimensions in 1..20_usize,
-            values in prop::collection::vec(-4..4_i8, 20..2000),
-            queries in prop::collection::vec(-9..9_i8, 20..200),
-            guess in 0..1_usize,
-        ) {
-            // Integer coordinates give many ties and equal points.
-            let cut = |values: &[i8]| -> Vec<f64> {
-                values[..values.len() / dimensions * dimensions].iter().map(|x| f64::from(*x) / 2.0).collect()
-            };
-            let (points, queries) = (cut(&values), cut(&queries));
-            let tree = PointTree::new(&points, dimensions);
-            let guesses = vec![guess as u32; queries.len() / dimensions];
-            let found = tree.nearest(&queries, &guesses);
-            let distance = |q: &[f64], p: &[f64]| q.iter().zip(p).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
-            for (query, found) in queries.chunks(dimensions).zip(&found) {
-                let all = points.chunks(dimensions).enumerate();
-                let best = all.map(|(i, p)| (distance(query, p), i as u32)).min_by(|a, b| a.partial_cmp(b).unwrap());
-                prop_assert_eq!(best.unwrap().1, *found);
-            }
-        }
-    }
 }
