@@ -266,7 +266,10 @@ fn a_program_that_is_asked_to_end_closes_its_window() {
 /// Shows that were left in the folder of recovery copies.
 fn shows_in(folder: &Path) -> Vec<std::path::PathBuf> {
     let entries = std::fs::read_dir(folder.join("recovery")).into_iter().flatten().flatten();
-    entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|end| end == "toml")).collect()
+    entries
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|end| end == "toml"))
+        .collect()
 }
 
 #[test]
@@ -308,6 +311,7 @@ fn a_show_survives_a_crash_and_a_request_to_end() {
     assert!(closes(&window));
     drop(window);
     let kept = Show::load(&shows_in(home)[0]).unwrap();
-    let favorites = kept.actions.iter().filter(|line| matches!(line.action, chladni_music::Action::Favorite { .. }));
+    let favorites =
+        kept.actions.iter().filter(|line| matches!(line.action, chladni_music::Action::Favorite { .. }));
     assert_eq!(favorites.count(), 2);
 }

@@ -20,13 +20,19 @@ const INTERVAL_SECS: f64 = 5.0;
 /// What names of copies begin and end with.
 const NAMES: (&str, &str) = ("show", "toml");
 
+/// A copy that was written, or why not.
+struct Written {
+    copy: RecoveryCopy,
+    failure: Option<String>,
+}
+
 /// The copy of this window's show, and those that were found.
 #[derive(Default)]
 pub struct Keepsake {
     /// `None` until it is needed; an error where it cannot be.
     copy: Option<Result<RecoveryCopy, ()>>,
     /// What is being written, and how many actions it has; and how many the copy has.
-    writing: Option<(Receiver<Result<RecoveryCopy, (RecoveryCopy, String)>>, usize)>,
+    writing: Option<(Receiver<Written>, usize)>,
     kept: usize,
     last_secs: f64,
     /// Why the last copy could not be written: reported once, and tried again.
@@ -44,8 +50,7 @@ impl Keepsake {
         let (copy, failure) = match written.try_recv() {
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => (Err(()), Some("its thread ended".to_owned())),
-            Ok(Ok(copy)) => (Ok(copy), None),
-            Ok(Err((copy, why))) => (Ok(copy), Some(why)),
+            Ok(Written { copy, failure }) => (Ok(copy), failure),
         };
         if failure.is_none() {
             self.kept = *actions;
@@ -65,10 +70,7 @@ impl Keepsake {
             let text = show.to_text().map_err(|why| why.to_string());
             let kept = text.and_then(|text| copy.keep(text.as_bytes()).map_err(|why| why.to_string()));
             // If nobody waits any longer, the window is gone, and the copy stays.
-            let _ = done.send(match kept {
-                Ok(()) => Ok(copy),
-                Err(why) => Err((copy, why)),
-            });
+            let _ = done.send(Written { copy, failure: kept.err() });
         };
         match std::thread::Builder::new().name("show copy".into()).spawn(work) {
             Ok(_) => self.writing = Some((written, actions)),
@@ -122,7 +124,7 @@ impl MusicRoom {
             if let Some((written, actions)) = self.keepsake.writing.take() {
                 let (done, again) = channel();
                 // If its thread is gone, so is the copy.
-                let _ = written.recv().map(|copy| done.send(copy));
+                let _ = written.recv().map(|written| done.send(written));
                 self.keepsake.writing = Some((again, actions));
             }
             self.keep_show(true, shared);
@@ -133,7 +135,7 @@ impl MusicRoom {
     /// The window closes, and all that matters is saved or given up.
     pub(super) fn drop_show(&mut self) {
         if let Some((written, _)) = self.keepsake.writing.take() {
-            self.keepsake.copy = written.recv().ok().map(|copy| Ok(copy.unwrap_or_else(|(copy, _)| copy)));
+            self.keepsake.copy = written.recv().ok().map(|written| Ok(written.copy));
         }
         if let Some(Ok(copy)) = self.keepsake.copy.take() {
             copy.finish();
