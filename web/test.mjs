@@ -1,5 +1,5 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|shows|returns|films|microphone|caricature|tools|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|shows|returns|films|microphone|caricature|tools|ways|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import * as caricature from "./tests/caricature.mjs";
@@ -12,6 +12,7 @@ import * as returns from "./tests/returns.mjs";
 import * as shows from "./tests/shows.mjs";
 import { threads } from "./tests/threads.mjs";
 import * as tools from "./tests/tools.mjs";
+import * as ways from "./tests/ways.mjs";
 
 const only = process.argv[4];
 const rooms = {
@@ -22,6 +23,7 @@ const rooms = {
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
+  ways: [ways.music, ways.caricature],
   models: [models.chosen],
   card: [card.webgpu.pictures, card.webgpu.loss],
   webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.looks, card.webgl.skin],

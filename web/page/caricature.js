@@ -1,6 +1,6 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
-import { ask, giveUp } from "./work.js";
+import { ask, giveUp, obsolete } from "./work.js";
 import { attempt, base, busy, label, of, on, options, report, say } from "./page.js";
 import { scale, show as showPicture, stir } from "./picture.js";
 import * as exports from "./exports.js";
@@ -81,11 +81,11 @@ async function openShape(name, bytes, project, first) {
   await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
   const next = new Sitting(name, bytes, project, harmonicsOf(bytes));
   const mine = ++opened;
-  giveUp(new Error("Another shape was opened"), ["solve", "match", "gallery"]);
+  giveUp(obsolete(), ["solve", "match", "gallery"]);
   wall.leave();
   sitting?.free();
   sitting = next;
-  of("bench").inert = false;
+  empty(false);
   ink.again(true);
   shape = { name, bytes };
   if (first !== undefined) { sitting.begin(first); sitting.mark_saved(); }
@@ -161,7 +161,7 @@ export async function openProject(name, bytes) {
  * of both. */
 export async function takeMesh(name, bytes) {
   files.set(name, bytes);
-  if (waiting?.shape === name) return openProject(waiting.name, waiting.bytes);
+  if (waitsFor(name)) return openProject(waiting.name, waiting.bytes);
   const wanting = state?.layers.filter((layer) => layer.state === "failed" && base(layer.template) === name) ?? [];
   for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
   if (wanting.length) return changed();
@@ -343,14 +343,24 @@ export const tool = {
 export function open() {
   showPicture(room);
   if (sitting) return;
-  // A project waits for its mesh: there is nothing to work on yet.
-  of("bench").inert = true;
+  // A project waits for its mesh: there is nothing to work on yet, but something to open.
+  empty(true);
   of("cells").replaceChildren();
 }
 
+/** Whether there is no shape: what needs one rests, and the picture of the other room is not seen. */
+function empty(isSo) {
+  document.body.toggleAttribute("data-empty", isSo);
+  for (const child of of("bench").children) child.inert = isSo && !child.querySelector("#sitter, #open-project");
+  for (const id of ["undo", "redo", "save-project"]) of(id).inert = isSo;
+}
+
+/** Whether a project waits for the mesh of this name. */
+export const waitsFor = (name) => waiting?.shape === name;
+
 /** A mask was brought. */
 export async function takeMask(name, bytes) {
-  if (!sitting) throw new Error(`${name}: a mask is the region of a layer; open a shape first.`);
+  if (!sitting) throw new Error(`${name}: a mask is the region of a layer: choose a shape first, or open one.`);
   return exports.takeMask(name, bytes);
 }
 

@@ -16,6 +16,7 @@ report.view = () => (isIn("caricature") ? caricature : music).view();
 function enterMusic() {
   if (isIn("music")) return;
   dataset.view = "music";
+  delete dataset.empty;
   music.open();
 }
 
@@ -32,6 +33,7 @@ async function take(name, bytes) {
     case "text": enterMusic(); return music.openText(name, bytes);
     case "project": enterCaricature(); return caricature.openProject(name, bytes);
     case "mesh":
+      if (caricature.waitsFor(name)) enterCaricature();
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
       enterMusic();
       return music.openMesh(name, bytes);
@@ -41,19 +43,31 @@ async function take(name, bytes) {
 }
 
 /** One that cannot be opened, such as the cover of an album, leaves the others. */
-const takeFile = attempt(async (file) => take(file.name, new Uint8Array(await file.arrayBuffer())));
+const takeFile = attempt(async (file) => {
+  try { await take(file.name, new Uint8Array(await file.arrayBuffer())); } catch (error) {
+    const why = error.message ?? String(error);
+    // A folder has no content that could be read.
+    if (error.name === "NotFoundError") throw new Error(`${file.name} cannot be read: the page opens files, not folders.`);
+    if (error.name === "AbortError" || why.includes(file.name)) throw error;
+    throw new Error(`${file.name}: ${why}`);
+  }
+});
+
+/** What says what it needs comes before what it needs. */
+const order = ({ name }) => (["text", "project"].includes(kind(name)) ? 0 : 1);
 
 const open = attempt(async (files) => {
+  if (music.isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
   const songs = files.filter(({ name }) => kind(name) === "song");
-  for (const file of files) if (!songs.includes(file)) await takeFile(file);
+  for (const file of files.toSorted((a, b) => order(a) - order(b))) if (!songs.includes(file)) await takeFile(file);
   if (!songs.length) return;
   enterMusic();
   await music.openSongs(songs);
 });
 
-/** Whoever closes the page is asked, where a caricature would be lost. */
+/** Whoever closes the page is asked, where a caricature or a gallery would be lost. */
 function asksBeforeClosing(event) {
-  if (caricature.isUnsaved()) event.preventDefault();
+  if (caricature.isUnsaved() || music.isUnsaved()) event.preventDefault();
 }
 
 function listen() {
@@ -62,7 +76,7 @@ function listen() {
   on("exaggerate", () => { enterCaricature(); return caricature.begin(); });
   on("bring", () => of("file").click());
   for (const id of ["open", "open-project"]) on(id, () => of("file").click());
-  on("home", async () => { music.leave(); dataset.view = "front"; await music.front(); });
+  on("home", async () => { music.leave(); delete dataset.empty; dataset.view = "front"; await music.front(); });
   on("cancel", () => giveUp());
   on("full", async () => {
     if (document.fullscreenElement) return document.exitFullscreen();

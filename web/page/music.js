@@ -4,7 +4,7 @@ import { Microphone } from "./microphone.js";
 import { Sound } from "./sound.js";
 import * as shows from "./shows.js";
 import * as songs from "./songs.js";
-import { ask } from "./work.js";
+import { ask, giveUp, obsolete, works } from "./work.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
 import { LiveFilm } from "./film.js";
@@ -110,15 +110,36 @@ async function stopListening() {
   await closing?.close();
 }
 
+/** What was bred, as far as a file has it. */
+let kept = "";
+const bred = () => (state ? `${state.generations} ${state.dances.filter(({ favorite }) => favorite).length}` : "");
+
+/** Whether children or favorites would be lost that no file has. */
+export const isUnsaved = () => (atFront ? !!parked?.isUnsaved : !!concert && bred() !== "1 0" && bred() !== kept);
+
+/** Whether another shape may dance, without what was bred on this one. */
+function mayReplace() {
+  if (!isUnsaved() || confirm("The dances that were bred here are not saved. Let another shape dance without them?")) return true;
+  say("The shape has stayed: Save show keeps its dances.");
+  refresh();
+  return false;
+}
+
+/** What another shape was prepared for is not wanted any more. */
+const forget = () => works("work") && giveUp(obsolete(), ["work"]);
+
 async function dance(name) {
   const mine = ++visit;
+  forget();
   say(`${label(name)}…`);
   const body = await bodyOf(name);
   if (mine === visit) show(body);
 }
 
 export async function openMesh(name, bytes) {
+  if (!mayReplace()) return;
   const mine = ++visit;
+  forget();
   const harmonics = harmonicsOf(bytes.length);
   await busy(name, async (tell) => {
     const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, tell);
@@ -138,11 +159,14 @@ function unreadable(error) {
 
 /** Counts what was asked for: only the last is played. */
 let turn = 0;
+/** The song that was asked for last, until it plays. */
+let wanted;
 
 /** Plays a song of the list; one that cannot be read leaves it to the next. */
 async function playSong(song) {
   const mine = ++turn;
   while (song) {
+    wanted = song;
     try {
       const decoded = await songs.soundOf(song);
       if (mine !== turn) return;
@@ -160,13 +184,14 @@ async function playSong(song) {
       song = error.name === "AbortError" ? undefined : songs.strike(song);
     }
   }
+  if (mine === turn) wanted = undefined;
   refresh();
 }
 
 /** Songs play one after the other, behind those of the list. */
 export const openSongs = (files) => playSong(songs.add(files));
 
-const playBeside = attempt((steps) => playSong(songs.beside(songs.current(), steps)));
+const playBeside = attempt((steps) => playSong(songs.beside(wanted ?? songs.current(), steps)));
 sound.onend = () => { if (!concert.plays_show()) playBeside(1); };
 
 export async function openText(name, bytes) {
@@ -188,6 +213,7 @@ export async function openText(name, bytes) {
   heard.splice(0, heard.length, ...needs.songs.map((song) => songs.find(song) ?? { name: song }));
   hear();
   refresh();
+  kept = bred();
   const missing = needs.songs.filter((song) => !songs.names().includes(song));
   if (needs.body && needs.body !== state.body) say(`${name} was danced by ${needs.body}: drop that mesh, then the show again.`);
   else say(missing.length ? `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.` : needs.caution ?? `${name} is open.`);
@@ -246,6 +272,9 @@ async function endFilm() {
   } finally { end(); }
 }
 
+/** Whether a film waits for its pictures. */
+export const isFilmed = () => !!filmed;
+
 /** The song for a film that waits for its pictures. */
 const stage = {
   sound: () => ({ ...sound.samples, position: sound.position(), duration: sound.duration }),
@@ -288,13 +317,27 @@ const room = {
     drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, choices);
     if (filming) of("film").textContent = `Stop, ${Math.floor(filming.film.secs)} s`;
     if (microphone) of("loudness").value = Math.sqrt(microphone.loudest);
-    if (!of("seek").matches(":active")) of("seek").value = sound.duration ? sound.position() / sound.duration : 0;
+    showPlace();
   },
 };
 
 // ---- controls
 
+const clock = (secs) => `${Math.floor(secs / 60)}:${String(Math.floor(secs % 60)).padStart(2, "0")}`;
+
+/** Where the song is. */
+function showPlace() {
+  const seek = of("seek");
+  if (!seek.matches(":active")) seek.value = sound.duration ? sound.position() / sound.duration : 0;
+  const text = `${clock(sound.position())} of ${clock(sound.duration)}`;
+  if (seek.title === text) return;
+  seek.title = text;
+  seek.setAttribute("aria-valuetext", text);
+}
+
 const act = attempt((action) => { concert.act(JSON.stringify(action)); refresh(); });
+/** The dance that is saved: the one on stage, else the first that is chosen. */
+const theDance = () => JSON.parse(concert.curves())?.item ?? Math.max(0, state.dances.findIndex((dance) => dance.chosen));
 const choices = {
   choose: (item) => act({ do: "choose", item, on: !state.dances[item].chosen }),
   perform: (item) => act({ do: "perform", item }),
@@ -302,6 +345,13 @@ const choices = {
   says: (item) => `Put dance ${item + 1} on stage`,
   name: (item) => `Dance ${item + 1}`,
 };
+
+/** Sand is of the stage: it goes with it. */
+function settle() {
+  refresh();
+  if (state.sand && !state.piloted) concert.sand(false);
+  refresh();
+}
 
 function songName() {
   const { name } = songs.current() ?? { name: songs.TUNE };
@@ -334,6 +384,8 @@ function refresh() {
   for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || !!microphone;
   of("play").setAttribute("aria-pressed", sound.isHeard);
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
+  // That of a sheet, which is made for sand, is not offered for others.
+  if (![...of("look").options].some(({ value }) => value === state.look)) of("look").append(...options([state.look], (name) => name));
   of("look").value = state.look;
   of("gain").value = state.settings.knobs?.gain ?? 1;
   const option = [...of("shape").options].find((option) => option.value === state.body);
@@ -389,7 +441,7 @@ export async function front() {
   if (mine !== visit) return;
   if (concert && concert !== atFront) {
     // What was bred in the room is there again when it is entered.
-    parked = { concert, heard: [...heard] };
+    parked = { concert, heard: [...heard], isUnsaved: isUnsaved() };
     concert = undefined;
   }
   show(body);
@@ -415,6 +467,8 @@ export function listen() {
   of("look").append(...options(JSON.parse(looks()), (name) => name));
   on("play", async () => {
     await stopListening();
+    // From the first touch on it is the user's own.
+    if (concert.plays_show()) concert.stop_show();
     if (sound.isHeard) sound.pause(); else await playAloud();
     refresh();
   });
@@ -426,20 +480,27 @@ export function listen() {
   on("listen", () => (microphone ? stopListening() : listenTo()));
   of("microphone").addEventListener("change", attempt(() => listenTo(of("microphone").value)));
   on("breed", () => act({ do: "breed" }));
-  on("back", () => { if (state.piloted) concert.autopilot(false); else if (state.sand) concert.sand(false); else act({ do: "leave-stage" }); refresh(); });
-  on("pilot", () => { concert.autopilot(!state.piloted); refresh(); });
+  on("back", () => {
+    if (!state.piloted && !state.sand) return act({ do: "leave-stage" });
+    if (state.piloted) concert.autopilot(false);
+    return settle();
+  });
+  on("pilot", () => { concert.autopilot(!state.piloted); settle(); });
   on("sand", () => { concert.sand(!state.sand); refresh(); });
-  on("save-show", () => save("chladni-show.toml", concert.save_show()));
-  on("save-preset", () => save("chladni-dance.toml", concert.save_preset(Math.max(0, state.dances.findIndex((dance) => dance.chosen)))));
+  on("save-show", () => { save("chladni-show.toml", concert.save_show()); kept = bred(); });
+  on("save-preset", () => save("chladni-dance.toml", concert.save_preset(theDance())));
   on("play-show", playShow);
   on("film", () => (filming ? endFilm() : beginFilm()));
   on("save-picture", async () => save("chladni.png", await nextPicture()));
-  of("seek").addEventListener("input", () => sound.seek(of("seek").value * sound.duration));
+  of("seek").addEventListener("input", () => {
+    if (concert.plays_show()) { concert.stop_show(); refresh(); }
+    sound.seek(of("seek").value * sound.duration);
+  });
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
   of("look").addEventListener("change", () => { concert.set_look(JSON.stringify({ look: of("look").value })); refresh(); });
   of("shape").addEventListener("change", attempt(() => {
     const name = of("shape").value;
-    if (name) return dance(name);
+    if (name) return mayReplace() && dance(name);
     // Until a file has been chosen, the shape is the one that is there.
     refresh();
     return of("file").click();

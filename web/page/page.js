@@ -13,7 +13,10 @@ export function say(text, bad = false, secs = 8) {
 
 /** Does it, and says what went wrong. */
 export const attempt = (act) => async (...args) => {
-  try { await act(...args); } catch (error) { say(error.message ?? String(error), true); }
+  try { await act(...args); } catch (error) {
+    // Whoever asked wants something else by now.
+    if (error.name !== "ObsoleteError") say(error.message ?? String(error), true);
+  }
 };
 
 /** What workers do now, in words. */

@@ -56,6 +56,12 @@ function start(name) {
 /** Whether there is a worker of this name, with what it knows. */
 export const runs = (name) => workers.has(name);
 
+/** Whether a worker of this name does something now. */
+export const works = (name) => [...waiting.values()].some((asked) => asked.name === name);
+
+/** What was asked for is not wanted any more: as an error that nobody needs to read. */
+export const obsolete = () => new DOMException("something else is wanted", "ObsoleteError");
+
 /** Ends what the workers of these names, or all that do something, work on; whoever waits for it gets `why`. */
 export function giveUp(why = new DOMException("Cancelled", "AbortError"), names = [...waiting.values()].map(({ name }) => name)) {
   for (const name of names) {

@@ -51,6 +51,25 @@ impl History {
         self.step(action, surface, true)
     }
 
+    /// Does `actions`, one after the other, as one step, which is called like the last; all of them or none.
+    ///
+    /// # Errors
+    /// As [`Project::apply`].
+    pub fn apply_together(
+        &mut self,
+        actions: &[Action],
+        surface: Option<&Surface>,
+    ) -> Result<(), CaricatureError> {
+        let Some(last) = actions.last() else { return Ok(()) };
+        let mut after = self.project.clone();
+        actions.iter().try_for_each(|action| after.apply(action, surface))?;
+        let before = std::mem::replace(&mut self.project, after);
+        self.gesture = None;
+        self.future.clear();
+        self.remember(last.label(), before);
+        Ok(())
+    }
+
     /// Does `action` as part of a drag or a brush stroke: actions of one kind on one layer become
     /// one step until [`finish`](Self::finish).
     ///
@@ -78,12 +97,16 @@ impl History {
         self.project.apply(action, surface)?;
         self.future.clear();
         if new_step {
-            if self.past.len() == MAX_STEPS {
-                self.past.remove(0);
-            }
-            self.past.push(Step { label: action.label(), project: before });
+            self.remember(action.label(), before);
         }
         Ok(())
+    }
+
+    fn remember(&mut self, label: &'static str, before: Project) {
+        if self.past.len() == MAX_STEPS {
+            self.past.remove(0);
+        }
+        self.past.push(Step { label, project: before });
     }
 
     /// Takes the last step back; returns its label, `None` where there is none.

@@ -138,12 +138,8 @@ impl Sitting {
     pub fn hang(&mut self, layers: &str) -> Result<(), JsError> {
         let layers: Vec<Layer> = serde_json::from_str(layers)?;
         let surface = self.stack.surface().clone();
-        for action in hung(self.history.project(), layers) {
-            let next = self.history.project().next_id();
-            self.history.apply_live(&action, Some(&surface))?;
-            self.selected = Some(next);
-        }
-        self.history.finish();
+        self.history.apply_together(&hung(self.history.project(), layers), Some(&surface))?;
+        self.selected = self.history.project().layers().last().map(|(id, _)| *id);
         Ok(self.refresh()?)
     }
 }

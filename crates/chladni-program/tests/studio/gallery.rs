@@ -46,3 +46,29 @@ fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
     person.press_with(CTRL, Key::S);
     assert!(!Project::load(&desk.path("taken.chladni")).unwrap().layers().is_empty());
 }
+
+#[test]
+fn what_is_taken_is_seen_alone_and_one_step_back_all_is_as_it_was() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    for template in ["template/ellipsoid", "template/sphere"] {
+        person.click("add");
+        person.click(template);
+    }
+    desk.answers.add(desk.path("taken.chladni"));
+    let mut seen = |person: &mut driving::person::Person| -> Vec<bool> {
+        person.press_with(CTRL, Key::S);
+        let project = Project::load(&desk.path("taken.chladni")).unwrap();
+        project.layers().iter().map(|(_, layer)| layer.enabled).collect()
+    };
+    assert_eq!(seen(&mut person), [true, true]);
+    person.press(Key::G);
+    person.wait_to_see("Caricature 12");
+    person.press(Key::S);
+    person.wait_until_gone("Caricature 12");
+    let taken = seen(&mut person);
+    assert!(taken.len() > 2 && taken[..2] == [false, false] && taken[2..].iter().all(|on| *on), "{taken:?}");
+    person.press_with(CTRL, Key::Z);
+    assert_eq!(seen(&mut person), [true, true]);
+}

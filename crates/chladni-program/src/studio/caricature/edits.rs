@@ -9,6 +9,8 @@ pub enum Edit {
     Once(Action),
     /// An action of a drag; drags of one kind become one step.
     Live(Action),
+    /// Actions that are one step.
+    Together(Vec<Action>),
     /// The drag ended.
     Finish,
 }
@@ -21,6 +23,11 @@ impl Edits {
     /// A step of its own.
     pub fn once(&mut self, action: Action) {
         self.0.push(Edit::Once(action));
+    }
+
+    /// Several actions as one step.
+    pub fn together(&mut self, actions: Vec<Action>) {
+        self.0.push(Edit::Together(actions));
     }
 
     /// A property set at once, such as by a button.

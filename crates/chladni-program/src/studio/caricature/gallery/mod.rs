@@ -261,8 +261,5 @@ fn marked_next(ctx: &egui::Context, mut marked: usize, columns: usize, count: us
 
 /// Adds the layers of a caricature on top, as one step of the history.
 fn take(layers: Vec<Layer>, session: &Session, edits: &mut Edits) {
-    for action in hung(session.project(), layers) {
-        edits.live(action);
-    }
-    edits.finish();
+    edits.together(hung(session.project(), layers));
 }

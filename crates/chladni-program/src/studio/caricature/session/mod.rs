@@ -153,16 +153,17 @@ impl Session {
         match edit {
             Edit::Once(action) => self.history.apply(action, Some(&surface)),
             Edit::Live(action) => self.history.apply_live(action, Some(&surface)),
+            Edit::Together(actions) => self.history.apply_together(actions, Some(&surface)),
             Edit::Finish => {
                 self.history.finish();
                 return Ok(false);
             }
         }?;
-        if matches!(
-            edit,
-            Edit::Once(Action::Add { .. } | Action::Duplicate(_)) | Edit::Live(Action::Add { .. })
-        ) {
-            self.selected = Some(next);
+        match edit {
+            Edit::Once(Action::Add { .. } | Action::Duplicate(_)) => self.selected = Some(next),
+            // The topmost of those that were added.
+            Edit::Together(_) => self.selected = self.project().layers().last().map(|(id, _)| *id),
+            _ => {}
         }
         Ok(true)
     }

@@ -1,0 +1,69 @@
+// What people do in another order than one would think.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { head, song } from "../browser.mjs";
+import { downloaded, drop, opened, step, until } from "./driver.mjs";
+
+const click = (page, selector) => page.locator(selector).dispatchEvent("click");
+
+export async function music() {
+  const { page, wrong, elsewhere } = await opened({ width: 1366, height: 768 }, false);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  // The dance on stage is the one that is saved.
+  await click(page, "#cells .cell:nth-child(5) .stage");
+  await until(page, () => window.chladni.state.on_stage);
+  const saved = readFileSync(await downloaded(page, "#save-preset"), "utf8");
+  await page.click("#back");
+  await until(page, () => !window.chladni.state.on_stage);
+  const first = readFileSync(await downloaded(page, "#save-preset"), "utf8");
+  assert.notEqual(saved, first);
+  // Sand goes with the stage, whoever put it there.
+  for (const leave of ["#back", "#pilot"]) {
+    await page.click("#sand");
+    await page.click("#pilot");
+    await until(page, () => window.chladni.state.piloted);
+    await page.click(leave);
+    await until(page, () => !window.chladni.state.piloted && !window.chladni.state.sand);
+    assert.equal(await page.isDisabled("#back"), !(await page.evaluate(() => window.chladni.state.on_stage)));
+    if (await page.isEnabled("#back")) await page.click("#back");
+  }
+  step("the dance on stage is saved, and sand leaves with it");
+  // Songs that are passed over quickly are passed over.
+  await drop(page, ...["a", "b", "c", "d", "e"].map((name) => [`${name}.wav`, song(4)]));
+  await until(page, () => document.getElementById("song").textContent === "1 of 5: a.wav");
+  for (let i = 0; i < 3; i++) await page.click("#next");
+  await until(page, () => document.getElementById("song").textContent === "4 of 5: d.wav");
+  assert.match(await page.getAttribute("#seek", "aria-valuetext"), /^0:0\d of 0:04$/);
+  step("three songs are passed over by three presses");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+const MESH = head(24, 16);
+const PROJECT = Buffer.from(`format_version = 4\nlayer = []\n\n[shape]\nsource = "dent.obj"\nharmonics = 32\n`);
+
+export async function caricature() {
+  const { page, wrong, elsewhere, shot } = await opened({ width: 390, height: 844 }, true);
+  // A project comes without its mesh, which is then brought on its own.
+  await page.setInputFiles("#file", { name: "dent.chladni", mimeType: "text/plain", buffer: PROJECT });
+  await until(page, () => document.getElementById("status").textContent.includes("bring that mesh"));
+  await shot("phone-waits");
+  for (const [id, rests] of [["sitter", false], ["open-project", false], ["add", true], ["undo", true]]) {
+    assert.equal(await page.evaluate((id) => !!document.getElementById(id).closest("[inert]"), id), rests, id);
+  }
+  await page.click("#home");
+  await page.setInputFiles("#file", { name: "dent.obj", mimeType: "text/plain", buffer: MESH });
+  await until(page, () => window.chladni.sitting?.shape === "dent.obj" && window.chladni.sitting.solved);
+  assert.equal(await page.evaluate(() => document.querySelectorAll("#bench > [inert]").length), 0);
+  // Together, in any order.
+  await page.reload();
+  await until(page, () => window.chladni?.frames > 3 && window.chladni.sound.duration > 0);
+  await drop(page, ["dent.obj", MESH], ["dent.chladni", PROJECT]);
+  await until(page, () => window.chladni.sitting?.shape === "dent.obj" && window.chladni.sitting.solved);
+  step("a project waits for its mesh, and they may come together");
+  await drop(page, ["broken.wav", Buffer.from("no sound")], ["cover.txt", Buffer.from("words")]);
+  await until(page, () => /(broken\.wav|cover\.txt)/.test(document.getElementById("status").textContent));
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
