@@ -3,7 +3,7 @@ import init, { kind } from "./chladni_web.js";
 import { ask, compiled, giveUp } from "./work.js";
 import { openCard } from "./card.js";
 import { hands } from "./hands.js";
-import { attempt, of, on, report, say } from "./page.js";
+import { attempt, of, ofFile, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
 import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
@@ -44,13 +44,7 @@ async function take(name, bytes) {
 
 /** One that cannot be opened, such as the cover of an album, leaves the others. */
 const takeFile = attempt(async (file) => {
-  try { await take(file.name, new Uint8Array(await file.arrayBuffer())); } catch (error) {
-    const why = error.message ?? String(error);
-    // A folder has no content that could be read.
-    if (error.name === "NotFoundError") throw new Error(`${file.name} cannot be read: the page opens files, not folders.`);
-    if (error.name === "AbortError" || why.includes(file.name)) throw error;
-    throw new Error(`${file.name}: ${why}`);
-  }
+  try { await take(file.name, new Uint8Array(await file.arrayBuffer())); } catch (error) { throw ofFile(file.name, error); }
 });
 
 /** What says what it needs comes before what it needs. */

@@ -8,7 +8,7 @@ import { ask, giveUp, obsolete, works } from "./work.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
 import { LiveFilm } from "./film.js";
-import { attempt, base, busy, label, of, on, options, report, save, say } from "./page.js";
+import { attempt, base, busy, label, of, ofFile, on, options, report, save, say } from "./page.js";
 import { nextPicture, show as showPicture, watch } from "./picture.js";
 import * as wholeFilm from "./whole_film.js";
 
@@ -61,6 +61,7 @@ function show(body) {
   concert = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
   before?.free();
   atFront = undefined;
+  edits = 0;
   // A new concert has heard nothing yet: its first song is the one that plays.
   heard.length = 0;
   hear();
@@ -110,12 +111,12 @@ async function stopListening() {
   await closing?.close();
 }
 
-/** What was bred, as far as a file has it. */
-let kept = "";
-const bred = () => (state ? `${state.generations} ${state.dances.filter(({ favorite }) => favorite).length}` : "");
+/** How often something was bred, loved or drawn that no file has. */
+let edits = 0;
+const KEPT = ["breed", "mutate", "favorite", "set-transfer", "set-amplification"];
 
-/** Whether children or favorites would be lost that no file has. */
-export const isUnsaved = () => (atFront ? !!parked?.isUnsaved : !!concert && bred() !== "1 0" && bred() !== kept);
+/** Whether dances would be lost. */
+export const isUnsaved = () => (atFront ? parked?.edits ?? 0 : edits) > 0;
 
 /** Whether another shape may dance, without what was bred on this one. */
 function mayReplace() {
@@ -180,7 +181,7 @@ async function playSong(song) {
       break;
     } catch (error) {
       if (mine !== turn) return;
-      unreadable(error);
+      unreadable(ofFile(song.name, error));
       song = error.name === "AbortError" ? undefined : songs.strike(song);
     }
   }
@@ -213,7 +214,7 @@ export async function openText(name, bytes) {
   heard.splice(0, heard.length, ...needs.songs.map((song) => songs.find(song) ?? { name: song }));
   hear();
   refresh();
-  kept = bred();
+  edits = 0;
   const missing = needs.songs.filter((song) => !songs.names().includes(song));
   if (needs.body && needs.body !== state.body) say(`${name} was danced by ${needs.body}: drop that mesh, then the show again.`);
   else say(missing.length ? `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.` : needs.caution ?? `${name} is open.`);
@@ -335,7 +336,11 @@ function showPlace() {
   seek.setAttribute("aria-valuetext", text);
 }
 
-const act = attempt((action) => { concert.act(JSON.stringify(action)); refresh(); });
+const act = attempt((action) => {
+  concert.act(JSON.stringify(action));
+  if (KEPT.includes(action.do)) edits++;
+  refresh();
+});
 /** The dance that is saved: the one on stage, else the first that is chosen. */
 const theDance = () => JSON.parse(concert.curves())?.item ?? Math.max(0, state.dances.findIndex((dance) => dance.chosen));
 const choices = {
@@ -385,7 +390,7 @@ function refresh() {
   of("play").setAttribute("aria-pressed", sound.isHeard);
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
   // That of a sheet, which is made for sand, is not offered for others.
-  if (![...of("look").options].some(({ value }) => value === state.look)) of("look").append(...options([state.look], (name) => name));
+  if (state.look && ![...of("look").options].some(({ value }) => value === state.look)) of("look").append(...options([state.look], (name) => name));
   of("look").value = state.look;
   of("gain").value = state.settings.knobs?.gain ?? 1;
   const option = [...of("shape").options].find((option) => option.value === state.body);
@@ -423,7 +428,7 @@ export function leave() {
 function unpark() {
   if (parked) {
     concert?.free();
-    ({ concert } = parked);
+    ({ concert, edits } = parked);
     heard.splice(0, heard.length, ...parked.heard);
     parked = undefined;
     hear();
@@ -441,7 +446,7 @@ export async function front() {
   if (mine !== visit) return;
   if (concert && concert !== atFront) {
     // What was bred in the room is there again when it is entered.
-    parked = { concert, heard: [...heard], isUnsaved: isUnsaved() };
+    parked = { concert, heard: [...heard], edits };
     concert = undefined;
   }
   show(body);
@@ -487,7 +492,7 @@ export function listen() {
   });
   on("pilot", () => { concert.autopilot(!state.piloted); settle(); });
   on("sand", () => { concert.sand(!state.sand); refresh(); });
-  on("save-show", () => { save("chladni-show.toml", concert.save_show()); kept = bred(); });
+  on("save-show", () => { save("chladni-show.toml", concert.save_show()); edits = 0; });
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(theDance())));
   on("play-show", playShow);
   on("film", () => (filming ? endFilm() : beginFilm()));

@@ -19,6 +19,14 @@ export const attempt = (act) => async (...args) => {
   }
 };
 
+/** An error that says which file it is of. */
+export function ofFile(name, error) {
+  const why = error.message ?? String(error);
+  if (["AbortError", "ObsoleteError"].includes(error.name) || why.includes(name)) return error;
+  // A folder has no content that could be read.
+  return new Error(error.name === "NotFoundError" ? `${name} cannot be read: the page opens files, not folders.` : `${name}: ${why}`);
+}
+
 /** What workers do now, in words. */
 const working = new Map();
 

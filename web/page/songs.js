@@ -1,5 +1,5 @@
 // The list of songs: one plays after the other, and each is decoded while the one before it plays.
-import { busy, say } from "./page.js";
+import { busy, ofFile, say } from "./page.js";
 import { ask } from "./work.js";
 
 /** Our own, which makes room for any other. */
@@ -79,7 +79,7 @@ export function prepare(failed) {
     // Cancelled: it is decoded when it is to play.
     if (error.name === "AbortError" || ahead?.song !== song) return;
     strike(song);
-    failed(error);
+    failed(ofFile(song.name, error));
     prepare(failed);
   });
 }
