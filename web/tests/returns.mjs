@@ -73,7 +73,7 @@ export async function layers() {
   const answers = (type) => { asked.push(type); return yes; };
   const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { answers });
   await drop(page, ["mask.npy", Buffer.from("no mask")]);
-  await says(page, "open a shape first");
+  await says(page, "choose a shape first");
   await page.click("#home");
   await page.click("#exaggerate");
   await acts(page);

@@ -57,7 +57,7 @@ fn what_is_taken_is_seen_alone_and_one_step_back_all_is_as_it_was() {
         person.click(template);
     }
     desk.answers.add(desk.path("taken.chladni"));
-    let mut seen = |person: &mut driving::person::Person| -> Vec<bool> {
+    let seen = |person: &mut driving::person::Person| -> Vec<bool> {
         person.press_with(CTRL, Key::S);
         let project = Project::load(&desk.path("taken.chladni")).unwrap();
         project.layers().iter().map(|(_, layer)| layer.enabled).collect()
