@@ -187,12 +187,14 @@ async function gallery(page, shot) {
   await page.hover("#cells .cell:nth-child(3)");
   await page.click("#cells .cell:nth-child(3) .stage");
   await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
-  await acts(page);
+  // It looks as it hung there: those that were there are hidden, and come back with it.
+  await until(page, (count) => window.chladni.sitting.layers.every(({ state }, i) => state === (i < count ? "off" : "acts")), layers.length);
   await still(page);
   await shot("laptop-taken");
   const taken = await page.evaluate(() => window.chladni.sitting.layers.length);
   await page.click("#undo");
   await until(page, (count) => window.chladni.sitting.layers.length === count, layers.length);
+  await acts(page);
   await page.click("#gallery");
   await until(page, () => window.chladni.wall);
   assert.ok(await page.isHidden("#wall-favorites-row"), "favorites are those of one gallery");
@@ -204,14 +206,16 @@ async function gallery(page, shot) {
   await page.focus("#wall-favorites button");
   await page.keyboard.press("Enter");
   await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
-  await acts(page);
+  // It looks as it hung there: those that were there are hidden, and come back with it.
+  await until(page, (count) => window.chladni.sitting.layers.every(({ state }, i) => state === (i < count ? "off" : "acts")), layers.length);
   await page.click("#undo");
   await until(page, (count) => window.chladni.sitting.layers.length === count, layers.length);
   await page.click("#gallery");
   await until(page, () => window.chladni.wall);
   await page.click("#wall-surprise");
   await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
-  await acts(page);
+  // It looks as it hung there: those that were there are hidden, and come back with it.
+  await until(page, (count) => window.chladni.sitting.layers.every(({ state }, i) => state === (i < count ? "off" : "acts")), layers.length);
   step(`a gallery of twelve: bred, back, others, one taken as ${taken - layers.length} layers, a favorite, and a surprise; its figures swell`);
 }
 
