@@ -16,6 +16,8 @@ export async function firefox() {
     const wrong = [];
     page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
     page.on("pageerror", (error) => wrong.push(error.message));
+    // What was bred may go.
+    page.on("dialog", (dialog) => dialog.accept());
     await page.setViewport({ width: 1440, height: 900 });
     await page.goto(address);
     await until(page, () => window.chladni?.frames > 3 && window.chladni.sound.duration > 0);
