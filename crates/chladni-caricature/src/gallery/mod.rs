@@ -1,6 +1,7 @@
 //! A gallery of caricatures: choose what is liked, and see children of it.
 
 mod sitter;
+mod title;
 mod variant;
 mod weights;
 

@@ -11,7 +11,7 @@ use chladni_synth::{Coefficients, CpuSynthesizer, Item, Residual, SynthModel, Sy
 use rayon::prelude::*;
 
 use super::variant::{Group, Variant};
-use super::weights::{STIR, Weights};
+use super::weights::Weights;
 use crate::exaggeration::single;
 use crate::{
     Base, CaricatureError, Difference, Layer, Painted, Region, RollOff, ScaleCurve, Signals, Smoothing,
@@ -160,27 +160,6 @@ impl Sitter {
         &self.body
     }
 
-    /// What `variant` does, in a few words.
-    pub fn title(&self, variant: &Variant) -> String {
-        let numbers = variant.genes(Group::Parts);
-        let named = |wanted: fn(f32) -> bool| -> Vec<&str> {
-            let mut stirred: Vec<usize> = (0..self.parts.len().min(numbers.len())).collect();
-            stirred.retain(|part| wanted(numbers[*part]));
-            stirred.sort_by(|a, b| numbers[*b].abs().total_cmp(&numbers[*a].abs()));
-            stirred.into_iter().take(3).map(|part| self.parts[part].name.as_str()).collect()
-        };
-        let (more, less) = (named(|x| x >= STIR), named(|x| x <= -STIR));
-        let against = &self.templates[variant.template(self.templates.len())].template;
-        let mut title = match (more.is_empty(), less.is_empty()) {
-            (false, false) => format!("more {}, less {}; ", more.join(" and "), less.join(" and ")),
-            (false, true) => format!("more {}; ", more.join(" and ")),
-            (true, false) => format!("less {}; ", less.join(" and ")),
-            (true, true) => String::new(),
-        };
-        title.push_str(&format!("against {}, {} model", in_words(against), variant.model()));
-        title
-    }
-
     /// [All](Self::portray) where there is one.
     ///
     /// # Errors
@@ -262,6 +241,11 @@ impl Sitter {
         let mu = if farthest > 1e-9 { (-reach / farthest).max(-12.0) } else { 0.0 };
         let stir = strength(1) * (0.3 + 0.7 * share);
         Dose { mu, grow: GROW * stir, shrink: SHRINK * stir }
+    }
+
+    /// What `variant` is compared with.
+    pub(super) fn template_of(&self, variant: &Variant) -> &Template {
+        &self.against(variant).template
     }
 
     fn against(&self, variant: &Variant) -> &Against {
@@ -387,17 +371,5 @@ impl Probes {
 impl Dose {
     fn times(self, share: f64) -> Self {
         Self { mu: self.mu * share, grow: self.grow * share, shrink: self.shrink * share }
-    }
-}
-
-/// What a template is called in a title.
-fn in_words(template: &Template) -> String {
-    match template {
-        Template::File(path) => path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
-        Template::Sample(name) if name == "template" => "a plain head".into(),
-        Template::Ellipsoid => "its ellipsoid".into(),
-        Template::Sphere => "its sphere".into(),
-        Template::LowPass(_) => "itself made smooth".into(),
-        other => other.to_string(),
     }
 }

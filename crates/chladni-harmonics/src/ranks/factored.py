@@ -4,9 +4,9 @@ import numpy as np
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from ritz import rotated
+
 TOLERANCE = 1e-10
-# Eigenvalues that are this much nearer than their own size count as one group, which no bound may cut.
-ROOM = 1e-6
 ROUNDS = 40
 # MUMPS's INFOG(1) where memory or a limit of it is too small (its manual, section "Error and warning diagnostics").
 NO_MEMORY = (-7, -8, -9, -11, -12, -13, -17, -19, -20, -22)
@@ -41,8 +41,9 @@ class Counter:
         return self.factor(shift).getInertia()[0]
 
 
-def interval(counter, wanted, zeros, weyl):
-    """(a, b) with the zeros alone below a, and at least `wanted` eigenvalues below b, none of them just below it."""
+def interval(counter, wanted, zeros, weyl, gap):
+    """(a, b) with the zeros alone below a, and at least `wanted` eigenvalues below b, none of them nearer to it than the
+    share `gap`."""
     low = 0.05 * weyl
     for _ in range(ROUNDS):
         if counter.below(low) == zeros:
@@ -55,10 +56,10 @@ def interval(counter, wanted, zeros, weyl):
         count = counter.below(high)
         if count < wanted:
             high *= min(max(1.02, (wanted + 3) / max(count, 1)), 4)
-        elif counter.below(high * (1 - ROOM)) == count:
+        elif counter.below(high * (1 - gap)) == count:
             return low, high, count
         else:
-            high *= 1 + 3 * room * ROOM
+            high *= 1 + 3 * room * gap
             room *= 2
     raise RuntimeError(f"no shift was found with {wanted} eigenvalues below it")
 
@@ -102,11 +103,7 @@ def polished(counter, x, shift):
     bv.setFromOptions()
     bv.orthogonalize()
     image = bv.matMult(counter.a)
-    projected = image.dot(bv).getDenseArray()
-    values, mix = np.linalg.eigh(0.5 * (projected + projected.T))
-    m = len(values)
-    bv.multInPlace(PETSc.Mat().createDense((m, m), array=np.asfortranarray(mix), comm=PETSc.COMM_SELF), 0, m)
-    return values, bv
+    return rotated(bv, image.dot(bv).getDenseArray()), bv
 
 
 def pairs(a, settings, stages, write):
@@ -114,7 +111,7 @@ def pairs(a, settings, stages, write):
     zeros, groups = settings["zeros"], settings["groups"]
     stages.begin("count", "counting")
     counter = Counter(a)
-    low, high, count = interval(counter, settings["harmonics"], zeros, settings["weyl"])
+    low, high, count = interval(counter, settings["harmonics"], zeros, settings["weyl"], settings["gap"])
     stages.begin("solve", "harmonics")
     eps = spectrum(a, low, high, count - zeros, groups)
     shifts, counts = eps.getKrylovSchurInertias()

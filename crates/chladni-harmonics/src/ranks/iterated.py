@@ -8,9 +8,9 @@ import numpy as np
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from ritz import rotated
+
 TOLERANCE = 1e-11
-# Eigenvalues that are this much nearer than their own size count as one group, which the last gap must not cut.
-ROOM = 1e-6
 # σ = −SHIFT K times the mean distance of eigenvalues: nearer to 0, fewer steps are needed, but each takes longer.
 SHIFT = 0.08
 # Vectors that are kept beside those of the pairs.
@@ -110,8 +110,7 @@ class Search:
                 bv.copyVec(j, start)
                 self.a.mult(start, image)
                 projected[j] = bv.dotVec(image)
-            values, mix = np.linalg.eigh(0.5 * (projected + projected.T))
-            bv.multInPlace(PETSc.Mat().createDense((m, m), array=np.asfortranarray(mix), comm=PETSc.COMM_SELF), 0, m)
+            values = rotated(bv, projected)
             worst = 0.0
             for j, value in enumerate(values):
                 bv.copyVec(j, start)
@@ -123,26 +122,26 @@ class Search:
         return values, bv
 
 
-def last_gap(values, wanted):
+def last_gap(values, wanted, gap):
     """How many of the ascending values lie below the last gap; None if all beyond the wanted ones are one group."""
-    ends = [j for j in range(wanted, len(values)) if values[j] - values[j - 1] > ROOM * values[j]]
+    ends = [j for j in range(wanted, len(values)) if values[j] - values[j - 1] > gap * values[j]]
     return ends[-1] if ends else None
 
 
 def pairs(a, settings, stages, write):
     """Finds the pairs, hands them to `write`, and returns what the report says of them."""
-    zeros, wanted = settings["zeros"], settings["harmonics"]
+    zeros, wanted, gap = settings["zeros"], settings["harmonics"], settings["gap"]
     stages.begin("solve", "harmonics")
     search = Search(a, -SHIFT * wanted * settings["weyl"], constants(a, settings["folder"], zeros))
     search.find(wanted - zeros + 2)
     for _ in range(ROUNDS):
         order = np.argsort(search.values, kind="stable")
-        end = last_gap(search.values[order], wanted)
+        end = last_gap(search.values[order], wanted, gap)
         if end is None:
             search.find(8)
             continue
         stages.begin("count", "searching again")
-        if search.find(1).min() > search.values[order[end]] * (1 - 0.5 * ROOM):
+        if search.find(1).min() > search.values[order[end]] * (1 - 0.5 * gap):
             break
     else:
         raise RuntimeError("each search found harmonics that those before it had missed")

@@ -30,9 +30,14 @@ use petsc::ScaledOperator;
 
 /// The program that every rank runs.
 const WORKER: &str = include_str!("worker.py");
-/// Its two ways to solve.
-const METHODS: [(&str, &str); 2] =
-    [("factored.py", include_str!("factored.py")), ("iterated.py", include_str!("iterated.py"))];
+/// Its two ways to solve, and what they share.
+const METHODS: [(&str, &str); 3] = [
+    ("factored.py", include_str!("factored.py")),
+    ("iterated.py", include_str!("iterated.py")),
+    ("ritz.py", include_str!("ritz.py")),
+];
+/// The share of themselves by which the last eigenvalue of the ranks and the next are apart.
+const GAP: f64 = 1e-6;
 /// A larger number of ranks is taken for a typing error.
 const MOST: usize = 65_536;
 /// The largest number of ranks per core without other hosts; with more, the machine would only switch
@@ -112,6 +117,7 @@ struct Settings {
     harmonics: usize,
     zeros: usize,
     weyl: f64,
+    gap: f64,
     groups: usize,
 }
 
@@ -219,6 +225,7 @@ fn solve(
             harmonics,
             zeros,
             weyl: 4.0 * std::f64::consts::PI / operator.mass.iter().sum::<f64>(),
+            gap: GAP,
             groups,
         };
         write_problem(folder.path(), operator, &settings)?;
@@ -242,8 +249,8 @@ fn solve(
             eigenvalues.len()
         )));
     }
-    // There are none below λ = 0, and the last bound lies beyond a gap of 10⁻⁶.
-    const { assert!(CLUSTER < 1e-6) };
+    // There are none below λ = 0, and the last bound lies beyond a gap.
+    const { assert!(CLUSTER < GAP) };
     let keep = if harmonics < zeros { zeros } else { cluster_end(&eigenvalues, harmonics) };
     eigenvalues.truncate(keep);
     let mut vectors = pairs.vectors;

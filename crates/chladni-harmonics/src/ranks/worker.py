@@ -3,7 +3,8 @@
 usage: mpirun -n N python3 worker.py FOLDER       (python3 worker.py --check only looks for the libraries)
 
 FOLDER holds `operator.petsc` (A, PETSc's binary format), `settings.json`: `harmonics` (K), `zeros` (how many eigenvalues
-are 0), `weyl` (their mean distance), `groups` (0: without factors), and, where there are no factors, `root_mass.f64` and
+are 0), `weyl` (their mean distance), `gap` (eigenvalues that are nearer than this share of themselves are one group, which must
+not be cut), `groups` (0: without factors), and, where there are no factors, `root_mass.f64` and
 `component.u32`, a number for each row. Every rank leaves `rank-R.json` and `rank-R.f64` there: its rows of the vectors,
 column after column, in the order of its eigenvalues. Rank 0 prints `stage NAME` lines.
 """

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::Terminal;
 use crate::window::{self, Until};
-use crate::work::Error;
+use crate::work::{Error, Watcher};
 
 /// Open the window, on files where some are given.
 #[derive(clap::Args, Default)]
@@ -29,7 +29,7 @@ impl Open {
             None if self.until_picture => Until::Picture,
             None => Until::Closed,
         };
-        let outcome = window::open(self.files, until, terminal.draw(), terminal.task())?;
+        let outcome = window::open(self.files, until, terminal.draw(), terminal.task().clone())?;
         outcome.map_or(Ok(()), |outcome| terminal.json(&outcome))
     }
 }

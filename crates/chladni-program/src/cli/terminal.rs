@@ -52,11 +52,6 @@ impl Terminal {
         Self { draw, ..self }
     }
 
-    /// The command's task, cancelled where it is asked to end.
-    pub fn task(&self) -> Task {
-        self.task.clone()
-    }
-
     /// Who is asked to draw.
     pub fn draw(&self) -> Draw {
         self.draw

@@ -40,15 +40,16 @@ pub fn wake_to_end(ctx: &egui::Context, ends: Task) {
 impl Studio {
     /// Asks before unsaved work is lost.
     pub(super) fn handle_close(&mut self, ctx: &egui::Context) {
+        let asked = ctx.input(|input| input.viewport().close_requested());
+        if !asked && matches!(self.closing, Closing::No | Closing::Yes) {
+            return;
+        }
         let being_made: Vec<String> =
             self.rooms.iter().filter_map(|room| room.being_made().map(str::to_owned)).collect();
         let unfinished = being_made.iter().map(|label| format!("{label} is not finished."));
         let unsaved: Vec<String> =
             self.rooms.iter().filter_map(|room| room.unsaved()).chain(unfinished).collect();
-        if ctx.input(|input| input.viewport().close_requested())
-            && !unsaved.is_empty()
-            && self.closing != Closing::Yes
-        {
+        if asked && !unsaved.is_empty() && self.closing != Closing::Yes {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             if self.closing == Closing::No {
                 self.closing = Closing::Asked;

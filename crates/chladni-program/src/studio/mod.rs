@@ -2,6 +2,7 @@
 //!
 //! Rooms read their engines' state and emit actions; only the engines change state.
 
+mod age;
 mod author_id;
 mod awake;
 mod card;
@@ -31,8 +32,10 @@ mod settings;
 mod shortcut;
 mod start;
 mod theme;
+mod top_bar;
 mod unsaved;
 mod viewport;
+mod zoom;
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -55,8 +58,7 @@ pub use processor_window::Painter;
 pub use settings::Settings;
 
 use closing::Closing;
-use icon::Icon;
-use keys::window::{FULL_SCREEN, HELP, SWITCH_ROOM, ZOOM_IN, ZOOM_OUT};
+use keys::window::{FULL_SCREEN, HELP, SWITCH_ROOM};
 use notices::Notices;
 use pictures::Pictures;
 use processor_window::Program;
@@ -64,9 +66,6 @@ use room::{Room, Shared};
 use screen::Screen;
 
 use crate::work::source::from_anywhere;
-
-/// Points across a screen on which those of usual size are too small to read.
-const MANY_POINTS: f32 = 3000.0;
 
 /// The whole window.
 pub struct Studio {
@@ -236,83 +235,10 @@ impl Studio {
         if SWITCH_ROOM.pressed(ctx) && !self.rooms.is_empty() {
             self.current = Some(self.current.map_or(0, |room| (room + 1) % self.rooms.len()));
         }
-        if ZOOM_IN.pressed(ctx) {
-            self.enlarge(ctx);
-        }
-        if ZOOM_OUT.pressed(ctx) {
-            self.settings.zoom = (self.settings.zoom / 1.1).max(0.5);
-        }
+        self.zoom_by_keys(ctx);
         if FULL_SCREEN.pressed(ctx) {
             let full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
             ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!full));
-        }
-    }
-
-    /// Larger controls, as far as the window has room for them.
-    fn enlarge(&mut self, ctx: &egui::Context) {
-        let points =
-            ctx.input(|input| input.viewport().inner_rect).map_or(egui::Vec2::INFINITY, |rect| rect.size());
-        let room = (points / egui::Vec2::from(opening::SMALLEST)).min_elem();
-        if room < 1.1 {
-            self.notices
-                .update("size of letters", "There is no room for larger letters: enlarge the window first.");
-        } else {
-            self.settings.zoom = (self.settings.zoom * 1.1).min(3.0);
-        }
-    }
-
-    fn top_bar(&mut self, ui: &mut egui::Ui) {
-        egui::Panel::top("top bar").resizable(false).exact_size(42.0).show(ui, |ui| {
-            ui.horizontal_centered(|ui| {
-                let palette = theme::palette(ui);
-                let home = ui
-                    .add(
-                        egui::Button::new(
-                            egui::RichText::new("Chladni").size(16.0).strong().color(palette.accent),
-                        )
-                        .frame(false),
-                    )
-                    .on_hover_text("Start screen");
-                if home.clicked() {
-                    self.current = None;
-                }
-                ui.add_space(theme::GAP_LARGE);
-                for (index, room) in self.rooms.iter().enumerate() {
-                    let label = icon::label(room.icon(), room.name());
-                    if ui.selectable_label(self.current == Some(index), label).clicked() {
-                        self.current = Some(index);
-                    }
-                }
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    self.window_buttons(ui)
-                });
-            });
-        });
-    }
-
-    fn window_buttons(&mut self, ui: &mut egui::Ui) {
-        if ui.button(icon::text(Icon::Keyboard)).on_hover_text(HELP.tooltip(ui.ctx())).clicked() {
-            self.key_sheet_open = !self.key_sheet_open;
-        }
-        let (mark, tip) =
-            if self.settings.light { (Icon::Moon, "Dark theme") } else { (Icon::Sun, "Light theme") };
-        if ui.button(icon::text(mark)).on_hover_text(tip).clicked() {
-            self.settings.light = !self.settings.light;
-        }
-    }
-
-    /// On the first run, larger controls on a screen of many small points, which the system has not
-    /// enlarged itself.
-    fn suit_the_screen(&mut self, ctx: &egui::Context) {
-        let screen = ctx.input(|input| input.viewport().monitor_size).filter(|size| size.x > 0.0);
-        if let Some(size) = screen.filter(|_| self.first_run) {
-            self.first_run = false;
-            if size.x >= MANY_POINTS {
-                self.settings.zoom = 1.5;
-                // As many points as before, of more pixels.
-                let pixels = egui::Vec2::from(opening::WINDOW) * 1.5;
-                ctx.send_viewport_cmd(egui::ViewportCommand::InnerSize(pixels));
-            }
         }
     }
 
@@ -380,9 +306,7 @@ impl Program for Studio {
         let theme = if self.settings.light { egui::Theme::Light } else { egui::Theme::Dark };
         ctx.set_theme(theme);
         self.suit_the_screen(&ctx);
-        if (ctx.zoom_factor() - self.settings.zoom).abs() > 1e-3 {
-            ctx.set_zoom_factor(self.settings.zoom);
-        }
+        self.zoom(&ctx);
         let dropped: Vec<PathBuf> =
             ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_owned()).collect());
         if !dropped.is_empty() {

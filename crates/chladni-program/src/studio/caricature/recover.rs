@@ -1,10 +1,9 @@
 //! The offer to recover what a crash left behind.
 
-use std::time::SystemTime;
-
 use chladni_caricature::{Recovered, Recovery, ShapeSource};
 use egui::RichText;
 
+use crate::studio::age::changed_ago;
 use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -102,13 +101,8 @@ fn describe(recovered: &Recovered) -> String {
         1 => "1 layer".to_owned(),
         count => format!("{count} layers"),
     };
-    let age = recovered.modified.and_then(|modified| SystemTime::now().duration_since(modified).ok());
-    match age.map(|age| age.as_secs() / 60) {
+    match changed_ago(recovered.modified) {
+        Some(age) => format!("{layers}, {age}"),
         None => layers,
-        Some(0) => format!("{layers}, changed less than a minute ago"),
-        Some(1) => format!("{layers}, changed a minute ago"),
-        Some(minutes @ 2..60) => format!("{layers}, changed {minutes} minutes ago"),
-        Some(minutes @ 60..2880) => format!("{layers}, changed {} hours ago", minutes.div_ceil(60)),
-        Some(minutes) => format!("{layers}, changed {} days ago", minutes / 1440),
     }
 }

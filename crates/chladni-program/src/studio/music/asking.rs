@@ -5,19 +5,21 @@ use std::path::{Path, PathBuf};
 use chladni_music::{ItemId, Preset};
 
 use super::MusicRoom;
+use super::film::Filming;
 use super::shows::write_show;
 use crate::studio::choose::FileKind;
 use crate::studio::file_window::Request;
 use crate::studio::room::{Room, Shared};
-use crate::work::Error;
 use crate::work::formats::{LISTS, MESHES, PROJECT, SONGS, TEXT};
-use crate::work::{FILMS, PANORAMAS, PICTURES};
+use crate::work::{Error, FILMS, PANORAMAS, PICTURES};
 
-/// What is done with the answer.
+/// What a person is asked for, and what is done with the answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Then {
-    /// The files are opened.
+    /// All that dances or sounds is opened.
     Open,
+    /// Songs are added to the list.
+    AddSongs,
     /// The film of the form is made.
     Film,
     /// The set is recorded from now on.
@@ -33,77 +35,77 @@ pub enum Then {
 }
 
 impl MusicRoom {
-    /// Asks for files of any that dance or sound, or for songs alone.
-    pub(super) fn choose_files(&mut self, songs_only: bool, shared: &mut Shared<'_>) {
-        let all: Vec<&str> = MESHES.into_iter().chain(self.extensions()).chain([PROJECT]).collect();
-        let songs: Vec<&str> = SONGS.into_iter().chain(LISTS).collect();
-        let kinds: [FileKind<'_>; 3] =
-            [("All that dances or sounds", &all), ("Meshes", &MESHES), ("Songs and lists", &songs)];
-        self.ask_for(
-            Then::Open,
-            Request::open_several(if songs_only { &kinds[2..] } else { &kinds }),
-            shared,
-        );
-    }
-
-    /// Asks for a text file to save to.
-    pub(super) fn ask_where(&mut self, then: Then, suggested: &str, shared: &mut Shared<'_>) {
-        self.ask_for(then, Request::save(&[("Text", &[TEXT])], Path::new(suggested)), shared);
-    }
-
-    /// Asks for a picture or film to be the background.
-    pub(super) fn ask_for_picture(&mut self, shared: &mut Shared<'_>) {
-        let kinds: Vec<&str> = PICTURES.into_iter().chain(FILMS).collect();
-        self.ask_for(Then::Picture, Request::open(&[("Pictures and films", &kinds)]), shared);
-    }
-
-    /// Asks for a panorama whose light is that of the dance.
-    pub(super) fn ask_for_panorama(&mut self, shared: &mut Shared<'_>) {
-        self.ask_for(Then::Panorama, Request::open(&[("Panoramas", &PANORAMAS)]), shared);
-    }
-
     /// Opens a dialog; the dance goes on meanwhile.
-    pub(super) fn ask_for(&mut self, then: Then, request: Request, shared: &mut Shared<'_>) {
-        if shared.chooser.begin(request) {
+    pub(super) fn ask_for(&mut self, then: Then, shared: &mut Shared<'_>) {
+        if shared.chooser.begin(self.request(then)) {
             self.asking = Some(then);
         } else {
             shared.notices.update("file dialog", "A file dialog is open already: answer that one first.");
         }
     }
 
+    /// The question.
+    fn request(&self, then: Then) -> Request {
+        let songs: Vec<&str> = SONGS.into_iter().chain(LISTS).collect();
+        let songs: FileKind<'_> = ("Songs and lists", &songs);
+        let text = |suggested: &str| Request::save(&[("Text", &[TEXT])], Path::new(suggested));
+        match then {
+            Then::Open => {
+                let all: Vec<&str> = MESHES.into_iter().chain(self.extensions()).chain([PROJECT]).collect();
+                Request::open_several(&[("All that dances or sounds", &all), ("Meshes", &MESHES), songs])
+            }
+            Then::AddSongs => Request::open_several(&[songs]),
+            Then::Film => Filming::where_to(),
+            Then::Record => Request::save(&[("Films", &["mp4"])], Path::new("set.mp4")),
+            Then::SavePreset(_) => text("dance.toml"),
+            Then::SaveShow => text("show.toml"),
+            Then::Picture => {
+                let kinds: Vec<&str> = PICTURES.into_iter().chain(FILMS).collect();
+                Request::open(&[("Pictures and films", &kinds)])
+            }
+            Then::Panorama => Request::open(&[("Panoramas", &PANORAMAS)]),
+        }
+    }
+
     /// Does what files were asked for, once they are chosen.
     pub(super) fn follow_dialog(&mut self, shared: &mut Shared<'_>) {
         let Some(files) = shared.chooser.answer() else { return };
-        let Some(then) = self.asking.take().filter(|_| !files.is_empty()) else { return };
-        if let Err(why) = self.go_on(then, files, shared) {
+        let (Some(then), Some(first)) = (self.asking.take(), files.first()) else { return };
+        if let Err(why) = self.go_on(then, first, &files, shared) {
             shared.notices.failed(why);
         }
     }
 
-    fn go_on(&mut self, then: Then, files: Vec<PathBuf>, shared: &mut Shared<'_>) -> Result<(), Error> {
-        if then == Then::Open {
-            self.open(&files, shared);
-            return Ok(());
-        }
-        let Some(path) = files.into_iter().next() else { return Ok(()) };
+    fn go_on(
+        &mut self,
+        then: Then,
+        first: &Path,
+        files: &[PathBuf],
+        shared: &mut Shared<'_>,
+    ) -> Result<(), Error> {
         match then {
-            Then::Record => return self.record_to(&path, shared),
-            Then::Film => return self.film_to(path, shared),
-            Then::Picture => shared.settings.music.picture = path.to_string_lossy().into_owned(),
-            Then::Panorama => shared.settings.music.panorama = path.to_string_lossy().into_owned(),
-            Then::Open | Then::SavePreset(_) | Then::SaveShow => {}
-        }
-        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return Ok(()) };
-        match then {
-            Then::SaveShow => write_show(&path, concert, listening, &self.names, shared),
-            Then::SavePreset(item) => {
-                let Some(item) = concert.instrument().item(item) else { return Ok(()) };
-                let preset = Preset::of(concert.instrument(), item, Vec::new());
-                preset.save(&path).map_err(Error::unsaved)?;
-                shared.notices.done(format!("Saved {}", path.display()));
-                Ok(())
+            Then::Open | Then::AddSongs => self.open(files, shared),
+            Then::Film => self.film_to(first, shared)?,
+            Then::Record => self.record_to(first, shared)?,
+            Then::SavePreset(item) => self.save_preset(item, first, shared)?,
+            Then::SaveShow => {
+                if let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) {
+                    write_show(first, concert, listening, &self.names, shared)?;
+                }
             }
-            _ => Ok(()),
+            Then::Picture => shared.settings.music.picture = first.to_string_lossy().into_owned(),
+            Then::Panorama => shared.settings.music.panorama = first.to_string_lossy().into_owned(),
         }
+        Ok(())
+    }
+
+    fn save_preset(&self, item: ItemId, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
+        let Some(instrument) = self.concert.as_ref().map(|concert| concert.instrument()) else {
+            return Ok(());
+        };
+        let Some(item) = instrument.item(item) else { return Ok(()) };
+        Preset::of(instrument, item, Vec::new()).save(path).map_err(Error::unsaved)?;
+        shared.notices.done(format!("Saved {}", path.display()));
+        Ok(())
     }
 }

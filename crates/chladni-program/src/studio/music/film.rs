@@ -134,8 +134,9 @@ impl Filming {
     }
 
     /// Begins the film of the form.
-    pub fn begin(&mut self, scene: Scene, path: PathBuf, ctx: &egui::Context) -> Result<(), Error> {
+    pub fn begin(&mut self, scene: Scene, path: &Path, ctx: &egui::Context) -> Result<(), Error> {
         let Some(form) = self.form.clone() else { return Ok(()) };
+        let path = path.to_owned();
         let film = form.film(scene, path.clone())?;
         self.form = None;
         let label = format!("Filming {}", path.file_name().unwrap_or_default().to_string_lossy());

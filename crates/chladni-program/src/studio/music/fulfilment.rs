@@ -3,7 +3,6 @@
 use chladni_music::{Action, Which};
 
 use super::MusicRoom;
-use super::asking::Then;
 use super::drawer::Drawer;
 use super::shows::take;
 use super::wish::Wish;
@@ -12,20 +11,10 @@ use crate::studio::room::Shared;
 impl MusicRoom {
     pub(super) fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
         match wish {
-            Wish::Open | Wish::AddSongs => {
-                return self.choose_files(matches!(wish, Wish::AddSongs), shared);
-            }
+            Wish::Choose(then) => return self.ask_for(then, shared),
             Wish::Record => return self.record(shared),
-            Wish::Picture => return self.ask_for_picture(shared),
-            Wish::Panorama => return self.ask_for_panorama(shared),
-            Wish::SavePreset(item) => return self.ask_where(Then::SavePreset(item), "dance.toml", shared),
-            Wish::SaveShow if self.concert.is_some() => {
-                return self.ask_where(Then::SaveShow, "show.toml", shared);
-            }
+            Wish::Press(target) => return self.ask(target, &Which::Press, shared, &mut Vec::new()),
             _ => {}
-        }
-        if let Wish::Press(target) = wish {
-            return self.ask(target, &Which::Press, shared, &mut Vec::new());
         }
         let Some(concert) = &mut self.concert else { return };
         let done = match wish {
@@ -61,8 +50,7 @@ impl MusicRoom {
             Wish::Take(preset) => take(concert, *preset, shared),
             Wish::Discard(path) => self.drawers.shelf.discard(&path),
             Wish::Film => self.filming.ask(),
-            Wish::Open | Wish::AddSongs | Wish::Picture | Wish::Panorama => Ok(()),
-            Wish::Press(_) | Wish::Record | Wish::SavePreset(_) | Wish::SaveShow => Ok(()),
+            Wish::Choose(_) | Wish::Record | Wish::Press(_) => Ok(()),
         };
         if let Err(why) = done {
             shared.notices.warn(why);

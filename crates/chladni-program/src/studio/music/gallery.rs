@@ -3,6 +3,7 @@
 use chladni_music::{Action, GalleryItem, Instrument, Mapping};
 use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
 
+use super::asking::Then;
 use super::curve;
 use super::lineage;
 use super::view::View;
@@ -146,7 +147,7 @@ fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut 
         entry(ui, Icon::Dices, "Change a little", Wish::Do(Action::Mutate { item, amount: 0.2 }));
         ui.separator();
         entry(ui, Icon::BookmarkPlus, "Keep on the shelf …", Wish::Keep(shown.id));
-        entry(ui, Icon::Save, "Save as a file …", Wish::SavePreset(shown.id));
+        entry(ui, Icon::Save, "Save as a file …", Wish::Choose(Then::SavePreset(shown.id)));
         ui.separator();
         lineage::menu(ui, &icon::label(Icon::GitFork, "Lineage"), instrument, shown, wishes);
     });

@@ -10,6 +10,7 @@ use egui::RichText;
 
 use super::MusicRoom;
 use super::shows::the_show;
+use crate::studio::age::changed_ago;
 use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
@@ -44,10 +45,12 @@ pub struct Keepsake {
 }
 
 impl Keepsake {
-    /// Takes in what was written; what went wrong, if that is news.
-    fn settle(&mut self) -> Option<String> {
+    /// Takes in what was written, or `waits` for it; what went wrong, if that is news.
+    fn settle(&mut self, waits: bool) -> Option<String> {
         let (written, actions) = self.writing.as_ref()?;
-        let (copy, failure) = match written.try_recv() {
+        let written =
+            if waits { written.recv().map_err(|_| TryRecvError::Disconnected) } else { written.try_recv() };
+        let (copy, failure) = match written {
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => (Err(()), Some("its thread ended".to_owned())),
             Ok(Written { copy, failure }) => (Ok(copy), failure),
@@ -83,12 +86,17 @@ impl MusicRoom {
     /// Keeps a copy of what of the show no file has, and drops it once all is saved.
     pub(super) fn keep_show(&mut self, at_once: bool, shared: &mut Shared<'_>) {
         let keepsake = &mut self.keepsake;
-        if let Some(why) = keepsake.settle() {
+        if let Some(why) = keepsake.settle(at_once) {
             shared.notices.warn(format!("No copy of the show could be kept: {why}"));
         }
         let (Some(concert), Some(listening)) = (&self.concert, &self.listening) else { return };
         let Some(folder) = &shared.folders.recovery else { return };
         let now_secs = shared.ctx.input(|input| input.time);
+        let is_due = at_once || now_secs - keepsake.last_secs >= INTERVAL_SECS;
+        if keepsake.writing.is_some() || !is_due {
+            return;
+        }
+        keepsake.last_secs = now_secs;
         if !concert.has_changed() {
             if keepsake.kept > 0
                 && let Some(Ok(copy)) = &keepsake.copy
@@ -99,8 +107,7 @@ impl MusicRoom {
             return;
         }
         let actions = concert.instrument().log().len();
-        let is_due = at_once || now_secs - keepsake.last_secs >= INTERVAL_SECS;
-        if keepsake.writing.is_some() || actions == keepsake.kept || !is_due {
+        if actions == keepsake.kept {
             return;
         }
         if keepsake.copy.is_none() {
@@ -112,31 +119,21 @@ impl MusicRoom {
                     .warn(format!("There will be no copy of the show after a crash: {path}: {why}"));
             }));
         }
-        keepsake.last_secs = now_secs;
         let show = the_show(concert, listening, &self.names, shared, unread);
         self.keepsake.write(show, actions);
     }
 
     /// The program must end: what is not saved is written before that, and stays.
     pub(super) fn leave_show(&mut self, shared: &mut Shared<'_>) {
-        // Whatever is being written comes first.
-        for _ in 0..2 {
-            if let Some((written, actions)) = self.keepsake.writing.take() {
-                let (done, again) = channel();
-                // If its thread is gone, so is the copy.
-                let _ = written.recv().map(|written| done.send(written));
-                self.keepsake.writing = Some((again, actions));
-            }
-            self.keep_show(true, shared);
-        }
+        self.keep_show(true, shared);
+        // It is too late to tell anybody what went wrong.
+        let _ = self.keepsake.settle(true);
         self.keepsake.copy = Some(Err(()));
     }
 
     /// The window closes, and all that matters is saved or given up.
     pub(super) fn drop_show(&mut self) {
-        if let Some((written, _)) = self.keepsake.writing.take() {
-            self.keepsake.copy = written.recv().ok().map(|written| Ok(written.copy));
-        }
+        let _ = self.keepsake.settle(true);
         if let Some(Ok(copy)) = self.keepsake.copy.take() {
             copy.finish();
         }
@@ -154,7 +151,9 @@ impl MusicRoom {
             ui.label(
                 RichText::new("What was bred is still there. Recover it, or throw it away.").color(weak),
             );
-            ui.label(RichText::new(age(&newest)).color(weak));
+            if let Some(age) = changed_ago(changed(&newest)) {
+                ui.label(RichText::new(theme::capitalized(&age)).color(weak));
+            }
             ui.add_space(theme::GAP);
             ui.horizontal(|ui| {
                 if theme::primary_button(ui, "Recover").author_id("recover-show").clicked() {
@@ -203,15 +202,4 @@ fn found_in(folder: &Path) -> Vec<PathBuf> {
 
 fn changed(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|about| about.modified()).ok()
-}
-
-fn age(path: &Path) -> String {
-    let secs = changed(path).and_then(|changed| SystemTime::now().duration_since(changed).ok());
-    match secs.map(|age| age.as_secs() / 60) {
-        None | Some(0) => "Changed less than a minute ago".into(),
-        Some(1) => "Changed a minute ago".into(),
-        Some(minutes @ 2..120) => format!("Changed {minutes} minutes ago"),
-        Some(minutes @ 120..2880) => format!("Changed {} hours ago", minutes / 60),
-        Some(minutes) => format!("Changed {} days ago", minutes / 1440),
-    }
 }

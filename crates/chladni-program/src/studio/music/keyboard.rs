@@ -3,6 +3,7 @@
 use chladni_music::{Action, Cue, Target};
 
 use super::MusicRoom;
+use super::asking::Then;
 use super::hands::Stand;
 use super::listening::Listening;
 use super::remote::{Asked, NUDGE_SECS, Now};
@@ -24,7 +25,7 @@ impl MusicRoom {
     pub(super) fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
         let mut wishes = Vec::new();
         if self.concert.is_none() && OPEN.pressed(ctx) {
-            wishes.push(Wish::Open);
+            wishes.push(Wish::Choose(Then::Open));
         }
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
         // An open menu has the keys.
@@ -63,8 +64,8 @@ impl MusicRoom {
             when(&mut wishes, MARK_RIGHT, Wish::StepFavorite(true));
             return wishes;
         }
-        when(&mut wishes, OPEN, Wish::Open);
-        when(&mut wishes, SAVE, Wish::SaveShow);
+        when(&mut wishes, OPEN, Wish::Choose(Then::Open));
+        when(&mut wishes, SAVE, Wish::Choose(Then::SaveShow));
         when(&mut wishes, FILM, Wish::Film);
         when(&mut wishes, BREED, Wish::Do(Action::Breed));
         let gallery = concert.instrument().gallery();

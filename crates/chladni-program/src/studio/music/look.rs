@@ -6,6 +6,7 @@ use egui::{RichText, Ui};
 
 use std::path::Path;
 
+use super::asking::Then;
 use super::preferences::{Camera, Screen};
 use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
@@ -36,11 +37,11 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool, wishes: &m
     blur(ui, &mut preferences.blur_percent, own);
     let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background, or a film (through ffmpeg)";
     if file(ui, ("Picture", tip), &mut preferences.picture) {
-        wishes.push(Wish::Picture);
+        wishes.push(Wish::Choose(Then::Picture));
     }
     let tip = "A panorama of your own (HDR, PNG or JPEG, twice as wide as high): shapes mirror it, and its light is theirs";
     if file(ui, ("Panorama", tip), &mut preferences.panorama) {
-        wishes.push(Wish::Panorama);
+        wishes.push(Wish::Choose(Then::Panorama));
     }
     ui.label(RichText::new("Stage").strong());
     screens(ui, &mut preferences.screen, shared.screen.monitors());

@@ -6,7 +6,6 @@ use super::MusicRoom;
 use super::asking::Then;
 use super::preferences::Camera;
 use super::recorder::Recorder;
-use crate::studio::file_window::Request;
 use crate::studio::room::Shared;
 use crate::work::Error;
 
@@ -23,8 +22,7 @@ impl MusicRoom {
             }
             return;
         }
-        let request = Request::save(&[("Films", &["mp4"])], Path::new("set.mp4"));
-        self.ask_for(Then::Record, request, shared);
+        self.ask_for(Then::Record, shared);
     }
 
     /// Records the set from now on.

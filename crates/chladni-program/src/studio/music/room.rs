@@ -8,7 +8,7 @@ use super::MusicRoom;
 use super::asking::Then;
 use super::concert::Concert;
 use super::curtain::Curtain;
-use super::film::{Filming, Scene};
+use super::film::Scene;
 use super::listening::Listening;
 use super::shows::{songs_of, the_show};
 use super::wish::Wish;
@@ -275,12 +275,12 @@ impl MusicRoom {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening)
             && self.filming.show_form(&shared.ctx, concert.picture_size(), listening.at_secs())
         {
-            self.ask_for(Then::Film, Filming::where_to(), shared);
+            self.ask_for(Then::Film, shared);
         }
     }
 
     /// Begins the film that was asked for.
-    pub(super) fn film_to(&mut self, path: PathBuf, shared: &mut Shared<'_>) -> Result<(), Error> {
+    pub(super) fn film_to(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
             let scene = Scene {
                 show: the_show(concert, listening, &self.names, shared, |file| refer(file, None)),
@@ -304,7 +304,7 @@ fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
         ui.add_space(theme::GAP);
         let open = ui.button(icon::label(Icon::FolderOpen, "Open …")).author_id("open");
         if open.on_hover_text(OPEN.tooltip(ui.ctx())).clicked() {
-            wishes.push(Wish::Open);
+            wishes.push(Wish::Choose(Then::Open));
         }
     });
 }

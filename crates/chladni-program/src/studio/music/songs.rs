@@ -6,6 +6,7 @@ use chladni_sound::{
 };
 use egui::{RichText, Ui, vec2};
 
+use super::asking::Then;
 use super::listening::Listening;
 use super::meters;
 use super::preferences::Preferences;
@@ -148,7 +149,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
     }
     ui.horizontal(|ui| {
         if ui.button(icon::label(Icon::Plus, "Add songs …")).author_id("songs-add").clicked() {
-            wishes.push(Wish::AddSongs);
+            wishes.push(Wish::Choose(Then::AddSongs));
         }
         let shuffle = ui.button(icon::text(Icon::Shuffle)).on_hover_text("Another order, by chance");
         if shuffle.clicked() {

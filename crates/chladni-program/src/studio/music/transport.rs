@@ -4,6 +4,7 @@ use chladni_music::{Action, Switch};
 use chladni_sound::PlayerState;
 use egui::{RichText, ScrollArea, Slider, Ui};
 
+use super::asking::Then;
 use super::concert::Concert;
 use super::film;
 use super::listening::Listening;
@@ -66,14 +67,20 @@ fn camera(ui: &mut Ui, concert: &Concert) {
 fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let menu = ui.menu_button(icon::label(Icon::FolderOpen, "File"), |ui| {
         for (id, mark, name, tip, wish) in [
-            ("open", Icon::FolderOpen, "Open …", OPEN.tooltip(ui.ctx()), Wish::Open),
-            ("add-songs", Icon::Music, "Add songs …", "To the end of the list".into(), Wish::AddSongs),
+            ("open", Icon::FolderOpen, "Open …", OPEN.tooltip(ui.ctx()), Wish::Choose(Then::Open)),
+            (
+                "add-songs",
+                Icon::Music,
+                "Add songs …",
+                "To the end of the list".into(),
+                Wish::Choose(Then::AddSongs),
+            ),
             (
                 "save-show",
                 Icon::Save,
                 "Save show …",
                 format!("{}: all that was done, to go on with or to film later", SAVE.tooltip(ui.ctx())),
-                Wish::SaveShow,
+                Wish::Choose(Then::SaveShow),
             ),
             (
                 "record",

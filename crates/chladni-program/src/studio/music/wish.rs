@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use chladni_music::{Action, ItemId, Preset, Target};
 
+use super::asking::Then;
 use super::view::View;
 
 /// One wish; the room fulfills it after the frame's panels are drawn.
@@ -13,18 +14,10 @@ pub enum Wish {
     Do(Action),
     /// Set all up for sand on the shape, as in Chladni's experiment.
     Experiment,
-    /// Choose a shape, a project, songs, a preset or a show.
-    Open,
-    /// Choose songs to add to the list.
-    AddSongs,
-    /// Save the show as a file.
-    SaveShow,
+    /// Choose files.
+    Choose(Then),
     /// Record the set as it is played, or end that.
     Record,
-    /// Choose a picture or film to be the background.
-    Picture,
-    /// Choose a panorama whose light is that of the dance.
-    Panorama,
     /// Ask for a film of what dances.
     Film,
     /// Show the gallery, one item or the harmonics.
@@ -33,8 +26,6 @@ pub enum Wish {
     TryOut(Box<Preset>),
     /// Ask for name and tags, to keep an item on the shelf.
     Keep(ItemId),
-    /// Save an item as a preset file anywhere.
-    SavePreset(ItemId),
     /// Take a preset of the shelf into the gallery.
     Take(Box<Preset>),
     /// Delete a preset of the shelf.

@@ -1,0 +1,15 @@
+//! How long ago something was, in words.
+
+use std::time::SystemTime;
+
+/// When a file was changed, as a part of a sentence; `None` where the system does not know.
+pub fn changed_ago(modified: Option<SystemTime>) -> Option<String> {
+    let age = SystemTime::now().duration_since(modified?).ok()?;
+    Some(match age.as_secs() / 60 {
+        0 => "changed less than a minute ago".into(),
+        1 => "changed a minute ago".into(),
+        minutes @ 2..60 => format!("changed {minutes} minutes ago"),
+        minutes @ 60..2880 => format!("changed {} hours ago", minutes.div_ceil(60)),
+        minutes => format!("changed {} days ago", minutes / 1440),
+    })
+}

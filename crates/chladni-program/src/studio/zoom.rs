@@ -1,0 +1,56 @@
+//! The size of letters and controls.
+
+use super::Studio;
+use super::keys::window::{ZOOM_IN, ZOOM_OUT};
+use super::opening::{SMALLEST, WINDOW};
+
+/// Points across a screen on which those of usual size are too small to read.
+const MANY_POINTS: f32 = 3000.0;
+/// One press of a key.
+const STEP: f32 = 1.1;
+
+impl Studio {
+    pub(super) fn zoom_by_keys(&mut self, ctx: &egui::Context) {
+        if ZOOM_IN.pressed(ctx) {
+            self.enlarge(ctx);
+        }
+        if ZOOM_OUT.pressed(ctx) {
+            self.settings.zoom = (self.settings.zoom / STEP).max(0.5);
+        }
+    }
+
+    /// Draws in the size of the preferences from now on.
+    pub(super) fn zoom(&self, ctx: &egui::Context) {
+        if (ctx.zoom_factor() - self.settings.zoom).abs() > 1e-3 {
+            ctx.set_zoom_factor(self.settings.zoom);
+        }
+    }
+
+    /// Larger controls, as far as the window has room for them.
+    fn enlarge(&mut self, ctx: &egui::Context) {
+        let points =
+            ctx.input(|input| input.viewport().inner_rect).map_or(egui::Vec2::INFINITY, |rect| rect.size());
+        let room = (points / egui::Vec2::from(SMALLEST)).min_elem();
+        if room < STEP {
+            self.notices
+                .update("size of letters", "There is no room for larger letters: enlarge the window first.");
+        } else {
+            self.settings.zoom = (self.settings.zoom * STEP).min(3.0);
+        }
+    }
+
+    /// On the first run, larger controls on a screen of many small points, which the system has not
+    /// enlarged itself.
+    pub(super) fn suit_the_screen(&mut self, ctx: &egui::Context) {
+        let screen = ctx.input(|input| input.viewport().monitor_size).filter(|size| size.x > 0.0);
+        if let Some(size) = screen.filter(|_| self.first_run) {
+            self.first_run = false;
+            if size.x >= MANY_POINTS {
+                self.settings.zoom = 1.5;
+                // As many points as before, of more pixels.
+                let pixels = egui::Vec2::from(WINDOW) * 1.5;
+                ctx.send_viewport_cmd(egui::ViewportCommand::InnerSize(pixels));
+            }
+        }
+    }
+}
