@@ -351,6 +351,7 @@ export function open() {
 /** Whether there is no shape: what needs one rests, and the picture of the other room is not seen. */
 function empty(isSo) {
   document.body.toggleAttribute("data-empty", isSo);
+  if (isSo) of("sitter").value = "";
   for (const child of of("bench").children) child.inert = isSo && !child.querySelector("#sitter, #open-project");
   for (const id of ["undo", "redo", "save-project"]) of(id).inert = isSo;
 }
