@@ -37,6 +37,9 @@ pub struct BenchCaricature {
     /// How often each thing is done; the median counts.
     #[arg(long, default_value_t = 15)]
     repeats: usize,
+    /// Only what has this in its name.
+    #[arg(long, value_name = "TEXT", default_value = "")]
+    only: String,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -65,7 +68,10 @@ impl BenchCaricature {
         let mut history = History::new(project);
         let basis = stack.body().basis.clone();
         let mut rows = Vec::new();
-        let mut time = |what, act: &mut dyn FnMut(usize) -> Result<(), Trouble>| -> Result<(), Error> {
+        let mut time = |what: &'static str, act: &mut dyn FnMut(usize) -> Result<(), Trouble>| {
+            if !what.contains(&self.only) {
+                return Ok(());
+            }
             let (median_ms, fastest_ms) = timed(self.repeats.max(1), act).map_err(Error::other)?;
             let threads = rayon::current_num_threads();
             rows.push(Row { what, vertices, harmonics, threads, median_ms, fastest_ms });
