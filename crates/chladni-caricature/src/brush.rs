@@ -80,12 +80,13 @@ impl Brush {
     /// the cheek behind a nose, stays bare, too. Empty if there is no such triangle or the
     /// positions belong to another shape.
     pub fn reach(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
-        let mut reach = self.press(seen, at);
-        let twin = self.mirror.and_then(|plane| {
+        let twin = || {
+            let plane = self.mirror?;
             let image = plane.image(seen.surface.position(at)?);
             let eye = seen.eye.map(|eye| plane.image(eye));
             Some(self.press(&Seen { eye, ..*seen }, &seen.surface.nearest_vertex(image)?))
-        });
+        };
+        let (mut reach, twin) = rayon::join(|| self.press(seen, at), twin);
         if let Some(twin) = twin {
             reach.join(twin);
         }

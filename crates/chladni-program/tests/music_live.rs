@@ -7,6 +7,8 @@
 mod driving;
 
 use std::f32::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use chladni_mesh::{samples, save_mesh};
 use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
@@ -59,6 +61,35 @@ impl Evening {
         self.heard += count;
         self.feed.push(&samples, &samples);
         self.window.run_steps(1);
+    }
+
+    /// Begins to record the set.
+    fn record(&mut self) -> PathBuf {
+        let path = self._folder.path().join("set.mp4");
+        self.answers.add(&path);
+        // A picture is there once its brightness is known.
+        (0..10).for_each(|_| self.step(kick));
+        // The second window may lie over it.
+        control(&self.window, "file").click_accesskit();
+        self.window.run_steps(2);
+        control(&self.window, "file/record").click_accesskit();
+        self.window.run_steps(1);
+        path
+    }
+
+    fn end_recording(&mut self) {
+        control(&self.window, "recording-end").click_accesskit();
+        wait(&mut self.window, "the recording", |w| shows(w, "Recorded"));
+    }
+
+    /// Width and height of a short recording.
+    fn recorded_size(&mut self) -> String {
+        let film = self.record();
+        (0..20).for_each(|_| self.step(kick));
+        self.end_recording();
+        let size = ["-v", "error", "-show_entries", "stream=width,height", "-of", "csv=p=0"];
+        let probe = Command::new("ffprobe").args(size).arg(&film).output().unwrap();
+        String::from_utf8(probe.stdout).unwrap()
     }
 
     /// Mean relative luminance of what the window shows.
@@ -217,27 +248,20 @@ fn the_set_is_recorded_with_its_sound_while_it_is_played() {
         return println!("skipped: no ffmpeg");
     }
     let mut evening = Evening::begin(20, "", "");
-    let path = evening._folder.path().join("set.mp4");
-    evening.answers.add(&path);
-    // A picture is there once its brightness is known.
-    (0..10).for_each(|_| evening.step(kick));
-    control(&evening.window, "file").click();
-    evening.window.run_steps(2);
-    control(&evening.window, "file/record").click();
+    let path = evening.record();
     for step in 0..60 {
         evening.step(kick);
         if step == 30 {
             // The stage fills the window: the picture has another size.
             evening.window.event(Event::PointerMoved(Pos2::new(100.0, 200.0)));
-            evening.window.run_steps(1);
+            evening.window.run_steps(3);
             evening.window.key_press(Key::S);
         }
     }
     evening.window.key_press(Key::Escape);
     evening.window.run_steps(20);
-    control(&evening.window, "recording-end").click();
-    wait(&mut evening.window, "the recording", |w| shows(w, "Recorded"));
-    let probe = std::process::Command::new("ffprobe")
+    evening.end_recording();
+    let probe = Command::new("ffprobe")
         .args(["-v", "error", "-count_frames", "-show_entries", "stream=codec_type,duration,nb_read_frames"])
         .args(["-of", "csv=p=0"])
         .arg(&path)
@@ -255,4 +279,55 @@ fn the_set_is_recorded_with_its_sound_while_it_is_played() {
     let song = chladni_sound::Song::open(&path).unwrap();
     let loudest = song.left.iter().fold(0.0f32, |most, sample| most.max(sample.abs()));
     assert!(loudest > 0.4, "{loudest}");
+}
+
+/// The frames of a film in gray, 64×64 each.
+fn gray_frames(film: &Path) -> Vec<Vec<u8>> {
+    let scale = ["-vf", "scale=64:64", "-pix_fmt", "gray", "-f", "rawvideo", "-"];
+    let frames = Command::new("ffmpeg").args(["-v", "error", "-i"]).arg(film).args(scale).output().unwrap();
+    frames.stdout.chunks_exact(64 * 64).map(<[u8]>::to_vec).collect()
+}
+
+#[test]
+fn a_frozen_stage_that_goes_black_is_black_in_the_recording_too() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let mut evening = Evening::begin(20, "[music]\nlook = \"\"\nbackground = \"white\"\n", "");
+    let film = evening.record();
+    evening.window.event(Event::PointerMoved(Pos2::new(100.0, 200.0)));
+    evening.window.run_steps(3);
+    for key in [Key::S, Key::X, Key::B] {
+        evening.window.key_press(key);
+        (0..30).for_each(|_| evening.step(kick));
+        assert!(!shows(&evening.window, "6 items"), "not on stage");
+    }
+    // What was black is light again only after the stage is left.
+    evening.window.key_press(Key::Escape);
+    evening.window.run_steps(1);
+    evening.end_recording();
+    let mean = |frame: &Vec<u8>| frame.iter().map(|&level| f32::from(level)).sum::<f32>() / 4096.0;
+    let means: Vec<f32> = gray_frames(&film).iter().map(mean).collect();
+    let (first, darkest) = (means[0], means.iter().fold(f32::INFINITY, |least, mean| least.min(*mean)));
+    assert!(first > 100.0 && darkest < 20.0, "{means:?}");
+}
+
+/// Tests draw the second window into the first.
+#[test]
+fn a_recording_has_the_size_of_the_stage_that_has_a_window_of_its_own() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let [gallery, stage] = [false, true].map(|on_stage| {
+        let mut evening = Evening::begin(20, "[music]\nown_window = true\n", "");
+        if on_stage {
+            evening.window.event(Event::PointerMoved(Pos2::new(100.0, 200.0)));
+            evening.window.run_steps(3);
+            evening.window.key_press(Key::S);
+            (0..10).for_each(|_| evening.step(kick));
+            assert!(shows(&evening.window, "On stage"));
+        }
+        evening.recorded_size()
+    });
+    assert_ne!(stage, gallery);
 }

@@ -6,7 +6,7 @@ use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
 use super::super::place::{Change, Place};
 use super::super::preferences::Screen;
-use super::super::stillness;
+use super::super::stillness::{self, StillPicture};
 use super::super::wish::Wish;
 use super::Concert;
 use super::frame::Frame;
@@ -63,6 +63,11 @@ impl Apart {
         &self.items[..self.count]
     }
 
+    /// The picture that it drew last.
+    pub fn shown(&self) -> Option<&StillPicture> {
+        self.pane.shown.as_ref()
+    }
+
     /// The window is closed; another stage gets another one.
     pub fn leave(&mut self) {
         self.place = Place::default();
@@ -103,8 +108,7 @@ impl Concert {
             keys(ui.ctx(), wishes);
             let projection = shared.settings.music.projection;
             if self.house.frozen && self.pane.shown.is_some() {
-                self.repaint(ui, projection, rect);
-                return Ok(());
+                return self.repaint(ui, projection, rect);
             }
             self.deformed.synthesize(&apart.items, &settings)?;
             self.seen.clear();

@@ -65,8 +65,9 @@ impl Concert {
             self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures))?;
             self.pane.shown = Some(shown);
             self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.drawn_texture());
+            self.pane.veil = Veil::Clear;
             self.darken(ui, rect);
-            return self.send(Veil::Clear, false);
+            return self.send(false);
         }
         // The picture is shown once its brightness is known; until then the previous one is shown, and no new
         // one is started.
@@ -80,15 +81,21 @@ impl Concert {
             }
             self.pane.shown = Some(shown);
         }
-        let veil = if self.pane.judged {
+        self.pane.veil = if self.pane.judged {
             self.pane.guard.set_area(flash_area.unwrap_or_default());
             self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram())
         } else {
             Veil::Clear
         };
-        self.moving |= self.pane.glimpse.is_coming() || veil != Veil::Clear;
+        self.moving |= self.pane.glimpse.is_coming() || self.pane.veil != Veil::Clear;
         self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.kept_texture());
-        match veil {
+        self.cover(ui, rect);
+        self.send(true)
+    }
+
+    /// Lays the flash guard's veil and the black of the stage over the picture.
+    fn cover(&mut self, ui: &Ui, rect: egui::Rect) {
+        match self.pane.veil {
             Veil::Clear => {}
             Veil::Black(opacity) => {
                 ui.painter().rect_filled(rect, 0.0, Color32::from_black_alpha(opacity));
@@ -98,16 +105,15 @@ impl Concert {
             }
         }
         self.darken(ui, rect);
-        self.send(veil, true)
     }
 
     /// Gives films and other programs what the stage shows or, where there is none, the window.
-    fn send(&mut self, veil: Veil, is_kept: bool) -> Result<(), Error> {
+    fn send(&mut self, is_kept: bool) -> Result<(), Error> {
         let seen = self.draws_stage || !self.on_stage();
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };
         let Some(canvas) = canvas.filter(|_| seen) else { return Ok(()) };
         let dark = if self.draws_stage { self.house.level(self.seconds).0 } else { 0.0 };
-        self.outgoing.take(self.pane.viewport.device(), canvas, self.seconds, (veil, dark))
+        self.outgoing.take(self.pane.viewport.device(), canvas, self.seconds, (self.pane.veil, dark))
     }
 
     fn darken(&mut self, ui: &Ui, rect: egui::Rect) {
@@ -124,14 +130,20 @@ impl Concert {
         }
     }
 
-    /// Shows the last picture again.
-    pub(super) fn repaint(&mut self, ui: &mut Ui, projection: Projection, rect: egui::Rect) {
+    /// Shows the last picture again, as it was but for the black of the stage.
+    pub(super) fn repaint(
+        &mut self,
+        ui: &mut Ui,
+        projection: Projection,
+        rect: egui::Rect,
+    ) -> Result<(), Error> {
         ui.allocate_rect(rect, egui::Sense::hover());
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
         let shown =
             if limited { self.pane.viewport.kept_texture() } else { self.pane.viewport.drawn_texture() };
         self.project(ui, projection, rect, shown);
-        self.darken(ui, rect);
+        self.cover(ui, rect);
+        self.send(limited)
     }
 }
 

@@ -88,8 +88,7 @@ impl Concert {
             return self.show_harmonics(ui, whole, first);
         }
         if self.draws_stage && self.house.frozen && self.pane.shown.is_some() {
-            self.repaint(ui, shared.settings.music.projection, whole);
-            return Ok(());
+            return self.repaint(ui, shared.settings.music.projection, whole);
         }
         if let (Some(trace), Some(item)) = (trace, items.first()) {
             trace.borrow_mut().push(played(&frame, item));

@@ -1,6 +1,6 @@
 //! Where the dance is shown: a picture, judged before it is seen. The window has one, the stage may have another.
 
-use chladni_music::FlashGuard;
+use chladni_music::{FlashGuard, Veil};
 
 use super::super::glimpse::Glimpse;
 use super::super::stillness::StillPicture;
@@ -13,6 +13,8 @@ pub struct Pane {
     pub viewport: Viewport,
     pub glimpse: Glimpse,
     pub guard: FlashGuard,
+    /// What the guard has laid over the last picture.
+    pub veil: Veil,
     /// The last picture; `None` where something else was shown.
     pub shown: Option<StillPicture>,
     /// The brightness of the kept picture is known.
@@ -26,6 +28,7 @@ impl Pane {
             viewport: Viewport::new(screen),
             glimpse: Glimpse::default(),
             guard: FlashGuard::default(),
+            veil: Veil::Clear,
             shown: None,
             judged: false,
         }
