@@ -1,9 +1,13 @@
 //! `chladni open FILE…`: the window.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use chladni_view::film::{FilmFormat, RawFormat};
 
 use super::Terminal;
-use crate::window::{self, Until};
+use super::choice::one_of;
+use super::frames::Size;
+use crate::window::{self, SetOutput, SetTarget, Until};
 use crate::work::{Error, Watcher};
 
 /// Open the window, on files where some are given.
@@ -19,6 +23,17 @@ pub struct Open {
     /// Close as soon as the shape is on screen, and print as JSON how many seconds that took.
     #[arg(long, requires = "files", conflicts_with = "measure")]
     until_picture: bool,
+    /// Record the set from its first picture on: an .mp4 with what is heard (needs ffmpeg). Or -: the stage's frames as they
+    /// are on standard output, silent, 30 a second, for a program that streams or mixes them.
+    #[arg(short, long, value_name = "FILM")]
+    output: Option<PathBuf>,
+    /// What -o - writes: rgba (8 bits each, row by row; the reader has to know size and rate), the default,
+    /// or y4m, which says both.
+    #[arg(long, value_name = "FORMAT", value_parser = one_of(RawFormat::NAMED), requires = "output")]
+    format: Option<RawFormat>,
+    /// Width and height of what -o gets, in pixels; those of the stage unless given.
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "output")]
+    size: Option<Size>,
 }
 
 impl Open {
@@ -29,7 +44,26 @@ impl Open {
             None if self.until_picture => Until::Picture,
             None => Until::Closed,
         };
-        let outcome = window::open(self.files, until, terminal.draw(), terminal.task().clone())?;
+        let output = self.set_output(until)?;
+        let outcome = window::open(self.files, until, terminal.draw(), terminal.task().clone(), output)?;
         outcome.map_or(Ok(()), |outcome| terminal.json(&outcome))
+    }
+
+    /// Where the set goes.
+    fn set_output(&self, until: Until) -> Result<Option<SetOutput>, Error> {
+        let Some(path) = &self.output else { return Ok(None) };
+        let to = if path == Path::new("-") {
+            if until != Until::Closed {
+                return Err(Error::input("-o - and what is measured would both write to standard output"));
+            }
+            SetTarget::Frames(self.format.unwrap_or_default())
+        } else if self.format.is_some() {
+            return Err(Error::input("--format says what -o - writes; a recording is an .mp4"));
+        } else if !FilmFormat::of(path).is_ok_and(|format| format == FilmFormat::Mp4) {
+            return Err(Error::input(format!("{}: a set is recorded as an .mp4", path.display())));
+        } else {
+            SetTarget::Film(path.clone())
+        };
+        Ok(Some(SetOutput { to, size: self.size.map(|size| [size.width, size.height]) }))
     }
 }

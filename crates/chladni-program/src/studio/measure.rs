@@ -47,6 +47,7 @@ pub struct Measure {
     frames: Vec<(f64, Option<f64>)>,
     underruns: u64,
     stage: Option<OnStage>,
+    left_out: Option<u64>,
 }
 
 /// What dances.
@@ -79,6 +80,9 @@ pub struct FrameReport {
     pub largest_drift_secs: Option<f64>,
     /// How often the sound device was given silence.
     pub underruns: u64,
+    /// Pictures that a recording left out, where there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_out: Option<u64>,
     /// What danced.
     pub stage: Option<OnStage>,
 }
@@ -86,7 +90,7 @@ pub struct FrameReport {
 impl Measure {
     /// Counts for a number of seconds, from the first frame on that has a song.
     pub fn new(secs: f64) -> Self {
-        Self { secs, began: None, frames: Vec::new(), underruns: 0, stage: None }
+        Self { secs, began: None, frames: Vec::new(), underruns: 0, stage: None, left_out: None }
     }
 
     /// Counts a frame; `sound` is the position in the song and the underruns so far, where one
@@ -108,6 +112,11 @@ impl Measure {
     /// Notes what dances.
     pub fn shows(&mut self, stage: Option<OnStage>) {
         self.stage = stage.or(self.stage);
+    }
+
+    /// Notes how many pictures a recording has left out.
+    pub fn records(&mut self, left_out: Option<u64>) {
+        self.left_out = left_out.or(self.left_out);
     }
 
     /// The report; `None` where there were too few frames.
@@ -137,6 +146,7 @@ impl Measure {
             song_secs: last.1.zip(first.1).map(|(last, first)| last - first),
             largest_drift_secs: (!offsets.is_empty()).then_some(drift),
             underruns: self.underruns,
+            left_out: self.left_out,
             stage: self.stage,
         })
     }

@@ -53,7 +53,7 @@ pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open
 pub use folders::Folders;
 pub use handover::Handover;
 pub use measure::{FirstPicture, FrameReport, Measure};
-pub use opening::{Opening, PlayedFrame, Trace, open};
+pub use opening::{Opening, PlayedFrame, SetOutput, SetTarget, Trace, open};
 pub use processor_window::Painter;
 pub use settings::Settings;
 
@@ -119,6 +119,7 @@ impl Studio {
             first_picture,
             input,
             trace,
+            output,
             handover,
             now,
             ends,
@@ -155,7 +156,7 @@ impl Studio {
                 (left.rooms, left.current)
             }
             None => {
-                let music = music::MusicRoom::listening_to(input, trace);
+                let music = music::MusicRoom::listening_to(input, trace, output);
                 (vec![Box::new(caricature::CaricatureRoom::default()), Box::new(music)], None)
             }
         };
@@ -261,6 +262,7 @@ impl Studio {
         let room = self.current.and_then(|index| self.rooms.get(index));
         let mut measure = measure.borrow_mut();
         measure.shows(room.and_then(|room| room.stage()));
+        measure.records(room.and_then(|room| room.left_out()));
         if measure.frame(Instant::now(), room.and_then(|room| room.sound())) {
             self.rooms.clear();
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use chladni_task::Task;
 use chladni_view::Draw;
+use chladni_view::film::RawFormat;
 use winit::window::Window;
 
 use super::Studio;
@@ -31,14 +32,16 @@ const SHORTEST: Duration = Duration::from_secs(10);
 
 /// Opens the window on the start screen, or on `files` where some are given, and returns when
 /// it is closed. With a measure it closes by itself when all is counted.
-/// It closes, too, once `ends` is cancelled. With a first picture it closes as soon as that is shown. Where the processor draws it paints the window, too; where the graphics device is lost,
-/// another window goes on with what was open.
+/// It closes, too, once `ends` is cancelled. With a first picture it closes as soon as that is shown. The set goes to
+/// `output` from its first picture on. Where the processor draws it paints the window, too; where the graphics device is
+/// lost, another window goes on with what was open.
 pub fn open(
     mut files: Vec<PathBuf>,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
     draw: Draw,
     ends: Task,
+    mut output: Option<SetOutput>,
 ) -> Result<(), StudioError> {
     let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(target_os = "linux") && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
@@ -55,6 +58,7 @@ pub fn open(
             handover: handover.clone(),
             draw,
             ends: Some(ends.clone()),
+            output: output.take(),
             ..Opening::default()
         })?;
         match handover.reason() {
@@ -83,6 +87,24 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
     };
     eframe::run_native("chladni", options, Box::new(create))?;
     Ok(())
+}
+
+/// Where the set goes from its first picture on, besides the window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetOutput {
+    /// A film of it, or its frames as they come.
+    pub to: SetTarget,
+    /// Width and height; those of the stage where none are given.
+    pub size: Option<[u32; 2]>,
+}
+
+/// A recording, or a stream.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SetTarget {
+    /// An MP4 with the sound that is heard.
+    Film(PathBuf),
+    /// Frames on standard output, in place of the camera that the preferences name.
+    Frames(RawFormat),
 }
 
 /// What the music room played, frame after frame: for those who compare it with a film.
@@ -117,6 +139,8 @@ pub struct Opening {
     pub input: Option<chladni_sound::Capture>,
     /// Hears what the music room plays in each frame.
     pub trace: Option<Trace>,
+    /// Where the set goes.
+    pub output: Option<SetOutput>,
     /// What a window before it has left, and where it leaves what is open should its device be lost.
     pub handover: Handover,
     /// Who draws the 3D views.
@@ -138,6 +162,7 @@ impl Default for Opening {
             first_picture: None,
             input: None,
             trace: None,
+            output: None,
             handover: Handover::default(),
             draw: Draw::Auto,
             ends: None,

@@ -61,6 +61,11 @@ pub trait Room {
         None
     }
 
+    /// Pictures that a recording of the set has left out so far.
+    fn left_out(&self) -> Option<u64> {
+        None
+    }
+
     /// Something unsaved that closing the window would lose; `None` when all is safe.
     fn unsaved(&self) -> Option<String> {
         None

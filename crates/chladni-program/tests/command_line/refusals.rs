@@ -83,6 +83,9 @@ fn wrong_arguments_are_told_in_one_line() {
         (&["basis", "a.obj", "--harmonic", "3"], "--harmonics"),
         (&["basis", "a.obj", "-k", "many"], "many"),
         (&["sing"], "sing"),
+        (&["open", "-o", "set.txt"], "set.txt"),
+        (&["open", "song.wav", "-o", "set.mp4", "--format", "y4m"], "--format"),
+        (&["open", "song.wav", "-o", "-", "--measure", "3"], "standard output"),
     ] {
         let run = Run::of(arguments);
         run.refused(part);

@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 
 use super::feed::Feed;
 use super::live::fit;
-use super::{FilmSettings, FrameRate, on_black};
+use super::raw::{Raw, RawFormat};
+use super::{Encode, FilmSettings, FrameRate, on_black};
 use crate::{Picture, ViewError};
 
 pub use syphon::HAS_SYPHON;
@@ -33,6 +34,8 @@ pub enum CameraTarget {
     Device(PathBuf),
     /// A server of Syphon, named Chladni. Only where [`HAS_SYPHON`]; needs Syphon.framework.
     Syphon,
+    /// Raw frames on standard output, for a program that reads them as they come. Where it is late, frames are left out.
+    StandardOutput(RawFormat),
 }
 
 /// Video devices that can be given pictures (those of v4l2loopback), each with its name; none but on Linux.
@@ -58,6 +61,7 @@ pub struct LiveCamera {
     common: Arc<Common>,
     /// Ends with what went wrong, unless only the program knows that.
     thread: Option<JoinHandle<Option<String>>>,
+    writes_out: bool,
 }
 
 /// What both threads know.
@@ -88,13 +92,17 @@ impl LiveCamera {
         (width, height): (u32, u32),
         rate: FrameRate,
     ) -> Result<Self, ViewError> {
-        FilmSettings { width, height, rate, frames: u64::MAX, first: 0, audio: None }.check()?;
+        let settings = FilmSettings { width, height, rate, frames: u64::MAX, first: 0, audio: None };
+        settings.check()?;
         if width % 2 == 1 || height % 2 == 1 {
             return Err(ViewError::Camera(format!("its sides are even, unlike {width}×{height}")));
         }
-        let (feed, way) = match target.command(width, height, rate) {
-            None => (None, Way::Syphon),
-            Some(mut command) => {
+        let (feed, way) = match (target, target.command(width, height, rate)) {
+            (CameraTarget::StandardOutput(format), _) => {
+                (None, Way::Pipe(Raw::begin(std::io::stdout(), *format, &settings)?))
+            }
+            (_, None) => (None, Way::Syphon),
+            (_, Some(mut command)) => {
                 let mut feed = start(&mut command, target)?;
                 let input =
                     feed.take_input().ok_or_else(|| ViewError::Camera("no pipe to its program".into()))?;
@@ -107,7 +115,8 @@ impl LiveCamera {
             .name("camera".into())
             .spawn(move || sender.run(way))
             .map_err(|why| ViewError::Camera(format!("no thread to send from: {why}")))?;
-        Ok(Self { feed, common, thread: Some(thread) })
+        let writes_out = matches!(target, CameraTarget::StandardOutput(_));
+        Ok(Self { feed, common, thread: Some(thread), writes_out })
     }
 
     /// Shows `picture`, of any size, from now on; leaves an old picture in it, whose memory can hold the next
@@ -160,7 +169,9 @@ impl Drop for LiveCamera {
         if let Some(feed) = &mut self.feed {
             feed.end();
         }
-        if let Some(thread) = self.thread.take() {
+        // Standard output belongs to a reader that may never take another picture: that thread ends with the program.
+        let waits = self.feed.is_some() || !self.writes_out;
+        if let Some(thread) = self.thread.take().filter(|_| waits) {
             thread.join().ok();
         }
     }
@@ -215,7 +226,7 @@ impl CameraTarget {
                 command.args(["-f", "v4l2", "-pix_fmt", "yuv420p"]).arg(path);
                 Some(command)
             }
-            Self::Syphon => None,
+            Self::Syphon | Self::StandardOutput(_) => None,
         }
     }
 }
@@ -226,6 +237,8 @@ enum Way {
     Program(ChildStdin),
     /// Through a server that the sending thread opens.
     Syphon,
+    /// As frames of a raw format.
+    Pipe(Raw<std::io::Stdout>),
 }
 
 /// On a thread of its own.
@@ -241,13 +254,13 @@ impl Sender {
     fn run(self, way: Way) -> Option<String> {
         match way {
             Way::Program(mut input) => {
-                self.send(|rgba| input.write_all(rgba).is_ok());
+                self.send(|_, rgba| input.write_all(rgba).is_ok());
                 None
             }
             Way::Syphon => {
                 let mut trouble = None;
                 match syphon::Server::open(self.width, self.height) {
-                    Ok(mut server) => self.send(|rgba| {
+                    Ok(mut server) => self.send(|_, rgba| {
                         trouble = server.send(rgba).err();
                         trouble.is_none()
                     }),
@@ -255,11 +268,19 @@ impl Sender {
                 }
                 trouble
             }
+            Way::Pipe(mut raw) => {
+                let mut trouble = None;
+                self.send(|picture, _| {
+                    trouble = raw.frame(picture).err().map(|why| why.to_string());
+                    trouble.is_none()
+                });
+                trouble
+            }
         }
     }
 
     /// Sends the newest picture at each time of the rate, until it is dropped or `send` fails.
-    fn send(&self, mut send: impl FnMut(&[u8]) -> bool) {
+    fn send(&self, mut send: impl FnMut(&Picture, &[u8]) -> bool) {
         let black = [0, 0, 0, 255].repeat(self.width as usize * self.height as usize);
         let mut shown = Picture { width: self.width, height: self.height, rgba: black };
         let mut opaque = Vec::new();
@@ -269,7 +290,7 @@ impl Sender {
             if self.take(&mut shown) && (shown.width, shown.height) != (self.width, self.height) {
                 shown = fit(shown, self.width, self.height);
             }
-            if !send(on_black(&shown.rgba, &mut opaque)) {
+            if !send(&shown, on_black(&shown.rgba, &mut opaque)) {
                 return;
             }
             self.common.sent.fetch_add(1, Ordering::Relaxed);

@@ -66,6 +66,7 @@ use self::shows::MOST_HARMONICS;
 use super::Trace;
 use super::awake::Awake;
 use super::job::Job;
+use super::opening::SetOutput;
 use super::room::Shared;
 use crate::work::Error;
 use crate::work::formats;
@@ -87,6 +88,8 @@ pub struct MusicRoom {
     #[cfg(target_os = "linux")]
     media_keys: Option<media_keys::MediaKeys>,
     trace: Option<Trace>,
+    /// Where the set is to go once there is a picture.
+    output: Option<SetOutput>,
     drawers: Drawers,
     curtain: Curtain,
     leaning: Leaning,
@@ -115,9 +118,10 @@ struct Names {
 }
 
 impl MusicRoom {
-    /// A room that listens to `input` from the beginning, where there is one, and tells `trace` what it plays.
-    pub fn listening_to(input: Option<Capture>, trace: Option<Trace>) -> Self {
-        Self { input, trace, ..Self::default() }
+    /// A room that listens to `input` from the beginning, where there is one, and gives `trace` what it plays and `output`
+    /// what it shows.
+    pub fn listening_to(input: Option<Capture>, trace: Option<Trace>, output: Option<SetOutput>) -> Self {
+        Self { input, trace, output, ..Self::default() }
     }
 
     /// Loads a shape, or a caricature, whose voices are shown.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use chladni_music::Veil;
-use chladni_view::film::{CameraTarget, LiveCamera};
+use chladni_view::film::{CameraTarget, LiveCamera, RawFormat};
 use chladni_view::{Canvas, Device, FrameRate, Picture, Readback};
 
 use super::recorder::Recorder;
@@ -67,6 +67,16 @@ impl Outgoing {
             self.camera = Some((target.clone(), LiveCamera::open(target, (width, height), RATE)?));
         }
         Ok(())
+    }
+
+    /// Writes frames of `size` on standard output from now on, in place of a camera.
+    pub fn stream(&mut self, format: RawFormat, size: [u32; 2]) -> Result<(), Error> {
+        self.show_to(Some(&CameraTarget::StandardOutput(format)), size)
+    }
+
+    /// Frames go to standard output.
+    pub fn is_streaming(&self) -> bool {
+        matches!(&self.camera, Some((CameraTarget::StandardOutput(_), _)))
     }
 
     /// What other programs see.

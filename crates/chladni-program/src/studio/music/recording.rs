@@ -6,6 +6,7 @@ use super::MusicRoom;
 use super::asking::Then;
 use super::preferences::Camera;
 use super::recorder::Recorder;
+use crate::studio::opening::{SetOutput, SetTarget};
 use crate::studio::room::Shared;
 use crate::work::Error;
 
@@ -25,8 +26,33 @@ impl MusicRoom {
         self.ask_for(Then::Record, shared);
     }
 
+    /// Sends the set where the window was opened to send it, once there is a picture.
+    pub(super) fn begin_output(&mut self, shared: &mut Shared<'_>) {
+        let Some(concert) = self.concert.as_mut().filter(|concert| concert.has_picture()) else { return };
+        let Some(SetOutput { to, size }) = self.output.take() else { return };
+        let begun = match to {
+            SetTarget::Film(path) => self.record_in(&path, size, shared),
+            SetTarget::Frames(format) => {
+                concert.outgoing.stream(format, size.unwrap_or_else(|| concert.picture_size()))
+            }
+        };
+        if let Err(why) = begun {
+            shared.notices.failed(why);
+        }
+    }
+
     /// Records the set from now on.
     pub(super) fn record_to(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
+        self.record_in(path, None, shared)
+    }
+
+    /// Records the set in pictures of `size`, or of the stage's.
+    fn record_in(
+        &mut self,
+        path: &Path,
+        size: Option<[u32; 2]>,
+        shared: &mut Shared<'_>,
+    ) -> Result<(), Error> {
         let now_secs = shared.ctx.input(|input| input.time);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
             return Ok(());
@@ -34,7 +60,7 @@ impl MusicRoom {
         if concert.outgoing.recorder.is_some() {
             return Err(Error::input("The set is being recorded already."));
         }
-        let mut recorder = Recorder::begin(path, concert.picture_size(), now_secs)?;
+        let mut recorder = Recorder::begin(path, size.unwrap_or_else(|| concert.picture_size()), now_secs)?;
         if let Some(recovery) = &shared.folders.recovery
             && let Err(why) = recorder.note(recovery)
         {
@@ -75,7 +101,10 @@ impl MusicRoom {
 
     /// Gives the stage's pictures to the programs that the preferences name, or no longer.
     pub(super) fn follow_camera(&mut self, shared: &mut Shared<'_>) {
-        let Some(concert) = &mut self.concert else { return };
+        let Some(concert) = self.concert.as_mut().filter(|concert| !concert.outgoing.is_streaming()) else {
+            self.follow_stream(shared);
+            return;
+        };
         let target = shared.settings.music.camera.target();
         let size = concert.picture_size();
         let opened = concert.outgoing.show_to(target.as_ref(), size);
@@ -83,6 +112,13 @@ impl MusicRoom {
         if let Some(why) = lost {
             // It is tried again when somebody asks for it again.
             shared.settings.music.camera = Camera::Off;
+            shared.notices.failed(why);
+        }
+    }
+
+    /// Says once that the reader of the frames on standard output is gone.
+    fn follow_stream(&mut self, shared: &mut Shared<'_>) {
+        if let Some(why) = self.concert.as_mut().and_then(|concert| concert.outgoing.lost_camera()) {
             shared.notices.failed(why);
         }
     }

@@ -74,6 +74,7 @@ impl Room for MusicRoom {
         self.recorded_secs = shared.ctx.input(|input| input.time);
         self.keep_show(false, shared);
         self.salvage.follow(shared);
+        self.begin_output(shared);
         self.follow_recording(shared);
         self.follow_camera(shared);
         if let Some(listening) = &mut self.listening {
@@ -101,6 +102,11 @@ impl Room for MusicRoom {
         let (vertices, drawn_vertices) = concert.drawn_vertices();
         let items = concert.instrument().gallery().items().len();
         Some(measure::OnStage { items, vertices, drawn_vertices })
+    }
+
+    fn left_out(&self) -> Option<u64> {
+        let recorder = self.concert.as_ref()?.outgoing.recorder.as_ref()?;
+        Some(recorder.progress(self.recorded_secs).1)
     }
 
     fn hides_the_window(&self) -> bool {

@@ -233,6 +233,11 @@ impl Concert {
         Ok(())
     }
 
+    /// A picture was drawn.
+    pub fn has_picture(&self) -> bool {
+        self.pane.shown.is_some()
+    }
+
     /// Width and height of the picture that others get, in pixels: that of the stage, also where it has a window of its
     /// own; else that of the gallery.
     pub fn picture_size(&self) -> [u32; 2] {
