@@ -223,12 +223,34 @@ def evening(folder, chladni, secs, plan):
     return report
 
 
+def replayed(folder, chladni, secs):
+    """Films the end, the middle and the beginning of the log that the window kept of the show, twice each; how many actions it
+    has, frames that were filmed, and whether both films are the same."""
+    logs = sorted((folder / "state").rglob("show*.toml"), key=lambda path: path.stat().st_mtime)
+    if not logs:
+        return None
+    frames, same = 0, True
+    for part in (0.9, 0.5, 0.05):
+        first = int(30.0 * part * secs)
+        films = []
+        for number in range(2):
+            out = folder / f"film{first}-{number}"
+            command = [chladni, "--quiet", "dance", "--show", logs[-1], "--frames", out, "--size", "160x90", "--piece", f"{first}..{first + 60}"]
+            done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+            if done.returncode:
+                sys.exit(f"the show's log does not play: {done.stderr}")
+            films.append([path.read_bytes() for path in sorted(out.glob("*.png"))])
+        frames, same = frames + len(films[0]), same and films[0] == films[1]
+    return {"actions": logs[-1].read_text().count("[[actions]]"), "frames": frames, "same": same}
+
+
 def main():
     chladni, folder, minutes, section = sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]), sys.argv[4]
     plan = PLANS[section]
     (folder / "chladni").mkdir()
     (folder / "chladni" / "settings.toml").write_text(f"[music]\nosc_port = {PORT}\n")
     report = evening(folder, chladni, 60.0 * minutes, plan)
+    log = report["replayed"] = replayed(folder, chladni, report["secs"])
     print(json.dumps(report))
     grown = lambda name: f"{report[name]['early']:,.0f} → {report[name]['late']:,.0f} (most {report[name]['most']:,.0f})"  # noqa: E731
     write_section(
@@ -249,7 +271,8 @@ def main():
 | frames | {report["frames"]:,} ({report["frames"] / report["secs"]:.1f} a second) |
 | pause between two frames, median of each quarter of the time | {", ".join(f"{1e3 * s:.0f}" for s in report["median_quarters_secs"])} ms |
 | longest | {report["longest_frame_secs"]:.3f} s |
-| times the device had nothing to play | {report["underruns"]} |""",
+| times the device had nothing to play | {report["underruns"]} |
+| actions in the show's log; frames filmed from it in three places, twice | {f"{log['actions']:,}; {log['frames']}, {'the same' if log['same'] else 'which differ'}" if log else "none was kept"} |""",
     )
 
 

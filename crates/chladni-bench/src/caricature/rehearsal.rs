@@ -27,6 +27,7 @@ pub fn rehearse(shape: &str, harmonics: usize, time: &mut Timer<'_>) -> Result<(
     let mut room = Rehearsal::of(project, &device, &Task::new())?;
     strokes(&mut room, upper, time)?;
     top_layer(&mut room, upper, time)?;
+    keeping(&mut room, upper, time)?;
     new_shape(&mut room, lower, upper, time)
 }
 
@@ -112,6 +113,22 @@ fn top_layer(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Resu
     timed("window: μ, three models side by side", room, time, |i, _| set(layer, mu(i)))?;
     room.show_models(false);
     Ok(())
+}
+
+/// A drag while triangles are kept: how far each place may go is known from before, and is searched anew once the hand rests.
+fn keeping(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result<(), Error> {
+    act(room, Action::KeepTriangles(true))?;
+    for (what, model) in [
+        ("window: μ, triangles kept, coordinate model", Model::Coordinate),
+        ("window: μ, triangles kept, normal model", Model::Normal),
+        ("window: μ, triangles kept, distance model", Model::Distance),
+    ] {
+        act(room, set(layer, Property::Model(model)))?;
+        room.settle();
+        timed(what, room, time, |i, _| set(layer, mu(i)))?;
+    }
+    timed("window: scale curve, triangles kept", room, time, |i, _| set(layer, curve(i)))?;
+    act(room, Action::KeepTriangles(false))
 }
 
 /// Everything below a layer gives it a new shape to start from.

@@ -100,6 +100,8 @@ fn breeding_goes_on_while_the_show_has_a_window_of_its_own() {
     for still_there in ["On stage", "12 items", "Dance 5", "Freeze"] {
         assert!(shows(&window, still_there), "{still_there}");
     }
+    assert!(is_there(&window, "preview") && shows(&window, "Dance 2, on stage"));
+    screenshot(&mut window, "window-music-two-windows.png");
     for dance in ["dance/3", "dance/4"] {
         control(&window, dance).click_accesskit();
         window.run_steps(2);
@@ -108,6 +110,7 @@ fn breeding_goes_on_while_the_show_has_a_window_of_its_own() {
     window.run_steps(4);
     assert!(shows(&window, "2 / 2") && shows(&window, "On stage"));
     press_on(&mut window, "dance/5", Key::N);
+    assert!(shows(&window, "Dance 5, next"));
     for button in ["go", "blackout", "freeze", "freeze", "leave"] {
         // The second window may lie over it.
         control(&window, button).click_accesskit();

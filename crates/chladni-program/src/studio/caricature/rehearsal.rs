@@ -69,6 +69,14 @@ impl Rehearsal {
         self.session.apply(vec![Edit::Finish]).map(|_| ())
     }
 
+    /// Waits until it is known how far layers that keep triangles may go.
+    pub fn settle(&mut self) {
+        let nobody = egui::Context::default();
+        while self.session.pump_keeping(&nobody, true) || self.session.is_settling() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+    }
+
     /// Shows the selected layer in all three models, or the result alone.
     pub fn show_models(&mut self, all: bool) {
         self.look.show = if all { Show::Models } else { Show::Result };

@@ -1,6 +1,6 @@
 //! What is drawn over the dancing shapes: choice, marks, and each item's t and a.
 
-use chladni_music::{Action, GalleryItem, Instrument, Mapping};
+use chladni_music::{Action, GalleryItem, Instrument, ItemId, Mapping};
 use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
 
 use super::asking::Then;
@@ -20,12 +20,13 @@ const EDGE: f32 = 9.0;
 
 /// Draws the overlay of every cell and handles clicks: a click chooses, a double click puts on stage, and the
 /// other button opens a menu. `marked` is the item that keys act on. Returns the item under the pointer, and
-/// the one that has just got the focus.
+/// the one that has just got the focus. The item `on_stage`, and the next one, say so.
 pub fn overlay(
     ui: &mut Ui,
     cells: &[Rect],
     instrument: &Instrument,
     marked: Option<usize>,
+    on_stage: Option<ItemId>,
     wishes: &mut Vec<Wish>,
 ) -> (Option<usize>, Option<usize>) {
     let (mut hovered, mut focused) = (None, None);
@@ -33,7 +34,11 @@ pub fn overlay(
     for (index, (cell, item)) in cells.iter().zip(items).enumerate() {
         let response = ui.interact(*cell, ui.scope_id().with(("dance", index)), Sense::click());
         let title = title(item, index);
-        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &title));
+        let next = instrument.next_on_stage().map(|(id, _)| id);
+        let standing = [(on_stage, "on stage"), (next, "next")];
+        let standing = standing.into_iter().find(|(id, _)| *id == Some(item.id)).map(|(_, text)| text);
+        let name = standing.map_or_else(|| title.clone(), |standing| format!("{title}, {standing}"));
+        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, item.chosen, &name));
         let response = response.author_id(format!("dance/{}", index + 1));
         if response.contains_pointer() {
             hovered = Some(index);
@@ -43,6 +48,10 @@ pub fn overlay(
         }
         let is_marked = marked == Some(index);
         frame(ui, *cell, item, &title, is_marked);
+        if let Some(standing) = standing {
+            let font = egui::TextStyle::Small.resolve(ui.style());
+            legible(ui, cell.right_top() + vec2(-EDGE, 24.0), Align2::RIGHT_TOP, standing, font, ACCENT);
+        }
         if response.double_clicked() {
             wishes.push(Wish::Do(Action::Perform { item: index }));
         } else if response.clicked() {

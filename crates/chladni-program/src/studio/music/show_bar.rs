@@ -13,6 +13,7 @@ use crate::studio::theme;
 pub fn show(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let instrument = concert.instrument();
     ui.horizontal_centered(|ui| {
+        concert.preview(ui);
         ui.label(RichText::new("On stage").color(theme::palette(ui).weak));
         ui.label(
             RichText::new(concert.on_stage_now().map_or_else(String::new, |id| name(instrument, id)))

@@ -2,7 +2,7 @@
 
 use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Target};
 use chladni_synth::Item;
-use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
+use egui::{Color32, Rect, TextureId, Ui, ViewportBuilder, ViewportCommand, ViewportId};
 
 use super::super::place::{Change, Place};
 use super::super::preferences::Screen;
@@ -66,6 +66,16 @@ impl Apart {
     /// The picture that it drew last.
     pub fn shown(&self) -> Option<&StillPicture> {
         self.pane.shown.as_ref()
+    }
+
+    /// The same for painting, where flashes are limited once its brightness is known.
+    pub fn texture(&self, limited: bool) -> Option<TextureId> {
+        self.pane.texture(limited)
+    }
+
+    /// Lays the guard's veil of that picture over `rect`.
+    pub fn lay_veil(&self, ui: &Ui, rect: Rect) {
+        self.pane.lay_veil(ui, rect);
     }
 
     /// The window is closed; another stage gets another one.

@@ -3,7 +3,7 @@
 use chladni_mesh::surface::Detail;
 use chladni_music::{Framing, Switch, Veil};
 use chladni_view::{Device, Figure, Rect, Topology};
-use egui::{Color32, Ui};
+use egui::Ui;
 
 use super::super::coarse;
 use super::super::glimpse::Glimpse;
@@ -95,15 +95,7 @@ impl Concert {
 
     /// Lays the flash guard's veil and the black of the stage over the picture.
     fn cover(&mut self, ui: &Ui, rect: egui::Rect) {
-        match self.pane.veil {
-            Veil::Clear => {}
-            Veil::Black(opacity) => {
-                ui.painter().rect_filled(rect, 0.0, Color32::from_black_alpha(opacity));
-            }
-            Veil::White(opacity) => {
-                ui.painter().rect_filled(rect, 0.0, Color32::from_white_alpha(opacity));
-            }
-        }
+        self.pane.lay_veil(ui, rect);
         self.darken(ui, rect);
     }
 
@@ -139,9 +131,7 @@ impl Concert {
     ) -> Result<(), Error> {
         ui.allocate_rect(rect, egui::Sense::hover());
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        let shown =
-            if limited { self.pane.viewport.kept_texture() } else { self.pane.viewport.drawn_texture() };
-        self.project(ui, projection, rect, shown);
+        self.project(ui, projection, rect, self.pane.texture(limited));
         self.cover(ui, rect);
         self.send(limited)
     }

@@ -261,7 +261,8 @@ impl Concert {
 
     /// What lies over the gallery, and which of its shapes is marked.
     fn show_marks(&mut self, ui: &mut Ui, places: &[egui::Rect], wishes: &mut Vec<Wish>) {
-        let (hovered, focused) = gallery::overlay(ui, places, &self.instrument, self.marked, wishes);
+        let (hovered, focused) =
+            gallery::overlay(ui, places, &self.instrument, self.marked, self.on_stage_now(), wishes);
         let moved =
             ui.input(|input| input.pointer.delta() != egui::Vec2::ZERO || input.pointer.any_pressed());
         // A pointer that rests does not take the mark from the arrow keys.

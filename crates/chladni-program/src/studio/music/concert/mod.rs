@@ -8,6 +8,7 @@ mod house;
 mod marking;
 mod pane;
 mod piloted;
+mod preview;
 mod standing;
 mod suggesting;
 

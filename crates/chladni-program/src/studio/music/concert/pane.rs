@@ -1,6 +1,7 @@
 //! Where the dance is shown: a picture, judged before it is seen. The window has one, the stage may have another.
 
 use chladni_music::{FlashGuard, Veil};
+use egui::{Color32, Rect, TextureId, Ui};
 
 use super::super::glimpse::Glimpse;
 use super::super::stillness::StillPicture;
@@ -41,6 +42,21 @@ impl Pane {
             self.judged = true;
         }
         Ok(())
+    }
+
+    /// Lays the guard's veil over `rect`, where the picture is.
+    pub fn lay_veil(&self, ui: &Ui, rect: Rect) {
+        let veil = match self.veil {
+            Veil::Clear => return,
+            Veil::Black(opacity) => Color32::from_black_alpha(opacity),
+            Veil::White(opacity) => Color32::from_white_alpha(opacity),
+        };
+        ui.painter().rect_filled(rect, 0.0, veil);
+    }
+
+    /// The picture that is shown: where flashes are limited, the last one whose brightness is known.
+    pub fn texture(&self, limited: bool) -> Option<TextureId> {
+        if limited { self.viewport.kept_texture() } else { self.viewport.drawn_texture() }
     }
 
     /// What was being judged no longer matters.
