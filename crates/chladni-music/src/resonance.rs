@@ -12,6 +12,8 @@
 //! its own. The movement at any time depends only on the sound up to then, not on how often it was drawn or
 //! what was bred or chosen in between.
 
+use rayon::prelude::*;
+
 use crate::Bands;
 use crate::stereo::StereoMix;
 use crate::timbre::{TONES, Timbre, tone_hz};
@@ -68,6 +70,10 @@ impl Ringing {
 
 /// The largest number of pieces of sound that wait before the oscillators process them together.
 const WAITING: usize = 32;
+
+/// From so many levels of bands on, tones are solved on all threads: a knob that sets the number of bands to thousands lets
+/// the bank hear the last seconds again within a frame.
+const WIDE: usize = 4096;
 
 /// The bank of oscillators.
 ///
@@ -265,19 +271,44 @@ impl Row {
         if waiting == 0 || bands == 0 {
             return;
         }
-        let tones = self.q.chunks_exact_mut(bands).zip(self.speed.chunks_exact_mut(bands));
-        for (((q, speed), &[a, b, c, d]), stroke) in tones.zip(&piece.tones).zip(strokes) {
-            let pieces = self.levels.chunks_exact(bands).zip(self.rises.chunks_exact(bands));
+        let (levels, rises) = (&self.levels, &self.rises);
+        let tone = |q: &mut [f32], speed: &mut [f32], step: &[f32; 4], stroke: &f32| {
+            let pieces = levels.chunks_exact(bands).zip(rises.chunks_exact(bands));
             for (levels, rises) in pieces.take(waiting) {
-                for (((q, speed), level), rise) in q.iter_mut().zip(&mut *speed).zip(levels).zip(rises) {
-                    let held = hold * level;
-                    let (y, rate) = (*q - held, *speed);
-                    *q = audible(held + a * y + b * rate);
-                    *speed = audible(c * y + d * rate + stroke * rise);
-                }
+                advance((&mut *q, &mut *speed), (levels, rises), *step, hold, *stroke);
             }
+        };
+        if waiting * bands >= WIDE {
+            let state = self.q.par_chunks_exact_mut(bands).zip(self.speed.par_chunks_exact_mut(bands));
+            state
+                .zip(&piece.tones)
+                .zip(strokes)
+                .for_each(|(((q, speed), step), stroke)| tone(q, speed, step, stroke));
+        } else {
+            let state = self.q.chunks_exact_mut(bands).zip(self.speed.chunks_exact_mut(bands));
+            state
+                .zip(&piece.tones)
+                .zip(strokes)
+                .for_each(|(((q, speed), step), stroke)| tone(q, speed, step, stroke));
         }
         self.levels.copy_within(waiting * bands..(waiting + 1) * bands, 0);
+    }
+}
+
+/// Advances the oscillators of one tone over one piece of sound.
+#[inline]
+fn advance(
+    (q, speed): (&mut [f32], &mut [f32]),
+    (levels, rises): (&[f32], &[f32]),
+    [a, b, c, d]: [f32; 4],
+    hold: f32,
+    stroke: f32,
+) {
+    for (((q, speed), level), rise) in q.iter_mut().zip(speed).zip(levels).zip(rises) {
+        let held = hold * level;
+        let (y, rate) = (*q - held, *speed);
+        *q = audible(held + a * y + b * rate);
+        *speed = audible(c * y + d * rate + stroke * rise);
     }
 }
 
