@@ -8,7 +8,8 @@ use chladni_task::Task;
 
 use crate::eigen::{self, Solved};
 use crate::operator::Domain;
-use crate::platform::{HAS_THREADS, Instant};
+use crate::platform::Instant;
+use crate::threads::on_threads;
 use crate::{
     Basis, BasisCache, BasisSettings, Body, BuildReport, Certificate, ConsistentPencil, Eigenpairs,
     HarmonicsError, Laplacian, Operator, Pencil, Values,
@@ -214,20 +215,6 @@ fn solved(
         report.seconds.solve = solving.elapsed().as_secs_f64();
         Ok(basis)
     })?
-}
-
-/// Runs `work` on `threads` threads. `None` means the pool from which it is called, or all threads of the
-/// machine. If no thread can be started, the calling thread does all of the work.
-pub(crate) fn on_threads<T: Send>(
-    threads: Option<usize>,
-    work: impl FnOnce() -> T + Send,
-) -> Result<T, HarmonicsError> {
-    if !HAS_THREADS || (threads.is_none() && rayon::current_thread_index().is_some()) {
-        return Ok(work());
-    }
-    // Not in the shared pool: drawing uses it and must not wait for a solve.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-    Ok(pool.map_err(|e| HarmonicsError::Threads(e.to_string()))?.install(work))
 }
 
 /// The file's triangles over operator vertices. If a collapsed triangle is the only one that uses a vertex,

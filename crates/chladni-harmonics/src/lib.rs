@@ -58,6 +58,7 @@ mod settings;
 mod simd;
 mod sparse;
 mod symmetric_eigen;
+mod threads;
 mod transform;
 mod values;
 

@@ -1,7 +1,6 @@
 //! Checks a basis again, from its numbers alone.
 
 use super::components::{Components, Kind};
-use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, Certificate, HarmonicsError, Operator};
 
 /// The number of pairs between two counts.
@@ -48,16 +47,5 @@ impl Operator {
         let last = values.last().copied().unwrap_or(0.0);
         let scale = 4.0 * std::f64::consts::PI / self.mass.iter().sum::<f64>();
         Ok(components.count(last + ROOM * last.max(scale))? >= values.len())
-    }
-
-    /// All eigenvalues, ascending, by a dense solver: a reference for small meshes.
-    ///
-    /// # Errors
-    /// The dense solver failed, or the matrix does not fit into memory.
-    pub fn dense_eigenvalues(&self) -> Result<Vec<f64>, HarmonicsError> {
-        let matrix = super::dense::symmetrized(self.pencil());
-        let (values, _) = symmetric_eigen(&matrix, faer::Par::Seq)
-            .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
-        Ok(values)
     }
 }

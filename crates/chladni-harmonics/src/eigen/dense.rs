@@ -8,10 +8,10 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{Mat, Par, Side};
 
 use super::{Solved, Wanted, certify, cluster_end};
-use crate::build::on_threads;
 use crate::platform::{HAS_THREADS, split};
 use crate::symmetric_eigen::symmetric_eigen;
-use crate::{Basis, HarmonicsError, Pencil, SolveProfile, SymmetricSparse, memory};
+use crate::threads::on_threads;
+use crate::{Basis, HarmonicsError, Operator, Pencil, SolveProfile, SymmetricSparse, memory};
 
 /// Up to this many vertices a dense solve takes less than a second.
 const LONG: usize = 1000;
@@ -156,4 +156,17 @@ pub(super) fn symmetrized(pencil: Pencil) -> Mat<f64> {
         }
     }
     matrix
+}
+
+impl Operator {
+    /// All eigenvalues, ascending, by a dense solver: a reference for small meshes.
+    ///
+    /// # Errors
+    /// The dense solver failed, or the matrix does not fit into memory.
+    pub fn dense_eigenvalues(&self) -> Result<Vec<f64>, HarmonicsError> {
+        let matrix = symmetrized(self.pencil());
+        let (values, _) = symmetric_eigen(&matrix, Par::Seq)
+            .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
+        Ok(values)
+    }
 }

@@ -27,9 +27,9 @@ use components::Kind;
 pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};
 
-use crate::build::on_threads;
 use crate::memory::Room;
 use crate::platform::Instant;
+use crate::threads::on_threads;
 use crate::values::{Keep, Values};
 use crate::{
     Basis, BasisSettings, Certificate, HarmonicsError, Laplacian, Operator, Pencil, ShortOfMemory,

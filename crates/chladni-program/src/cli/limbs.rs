@@ -7,7 +7,8 @@ use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
 use serde::Serialize;
 
 use super::Terminal;
-use super::parts::{Colored, Parts, draw};
+use super::part_picture::{Colored, draw};
+use super::parts::Parts;
 use crate::work::{Error, Watcher, body};
 
 /// A trunk in the picture, linear light.

@@ -1,16 +1,16 @@
 //! `chladni parts MESH`: the named parts of a head, or, at a level, the limbs of any shape.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use chladni_caricature::{HEAD_PARTS, HeadParts};
 use chladni_harmonics::npz::write_npz;
 use chladni_mesh::TriMesh;
-use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_picture};
 use serde::Serialize;
 
+use super::part_picture::{Colored, draw};
 use super::{Terminal, limbs};
 use crate::work::outputs::{check_arrays, check_picture};
-use crate::work::{Error, Stance, Warning, Watcher, source};
+use crate::work::{Error, Warning, Watcher, source};
 
 /// Find the parts of a head (nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck), or of any shape.
 #[derive(clap::Args)]
@@ -116,27 +116,3 @@ pub const COLORS: [[f32; 4]; HEAD_PARTS.len()] = [
     [0.62, 0.66, 0.70, 1.0],
     [0.36, 0.62, 0.66, 1.0],
 ];
-
-/// A shape with a color for each vertex.
-pub struct Colored<'a> {
-    pub name: &'a str,
-    pub mesh: &'a TriMesh,
-    /// Linear light.
-    pub colors: Vec<[f32; 4]>,
-}
-
-/// Draws it beside the bare shape.
-pub fn draw(
-    path: &Path,
-    Colored { name, mesh, colors }: Colored<'_>,
-    terminal: &Terminal,
-) -> Result<(), Error> {
-    let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
-    let plain = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
-    let shapes = [PictureShape { colors: Some(&colors), ..plain }, plain];
-    let stands = Stance::default().of(name, mesh, None, None, terminal)?;
-    let from = Camera::on(stands, View::ThreeQuarter);
-    let request = PictureRequest { shapes: &shapes, width: 1000, height: 600, from, style: Style::default() };
-    let png = render_picture(&terminal.device()?, &request).and_then(|picture| picture.to_png())?;
-    chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
-}

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use self::device::FIRST_RETRY;
 use super::decoding::Decoding;
-use super::handle::{PlayerSettings, Repeat, Shared};
+use super::handle::{PlayerSettings, Shared};
 use super::output::Output;
-use super::queue::{Playlist, Stretch};
+use super::queue::{Playlist, Repeat, Stretch};
 use super::tail::Tail;
 use crate::history::Frame;
 

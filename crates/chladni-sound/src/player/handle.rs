@@ -8,22 +8,9 @@ use std::time::Instant;
 
 use super::clock::Clock;
 use super::engine::{Command, Engine, PlayerEvent};
-use super::queue::Stretches;
+use super::queue::{Repeat, Stretches};
 use crate::history::History;
 use crate::{LONGEST_CROSSFADE_SECS, SoundError};
-
-/// What happens after the last sample of a song.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Repeat {
-    /// The next song plays, and nothing after the last one.
-    #[default]
-    Off,
-    /// The same song plays again.
-    Song,
-    /// The next song plays, and the first one after the last.
-    List,
-}
 
 /// How a player starts.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,18 @@
 use std::collections::{HashMap, VecDeque};
 use std::path::PathBuf;
 
-use super::handle::Repeat;
+/// What happens after the last sample of a song.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Repeat {
+    /// The next song plays, and nothing after the last one.
+    #[default]
+    Off,
+    /// The same song plays again.
+    Song,
+    /// The next song plays, and the first one after the last.
+    List,
+}
 
 /// The songs in order, and the index of the one that is being decoded.
 #[derive(Default)]

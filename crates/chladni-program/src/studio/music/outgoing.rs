@@ -4,13 +4,11 @@ use std::collections::VecDeque;
 
 use chladni_music::Veil;
 use chladni_view::film::{CameraTarget, LiveCamera, RawFormat};
-use chladni_view::{Canvas, Device, FrameRate, Picture, Readback};
+use chladni_view::{Canvas, Device, Picture, Readback};
 
-use super::recorder::Recorder;
+use super::recorder::{RATE, Recorder};
 use crate::work::Error;
 
-/// Pictures a second.
-pub const RATE: FrameRate = FrameRate::per_second(30);
 /// Pictures on their way back from the device.
 const FLYING: usize = 2;
 

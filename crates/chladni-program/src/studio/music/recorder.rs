@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use chladni_sound::StereoResampler;
-use chladni_view::Picture;
 use chladni_view::film::LiveFilm;
+use chladni_view::{FrameRate, Picture};
 
 use super::listening::HeardSound;
-use super::outgoing::RATE;
 use super::salvage::Note;
 use crate::work::Error;
 
+/// Pictures a second.
+pub const RATE: FrameRate = FrameRate::per_second(30);
 /// Of the film's sound.
 const SOUND_HZ: u32 = 48_000;
 
