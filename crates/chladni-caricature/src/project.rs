@@ -210,11 +210,11 @@ impl Project {
         self.layers.iter().position(|(i, _)| *i == id).ok_or(CaricatureError::NoLayer(id.0))
     }
 
-    /// Does `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
+    /// Applies `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
     ///
     /// # Errors
-    /// A layer that is not there, a number out of its range, painting without a `surface` or on another one, or a layer
-    /// whose template would be the result of one that is not below it.
+    /// A missing layer, a number out of range, painting without a `surface` or on another one, or a template that is
+    /// the result of a layer not below the one that uses it.
     pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         let mut changed = self.clone();
         changed.act(action, surface)?;

@@ -139,7 +139,8 @@ impl Stack {
         found.as_ref().ok()
     }
 
-    /// What makes the shape differ from a template, below all layers and with nothing left as it was found.
+    /// The difference between the shape, below all layers, and a template, filled in completely where the match is
+    /// not trusted.
     ///
     /// # Errors
     /// A template that is not matched, or that is the result of a layer.

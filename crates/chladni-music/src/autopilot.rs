@@ -3,9 +3,9 @@
 use crate::BarLine;
 use crate::stage::hash;
 
-/// Nothing is danced again before so long has gone by, as long as there is something else.
+/// A dance is not repeated within this time, unless all others are as recent.
 pub const REPEAT_SECS: f64 = 600.0;
-/// A dance lasts at least so long; with 40 dances none has to come back too soon.
+/// The shortest time that a dance lasts: at 15 s, 40 dances fill [`REPEAT_SECS`].
 const SHORTEST_SECS: f64 = 15.0;
 /// Where no section begins, a group of four bars does after this time.
 const LONG_SECS: f64 = 20.0;

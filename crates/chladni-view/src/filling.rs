@@ -46,9 +46,9 @@ pub struct Headroom {
 }
 
 impl Filling {
-    /// Around `target`, so that what has these `points` spread evenly over its surface covers `share` of a picture of
-    /// `aspect`, or less where it would not have the room it needs. A camera that stands there and
-    /// [keeps the upper end](Camera::keep_below) in the picture cuts off the lower part of what does not fit.
+    /// Distances around `target` at which the surface sampled evenly by `points` covers `share` of a picture of this
+    /// `aspect`, or less if `room` requires it. If the whole does not fit, a camera there that [keeps the upper
+    /// end](Camera::keep_below) in the picture cuts off the lower part.
     pub fn new(
         points: &[[f32; 3]],
         stands: Orientation,

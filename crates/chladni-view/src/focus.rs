@@ -112,8 +112,8 @@ pub(crate) struct Spread {
     pub(crate) size: [f32; 2],
     pub(crate) step: u32,
     pub(crate) padding: u32,
-    /// Whole pixels to the right and below, how far that is, and the part of the disc that each stands for, all of
-    /// which are the square of its radius. Even and odd rows have others, and are averaged later.
+    /// Taps: offset right and down in whole pixels, its length, and the area that the tap stands for (all areas sum
+    /// to the squared radius of the disc). Even and odd rows have different taps, which are averaged later.
     pub(crate) taps: [[[f32; 4]; TAPS]; 2],
 }
 

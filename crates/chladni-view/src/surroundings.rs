@@ -5,8 +5,8 @@ use image::RgbaImage;
 use crate::style::{decoded, encoded};
 use crate::{Device, Picture, Skin, ViewError};
 
-/// What stands behind all cells of a renderer in the place of their backgrounds' colors, and what shines on their
-/// figures in the place of sky, ground and softboxes.
+/// A picture behind all cells of a renderer, in place of the backgrounds' colors, and a panorama that lights their
+/// figures, in place of sky, ground and softboxes.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
     /// With its width over its height.
@@ -109,7 +109,7 @@ impl Sphere {
         [flat * sin, (PI * down).cos(), -flat * cos]
     }
 
-    /// What part of all directions a texel of this row is, but for a factor.
+    /// The solid angle of a texel in row `y`, up to a constant factor.
     fn share(&self, y: usize) -> f32 {
         (std::f32::consts::PI * (y as f32 + 0.5) / self.height as f32).sin()
     }

@@ -35,7 +35,7 @@ pub struct Stage {
     pick: Option<PickTree>,
     /// How often the figure has changed.
     changes: u64,
-    /// What is shown is not what was drawn.
+    /// The picture on screen is out of date.
     stale: bool,
     /// The whole figure is to be seen.
     fitted: bool,
@@ -219,7 +219,7 @@ impl Stage {
         self.screen.device()
     }
 
-    /// What is shown is not what was drawn.
+    /// Marks the picture on screen as out of date.
     pub fn stir(&mut self) {
         self.stale = true;
     }

@@ -52,9 +52,9 @@ impl Join {
         }
     }
 
-    /// The same where the group of the K-th eigenvalue is too large to be found as a whole. `bottom` is a λ just
-    /// below the group and the number of eigenvalues below it, once known: none of those is missing then, and of
-    /// the group itself any pairs will do.
+    /// Like [`of`](Self::of), for a group of equal eigenvalues around the K-th that is too large to be found whole.
+    /// `bottom` is a λ just below the group and the number of eigenvalues below it, once known: of those none is
+    /// missing, and any pairs of the group itself will do.
     pub(super) fn within_group(
         slices: &[Found],
         zeros: usize,

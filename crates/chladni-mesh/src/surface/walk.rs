@@ -205,7 +205,8 @@ impl Gate {
         let (first, second) = (place(one)?, place(two)?);
         let [along, inward] = here.edge(one, two, opposite);
         let [along_there, inward_there] = there.edge(first, second, beyond);
-        // What runs out of one triangle runs into the other, also where they do not look to the same side.
+        // Unfolds the neighbor into this triangle's plane: a direction leaving one triangle enters the other, even
+        // where their normals point to opposite sides.
         let turn = [0, 1].map(|i| [0, 1].map(|j| along_there[i] * along[j] - inward_there[i] * inward[j]));
         Some((opposite, Self { triangle, corners: [first as u8, second as u8], turn }))
     }

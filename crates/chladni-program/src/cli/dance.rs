@@ -233,7 +233,7 @@ impl Dance {
         if let Some(yaw) = self.yaw {
             film.viewpoint.yaw_rad = yaw.to_radians();
         }
-        // Whoever names a form wants to see it, and the autopilot changes what sand needs.
+        // A form that is named should be seen, and the autopilot changes what sand needs, so both turn sand off.
         let moves_itself = self.form.is_some() || self.paper || self.autopilot;
         film.beginning.sand = (self.sand || moves_itself).then_some(self.sand);
         film.beginning.changes = changes;

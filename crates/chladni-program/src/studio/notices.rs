@@ -27,7 +27,7 @@ struct Notice {
     text: String,
     /// When it was seen first.
     since: Option<Instant>,
-    /// What it is about, where there is one message on that at a time.
+    /// The topic; a new notice on the same topic replaces this one.
     matter: Option<&'static str>,
 }
 

@@ -117,7 +117,7 @@ pub struct Opening {
     pub input: Option<chladni_sound::Capture>,
     /// Hears what the music room plays in each frame.
     pub trace: Option<Trace>,
-    /// What a window before it has left, and where it leaves what is open should its device be lost.
+    /// What an earlier window left to resume from, and where this one leaves its rooms if its device is lost.
     pub handover: Handover,
     /// Who draws the 3D views.
     pub draw: Draw,

@@ -18,7 +18,7 @@ pub struct Playing {
     pub position_secs: f64,
     /// How long it is, where that is known.
     pub duration_secs: Option<f64>,
-    /// The length of the crossfade with which it began, in the middle of which it became what plays.
+    /// The length of the crossfade in which this song began; it became the current song at the middle of it.
     pub crossfade_secs: f64,
 }
 

@@ -112,7 +112,7 @@ pub fn bands_of(spectrum: &Spectrum) -> Bands<'_> {
 }
 
 impl Hearing {
-    /// Of which nothing before `begins_secs` will be asked.
+    /// A hearing that will be asked for nothing before `begins_secs`.
     pub fn from(begins_secs: f64) -> Self {
         Self { begins_secs, ..Self::default() }
     }

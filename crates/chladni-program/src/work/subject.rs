@@ -178,7 +178,7 @@ fn proxy(_: &Arc<TriMesh>, _: usize) -> Option<Proxy> {
     None
 }
 
-/// Of which vertices it has and how they are joined.
+/// A hash of the proxy's vertices and triangles.
 fn fingerprint(proxy: &Proxy) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(bytemuck::cast_slice(proxy.whole_vertex()));

@@ -284,7 +284,7 @@ impl Beside {
     }
 }
 
-/// Where in the picture before lies what is seen here, of one that grows from its middle.
+/// Where in the last picture to look up the coordinate `at`: the trail grows from the middle by 1 / `shrink`.
 #[inline(always)]
 fn grown(at: f32, size: f32, shrink: f32) -> f32 {
     (at / size - 0.5) * shrink * size + 0.5 * size

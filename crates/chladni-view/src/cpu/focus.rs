@@ -37,8 +37,8 @@ struct Small {
     numbers: Vec<f32>,
 }
 
-/// What spread at a pixel of the small picture: the four channels of what lies in the focus or behind it, of what lies
-/// before it, by how much it covers, and that.
+/// Channels of a pixel of the small picture after spreading: four colors of all in or behind the focus; from [`NEAR`]
+/// on four of all before the focus, times their cover; and that cover.
 const LAYERS: usize = 9;
 const NEAR: usize = 4;
 const COVER: usize = 8;

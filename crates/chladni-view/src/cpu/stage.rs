@@ -127,7 +127,7 @@ pub(super) enum Coat<'a> {
     Values(&'a [[u8; 4]]),
     Colors(&'a [[u8; 4]]),
     Skin(&'a Pyramid),
-    /// Where the vertices rest, and what they lag behind themselves, from there.
+    /// Per vertex: the rest position with its two palette numbers, and the lag behind itself, if known.
     Answer(&'a [[f32; 5]], Option<&'a [[f32; 3]]>),
 }
 

@@ -75,7 +75,7 @@ impl Finishing {
             mapped_at_creation: false,
         });
         let group = |images: [&wgpu::TextureView; 4]| pipelines.group(device, &uniform, images);
-        // What is not read is bound to what is.
+        // A pass reads only its first image, so the same one fills all four slots.
         let one = |image: &wgpu::TextureView| group([image; 4]);
         let spreading = vec![
             (Pass::Bright, one(&bare), near.clone()),

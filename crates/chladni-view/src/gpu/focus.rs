@@ -141,7 +141,7 @@ impl Focusing {
                     wgpu::BindingResource::Sampler(&pipelines.depth_sampler),
                 ],
             ),
-            // What is not read is bound to what is.
+            // Slots that a pass does not read are bound to some texture that it may read.
             shrink: images([&sharp, &circles, &sharp, &sharp, &sharp]),
             gather: images([&small[0], &small[1], &small[0], &small[0], &small[0]]),
             evening: images([&sharp, &small[1], &spread[0], &spread[1], &spread[2]]),

@@ -14,7 +14,7 @@ pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 /// Bytes of one marker: position, radius, color.
 pub(crate) const MARKER_BYTES: u64 = 20;
 
-/// One text of many parts, which use each other's names, and those of the part by which vertices are looked up.
+/// The shader, in parts that use each other's names and those of `gpu/corners.rs`, which look up the vertices.
 const SHADER: &str = concat!(
     include_str!("shader/scene.wgsl"),
     include_str!("shader/surface.wgsl"),

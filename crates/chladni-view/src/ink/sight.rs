@@ -24,8 +24,9 @@ pub(super) struct Sight<'a> {
 /// How far from the surface visibility is tested, as a share of the size: more than a triangle's sagitta, less than
 /// what could lie before it.
 const CLEARANCE: f64 = 0.004;
-/// A contour is that of the averaged surface: where that hardly bends along the line of sight, the exact one rises
-/// just before it. What lies no farther before it than the first hides it only where it is higher than the second.
+/// Contours are drawn on the averaged surface. Where it hardly bends along the line of sight, the exact surface may
+/// rise just in front of its contour. So a blocker nearer than the first share of the size hides a contour only if it
+/// also rises higher than the second.
 const BEFORE_CONTOUR: [f64; 2] = [0.2, 0.012];
 
 impl<'a> Sight<'a> {

@@ -2,10 +2,11 @@
 
 use super::Palette;
 
-/// How a surface is colored by what it does. A place of the palette is the sum
-/// offset + span · along + crease · bend + swing · (d · n) + travel · |d| + haste · |v|, with d the way from the place's
-/// rest, n the normal there, v what it lags behind itself (its speed, where the figure knows it), and `along` and
-/// `bend` the numbers that its [`RestShape`](crate::RestShape) has for it. Palettes that are no circle run there and back.
+/// How the movement of a surface chooses its color. The position in the palette is
+/// offset + span · along + crease · bend + swing · (d · n) + travel · |d| + haste · |v|,
+/// where d is the displacement from rest, n the normal, v the lag (how far the surface trails behind itself: its
+/// speed, if the figure knows it), and `along` and `bend` come from its [`RestShape`](crate::RestShape). A palette
+/// that is not a circle runs to its end and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// Which colors.
@@ -36,7 +37,7 @@ pub struct Answer {
     pub farthest: f32,
 }
 
-/// Lines on a surface where what sounds now leaves it where it rests, along its normal: Chladni's figures.
+/// Chladni's figures: lines where the current sound leaves the surface at rest along its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodalLines {
     /// sRGB.

@@ -193,7 +193,7 @@ impl Room for CaricatureRoom {
             autosave.hurry();
         }
         self.keep_copy(shared);
-        // What it was given is written before it is gone, and stays.
+        // Dropping the autosave writes its last copy to disk and keeps the file.
         self.autosave = Some(Err(()));
     }
 

@@ -2,7 +2,7 @@
 
 use egui::{Context, Event};
 
-/// So long after the last touch it counts as leaning back.
+/// Seconds without a touch after which the user counts as leaning back.
 const REST_SECS: f64 = 8.0;
 
 /// Waits, after a song was opened, until nobody touches anything.

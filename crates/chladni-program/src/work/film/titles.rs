@@ -94,7 +94,7 @@ impl Title {
             return Self { text: "sample tune".into(), cover: None };
         }
         let path = Path::new(song);
-        // Whoever reads the song itself says what is wrong with it.
+        // The player that opens the song reports its errors.
         let mut reader = SongReader::open(path).ok();
         let cover = reader.as_mut().and_then(|reader| cover_of(path, reader));
         let stem = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());

@@ -88,7 +88,7 @@ impl Hearing {
         let known = self.clocked.director.take();
         let fits = known.filter(|known| known.since_secs == since_secs && known.heard_secs <= at_secs);
         let mut filming = fits.unwrap_or_else(|| {
-            // What is heard as it comes is filmed so, whoever plays.
+            // A performance played to a clock is filmed like live sound, whether a song or live input plays.
             let director = Director::of_song(LIVE_SEED, []);
             ClockDirector { since_secs, heard_secs: since_secs - 1e-9, director }
         });

@@ -52,8 +52,9 @@ impl Kernel for Gather<'_> {
                 let Some(there) = part(CIRCLE, at) else { return };
                 let (mut nearer, mut weight) = ([0.0; BLOCK], [0.0; BLOCK]);
                 for i in 0..BLOCK {
-                    // What lies behind is seen as far as what lies before it is spread, and is continued where that is
-                    // sharp.
+                    // A neighbor behind this pixel reaches as far as this pixel's own circle, and at least
+                    // [`CONTINUED`] where the pixel is sharp. A neighbor before it reaches as far as the neighbor's
+                    // circle.
                     let size = if there[i] > circle[i] { reach[i] } else { there[i].abs() };
                     let share = clamp(size - away + 0.5, 0.0, 1.0) * area / max(size * size, 1.0);
                     nearer[i] = share * softness(-there[i]);
@@ -176,8 +177,8 @@ pub(super) fn softness(radius: f32) -> f32 {
 /// Weights of three pixels in a row.
 const TENT: [f32; 3] = [0.25, 0.5, 0.25];
 
-/// How much a color counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
-/// through something before the focus, where `whole` is 1.
+/// The weight of a neighbor's color. Sharp neighbors weigh little, so that they do not spread onto soft ones, except
+/// for a pixel before the focus, where `whole` is 1 and all colors weigh the same.
 #[inline(always)]
 fn soft(circle: f32, whole: f32) -> f32 {
     mix(min(circle.abs(), 1.0) + 1.0 / 64.0, 1.0, whole)

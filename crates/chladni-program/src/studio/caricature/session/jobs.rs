@@ -105,8 +105,8 @@ impl Session {
         let Some(outcome) = self.solving.as_ref().and_then(Job::ended) else { return Ok(None) };
         self.solving = None;
         if outcome.is_err() {
-            // A project that asks for what its shape cannot have would not open again, and one that asks for what was
-            // cancelled would begin with it.
+            // Restores the last values that solved. A project saved with values that its shape cannot have would not
+            // open again, and one saved with a cancelled solve would open with that solve.
             let (harmonics, laplacian) = self.solved;
             let mut back = Vec::new();
             if self.project().harmonics != harmonics {

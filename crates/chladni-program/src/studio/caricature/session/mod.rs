@@ -100,7 +100,7 @@ impl Session {
         self.brush = Some(Job::start("Preparing the brush", ctx, move |task| {
             soften();
             if mirror.get().is_none() {
-                // Whoever was first has set it.
+                // If another job set it first, its result stands.
                 let _ = mirror.set(own_mirror(&surface, task)?);
             }
             Ok(())
