@@ -118,7 +118,7 @@ impl Surface {
     }
 }
 
-/// What a march over the surface reached.
+/// The part of a surface that a march reached.
 #[derive(Debug, Default)]
 pub(crate) struct Marched {
     /// Vertices and their distances.

@@ -15,7 +15,8 @@ use crate::{
 /// K of a project that names none.
 pub const DEFAULT_HARMONICS: usize = 512;
 
-/// What is saved: which shape, how many harmonics of which Laplacian, which layers. Cloning shares the layers.
+/// The content of a project file: which shape, how many harmonics of which Laplacian, which layers. Cloning shares
+/// the layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
     /// Where the shape comes from.
@@ -71,7 +72,7 @@ pub enum Action {
     Paint {
         /// The layer.
         layer: LayerId,
-        /// What the brush did.
+        /// The change that the brush made.
         edit: PaintEdit,
     },
     /// Changes the number of harmonics; the basis has to be solved again.
@@ -330,7 +331,7 @@ impl Property {
 }
 
 impl Action {
-    /// What undo and redo call it.
+    /// The action's name for undo and redo.
     pub fn label(&self) -> &'static str {
         match self {
             Self::Add { .. } => "add layer",

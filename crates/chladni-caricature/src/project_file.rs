@@ -20,7 +20,7 @@ use crate::{
 
 mod paths;
 
-/// What is read of one file at most.
+/// The most bytes that are read of one file.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// The whole file.

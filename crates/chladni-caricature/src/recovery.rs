@@ -8,7 +8,7 @@ use chladni_task::{RecoveryCopy, read_text_file};
 use crate::project_file::MOST_BYTES;
 use crate::{CaricatureError, Project};
 
-/// What names of copies begin and end with.
+/// Beginning and ending of a copy's name.
 const NAMES: (&str, &str) = ("session", "chladni");
 
 /// The recovery copy of a running session; [`finish`](Self::finish) removes it.

@@ -37,7 +37,8 @@ fn of_harmonics(vertices: usize, harmonics: usize, on_disk: bool) -> u64 {
 }
 
 impl Keep<'_> {
-    /// What is different from a solve of `of_slices` at once in memory, if `slices` are solved at once.
+    /// How solving `slices` at once, with vectors kept here, differs from solving `of_slices` at once in memory;
+    /// `None` if it does not.
     pub(crate) fn short_of(
         self,
         slices: usize,

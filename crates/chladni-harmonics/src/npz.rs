@@ -90,7 +90,7 @@ pub fn npz_of(fill: impl FnOnce(&mut Npz<Cursor<Vec<u8>>>) -> Result<()>) -> Res
     archived(Cursor::new(Vec::new()), fill).map(Cursor::into_inner)
 }
 
-/// What an archive was written into.
+/// Writes an archive into `into` and returns it.
 fn archived<W: Write + Seek>(into: W, fill: impl FnOnce(&mut Npz<W>) -> Result<()>) -> Result<W> {
     let mut npz = Npz { archive: ZipWriter::new(into) };
     fill(&mut npz)?;

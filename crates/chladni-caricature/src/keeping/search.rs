@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
     }
 
     /// Moves `kept` toward `wanted` wherever that spoils no triangle, if it keeps [little](SCANT) and only a few
-    /// triangles are spoiled already. The largest share on the way is the one that stays.
+    /// triangles are spoiled already. Ends with the largest share that it reached.
     fn give_back(&self, wanted: &[Vec3], kept: &mut Kept) -> Result<(), CaricatureError> {
         if kept.share >= SCANT || !self.are_few((kept.folded, kept.crossing)) {
             return Ok(());

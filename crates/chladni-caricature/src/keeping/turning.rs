@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::{Base, Surface};
 
-/// What the first `harmonics` hold of `signal`, fading out over the finest of them.
+/// The part of `signal` in the first `harmonics`, fading out over the finest of them.
 fn smooth_part(basis: &Basis, harmonics: usize, signal: &[Vec3]) -> Vec<Vec3> {
     let mut low = basis.analyze(harmonics, |v| signal[v]);
     let last = low.len().max(1) as f64;

@@ -33,7 +33,7 @@ struct Component {
 /// All connected components.
 pub(super) struct Components(Vec<Component>);
 
-/// What is known of the spectrum before solving.
+/// Prior knowledge of the spectrum.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     /// A surface: each component has one eigenvalue 0, and Weyl's law says where the others are.

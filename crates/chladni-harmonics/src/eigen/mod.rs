@@ -60,7 +60,7 @@ pub(crate) struct Solved {
     pub profile: SolveProfile,
 }
 
-/// What a part of a solve must return.
+/// The result that a part of a solve must return, and within which means.
 #[derive(Clone, Copy)]
 struct Wanted<'a> {
     harmonics: usize,

@@ -3,7 +3,7 @@
 use super::cloud::Cloud;
 use crate::surface::vec3::{Vec3, cross, dot, length, scaled, unit};
 
-/// What the shape rests on in one direction.
+/// The area on which the shape would rest in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Base {
     /// Area that touches the ground, as a share of the shape's outline seen from there.

@@ -31,7 +31,7 @@ use crate::{Format, HealthReport, MeshError, TriMesh};
 pub struct Loaded {
     /// The mesh.
     pub mesh: TriMesh,
-    /// What was wrong with the file, and what was done about it.
+    /// Faults of the file, and how each was mended.
     pub mended: Vec<Mended>,
     /// glTF only, where nodes move their meshes: the positions before that.
     pub stored_positions: Option<Vec<[f64; 3]>>,

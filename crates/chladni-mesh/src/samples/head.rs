@@ -5,7 +5,7 @@ use super::surface_nets::{Grid, surface};
 use crate::TriMesh;
 use crate::surface::vec3::Vec3;
 
-/// What tells one face from another. Lengths in units of half a head's height.
+/// The features that tell one face from another. Lengths in units of half a head's height.
 struct Features {
     /// How far the tip of the nose stands out, and its radius.
     nose: f64,
@@ -85,7 +85,7 @@ fn modeled(features: &Features, cell: f64) -> TriMesh {
     surface(|p| solid(p, features), &grid)
 }
 
-/// What [`part_of`] tells apart.
+/// The parts that [`part_of`] distinguishes.
 pub(crate) const PARTS: [&str; 10] =
     ["nose", "brow", "eyes", "mouth", "chin", "jaw", "cheeks", "ears", "crown", "neck"];
 

@@ -32,7 +32,7 @@ pub const SLIDERS: [(&str, &str); 17] = [
     ("neck", "thin to thick"),
 ];
 
-/// What the head is called among the samples; its sliders follow a question mark.
+/// Name of the head among the samples; its sliders follow a question mark.
 const NAME: &str = "portrait";
 
 /// The values of the sliders that a sample's name gives, in the order of [`SLIDERS`]; `None` of other samples. The error is
@@ -69,7 +69,7 @@ fn parse(sample: &str, text: &str) -> Result<[f64; SLIDERS.len()], MeshError> {
     Ok(values)
 }
 
-/// What the sliders make of a plain head: lengths in units of half a head's height are functions of these.
+/// Values of the sliders, from which the lengths of a plain head follow, in units of half a head's height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Face {
     width: f64,

@@ -24,7 +24,7 @@ fn plus(a: Tensor, b: Tensor) -> Tensor {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// What a [`Tensor`] does in the plane at right angles to a normal.
+/// The principal values and directions of a [`Tensor`] in the plane at right angles to a normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Principal {
     /// Its values, the greater first: the principal curvatures κ₁ ≥ κ₂ of a curvature tensor.

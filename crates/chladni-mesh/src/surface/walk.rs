@@ -28,7 +28,7 @@ pub struct Ground {
 struct Tile {
     /// Gradients of the three barycentric weights.
     gradients: [[f64; 2]; 3],
-    /// What lies beyond the edge opposite each corner.
+    /// The ways over the edges opposite each corner.
     gates: [Option<Gate>; 3],
 }
 

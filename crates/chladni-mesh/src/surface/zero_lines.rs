@@ -12,7 +12,7 @@ pub struct EdgePoint {
 }
 
 impl EdgePoint {
-    /// What vertices have, there: `at` is linear along the edge.
+    /// A quantity of the vertices at this point, interpolated linearly along the edge.
     pub fn mixed(&self, at: impl Fn(u32) -> Vec3) -> Vec3 {
         let [a, b] = self.ends.map(at);
         add(scaled(a, 1.0 - self.along), scaled(b, self.along))

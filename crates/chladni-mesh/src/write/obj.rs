@@ -55,7 +55,7 @@ pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// What materials are called in the file.
+/// Names of materials in the file.
 struct Names {
     materials: Vec<String>,
     /// For faces without a material after faces with one: OBJ cannot take a material back.
