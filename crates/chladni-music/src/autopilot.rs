@@ -40,7 +40,7 @@ impl Candidate {
     }
 }
 
-/// What is shown from a bar on.
+/// The dance and the look from one bar on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Which candidate dances.
@@ -85,7 +85,7 @@ impl Autopilot {
         }
     }
 
-    /// What is shown now; `None` before the first bar.
+    /// The current choice; `None` before the first bar.
     pub fn shown(&self) -> Option<Turn> {
         self.turns.get(self.shown).copied()
     }

@@ -1,9 +1,9 @@
-//! What clocks say to each other: MIDI clock in and out, and its like over OSC.
+//! Messages between clocks: MIDI clock in and out, and its like over OSC.
 
 /// Ticks of a MIDI clock in a quarter note.
 pub const TICKS_PER_QUARTER: f64 = 24.0;
 
-/// What an outer clock says.
+/// A message from an external clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClockMessage {
     /// One of [`TICKS_PER_QUARTER`].

@@ -56,7 +56,7 @@ impl ClockTrack {
         self.marks.is_empty()
     }
 
-    /// What is kept of it, oldest first.
+    /// The marks, oldest first.
     pub fn marks(&self) -> &[ClockMark] {
         &self.marks
     }

@@ -1,4 +1,4 @@
-//! What a mapping looks like on a body: numbers that are near each other where movements look alike.
+//! Descriptors of a mapping on a body: numbers that are near each other where movements look alike.
 
 use std::sync::Arc;
 

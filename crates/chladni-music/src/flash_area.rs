@@ -12,7 +12,7 @@ const RED_SHARE: f32 = 0.8;
 /// The change of (R − G − B) · 320 that counts; negatives count as 0.
 const RED_STEP: f32 = 20.0;
 
-/// What flashes.
+/// The quantity in which a picture may flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Signal {
     Luminance,

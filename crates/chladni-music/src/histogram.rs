@@ -1,5 +1,5 @@
-//! What is known of a picture that may flash: how often each value occurs, the mean color of each cell, and finer the
-//! luminance alone.
+//! Statistics of a picture that may flash: how often each value occurs, the mean color of each cell, and the
+//! luminance on a finer grid.
 
 use chladni_mesh::{linear_from_srgb, srgb_from_linear};
 

@@ -25,7 +25,7 @@ pub enum Action {
     /// Replaces all items that are not locked by the candidates of these numbers, one for each place
     /// ([`Gallery::candidates`], [`suggest`](crate::suggest)).
     BreedFrom { candidates: Vec<u16> },
-    /// What was chosen so far no longer counts where children are suggested.
+    /// Choices made so far no longer count when children are suggested.
     ForgetPreference,
     /// Changes one item a little at random; amount in [0, 1].
     Mutate { item: usize, amount: f32 },
@@ -133,7 +133,7 @@ pub struct Instrument {
     stage: Stage,
     /// How often the sand was swept.
     sweeps: u32,
-    /// What [`Action::SetLook`] put over the stage; empty if nothing.
+    /// The look that [`Action::SetLook`] put over the stage; empty if none.
     look: String,
     log: Vec<LoggedAction>,
 }
@@ -208,7 +208,7 @@ impl Instrument {
         &self.parameters
     }
 
-    /// What a voice listens to, and how strongly.
+    /// The driver and gain of a voice.
     pub fn voice(&self, voice: usize) -> VoiceSettings {
         self.voices.get(&voice).copied().unwrap_or_else(|| VoiceSettings::initial(voice))
     }
@@ -228,7 +228,7 @@ impl Instrument {
         &self.log
     }
 
-    /// What plays on stage after `beat` beats; `None` while the gallery is shown.
+    /// The scene on stage after `beat` beats; `None` while the gallery is shown.
     pub fn scene(&self, beat: f64) -> Option<Scene> {
         self.stage.scene(beat, &self.favorites, &self.parameters)
     }

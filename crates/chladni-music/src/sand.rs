@@ -1,9 +1,9 @@
 //! Sand: grains on a surface, which vibrations drive to where nothing moves.
 //!
-//! What sounds makes vertex v vibrate at a speed of u(v) = Σ_k w_k a_k H_k(v): a_k is the root mean square
-//! amplitude of harmonic k over about [`MEMORY_SECS`], times its frequency √λ_k; w_k lets the strongest ones
-//! draw the figure. All are in phase, as those of a plate are that is driven at one frequency. With E = u²,
-//! grains hop: at each hop a grain walks along the surface by
+//! The sound makes vertex v vibrate at a speed of u(v) = Σ_k w_k a_k H_k(v): a_k is the root mean square amplitude of
+//! harmonic k over about [`MEMORY_SECS`], times its frequency √λ_k; w_k lets the strongest ones draw the figure. All
+//! are in phase, like those of a plate that is driven at one frequency. With E = u², grains hop: at each hop a grain
+//! walks along the surface by
 //!
 //! ```text
 //! −C ℓ² ∇E / E_max + J ℓ √(E / E_max) ξ,      ℓ = 1/√λ,
@@ -61,7 +61,7 @@ const FALL_STEPS: u64 = 27;
 /// Grains that one thread takes at a time.
 const CHUNK: usize = 1024;
 
-/// What sand needs to know of a body: its surface and its harmonics.
+/// The surface and the harmonics of a body, as sand needs them.
 #[derive(Clone, Debug)]
 pub struct Tray {
     ground: Ground,
@@ -150,7 +150,7 @@ impl Sand {
         }
     }
 
-    /// What it lies on.
+    /// The tray that it lies on.
     pub fn tray(&self) -> &Tray {
         &self.tray
     }

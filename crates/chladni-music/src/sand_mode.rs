@@ -12,7 +12,7 @@ pub const SAND_MODE: [Action; 5] = [
     Action::Switch { switch: Switch::BeatLights, on: false },
 ];
 
-/// What takes [`SAND_MODE`] back, to where knobs and switches stood `before`.
+/// Actions that undo [`SAND_MODE`]: they return knobs and switches to where they stood `before`.
 pub fn without_sand(before: &Parameters) -> Vec<Action> {
     let back = SAND_MODE.into_iter().map(|action| match action {
         Action::SetForm { .. } => Action::SetForm { form: before.form },

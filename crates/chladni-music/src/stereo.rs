@@ -1,4 +1,4 @@
-//! What symmetric and antisymmetric harmonics hear of stereo sound (section 5c).
+//! The signals that drive symmetric and antisymmetric harmonics in stereo sound (section 5c).
 
 use crate::resonance::Signal;
 use crate::{Bands, Playing, Ringing};
@@ -52,7 +52,7 @@ impl StereoMix {
         at_zero + self.mu * (at_one - at_zero)
     }
 
-    /// What antisymmetric and symmetric harmonics hear at μ = 1.
+    /// The signals that drive antisymmetric and symmetric harmonics at μ = 1.
     fn channels(&self) -> (Signal, Signal) {
         if self.turn > 0.0 { (Signal::Left, Signal::Right) } else { (Signal::Right, Signal::Left) }
     }
@@ -76,7 +76,7 @@ impl StereoMix {
     }
 }
 
-/// What harmonics hear at one moment: the level of each band, or how it rings.
+/// The sound at one moment, as harmonics receive it: the level of each band, or how it rings.
 #[derive(Clone, Copy)]
 pub(crate) struct Ear<'a> {
     mix: StereoMix,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Choir, Form, Parameter, Parameters, Switch};
 
-/// What a control may turn, press or choose.
+/// Anything that a control may turn, press or choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the table says what they are")]

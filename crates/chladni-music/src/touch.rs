@@ -1,4 +1,4 @@
-//! What can be touched on a controller.
+//! The controls of a controller, such as knobs and keys.
 
 use serde::{Deserialize, Serialize};
 

@@ -109,7 +109,8 @@ impl FlashGuard {
         thinnest(least, |opacity| !self.would_flash(picture, Veil::black(opacity)))
     }
 
-    /// What the mean needs, at least as black as `least`. Where parts need black, the mean may fall at once.
+    /// The veil that the mean luminance needs, at least as black as `least`. Where parts need black, the mean may
+    /// fall at once.
     fn mean_veil(&self, time_secs: f64, picture: &Histogram, least: u8) -> Veil {
         let clearest = Veil::black(least);
         let wanted = picture.luminance(clearest);

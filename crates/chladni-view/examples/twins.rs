@@ -15,7 +15,7 @@ use chladni_view::{
 };
 use measured::{bumpy, cpu_ms};
 
-/// What is drawn: numbers of items and of vertices in each.
+/// A scene to draw: numbers of items and of vertices in each.
 struct Scene {
     name: &'static str,
     items: usize,
@@ -78,7 +78,7 @@ fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64
     Ok((times, cpu, canvas.read(device)?))
 }
 
-/// What a frame of a scene consists of at least: its vertices, triangles, and pixels that show a surface.
+/// The least work in a frame of a scene: its vertices, triangles, and pixels that show a surface.
 fn counts(device: &Device, scene: &Scene) -> Result<[usize; 3], ViewError> {
     let look = Look { background: Background::TRANSPARENT, ..bare(0.0) };
     let (.., picture) = measure(device, scene, &look)?;

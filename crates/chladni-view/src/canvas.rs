@@ -1,4 +1,4 @@
-//! What is drawn on, and how its pixels come back.
+//! The surface to draw on, and how its pixels come back.
 
 use std::ops::Deref;
 use std::sync::MutexGuard;
@@ -110,7 +110,7 @@ impl Deref for PixelsHeld<'_> {
     }
 }
 
-/// What one picture of a canvas comes back through, while later ones are drawn.
+/// The way back of one picture of a canvas, while later ones are drawn.
 #[derive(Debug)]
 pub struct Readback {
     /// Premultiplied pixels, or the way from a graphics device.

@@ -1,4 +1,4 @@
-//! What is done to a finished picture: depth of field, glow around what is bright, trails, a darker rim, grain.
+//! Effects on a finished picture: depth of field, glow around what is bright, trails, a darker rim, grain.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -1,5 +1,5 @@
-//! What is in focus: how far the light of each depth spreads on the picture, as behind a thin lens. Both
-//! renderers use these numbers.
+//! Depth of field: how far the light of each depth spreads on the picture, as behind a thin lens. Both renderers use
+//! these numbers.
 
 use bytemuck::{Pod, Zeroable};
 

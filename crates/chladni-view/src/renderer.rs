@@ -3,8 +3,7 @@
 use crate::buffers::Held;
 use crate::{Canvas, Cell, Device, Finish, Surroundings, ViewError, cpu, gpu};
 
-/// What one device keeps from picture to picture: pipelines and uniforms, or bins and tiles. Make one
-/// and keep it.
+/// Pipelines and uniforms, or bins and tiles, that one device keeps from picture to picture. Make one and keep it.
 #[derive(Debug)]
 pub struct Renderer {
     pub(crate) device: Device,

@@ -30,7 +30,7 @@ pub struct Material {
     pub iridescence: f32,
     /// Share of its own color that shines without any light, at least 0.
     pub glow: f32,
-    /// What shines where the surface turns away from the viewer (velvet, deep-sea skin), sRGB; black is nothing.
+    /// The light where the surface turns away from the viewer (velvet, deep-sea skin), sRGB; black is none.
     pub edge: [u8; 3],
 }
 
@@ -218,7 +218,7 @@ impl Lights {
     }
 }
 
-/// What is behind the shape, sRGB.
+/// The background, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Background {
     /// Color in the middle of the picture.
@@ -231,7 +231,7 @@ pub struct Background {
     pub opacity: f32,
     /// Which way the colors run.
     pub gradient: Gradient,
-    /// What the shape stands over, seen in perspective only.
+    /// The floor below the shape, seen in perspective only.
     pub floor: Option<Floor>,
 }
 

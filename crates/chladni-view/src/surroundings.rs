@@ -147,7 +147,7 @@ impl Sphere {
         Self { width, height, pixels: (0..width * height).map(texel).collect() }
     }
 
-    /// What is seen in each direction through a lobe.
+    /// The light from each direction, averaged over a lobe around it.
     fn blurred(&self, width: usize, lobe: f32) -> Self {
         use rayon::prelude::*;
         let mut level = Self { width, height: width / 2, pixels: Vec::new() };

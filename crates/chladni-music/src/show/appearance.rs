@@ -2,15 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a dance looks like, by names: a whole scene, and what takes the place of its parts. Empty names are the
-/// scene's own parts, and the plain scene.
+/// The look of a dance, by names: a whole scene, and replacements for its parts. An empty name keeps the scene's own
+/// part; an empty `look` is the plain scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Looks {
     /// The whole scene.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub look: String,
-    /// What colors the movement.
+    /// The colors of the movement.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub palette: String,
     /// Of the shapes.

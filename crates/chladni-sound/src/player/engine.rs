@@ -40,7 +40,7 @@ pub enum PlayerEvent {
     SongDamaged {
         /// Its index in the playlist.
         song: usize,
-        /// What is missing.
+        /// The missing part.
         what: String,
     },
     /// The last song has ended.

@@ -12,7 +12,7 @@ use super::queue::Stretches;
 use crate::history::History;
 use crate::{LONGEST_CROSSFADE_SECS, SoundError};
 
-/// What happens after the last sample of a song.
+/// The behavior after the last sample of a song.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Repeat {
@@ -76,7 +76,7 @@ pub struct PlayerStatus {
     pub underruns: u64,
 }
 
-/// What the engine and its handles share. The audio callback uses only the clock and never waits.
+/// State that the engine and its handles share. The audio callback uses only the clock and never waits.
 pub(super) struct Shared {
     pub clock: Arc<Clock>,
     pub timeline: Mutex<Timeline>,

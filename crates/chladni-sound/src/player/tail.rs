@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use crate::crossfade::crossfade_gain;
 use crate::history::Frame;
 
-/// What is left of a song that has ended.
+/// The remaining frames of a song that has ended.
 #[derive(Default)]
 pub(super) struct Tail {
     frames: VecDeque<Frame>,

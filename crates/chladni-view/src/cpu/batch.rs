@@ -49,7 +49,7 @@ pub(super) struct Batch {
     pub(super) glow: Places,
     /// Linear light; then sRGB-encoded.
     pub(super) color: [Places; 3],
-    /// What is added to the pixel.
+    /// The colors to be added to the pixels.
     pub(super) packed: [[u8; 4]; PLACES],
 }
 
@@ -108,7 +108,7 @@ fn set(places: &mut [Places; 3], i: usize, value: Vec3) {
     (places[0][i], places[1][i], places[2][i]) = (value.x, value.y, value.z);
 }
 
-/// What places of one figure share.
+/// Uniforms and matrices that all places of one figure share.
 pub(super) struct Setting<'a> {
     pub(super) cell: &'a CellUniform,
     pub(super) figure: &'a FigureUniform,

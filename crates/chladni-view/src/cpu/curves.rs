@@ -7,8 +7,8 @@ pub(super) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// What `of` makes of each item. Within kernels, since an array's own `map` may be compiled to a call, without the kernel's
-/// instructions.
+/// Maps each item. An array's own `map` may be compiled to a call, without the kernel's instructions, so kernels use
+/// this.
 #[inline(always)]
 pub(super) fn each<T: Copy, U: Copy + Default, const N: usize>(items: [T; N], of: impl Fn(T) -> U) -> [U; N] {
     let mut all = [U::default(); N];

@@ -23,7 +23,7 @@ pub(super) const MARGIN: usize = PIXELS;
 pub(super) struct Target<'a> {
     /// Depth of each sample; all samples of a pixel lie together.
     pub(super) depth: &'a mut [f32],
-    /// What is seen at each sample; empty where only depth counts.
+    /// The triangle visible at each sample; empty where only depth counts.
     pub(super) seen: &'a mut [u32],
     /// Pixels from row to row, [`MARGIN`] of them spare.
     pub(super) stride: usize,
@@ -53,7 +53,7 @@ pub(super) struct Triangles<'a> {
     /// Added to a triangle's index for what is seen.
     pub(super) base: u32,
     pub(super) bias: Bias,
-    /// What is hidden already.
+    /// Depths behind which everything is hidden already.
     pub(super) farthest: &'a Farthest,
 }
 

@@ -7,7 +7,7 @@ use super::instructions::{Instructions, Kernel};
 use crate::Finish;
 use crate::finish::{FinishUniform, SPREAD, step};
 
-/// What is kept from picture to picture.
+/// Buffers that are kept from picture to picture.
 #[derive(Debug, Default)]
 pub(super) struct Finishing {
     near: Small,
@@ -83,7 +83,7 @@ impl Small {
         self.pixels.resize(width * height, [0.0; 3]);
     }
 
-    /// What is brighter than the threshold in each square of a picture.
+    /// The light above the threshold in each square of a picture.
     fn brighten(&mut self, finish: &FinishUniform, picture: &[u8], [width, height]: [usize; 2]) {
         let (step, from) = (step(height as u32) as usize, finish.bloom[1]);
         self.resize(width.div_ceil(step), height.div_ceil(step));
@@ -256,7 +256,7 @@ impl<'a> Light<'a> {
     }
 }
 
-/// What is left of the picture before on a row, and what it is made of.
+/// The part of the last picture that is still visible in a row, and buffers to compute it.
 #[derive(Default)]
 struct Beside {
     between: Vec<f32>,

@@ -12,7 +12,7 @@ use super::finishing::neighbors;
 use super::instructions::Instructions;
 use crate::focus::{Spread, most};
 
-/// What is kept from picture to picture.
+/// Buffers that are kept from picture to picture.
 #[derive(Debug, Default)]
 pub(super) struct Focusing {
     /// Of each pixel the radius of its circle of light, pixels of the small picture; below 0 before the focus.

@@ -60,7 +60,7 @@ impl Canvas {
     }
 }
 
-/// What is kept from picture to picture, so that a warm one allocates nothing of its size.
+/// Buffers that are kept from picture to picture, so that a warm one allocates nothing of its size.
 #[derive(Debug)]
 pub(crate) struct Renderer {
     instructions: Instructions,

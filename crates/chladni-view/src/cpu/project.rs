@@ -244,7 +244,7 @@ impl Chunk {
     }
 }
 
-/// What is on the grid of a triangle, whose positions project to `corners`: the whole, or its parts.
+/// The parts on the grid of a triangle whose positions project to `corners`: the whole triangle, or pieces of it.
 pub(super) fn pieces(
     lens: &Lens,
     positions: [[f32; 3]; 3],

@@ -81,7 +81,7 @@ fn curved(cell: &CellUniform, linear: Vec3) -> Vec3 {
 /// Half the width, of 2, in which the picture's left passes into its right.
 const WING: f32 = 0.3;
 
-/// What the sides make at `x`, -1 at the left edge of the picture and 1 at the right.
+/// The mix of left and right at `x`, which is -1 at the left edge of the picture and 1 at the right.
 #[inline(always)]
 pub(super) fn wing(left: f32, right: f32, x: f32) -> f32 {
     mix(left, right, smoothstep(-WING, WING, x))

@@ -23,7 +23,7 @@ use crate::uniforms::{
 };
 use crate::{Cell, Figure, Paint, Projection, Samples, Surroundings, VertexPaint, ViewError};
 
-/// What figures are made of, held still while they are drawn.
+/// Read locks on the data of all figures, held while they are drawn.
 pub(super) struct Locks<'a> {
     items: Vec<Lock<'a, HostItems>>,
     paints: Vec<Lock<'a, Vec<[u8; 4]>>>,
@@ -107,7 +107,7 @@ impl<'a> Locks<'a> {
     }
 }
 
-/// What a figure is made of.
+/// The data of one figure.
 pub(super) struct Subject<'a> {
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) uvs: &'a [[f32; 2]],
@@ -274,7 +274,7 @@ impl StagedCell {
 }
 
 impl StagedFigure {
-    /// What its palette makes of each vertex, as `answered` of `gpu/shader`.
+    /// Computes the palette position and the glow of each vertex, as `answered` of `gpu/shader` does.
     fn answer(&mut self, subject: &Subject<'_>) {
         let Coat::Answer(rest, lag) = subject.coat else { return };
         let [offset, span, swing, travel] = self.uniform.answer;

@@ -24,7 +24,7 @@ const STRIDE: usize = WIDTH + MARGIN;
 /// Samples a pixel.
 const SAMPLES: usize = 4;
 
-/// What one thread works with.
+/// Working memory of one thread.
 #[derive(Debug)]
 pub(super) struct Scratch {
     depth: Vec<f32>,
@@ -45,7 +45,7 @@ impl Scratch {
     }
 }
 
-/// What all tiles draw.
+/// Data that all tiles draw from.
 pub(super) struct Picture<'a> {
     pub(super) instructions: Instructions,
     pub(super) stage: &'a Stage,
@@ -53,13 +53,13 @@ pub(super) struct Picture<'a> {
     pub(super) maps: &'a [[[f32; 3]; 256]],
     /// The panorama that shines on all figures.
     pub(super) around: Option<&'a Pyramid>,
-    /// What each cell has in focus; none where everything is sharp.
+    /// Each cell's lens; none where everything is sharp.
     pub(super) circles: &'a [Circle],
     /// Pixels in a row of the canvas.
     pub(super) width: usize,
 }
 
-/// What is seen at once: its samples are found together and hide each other.
+/// Surfaces that are drawn in one pass: their samples are found together and hide each other.
 enum Layer {
     Opaque(Range<usize>),
     /// The fronts of a translucent figure, or its backs.

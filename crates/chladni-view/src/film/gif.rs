@@ -27,7 +27,7 @@ pub(super) struct Gif {
     writer: Option<Writer>,
 }
 
-/// What writes once the palette is there.
+/// The writer, which exists once the palette does.
 struct Writer {
     encoder: Encoder<BufWriter<File>>,
     palette: Palette,

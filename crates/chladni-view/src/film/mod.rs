@@ -56,7 +56,7 @@ impl FrameRate {
     }
 }
 
-/// What kind of file a film becomes.
+/// The kind of file that a film becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilmFormat {
     /// H.264 and AAC through ffmpeg.

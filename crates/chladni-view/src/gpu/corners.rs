@@ -1,5 +1,5 @@
-//! What vertex stages look up by its index: in storage, or, where a device lends them none (WebGL2), in textures that
-//! the same buffers are copied to before each picture.
+//! Data that vertex stages look up by index: in storage, or, where a device lends them none (WebGL2), in textures
+//! that the same buffers are copied to before each picture.
 
 use wgpu::{Buffer, TextureFormat};
 
@@ -197,7 +197,7 @@ impl Corners {
     }
 }
 
-/// What a figure is painted with by vertex.
+/// The buffer of a figure's paint by vertex, if it has one.
 fn paint<'a>(figure: &Figure<'a>) -> Result<Option<&'a Buffer>, ViewError> {
     Ok(match figure.paint {
         Paint::Values(paint, _) | Paint::Colors(paint) => Some(paint.held.gpu()?),

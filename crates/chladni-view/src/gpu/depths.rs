@@ -33,7 +33,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What the viewer sees, [`FINE`].
+    /// The depths that the viewer sees, at [`FINE`] times the canvas's resolution.
     pub(super) fn draw_seen_depths(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,

@@ -8,7 +8,7 @@ use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
 use crate::finish::{FinishUniform, step};
 use crate::{Finish, Gpu, ViewError};
 
-/// What light spreads on: more than eight bits, as little of it goes far.
+/// The format of the pictures in which light spreads: more than eight bits, because faint light is spread far.
 const SMALL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// All that finishes pictures of one size.

@@ -33,8 +33,7 @@ pub(crate) struct Layouts {
     pub(crate) images: BindGroupLayout,
 }
 
-/// What a pipeline draws. Each is compiled when it is needed first, so that a picture waits for its
-/// own pipelines only.
+/// The task of a pipeline. Each pipeline is compiled when first needed, so that a picture waits only for its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Kind {
     pub(crate) part: Part,

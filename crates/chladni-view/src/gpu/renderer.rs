@@ -265,7 +265,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What wires, skins and grains look up.
+    /// Binds the data that wires, skins and grains look up.
     fn bind_corners(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

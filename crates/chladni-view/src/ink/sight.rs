@@ -94,7 +94,7 @@ impl<'a> Sight<'a> {
         hit.map(|hit| f64::from(hit.distance))
     }
 
-    /// What is seen at a pixel.
+    /// The point of the surface seen at a pixel.
     pub fn look(&self, [x, y]: [f64; 2]) -> Option<Hit> {
         let ray = self.camera.ray(x as f32, y as f32, self.cell);
         self.plate.tree.pick(&ray, &self.plate.single, &self.plate.triangles)

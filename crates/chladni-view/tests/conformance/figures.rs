@@ -1,4 +1,4 @@
-//! What is drawn by both backends, in every look.
+//! Figures drawn by both backends, in every look.
 
 use super::*;
 

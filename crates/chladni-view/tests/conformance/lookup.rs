@@ -1,4 +1,4 @@
-//! What vertex stages look up lies in textures where a device has no storage, as in WebGL2.
+//! Vertex stages look up their data in textures where a device has no storage, as in WebGL2.
 
 use super::*;
 

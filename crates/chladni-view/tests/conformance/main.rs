@@ -243,7 +243,7 @@ fn what_is_not_known_to_move_has_no_speed() {
     assert!(matches!(drawn, Err(ViewError::Shape(_))));
 }
 
-/// What glows is brighter around, the corners are darker, and a picture long after another has no trail of it.
+/// Bright surfaces glow, the corners are darker, and a picture long after another shows no trail of it.
 #[test]
 fn a_finish_does_what_it_says() {
     let model = Model::new(&Device::Processor, 30);

@@ -1,4 +1,4 @@
-//! What is hidden already, block by block.
+//! The depth behind which everything is hidden already, block by block.
 
 use super::Target;
 use super::cover::LANES;

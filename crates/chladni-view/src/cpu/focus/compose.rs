@@ -1,4 +1,4 @@
-//! What has spread, laid over the sharp picture.
+//! Lays the spread light over the sharp picture.
 
 use super::super::curves::{clamp, mix, packed};
 use super::super::finishing::unpack;

@@ -1,4 +1,4 @@
-//! What reaches each pixel of the small picture.
+//! Gathers the light that reaches each pixel of the small picture.
 
 use super::super::curves::{clamp, max, min, mix, smoothstep};
 use super::super::instructions::Kernel;
@@ -165,7 +165,7 @@ impl Kernel for Even<'_> {
     }
 }
 
-/// What is before the focus counts for so little behind itself.
+/// Weight, in the far layer, of color before the focus: it counts there only where it covers all else.
 const HIDDEN: f32 = 1e-3;
 
 /// How much of the sharp picture goes where the circle has this radius.

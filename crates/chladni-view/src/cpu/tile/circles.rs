@@ -1,4 +1,4 @@
-//! What of a tile is out of focus.
+//! Circles of light of a tile's pixels.
 
 use super::super::curves::min;
 use super::Tile;
