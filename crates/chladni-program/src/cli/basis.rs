@@ -112,7 +112,7 @@ impl RankOptions {
     }
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct Summary {
     laplacian: Laplacian,

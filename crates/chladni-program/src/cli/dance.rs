@@ -240,7 +240,7 @@ impl Dance {
         Ok(film)
     }
 
-    /// What is to be written, and how.
+    /// The files to write, and how.
     fn output(&self, terminal: &Terminal) -> Result<Output, Error> {
         let (pipe, file) = match self.output.clone() {
             Some(path) if path == Path::new("-") => (Some(self.format.unwrap_or_default()), None),

@@ -60,7 +60,7 @@ pub struct LayerOptions {
     infill: Option<f64>,
 }
 
-/// What `--rigid` says.
+/// The scaling that `--rigid` asks for.
 pub fn scaling(rigid: bool) -> Scaling {
     if rigid { Scaling::Rigid } else { Scaling::Free }
 }
@@ -81,7 +81,7 @@ fn roll_off(text: &str) -> Result<RollOff, Error> {
     }
 }
 
-/// What `--match` says.
+/// The method that `--match` names.
 pub fn method(text: &str) -> Result<Method, Error> {
     serde_json::from_value(serde_json::Value::String(text.to_owned()))
         .map_err(|error| Error::input(error.to_string().replace("variant", "method")))

@@ -149,7 +149,7 @@ fn own_name(template: &Template) -> String {
     }
 }
 
-/// What `show --json` prints.
+/// The output of `show --json`.
 #[derive(Serialize)]
 struct Shown {
     format_version: i64,

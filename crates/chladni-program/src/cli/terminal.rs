@@ -24,7 +24,7 @@ pub struct Terminal {
     draw: Draw,
 }
 
-/// What Ctrl-C cancels, or a signal to end: the task of the command that runs.
+/// The task of the running command, which Ctrl-C or a signal to end cancels.
 static RUNNING: Mutex<Option<Task>> = Mutex::new(None);
 
 impl Terminal {

@@ -60,7 +60,7 @@ impl BackFilm {
     /// Goes to the picture at a time of the show; returns whether it is a different one.
     ///
     /// # Errors
-    /// What ffmpeg writes cannot be read.
+    /// Output of ffmpeg that cannot be read.
     pub fn go_to(&mut self, at_secs: f64) -> Result<bool, Error> {
         let index = (at_secs.max(0.0) * RATE_HZ + 1e-6) as u64;
         let mut wanted = 1 + self.length.map_or(index, |length| index % length);

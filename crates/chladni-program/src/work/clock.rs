@@ -9,7 +9,7 @@ const STILL_SECS: f64 = 0.1;
 /// A song that stands still this near its end has ended: its silence continues.
 const END_SECS: f64 = 0.05;
 
-/// What plays at one moment, as a player tells it.
+/// The player's position at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playing {
     /// Which of the show's songs; `None` is live input.

@@ -7,7 +7,7 @@ use chladni_view::Picture;
 
 /// Pixels of the longer side of a cover: those of the largest place where it is shown, on a large screen.
 const SIDE: u32 = 256;
-/// What pictures beside songs are usually called, without their ending.
+/// Usual names of pictures beside songs, without their ending.
 const NAMES: [&str; 4] = ["cover", "folder", "front", "album"];
 const ENDINGS: [&str; 3] = ["jpg", "jpeg", "png"];
 /// A larger file is no cover.

@@ -1,4 +1,4 @@
-//! What deforms the shapes of a window or a film, on the processor or on the drawing device.
+//! Deforms the shapes of a window or a film, on the processor or on the drawing device.
 
 use std::time::Instant;
 

@@ -60,7 +60,7 @@ impl Ear {
         self.analyzer.settings().rate_hz
     }
 
-    /// What hears the sound.
+    /// The analyzer of the sound.
     pub fn analyzer(&self) -> &SpectrumAnalyzer {
         &self.analyzer
     }
@@ -97,8 +97,7 @@ impl Ear {
         Beat { count: self.beats.at(moment.phase), confidence: moment.confidence as f32 }
     }
 
-    /// What is heard in a window of the sound ([`SpectrumAnalyzer::window_frames`]), which ends `dt_secs` after the
-    /// last one.
+    /// Analyzes a window of the sound ([`SpectrumAnalyzer::window_frames`]) that ends `dt_secs` after the last one.
     pub fn hear(
         &mut self,
         (left, right): (&[f32], &[f32]),
@@ -117,7 +116,7 @@ impl Ear {
         (Bands { ringing, ..bands_of(spectrum) }, self.harmony)
     }
 
-    /// What it heard last, for [`Hearing::fade_from`](super::Hearing::fade_from).
+    /// The last result, for [`Hearing::fade_from`](super::Hearing::fade_from).
     pub fn heard(&self) -> (Spectrum, Ringing, Harmony) {
         let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
         (self.analyzer.spectrum().clone(), ringing, self.harmony)

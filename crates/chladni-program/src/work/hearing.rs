@@ -1,4 +1,4 @@
-//! What is heard at any time of a show: sound bands and beat, a function of the show alone.
+//! Sound bands and beat at any time of a show: a function of the show alone.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ impl KnownSong {
     }
 }
 
-/// What is heard at one moment.
+/// The sound and the beat at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Heard<'a> {
     /// Since the show began.
@@ -83,7 +83,7 @@ pub struct Hearing {
     ear: Option<SongSpectrum>,
     fade: Option<Fade>,
     now: Spectrum,
-    /// What the resonators do now, where there are any.
+    /// The state of the resonators, where there are any.
     ringing: Ringing,
     /// Which chords it is of.
     harmony: Harmony,
@@ -136,7 +136,7 @@ impl Hearing {
         self.count_again();
     }
 
-    /// What is known of a song.
+    /// A song, if it is known.
     pub fn song(&self, number: usize) -> Option<&KnownSong> {
         self.songs.get(&number)
     }
@@ -217,7 +217,7 @@ impl Hearing {
         self.fade = Some(Fade { from, ringing, harmony, beat, since_secs: at_secs });
     }
 
-    /// What is heard at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
+    /// The sound at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
     pub fn hear(&mut self, at_secs: f64) -> Result<Option<Heard<'_>>, SoundError> {
         if !self.listen(at_secs)? {
             return Ok(None);

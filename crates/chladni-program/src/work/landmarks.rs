@@ -52,14 +52,14 @@ impl Which {
     }
 }
 
-/// What is done on one of the shapes.
+/// A gesture on one of the shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gesture {
     /// A vertex is pressed, where no landmark is.
     Pick(u32),
     /// A landmark is held over a vertex.
     Hold(usize, u32),
-    /// What is held is let go.
+    /// The landmark that is held is let go.
     Drop,
     /// A landmark is taken away.
     Remove(usize),
@@ -90,7 +90,7 @@ impl Picks {
         self.pending.take().is_some()
     }
 
-    /// What `landmarks` become by a gesture; `None` where they stay as they are.
+    /// `landmarks` after a gesture; `None` where they do not change.
     ///
     /// # Errors
     /// [`Error::Input`] where a vertex of the shape would have two, which no file could hold.
@@ -153,7 +153,7 @@ impl Picks {
         ends
     }
 
-    /// What to do next, where there are so many landmarks.
+    /// Hint at the next step when there are `count` landmarks.
     pub fn hint(&self, count: usize) -> String {
         match (self.pending(), count) {
             (Some(Which::Shape), _) => "Now click the same place on the template.".to_owned(),

@@ -8,13 +8,13 @@ use chladni_view::Look;
 
 use super::Error;
 
-/// What is danced while nobody chooses.
+/// The dances while nobody chooses.
 pub struct Programme {
     autopilot: Autopilot,
     dances: Vec<Preset>,
     /// Names of [`Look::PRESETS`]; none where the look stays.
     looks: Vec<&'static str>,
-    /// What the gain of each turn is multiplied by.
+    /// Factor on the gain of each turn.
     gain: f32,
     /// Bars up to then were heard.
     heard_secs: f64,
@@ -107,7 +107,8 @@ impl Programme {
         turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()
     }
 
-    /// What ends it, once the stage is left or another's: gallery and knobs are as they were when it began.
+    /// Actions that end the programme, once the stage is left or shows another dance: gallery and knobs return to
+    /// where they were when it began.
     pub fn end(&self, instrument: &Instrument) -> Vec<Action> {
         let (before, generation) = (&self.before.0, self.before.1);
         let now = instrument.parameters().of_a_dance();

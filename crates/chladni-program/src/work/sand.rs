@@ -29,7 +29,7 @@ pub struct SandTable {
     sweeps: u32,
     /// The next step, counted from the beginning of the show.
     next: i64,
-    /// What is drawn of each, and how large it is.
+    /// The grains to draw on each item, and their size.
     grains: Vec<Vec<Grain>>,
     radius: f32,
 }
@@ -100,7 +100,7 @@ impl SandTable {
         self.sands.par_iter_mut().zip(items).for_each(|(sand, item)| sand.step(item, full));
     }
 
-    /// What is drawn of it now, of each item; nothing where there is none.
+    /// The grains to draw now on each item; empty where there is no sand.
     pub fn drawn(&mut self) -> Vec<Grains<'_>> {
         let grain = |grain: chladni_music::Grain| {
             let chladni_music::Grain { corners, weights, lift } = grain;

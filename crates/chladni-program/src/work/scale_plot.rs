@@ -9,7 +9,7 @@ pub const GAINS: [f64; 4] = [0.0, 1.0, 2.0, ScaleCurve::MAX_GAIN];
 /// A step of a free hand, as a share of the axis: with fewer points the curve can still be edited by them.
 const STEP: f64 = 1.0 / 48.0;
 
-/// What the active model exaggerates, before the curve.
+/// The spectrum that the active model exaggerates, before the curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
     /// Wavelength, as a share of the size, and amplitude of each harmonic, from broad to fine; empty until
@@ -92,7 +92,7 @@ pub fn percent(wavelength: f64) -> String {
     if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
-/// What a curve does at a place, in words.
+/// The gain of a curve at one wavelength, in words.
 pub fn gain_in_words([wavelength, gain]: [f64; 2]) -> String {
     format!("Waves of {} of its size: ×{gain:.2}", percent(wavelength))
 }

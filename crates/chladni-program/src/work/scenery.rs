@@ -16,7 +16,7 @@ pub const PANORAMAS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
 /// No such file is larger.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// What was read of them.
+/// The pictures and films read from these files.
 #[derive(Clone, Debug, Default)]
 pub struct Scenery {
     /// Of a film, its first picture.

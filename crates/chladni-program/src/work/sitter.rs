@@ -99,7 +99,7 @@ fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Opt
     Ok(Some(parts?.into_iter().flatten().collect()))
 }
 
-/// What stands out of any shape, mirror images together, the largest first.
+/// The limbs of any shape, mirror images together, the largest first.
 fn limbs(stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
     let body = stack.body();
     let found = Limbs::of(body, Limbs::USUAL_LEVEL);

@@ -12,7 +12,7 @@ use super::{Error, Warning, Watcher};
 /// The name of the sample tune.
 pub const TUNE: &str = "sample:tune";
 
-/// What users call the sample shape `name`.
+/// The users' name for the sample shape `name`.
 pub fn sample_path(name: &str) -> PathBuf {
     ShapeSource::Sample(name.to_owned()).to_string().into()
 }

@@ -11,7 +11,7 @@ use super::{Error, Warning, Watcher, source};
 
 /// Shapes with more vertices than this are worked on through a proxy, where nobody says otherwise.
 const MOST_VERTICES: usize = 400_000;
-/// What such a proxy has.
+/// Vertices of such a proxy.
 const PROXY_VERTICES: usize = 150_000;
 
 /// A shape as it is worked on. Everything is computed on `mesh`; files are written with all of the shape.

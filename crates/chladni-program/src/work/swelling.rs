@@ -65,7 +65,7 @@ impl Swelling {
     /// Swells all of them to a share, in one frame of the synthesizer; none where they have swollen as far already.
     ///
     /// # Errors
-    /// What the synthesizer refuses.
+    /// Errors of the synthesizer.
     pub fn swell(&mut self, share: f32) -> Result<Option<&CpuSynthesizer>, Error> {
         if self.swollen == Some(share) {
             return Ok(None);

@@ -42,7 +42,7 @@ pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
     positions.step_by(step).map(dot).collect()
 }
 
-/// What the beat does to the picture; while a jump in the song fades, so does its effect.
+/// The effect of the beat on the picture; it fades together with a jump in the song.
 pub fn reaction(instrument: &Instrument, beat: Beat, fading: Option<(Beat, f32)>) -> Reaction {
     let of = |beat| react(beat, instrument.seed(), instrument.parameters());
     let to = of(beat);
@@ -62,7 +62,7 @@ pub fn chooses_shots(instrument: &Instrument, beat: Beat) -> bool {
 }
 
 impl Heard<'_> {
-    /// What the beat does to the picture.
+    /// The effect of the beat on the picture.
     pub fn reaction(&self, instrument: &Instrument) -> Reaction {
         reaction(instrument, self.beat, self.fading)
     }
@@ -128,7 +128,7 @@ pub struct Staged {
     area: Rect,
     /// Who looks.
     pub camera: Camera,
-    /// What shapes and light are like, at this moment.
+    /// The look of shapes and light at this moment.
     pub look: Look,
     /// Where each item stands.
     pub viewports: Vec<Rect>,

@@ -62,7 +62,7 @@ pub struct Film {
     pub start_secs: f64,
     /// How much of it is filmed; all unless said.
     pub duration_secs: Option<f64>,
-    /// What is written of it.
+    /// The files to write.
     pub output: Output,
 }
 

@@ -33,7 +33,7 @@ pub struct Done {
     pub damped_frames: usize,
 }
 
-/// What beat and sound do to one picture.
+/// The effect of beat and sound on one picture.
 struct Shot {
     /// In the film.
     time_secs: f64,

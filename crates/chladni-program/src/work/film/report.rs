@@ -32,7 +32,7 @@ pub struct Seconds {
     pub total: f64,
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 pub struct Report {
     pub(super) vertices: usize,
@@ -56,7 +56,7 @@ pub struct Report {
     /// The longest time for which bright stripes covered more than a quarter of what is shown.
     pub(super) longest_stripes_secs: f64,
     pub(super) frames_damped: usize,
-    /// What a GLB holds of the dance; null for films.
+    /// The part of the dance that a GLB holds; null for films.
     pub(super) approximation: Option<Approximation>,
     pub(super) seconds: Seconds,
 }

@@ -14,7 +14,7 @@ use crate::work::titles::{COVER, GAP, TITLE, title_opacity};
 /// How opaque letters get on the picture, as on stage.
 const WHITE: f32 = 220.0 / 255.0;
 
-/// What is read when.
+/// The songs' titles and when each is shown.
 #[derive(Debug, Default)]
 pub struct Titles {
     /// When each begins, in the time of the show.
@@ -23,7 +23,7 @@ pub struct Titles {
     drawn: Option<(usize, u32, Lettering, Picture)>,
 }
 
-/// What is shown of a song.
+/// The caption of a song.
 #[derive(Clone, Debug, PartialEq)]
 struct Title {
     text: String,

@@ -18,7 +18,7 @@ use crate::work::{Deformed, Error, FrameGuard, Scenery, dots, look_on_stage};
 /// seen during the last second.
 const LEAD_SECS: f64 = 2.0;
 
-/// What computes and draws; by default what suits the device.
+/// The means to compute and draw; by default those that suit the device.
 #[derive(Clone, Copy, Default)]
 pub struct Means {
     pub draw: Draw,
