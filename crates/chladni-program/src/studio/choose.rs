@@ -27,7 +27,7 @@ pub trait Chooser {
     /// The answer to what was [begun](Self::begin), once: no files if the user cancels.
     fn answer(&mut self) -> Option<Vec<PathBuf>>;
 
-    /// What went wrong since the last call: no dialog may have come up at all.
+    /// The error since the last call: no dialog may have come up at all.
     fn trouble(&mut self) -> Option<String> {
         None
     }
@@ -68,11 +68,11 @@ pub struct SystemDialogs {
     /// The folder of the file that was chosen last.
     folder: PathBuf,
     trouble: Option<String>,
-    /// What is asked for in the background, and where the answer will be.
+    /// The request that waits in the background, and the channel of its answer.
     asking: Option<(Request, Receiver<Asked>)>,
 }
 
-/// What came of a dialog.
+/// The outcome of a dialog.
 #[derive(Debug)]
 struct Asked {
     files: Vec<PathBuf>,

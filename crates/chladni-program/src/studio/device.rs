@@ -1,4 +1,4 @@
-//! What the window requires of a graphics device.
+//! Requirements on a graphics device.
 
 /// eframe asks for default limits only; a basis of a large shape needs what the adapter has.
 pub fn wgpu_options() -> eframe::egui_wgpu::WgpuConfiguration {

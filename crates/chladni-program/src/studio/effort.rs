@@ -15,7 +15,7 @@ const LONG_SECS: f64 = 2.0;
 /// After this time without late frames a higher quality is tried; the time doubles after each failed attempt.
 const PATIENCE_SECS: f64 = 6.0;
 
-/// What is drawn on a graphics card, from the best: effects on the finished picture go first.
+/// Qualities on a graphics card, from the best: effects on the finished picture are dropped first.
 const CARD: [Quality; 5] = [
     Quality { samples: Samples::Four, percent: 100, glow: true },
     Quality { samples: Samples::Four, percent: 100, glow: false },

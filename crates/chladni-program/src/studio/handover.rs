@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::Studio;
 use super::room::Room;
 
-/// What a window hands over to the next one.
+/// The state that a window hands over to the next one.
 pub struct Left {
     /// The rooms, with all that is open in them.
     pub rooms: Vec<Box<dyn Room>>,

@@ -47,7 +47,7 @@ impl<T: Send + 'static> Job<T> {
 }
 
 impl<T> Job<T> {
-    /// What the work is called in the window.
+    /// The work's name in the window.
     pub fn label(&self) -> &str {
         &self.label
     }

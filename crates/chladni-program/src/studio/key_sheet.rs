@@ -3,7 +3,7 @@
 use super::shortcut::Shortcut;
 use super::{keys, theme};
 
-/// What the mouse does in every 3D view.
+/// Mouse gestures in every 3D view.
 const MOUSE: [(&str, &str); 5] = [
     ("Left drag", "Turn, or use the tool"),
     ("Middle or right drag", "Turn"),

@@ -49,7 +49,7 @@ pub struct Measure {
     stage: Option<OnStage>,
 }
 
-/// What dances.
+/// Size of the dance on stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct OnStage {
     /// Deformed shapes.
@@ -79,7 +79,7 @@ pub struct FrameReport {
     pub largest_drift_secs: Option<f64>,
     /// How often the sound device was given silence.
     pub underruns: u64,
-    /// What danced.
+    /// Size of the dance, if there was one.
     pub stage: Option<OnStage>,
 }
 

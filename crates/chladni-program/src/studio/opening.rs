@@ -85,7 +85,7 @@ fn open_once(opening: Opening) -> Result<(), StudioError> {
     Ok(())
 }
 
-/// What the music room played, frame after frame: for those who compare it with a film.
+/// The frames that the music room played, for comparison with a film.
 pub type Trace = Rc<RefCell<Vec<PlayedFrame>>>;
 
 /// One frame of the music room.
@@ -101,7 +101,7 @@ pub struct PlayedFrame {
     pub coefficients: Vec<f32>,
 }
 
-/// What a window opens with.
+/// The contents and settings that a window opens with.
 pub struct Opening {
     /// Where it keeps its persistent files; nowhere by default.
     pub folders: Folders,
@@ -113,11 +113,11 @@ pub struct Opening {
     pub measure: Option<Rc<RefCell<Measure>>>,
     /// Hears of the first picture, and closes the window.
     pub first_picture: Option<Rc<FirstPicture>>,
-    /// What the music room listens to at once, instead of a song.
+    /// The live input that the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
     /// Hears what the music room plays in each frame.
     pub trace: Option<Trace>,
-    /// What an earlier window left to resume from, and where this one leaves its rooms if its device is lost.
+    /// The rooms that an earlier window left to resume from, and where this one leaves its own if its device is lost.
     pub handover: Handover,
     /// Who draws the 3D views.
     pub draw: Draw,

@@ -23,7 +23,7 @@ pub trait Room {
     /// One sentence on the start screen that says what can be done here.
     fn invitation(&self) -> &'static str;
 
-    /// What the keyboard does here.
+    /// The keys of this room.
     fn shortcuts(&self) -> &'static [Shortcut];
 
     /// Draws the room below the top bar and handles its input.
@@ -56,7 +56,7 @@ pub trait Room {
         None
     }
 
-    /// What dances; `None` where nothing does.
+    /// Size of the dance; `None` where nothing dances.
     fn stage(&self) -> Option<OnStage> {
         None
     }
@@ -66,7 +66,7 @@ pub trait Room {
         None
     }
 
-    /// What it is making in the background that closing would stop, as its progress calls it.
+    /// Name of the work in the background that closing would stop, as in its progress.
     fn being_made(&self) -> Option<&str> {
         None
     }
@@ -87,7 +87,7 @@ pub trait Room {
     fn leave(&mut self) {}
 }
 
-/// What rooms may use of the window around them.
+/// The parts of the window that rooms may use.
 pub struct Shared<'a> {
     /// The context, to start jobs and ask for repaints.
     pub ctx: egui::Context,

@@ -22,7 +22,7 @@ pub struct Screen {
 
 #[derive(Clone)]
 enum Way {
-    /// What paints the window shows the device's textures as they are.
+    /// The window's painter shows the device's textures as they are.
     Textures(RenderState),
     /// Pixels are handed to what paints the window, whatever that is.
     Pixels(egui::Context),

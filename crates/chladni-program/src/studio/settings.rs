@@ -1,4 +1,4 @@
-//! What the window remembers between runs.
+//! Settings of the window, kept between runs.
 
 use std::io;
 use std::path::{Path, PathBuf};

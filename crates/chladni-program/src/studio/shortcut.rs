@@ -7,7 +7,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 pub struct Shortcut {
     /// The key with its modifiers.
     pub keys: KeyboardShortcut,
-    /// What it does.
+    /// Its action, in words.
     pub action: &'static str,
 }
 
@@ -69,7 +69,7 @@ impl Shortcut {
     }
 }
 
-/// What edits text together with Ctrl.
+/// Keys that edit text together with Ctrl.
 const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
 
 /// Whether what has the focus wants `key` for itself: a text field all of them, another control those

@@ -17,7 +17,7 @@ pub struct Autosave {
     orders: Option<Sender<Order>>,
     reports: Receiver<Result<(), CaricatureError>>,
     thread: Option<JoinHandle<()>>,
-    /// What the copy holds; `None` where there is none.
+    /// The project in the copy; `None` where there is no copy.
     kept: Option<Project>,
     last_secs: f64,
     /// Why the last copy could not be written: it is tried again, and reported once.
@@ -62,7 +62,7 @@ impl Autosave {
         news
     }
 
-    /// What went wrong, if that is news.
+    /// A new error, if there is one.
     fn news(&mut self) -> Option<String> {
         let mut news = None;
         for report in self.reports.try_iter() {

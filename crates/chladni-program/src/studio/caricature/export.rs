@@ -26,7 +26,7 @@ const STILL_SETTLING: &str = "How far triangles allow is still being computed: w
 /// A file that was written, and what is to be said of it.
 type Written = (PathBuf, Option<Warning>);
 
-/// What is written.
+/// The kind of file to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
     Mesh(Format),
@@ -84,7 +84,7 @@ impl What {
     }
 }
 
-/// What is behind the shape in pictures.
+/// The background of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Behind {
     Nothing,
@@ -206,7 +206,7 @@ impl Export {
         }
     }
 
-    /// What is being written.
+    /// The export in progress.
     pub fn unfinished(&self) -> Option<&str> {
         self.running.as_ref().map(Job::label)
     }

@@ -1,4 +1,4 @@
-//! What the keyboard does in this room.
+//! Keys of this room.
 
 use chladni_caricature::{Action, LayerId, MAX_MU, Model, PaintEdit, Property};
 use egui::Context;

@@ -46,7 +46,7 @@ impl LimbTool {
         }
     }
 
-    /// What is to be shown of `limbs`: 1 on the parts under the pointer.
+    /// The values of `limbs` to show: 1 on the parts under the pointer.
     pub fn shown(&self, limbs: &Limbs) -> Vec<f32> {
         let value = |part: &u32| f32::from(u8::from(self.pointed.contains(&(*part as usize))));
         limbs.part.iter().map(value).collect()

@@ -11,7 +11,7 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{Error, mask};
 
-/// What is asked of a region.
+/// A wish about a region.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaskWish {
     /// From a file.
@@ -24,7 +24,7 @@ pub enum MaskWish {
     Curved(Curved),
 }
 
-/// What the menus remember.
+/// State of the menus.
 #[derive(Debug)]
 pub struct MaskMenu {
     share_percent: f64,

@@ -8,7 +8,7 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
-/// What was found when the window opened.
+/// Recovery copies found when the window opened.
 #[derive(Default)]
 pub struct Offer {
     found: Option<Vec<Recovered>>,

@@ -79,7 +79,7 @@ impl Rehearsal {
         self.heat.paint(Some(if smoothed { Painting::Smoothed } else { Painting::Raw }));
     }
 
-    /// What is painted on.
+    /// The surface that is painted on.
     pub fn surface(&self) -> &Surface {
         self.session.stack.surface()
     }

@@ -9,7 +9,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
-/// What each is called, and the sample that it is. Heads first: most shapes that are caricatured have one.
+/// Names of templates and their samples. Heads first: most shapes that are caricatured have one.
 const TEMPLATES: [(&str, &str); 15] = [
     ("Plain head", "template"),
     ("Character", "head"),

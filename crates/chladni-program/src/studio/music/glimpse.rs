@@ -148,7 +148,7 @@ impl Glimpse {
         }
     }
 
-    /// What was counted last.
+    /// The last histogram.
     pub fn histogram(&self) -> &Histogram {
         &self.histogram
     }

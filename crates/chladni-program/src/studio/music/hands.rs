@@ -1,4 +1,4 @@
-//! What controllers ask of the room, and where things stand for them.
+//! Requests of controllers to the room, and the room's values for them.
 
 use chladni_music::{Action, Looks, SHOTS, Target, Which};
 use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState};
@@ -210,7 +210,7 @@ fn choose_look(target: Target, which: &Which, shared: &mut Shared<'_>) -> bool {
     true
 }
 
-/// What is to be done with a dance of the gallery; `None` if there is no such dance, or the target is not about dances.
+/// The wish for a dance of the gallery; `None` if there is no such dance, or the target is not about dances.
 fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
     let items = concert.instrument().gallery().items();
     let item = match which {

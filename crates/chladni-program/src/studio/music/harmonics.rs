@@ -24,7 +24,7 @@ pub struct Harmonics {
     shown: Option<(usize, Camera, Vec<Rect>)>,
 }
 
-/// What is on the device for one page.
+/// Buffers on the device for one page.
 struct Drawn {
     first: usize,
     rest: ItemBuffers,

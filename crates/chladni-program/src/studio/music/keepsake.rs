@@ -18,7 +18,7 @@ use crate::work::unread;
 
 /// The least time between two copies.
 const INTERVAL_SECS: f64 = 5.0;
-/// What names of copies begin and end with.
+/// Beginning and ending of a copy's name.
 const NAMES: (&str, &str) = ("show", "toml");
 
 /// A copy that was written, or why not.
@@ -32,13 +32,13 @@ struct Written {
 pub struct Keepsake {
     /// `None` until it is needed; an error where it cannot be.
     copy: Option<Result<RecoveryCopy, ()>>,
-    /// What is being written, and how many actions it has; and how many the copy has.
+    /// The write in progress and the number of its actions; below, the number of actions in the copy.
     writing: Option<(Receiver<Written>, usize)>,
     kept: usize,
     last_secs: f64,
     /// Why the last copy could not be written: reported once, and tried again.
     failure: Option<String>,
-    /// What an earlier window left, once it was looked for.
+    /// Copies that earlier windows left, once they were looked for.
     found: Option<Vec<PathBuf>>,
     /// One that is open in this window again; it goes once our own copy is on the disk.
     adopted: Option<PathBuf>,

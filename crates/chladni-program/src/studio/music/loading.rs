@@ -26,7 +26,7 @@ pub struct Means {
     pub coarsely: bool,
 }
 
-/// What loading brings back.
+/// The result of loading.
 pub struct Ready {
     /// The body and what players need of it.
     pub dancing: Dancing,

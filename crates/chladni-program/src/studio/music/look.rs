@@ -142,7 +142,7 @@ fn scene(ui: &mut Ui, chosen: &mut String) {
     ui.add_space(theme::GAP);
 }
 
-/// What colors the movement: too many for a row of buttons, too.
+/// Menu of the palettes that color the movement: too many for a row of buttons.
 fn palette(ui: &mut Ui, chosen: &mut String) {
     let own = "As the look";
     let known =

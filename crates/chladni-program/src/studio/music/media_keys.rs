@@ -1,4 +1,5 @@
-//! What media keys and the desktop's players see and ask for: MPRIS 2.2 on the session bus (Linux).
+//! Media keys and the desktop's players: state for them and requests from them, by MPRIS 2.2 on the session bus
+//! (Linux).
 //!
 //! Without a bus nothing happens. The window tells what plays and collects what was asked; it never waits.
 
@@ -22,7 +23,7 @@ const JUMP_SECS: f64 = 1.0;
 /// More requests than this between two frames are ignored.
 const MOST_ASKED: usize = 64;
 
-/// What is asked of the player.
+/// A request to the player.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
     /// Play, where it does not.
@@ -43,7 +44,7 @@ pub enum Asked {
     Volume(f32),
 }
 
-/// What plays.
+/// The state of the player.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Playing {
     /// Whether time passes in the song.
@@ -124,7 +125,7 @@ impl MediaKeys {
         Self { asked, told, place, playing: Playing::default() }
     }
 
-    /// What was asked since the last frame.
+    /// Requests since the last frame.
     pub fn asked(&self) -> impl Iterator<Item = Asked> {
         self.asked.try_iter()
     }

@@ -74,15 +74,15 @@ use crate::work::formats;
 #[derive(Default)]
 pub struct MusicRoom {
     loading: Option<Job<Ready>>,
-    /// What is being loaded and what dances, as the command line calls them.
+    /// Names of the body and the songs that are loading and dancing, as the command line uses them.
     names: Names,
     filming: Filming,
     keepsake: Keepsake,
-    /// What is done with the files that are being chosen.
+    /// The use of the files that are being chosen.
     asking: Option<Then>,
     concert: Option<Concert>,
     listening: Option<Listening>,
-    /// What to listen to once there are ears.
+    /// The live input to open once there are ears.
     input: Option<Capture>,
     #[cfg(target_os = "linux")]
     media_keys: Option<media_keys::MediaKeys>,

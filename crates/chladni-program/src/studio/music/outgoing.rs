@@ -1,4 +1,4 @@
-//! What the stage shows, on its way from the device to a film and to other programs.
+//! Pictures of the stage, on their way from the device to a film and to other programs.
 
 use std::collections::VecDeque;
 
@@ -69,7 +69,7 @@ impl Outgoing {
         Ok(())
     }
 
-    /// What other programs see.
+    /// The camera through which other programs see the stage.
     pub fn camera(&self) -> Option<&LiveCamera> {
         self.camera.as_ref().map(|(_, camera)| camera)
     }

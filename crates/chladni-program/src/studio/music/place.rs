@@ -2,7 +2,7 @@
 
 use super::preferences::Screen;
 
-/// What is to be done with the window that holds the stage.
+/// A change of the window that holds the stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
     /// It fills the screen with this index.
@@ -12,7 +12,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// What the user is told.
+    /// Message for the user.
     pub fn warning(&self) -> Option<String> {
         let Self::Missing { name, .. } = self else { return None };
         Some(format!("{name} is not connected: the stage stays in its window until it is."))

@@ -12,7 +12,7 @@ use crate::studio::theme;
 pub struct Projection {
     /// As shares of the screen, clockwise from the upper left.
     pub corners: [[f32; 2]; 4],
-    /// What red, green and blue are multiplied by, in [0, 1].
+    /// Factors on red, green and blue, in [0, 1].
     pub trim: [f32; 3],
 }
 

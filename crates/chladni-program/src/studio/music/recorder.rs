@@ -136,7 +136,7 @@ impl Recorder {
         }
     }
 
-    /// What there is of a film that failed is found by its note.
+    /// Leaves the note of a film that failed: by it, the finished part is found.
     fn settle<T, E>(&mut self, ended: &Result<T, E>) {
         if ended.is_err() {
             self.note.take().into_iter().for_each(Note::leave);

@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     });
 }
 
-/// What a dance is called.
+/// A dance's name.
 fn name(instrument: &Instrument, id: ItemId) -> String {
     match instrument.item(id) {
         Some(item) if !item.name.is_empty() => item.name.clone(),

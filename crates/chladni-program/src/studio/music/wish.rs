@@ -1,4 +1,4 @@
-//! What the bars and drawers of the room ask for.
+//! Wishes of the bars and drawers of the room.
 
 use std::path::PathBuf;
 
@@ -37,7 +37,7 @@ pub enum Wish {
     Autopilot,
     /// The autopilot stays with what it shows, or goes on.
     Hold,
-    /// What a button of a controller does.
+    /// Press a button of a controller.
     Press(Target),
     /// On stage: the favorite after (true) or before the one that plays.
     StepFavorite(bool),

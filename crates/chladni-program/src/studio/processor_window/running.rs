@@ -18,7 +18,7 @@ use super::ProcessorWindowError;
 use super::painter::Painter;
 use super::surface::Surface;
 
-/// What a window shows.
+/// The program in a window.
 pub trait Program {
     /// One frame.
     fn show(&mut self, ui: &mut egui::Ui);
@@ -274,7 +274,7 @@ impl ApplicationHandler<Wake> for Running<'_> {
 }
 
 impl Windows {
-    /// What has come for a window since its last frame.
+    /// The events for a window since its last frame.
     fn input(&mut self, ctx: &egui::Context, id: ViewportId) -> Option<RawInput> {
         let surface = self.open.get_mut(&id)?;
         egui_winit::update_viewport_info(&mut surface.info, ctx, &surface.window, false);
@@ -284,7 +284,7 @@ impl Windows {
         Some(input)
     }
 
-    /// What egui is told of a window that is not open yet: it must run all the same.
+    /// Input for a window that is not open yet: egui must run for it all the same.
     fn input_before(&self, id: ViewportId, builder: &ViewportBuilder) -> RawInput {
         let size = builder.inner_size.unwrap_or(egui::vec2(640.0, 480.0));
         let known = self.open.iter().map(|(id, surface)| (*id, surface.info.clone()));

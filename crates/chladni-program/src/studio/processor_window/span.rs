@@ -2,7 +2,7 @@
 
 use egui::{Color32, ColorImage};
 
-/// What a triangle is painted with.
+/// The fill of a triangle.
 pub enum Ink {
     /// One color: 0xAARRGGBB.
     Flat(u32),
@@ -14,7 +14,7 @@ pub enum Ink {
     Both { across: Gradient, down: Gradient, reading: Reading, colors: [Gradient; 4] },
 }
 
-/// What a triangle takes of its texture.
+/// The texels of a triangle.
 pub enum Texels {
     /// The same everywhere.
     One([u8; 4]),

@@ -11,7 +11,7 @@ use winit::window::Window;
 use super::ProcessorWindowError;
 use super::painter::Painter;
 
-/// What a window is filled with before anything is painted: opaque black.
+/// The fill of a window before anything is painted: opaque black.
 const BACKGROUND: u32 = 0xff00_0000;
 
 /// A window that is open.

@@ -11,7 +11,7 @@ use crate::work::{Error, Exhibition};
 
 const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
 
-/// What is wanted of a caricature and takes more than its gallery.
+/// A wish about a caricature that its gallery alone cannot fulfill.
 pub enum Wanted {
     /// It is to become layers.
     Taken,

@@ -27,7 +27,7 @@ mod wall;
 use cell::Wanted;
 use wall::Wall;
 
-/// What a job brings.
+/// The result of a job.
 struct Brought {
     shown: Exhibition,
     /// Matches that the open project may use, too.

@@ -34,7 +34,7 @@ pub struct Session {
     pub subject: Subject,
     /// Evaluates the document.
     pub stack: Stack,
-    /// What the document looks like now.
+    /// The result of the document as it is now.
     pub evaluation: Evaluation,
     /// The layer that the panels edit.
     pub selected: Option<LayerId>,
@@ -217,7 +217,7 @@ impl Session {
         self.solving.is_some() || !self.stack.missing(self.project()).is_empty()
     }
 
-    /// What it looks like now; later edits do not change it.
+    /// The current result; later edits do not change it.
     pub fn sculpture(&self) -> Sculpture {
         let (source, subject) = (self.project().shape.clone(), self.subject.clone());
         Sculpture {

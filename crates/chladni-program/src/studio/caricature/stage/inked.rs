@@ -14,7 +14,7 @@ use crate::work::{Depth, Error, plate};
 /// After this time without a change the shade is drawn, too.
 const REST_SECS: f64 = 0.25;
 
-/// What is to be drawn, and what was.
+/// The drawing that is wanted, and the last one.
 #[derive(Default)]
 pub struct InkedStage {
     wanted: Option<Scene>,

@@ -52,7 +52,7 @@ pub struct Stage {
     values: VertexPaint,
     tints: VertexPaint,
     coat: Coat,
-    /// What `values` holds where the coat is a heat map.
+    /// The numbers in `values` where the coat is a heat map.
     heat: Vec<f32>,
     own: Option<Coat>,
     own_look: Option<OwnLook>,
@@ -70,7 +70,7 @@ pub struct Stage {
     fitted: bool,
     /// The user has moved the camera since all was shown: it is not moved automatically.
     by_hand: bool,
-    /// What is shown may reach farther than before, or less far.
+    /// The shapes may reach farther than before, or less far.
     grown: bool,
     /// Target and distance of the camera before it moved back by itself.
     stood: Option<([f32; 3], f32)>,
@@ -214,7 +214,7 @@ impl Stage {
         Ok(())
     }
 
-    /// What is shown now, on its own, before a `background`.
+    /// The current picture, on its own, before a `background`.
     pub fn shot(&self, look: Portrayal, background: Background) -> Result<Shot, ViewError> {
         let device = self.viewport.device().clone();
         let coat = match &self.coat {

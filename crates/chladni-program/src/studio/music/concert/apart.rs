@@ -16,7 +16,7 @@ use crate::studio::room::Shared;
 use crate::studio::viewport;
 use crate::work::{Error, Lag, Staging};
 
-/// What the second window needs beside the first.
+/// The parts of the second window that the first does not have.
 pub struct Apart {
     pane: Pane,
     /// Plays what is on stage; the first window's plays the gallery.
@@ -46,7 +46,7 @@ impl Apart {
         }
     }
 
-    /// What is on stage now.
+    /// Computes the items on stage now.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
         self.items = self.ensemble.play(instrument, bands, beat)?.to_vec();
         self.count = self.items.len();
@@ -58,7 +58,7 @@ impl Apart {
         self.lag.follow(&mut self.items, at_secs, wanted);
     }
 
-    /// What was on stage last.
+    /// The items that were on stage last.
     pub fn items(&self) -> &[Item] {
         &self.items[..self.count]
     }
@@ -122,7 +122,7 @@ impl Concert {
     }
 }
 
-/// What the keyboard does in the second window; closing it leaves the stage.
+/// Handles keys in the second window; closing it leaves the stage.
 fn keys(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
     use chladni_music::Action;
     if LEAVE.pressed(ctx) || ctx.input(|input| input.viewport().close_requested()) {

@@ -5,7 +5,7 @@ use crate::studio::job::Job;
 use crate::studio::room::Shared;
 use crate::work::{Error, LiveBackFilm, Scenery};
 
-/// What is shown of them, and what is being read.
+/// The scenery that is shown, and the one that is being read.
 #[derive(Default)]
 pub struct Backcloth {
     named: [String; 2],

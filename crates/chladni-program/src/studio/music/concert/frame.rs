@@ -23,7 +23,7 @@ use crate::studio::viewport;
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::{Error, Staging, chooses_shots, look_on_stage, reaction};
 
-/// What is heard in a frame, and how it is to look.
+/// The sound of a frame, and how it is to look.
 pub(super) struct Frame {
     began: Instant,
     pub at_secs: f64,
@@ -260,7 +260,7 @@ impl Concert {
         Some(self.hand.over(self.seconds, (before, touches(ui)), &mut self.viewpoint, chosen))
     }
 
-    /// What lies over the gallery, and which of its shapes is marked.
+    /// Draws the overlay of the gallery and finds which shape is marked.
     fn show_marks(&mut self, ui: &mut Ui, places: &[egui::Rect], wishes: &mut Vec<Wish>) {
         let (hovered, focused) = gallery::overlay(ui, places, &self.instrument, self.marked, wishes);
         let moved =
@@ -273,7 +273,7 @@ impl Concert {
         }
     }
 
-    /// What the close-up plays: the stroke that is being drawn, or the item as it is.
+    /// The mapping that the close-up plays: with the stroke that is being drawn, or the item as it is.
     fn close_up_mapping(&self) -> Option<(Mapping, Settings)> {
         let View::CloseUp(item) = self.view else { return None };
         let item = self.instrument.gallery().items().get(item)?;
@@ -282,7 +282,7 @@ impl Concert {
     }
 }
 
-/// What tests compare with films.
+/// A frame as tests compare it with films.
 fn played(frame: &Frame, item: &Item) -> PlayedFrame {
     let coefficients = match item.terms.first().map(|term| &term.coefficients) {
         Some(Coefficients::Vector(c)) => c.as_flattened().to_vec(),

@@ -11,7 +11,7 @@ const LEAST_SECS: f64 = 0.7;
 #[derive(Debug, Default)]
 pub struct House {
     black: bool,
-    /// What it becomes: a hand may be faster.
+    /// The state that it fades to: it follows `black` with a delay, since a hand may be faster than the fade.
     falls: bool,
     changed_secs: f64,
     /// How black it was then, and is now.

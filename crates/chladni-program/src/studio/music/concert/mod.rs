@@ -183,7 +183,7 @@ impl Concert {
         &self.voice_names
     }
 
-    /// What deforms the shapes, and how they are drawn, in words.
+    /// The means by which shapes are deformed and drawn, in words.
     pub fn means(&self) -> String {
         format!("Deformed by {}. Drawn with {}.", self.deformed.device_name(), self.pane.viewport.drawn())
     }
@@ -198,7 +198,7 @@ impl Concert {
         self.pane.viewport.device()
     }
 
-    /// What keeps the frames coming.
+    /// The pace of the frames.
     pub fn pace(&self) -> &Pace {
         &self.pace
     }

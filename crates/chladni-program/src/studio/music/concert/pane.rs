@@ -40,7 +40,7 @@ impl Pane {
         Ok(())
     }
 
-    /// What was being judged no longer matters.
+    /// Drops the picture that is being judged.
     pub fn forget(&mut self) {
         (self.glimpse, self.judged, self.shown) = (Glimpse::default(), false, None);
     }

@@ -11,7 +11,7 @@ use crate::work::Error;
 /// Between two moments that are remembered.
 const EVERY_SECS: f64 = 1.5;
 
-/// What was heard last.
+/// Recent moments of the sound.
 #[derive(Default)]
 pub struct Recent {
     moments: Moments,

@@ -71,7 +71,7 @@ impl Listening {
         }
     }
 
-    /// What is known about the beat now.
+    /// The beat as known now.
     pub fn beat_moment(&self) -> BeatMoment {
         if let Some(moment) = self.clock_moment() {
             return moment;

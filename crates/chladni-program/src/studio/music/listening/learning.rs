@@ -1,4 +1,4 @@
-//! What becomes known of songs while they are heard: title and cover, samples, beats.
+//! Facts about songs that become known while they play: title and cover, samples, beats.
 
 use std::path::Path;
 

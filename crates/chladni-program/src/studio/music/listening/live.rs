@@ -1,4 +1,4 @@
-//! What is listened to instead of a song, and how it is found again after it was lost.
+//! Live input instead of a song, and how it is found again after it was lost.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -10,7 +10,7 @@ use crate::work::Error;
 /// The pause between two attempts to find a lost source.
 const AGAIN_SECS: f64 = 1.0;
 
-/// What is listened to instead of a song.
+/// A live input that is listened to instead of a song.
 pub struct Live {
     pub(super) capture: Capture,
     pub(super) name: String,
@@ -26,7 +26,7 @@ struct Lost {
     next_secs: f64,
 }
 
-/// What has become of a source.
+/// The state of a source since it was last checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     /// It is heard, or still looked for.

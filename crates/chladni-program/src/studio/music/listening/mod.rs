@@ -41,7 +41,7 @@ pub struct Listening {
     ctx: Context,
     /// Beats have become known that were unknown when some action was logged.
     beats_changed: bool,
-    /// What is heard comes from the ear below.
+    /// Live sound is heard through the ear below.
     by_ear: bool,
     last_beat: Beat,
     ear: Ear,
@@ -58,7 +58,7 @@ pub struct Listening {
     outer: Outer,
     outer_beat: Beat,
     progress: Progress,
-    /// What was heard since it was taken last, for a recording.
+    /// Sound since it was last taken, for a recording.
     tee: Option<HeardSound>,
     /// A shot that was called by hand, and when.
     called: Option<(usize, f64)>,
@@ -165,7 +165,7 @@ impl Listening {
         self.levels
     }
 
-    /// What is heard: the song's file name or the live input's.
+    /// Name of the source: the song's file name or the live input's.
     pub fn source_name(&self) -> String {
         self.live.as_ref().map_or_else(|| self.name_of(self.player.status().song), |live| live.name.clone())
     }
@@ -175,7 +175,7 @@ impl Listening {
         self.clock.at_secs()
     }
 
-    /// What was heard when, and the songs that it numbers.
+    /// The stretches of songs heard so far, and the songs that they number.
     pub fn heard(&self) -> (Vec<Stretch>, &[ShowSong]) {
         (self.hearing.stretches().collect(), &self.repertoire)
     }
@@ -246,7 +246,7 @@ impl Listening {
         self.hearing.spectrum().filter(|_| !self.by_ear).unwrap_or(by_ear)
     }
 
-    /// What the player has to say.
+    /// The player's messages.
     pub fn messages(&mut self) -> Vec<String> {
         let tell = |event| match event {
             PlayerEvent::SongFailed { reason, .. } => Some(reason),
@@ -360,7 +360,7 @@ impl Listening {
         self.tee = on.then(HeardSound::default);
     }
 
-    /// What was heard since the last call, where it is kept.
+    /// Sound since the last call, while it is kept.
     pub fn take_sound(&mut self) -> Option<HeardSound> {
         let tee = self.tee.as_mut()?;
         if self.live.is_none() {

@@ -41,7 +41,7 @@ impl Listening {
         self.outer.wanted = on;
     }
 
-    /// What a clock said at `at_secs` of the clock that [`hear`](Self::hear) is given.
+    /// Takes a clock's message at `at_secs` of the clock that [`hear`](Self::hear) uses.
     pub fn hear_clock(&mut self, message: ClockMessage, at_secs: f64) {
         self.outer.tempo.hear(message, at_secs);
     }

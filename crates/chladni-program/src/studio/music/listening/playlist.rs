@@ -56,7 +56,7 @@ impl Listening {
         self.player.select(song);
     }
 
-    /// What comes after a song.
+    /// The choice at the end of a song.
     pub fn repeat(&self) -> Repeat {
         self.repeat
     }

@@ -17,7 +17,7 @@ const MOST_TOUCHES: usize = 1024;
 const LOOK: Duration = Duration::from_secs(1);
 const CLIENT: &str = "chladni";
 
-/// What is known of the devices.
+/// The MIDI devices.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Devices {
     /// Those that are listened to, by name.
@@ -28,7 +28,7 @@ pub struct Devices {
     pub failure: Option<String>,
 }
 
-/// What a clock has said.
+/// A message from a clock.
 #[derive(Clone, Debug)]
 pub struct Said {
     /// The port that it came from. Two devices of one kind have ports of their own.
@@ -48,7 +48,7 @@ pub struct Midi {
     closed: Arc<AtomicBool>,
 }
 
-/// What is sent to, by name. Clones are the same.
+/// The ports to send to, by name. Clones share them.
 #[derive(Clone, Default)]
 pub struct Outputs(Arc<Mutex<Ports>>);
 
@@ -146,17 +146,17 @@ impl Midi {
         Ok(Self { touches, clock, devices, outputs, closed })
     }
 
-    /// What was touched since the last call.
+    /// Touches since the last call.
     pub fn touches(&self) -> impl Iterator<Item = Touch> {
         self.touches.try_iter().take(MOST_TOUCHES)
     }
 
-    /// What clocks have said since the last call.
+    /// Messages of clocks since the last call.
     pub fn clock(&self) -> impl Iterator<Item = Said> {
         self.clock.try_iter().take(MOST_TOUCHES)
     }
 
-    /// What can be sent to.
+    /// The ports to send to.
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
     }

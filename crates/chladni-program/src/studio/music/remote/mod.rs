@@ -37,7 +37,7 @@ pub struct Remote {
     number: u32,
     /// The machines that are heard, as they are being typed.
     allowed: String,
-    /// What was touched last.
+    /// The last control that was touched.
     last: Option<Control>,
     beat_out: Option<Result<BeatOut, Error>>,
     /// The address that it was opened for.
@@ -47,12 +47,12 @@ pub struct Remote {
     clock_out: Option<ClockSender>,
 }
 
-/// What came in since the last frame.
+/// Input since the last frame.
 #[derive(Default)]
 pub struct Asked {
-    /// What is to be done.
+    /// The cues of controls.
     pub cues: Vec<Cue>,
-    /// What clocks have said, and when.
+    /// The messages of clocks, and when they came.
     pub clock: Vec<(ClockMessage, Instant)>,
 }
 

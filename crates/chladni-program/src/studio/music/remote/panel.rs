@@ -1,4 +1,4 @@
-//! What is plugged in, what turns what, and learning.
+//! The panel for devices, for the bindings of controls, and for learning them.
 
 use std::path::Path;
 
