@@ -34,28 +34,28 @@ use crate::parcel::Parcel;
 pub struct Concert {
     name: String,
     hearing: Hearing,
-    /// What is heard in place of a song.
+    /// The live input in place of a song.
     live: Option<Live>,
     clock: ShowClock,
     instrument: Instrument,
     ensemble: Ensemble,
     staging: Staging,
     sand: SandTable,
-    /// What palettes know of speed.
+    /// The lag, which palettes read as speed.
     lag: Lag,
     programme: Option<Programme>,
-    /// What is still to come of a show that is played.
+    /// The rest of a show that is being played.
     script: Option<Script>,
     /// The knobs as they stood before there was sand.
     before_sand: Option<Parameters>,
     looks: Looks,
     viewpoint: Viewpoint,
-    /// What its songs are called, by number.
+    /// Names of its songs, by number.
     songs: Vec<String>,
     stage: Stage,
 }
 
-/// What beat and sound do to one picture.
+/// The effect of beat and sound on one picture.
 struct Shot {
     at_secs: f64,
     reaction: Reaction,

@@ -46,7 +46,7 @@ impl DecodedSong {
         self.loud
     }
 
-    /// What was wrong with the file, where it could be played all the same.
+    /// The fault of a file that could be played all the same.
     #[wasm_bindgen(getter)]
     pub fn damage(&self) -> Option<String> {
         self.damage.clone()

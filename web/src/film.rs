@@ -16,7 +16,7 @@ const FILM_RATE: u32 = 1000;
 struct Track {
     /// Units of its times in a second.
     rate: u32,
-    /// What its pieces are encoded as.
+    /// The description of its codec.
     sample_entry: Vec<u8>,
     size: Option<[u16; 2]>,
     /// Units at its beginning that are not heard.
@@ -85,7 +85,7 @@ impl FilmFrame {
         }
     }
 
-    /// What stands in the file before its content.
+    /// The part of the file before its content.
     pub fn head(&self) -> Vec<u8> {
         let kinds = [&b"isom"[..], &512_u32.to_be_bytes(), b"isomiso2mp41"].concat();
         let kind = boxed(b"ftyp", &kinds);
@@ -156,7 +156,7 @@ impl Track {
         boxed(b"trak", &[head, edits, boxed(b"mdia", &media.concat())].concat())
     }
 
-    /// What its pieces are, how long each is, and where.
+    /// The table of the track's pieces: codec, lengths and places.
     fn table(&self, begins: u64) -> Vec<u8> {
         let entries = [&1_u32.to_be_bytes()[..], &self.sample_entry].concat();
         let mut runs: Vec<[u32; 2]> = Vec::new();
@@ -231,7 +231,7 @@ fn picture_entry(
     Ok(boxed(name, &entry.bytes))
 }
 
-/// What sound is encoded as, and how many units at its beginning are not heard.
+/// The description of the sound's codec, and how many units at its beginning are not heard.
 fn sound_entry(codec: &str, description: &[u8], rate: u32) -> Result<(Vec<u8>, u32), JsError> {
     let (name, configuration, skipped) = match codec {
         "opus" => {

@@ -37,7 +37,7 @@ struct State {
     first: bool,
     /// Groups of numbers, and whether children inherit each unchanged.
     groups: Vec<(&'static str, bool)>,
-    /// What the favorites do, in the order in which they were marked.
+    /// The favorites' effects in words, in the order in which they were marked.
     favorites: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ impl Wall {
     /// compared as the `project` compares it. `matches` are those that [`Sitting::matches`](crate::Sitting::matches) knows.
     ///
     /// # Errors
-    /// What cannot be read or matched.
+    /// Files that cannot be read or matched.
     #[wasm_bindgen(constructor)]
     pub fn new(
         name: &str,

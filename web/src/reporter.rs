@@ -1,4 +1,4 @@
-//! What the worker tells the page while it works, and the shapes that it is given.
+//! Reports of the worker to the page, and the shapes that it reads.
 
 use chladni_mesh::{ShapeSource, TriMesh};
 use chladni_program::work::{Error, Warning, Watcher, source};
@@ -23,7 +23,7 @@ pub struct Reporter<'a> {
     report: &'a Function,
 }
 
-/// What the page was told last. A worker does one thing at a time.
+/// The last report to the page. A worker does one thing at a time.
 #[derive(Default)]
 struct Told {
     report: Option<Function>,

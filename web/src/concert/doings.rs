@@ -1,4 +1,4 @@
-//! What a person does to a concert.
+//! Actions of a person in a concert.
 
 use chladni_music::{Action, Moment, experiment, without_sand};
 use chladni_program::work::{Error, Programme, opening_view};

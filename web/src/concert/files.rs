@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-/// What a show is made of that the page has to find by itself.
+/// The files of a show that the page has to find by itself.
 #[derive(Serialize)]
 struct Needs {
     body: Option<String>,

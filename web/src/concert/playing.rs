@@ -9,14 +9,14 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-/// What is still to come of a show.
+/// The rest of a show.
 pub(super) struct Script {
     actions: VecDeque<LoggedAction>,
     heard: VecDeque<Stretch>,
     ends_secs: f64,
 }
 
-/// What the page is to let be heard from now on.
+/// The sound that the page is to play from now on.
 #[derive(Serialize)]
 struct Cue {
     /// By its number among the show's songs; none is live input, which was not recorded.
@@ -54,7 +54,7 @@ impl Concert {
         Ok(())
     }
 
-    /// What begins to be heard by now in the show that is played, as JSON, once; none where that is what is heard.
+    /// The change of sound that is due now in the show being played, as JSON, once; none where nothing changes.
     ///
     /// # Errors
     /// Bugs only.

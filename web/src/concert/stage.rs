@@ -1,4 +1,4 @@
-//! What deforms the dancers and draws them.
+//! Deforms the dancers and draws them.
 
 use chladni_program::work::{Error, FrameGuard, Staging};
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};

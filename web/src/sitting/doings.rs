@@ -1,4 +1,4 @@
-//! What a person does to a sitting.
+//! Actions of a person in a sitting.
 
 use std::path::PathBuf;
 

@@ -11,7 +11,7 @@ use wasm_bindgen::prelude::*;
 use super::Sitting;
 use crate::PROJECT;
 
-/// What a project is made of that the page has to find by itself.
+/// The files of a project that the page has to find by itself.
 #[derive(Serialize)]
 struct Needs {
     shape: String,
@@ -51,7 +51,7 @@ pub fn needs_of_project(name: &str, text: &str) -> Result<String, JsError> {
 
 #[wasm_bindgen]
 impl Sitting {
-    /// What its project names, as JSON, like [`needs_of_project`].
+    /// The files that its project names, as JSON, like [`needs_of_project`].
     ///
     /// # Errors
     /// Bugs only.

@@ -239,7 +239,7 @@ impl Sitting {
         Some((which, near.0, near.1))
     }
 
-    /// What to do next, while landmarks are picked.
+    /// The hint at the next step, while landmarks are picked.
     pub(super) fn landmark_hint(&self) -> Option<String> {
         Some(self.landmarks.as_ref()?.picks.hint(self.matching().landmarks.len()))
     }

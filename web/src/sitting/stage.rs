@@ -19,11 +19,11 @@ use crate::screen::{Screen, device};
 /// The figure's share of the picture's sides.
 const FILL: f32 = 0.86;
 
-/// What draws, what it drew last, and who looks.
+/// The renderer, its last picture, and the camera.
 pub struct Stage {
     pub camera: Camera,
     triangles: Arc<[[u32; 3]]>,
-    /// What the shape brought along.
+    /// The look that the shape's file brought along.
     look: Option<OwnLook>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
@@ -47,7 +47,7 @@ pub struct Stage {
 struct Dressed {
     topology: Topology,
     buffers: ItemBuffers,
-    /// What a heat map shows.
+    /// The numbers of a heat map.
     values: VertexPaint,
     /// Regions, marks and places.
     tints: VertexPaint,
@@ -353,7 +353,7 @@ impl Stage {
         (tree, positions, triangles)
     }
 
-    /// What lies under a pixel of the last picture.
+    /// The place on the figure under a pixel of the last picture.
     pub fn hit(&mut self, x: f32, y: f32) -> Option<Hit> {
         let ray = self.camera.ray(x, y, self.area());
         let (tree, positions, triangles) = self.pick_tree();

@@ -1,4 +1,4 @@
-//! What is opened, refused and remembered.
+//! Files that are opened, refused and remembered.
 
 use super::*;
 

@@ -152,7 +152,7 @@ fn go_on_stage_and_back(window: &mut Window) {
     assert!(shows(window, "12 items"));
 }
 
-/// What the shelf keeps is tried out where the gallery was.
+/// A dance from the shelf is tried out where the gallery was.
 fn resize_and_take_from_the_shelf(window: &mut Window) {
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     for (size, next) in [(12, 16), (16, 9), (9, 6)] {

@@ -1,4 +1,4 @@
-//! What a layer compares with, by hand: templates without a mesh, and matches that are not trusted everywhere.
+//! Templates set by hand: those without a mesh, and matches that are not trusted everywhere.
 
 use chladni_caricature::{LayerId, Project, ScaleCurve, Template};
 use chladni_match::Scaling;
