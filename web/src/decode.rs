@@ -56,7 +56,7 @@ impl DecodedSong {
 /// Decodes a song by the same decoders as the desktop, and tracks its beats; without bytes, our own tune.
 ///
 /// # Errors
-/// A file that is no song, or too long.
+/// A file that is not a song, or too long.
 #[wasm_bindgen]
 pub fn decode(name: &str, bytes: Option<Vec<u8>>) -> Result<DecodedSong, JsError> {
     let task = Task::new();

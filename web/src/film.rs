@@ -77,7 +77,8 @@ impl FilmFrame {
         Ok(())
     }
 
-    /// The next piece of the film's content: a picture, or sound, of so many bytes, which lasts so many units.
+    /// The next piece of the film's content: a picture, or sound, of this many `bytes`, which lasts this many
+    /// `units`.
     pub fn add(&mut self, is_sound: bool, bytes: u32, units: u32, is_key: bool) {
         if let Some(track) = self.tracks.get_mut(usize::from(is_sound)) {
             track.pieces.push(Piece { bytes, units, is_key, before: self.bytes });

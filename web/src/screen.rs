@@ -23,8 +23,8 @@ thread_local! {
     static CARD: RefCell<Option<Card>> = const { RefCell::new(None) };
 }
 
-/// From now on a graphics card draws, straight into `picture`, through WebGL2 or through WebGPU; its name. Concerts and sittings that are there already
-/// stay with whoever draws them.
+/// Lets a graphics card draw from now on, straight into `picture`, through WebGL2 or WebGPU; returns its name.
+/// Existing concerts and sittings stay with the device that draws them.
 ///
 /// # Errors
 /// A browser that has no such device, or a device that cannot draw into a page.

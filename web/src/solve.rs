@@ -63,8 +63,8 @@ pub fn match_template(
     Ok(serde_json::to_string(&found)?)
 }
 
-/// The part of a head on which each vertex of the shape's file lies, by its number among the names; none where the
-/// shape is no head.
+/// For each vertex of the shape's file, the part of a head on which it lies, by the part's number among the names;
+/// none where the shape is not a head.
 ///
 /// # Errors
 /// Files that cannot be read or matched.

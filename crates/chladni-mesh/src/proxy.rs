@@ -158,7 +158,7 @@ impl Proxy {
     }
 }
 
-/// How many vertices lie in pieces of which `triangles` have none.
+/// Number of vertices in pieces that are missing from `triangles`.
 #[cfg(feature = "simplify")]
 fn lost(welded: &crate::Weld, triangles: &[[u32; 3]]) -> f64 {
     let piece = crate::surface::components(welded.positions.len(), &welded.triangles);

@@ -74,8 +74,8 @@ impl Describer {
     /// For a body, a way of playing and some moments.
     ///
     /// # Errors
-    /// [`MusicError::Size`] where there is no moment or their bands differ in number, and what
-    /// [`Playing::validate`] says.
+    /// [`MusicError::Size`] where there are no moments or their bands differ in number, and the errors of
+    /// [`Playing::validate`].
     pub fn new(dancer: Arc<Dancer>, playing: Playing, moments: Moments) -> Result<Self, MusicError> {
         playing.validate()?;
         let bands = moments.bands.first().map_or(0, |moment| moment[0].len());

@@ -5,7 +5,7 @@ use crate::{Bands, Playing, Ringing};
 
 /// How middle S = (L + R) / 2 and side U = (L − R) / 2 are mixed for one item at one moment.
 ///
-/// Complex spectra are mixed, of which only the squared magnitudes are known:
+/// Mixes complex spectra of which only the squared magnitudes are known:
 /// |α S + β U|² = α² |S|² + β² |U|² + 2 α β Re(S Ū), with Re(S Ū) = (|L|² − |R|²) / 4.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StereoMix {

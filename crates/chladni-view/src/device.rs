@@ -53,8 +53,8 @@ impl Device {
     /// Longest side of a picture or an image that the processor draws, pixels.
     const LONGEST_SIDE: u32 = 16_384;
 
-    /// Whoever `draw` asks for. `Auto` takes the processor where there is no adapter, or where the only
-    /// one is software, which draws the same several times slower.
+    /// The device that `draw` asks for. `Auto` takes the processor where there is no adapter, or where the only one
+    /// is software, which draws the same picture several times slower.
     ///
     /// # Errors
     /// Those of [`Gpu::headless`] where a graphics device is asked for, and [`ViewError::NoDevice`] where

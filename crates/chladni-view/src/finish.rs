@@ -49,7 +49,7 @@ impl Finish {
         [blur, trail_secs, bloom, vignette, grain].iter().all(|share| *share <= 0.0)
     }
 
-    /// The numbers for a picture of this size at `at_secs`, the last of which was shown at `before_secs`.
+    /// The numbers for a picture of this size at `at_secs`; the last one was shown at `before_secs`.
     pub(crate) fn uniform(
         &self,
         [width, height]: [u32; 2],

@@ -1,4 +1,4 @@
-//! Draws cells of figures on a canvas, whoever draws.
+//! Draws cells of figures on a canvas, on either device.
 
 use crate::buffers::Held;
 use crate::{Canvas, Cell, Device, Finish, Surroundings, ViewError, cpu, gpu};

@@ -17,7 +17,7 @@ impl Concert {
     /// Does an action of the instrument, as a line of a show file says it: `{"do": "choose", "item": 3, "on": true}`.
     ///
     /// # Errors
-    /// Text that is no action, and an action that cannot be done.
+    /// Text that is not an action, and an action that cannot be done.
     #[wasm_bindgen(js_name = "act")]
     pub fn act_text(&mut self, action: &str) -> Result<(), JsError> {
         Ok(self.act(serde_json::from_str(action)?)?)

@@ -31,7 +31,7 @@ impl Concert {
     /// [`cue`](Self::cue).
     ///
     /// # Errors
-    /// Text that is no show, and a show that cannot be danced here.
+    /// Text that is not a show, and a show that cannot be danced here.
     pub fn play_show(&mut self, text: &str) -> Result<(), JsError> {
         let show = Show::from_text(text)?;
         self.instrument = show.begin(self.instrument.shape().clone())?;

@@ -17,7 +17,7 @@ impl Sitting {
     /// Does an action of the project, as JSON: `{"set": {"layer": 1, "to": {"mu": -0.8}}}`.
     ///
     /// # Errors
-    /// Text that is no action, and an action that cannot be done.
+    /// Text that is not an action, and an action that cannot be done.
     pub fn act(&mut self, action: &str) -> Result<(), JsError> {
         Ok(self.act_once(&serde_json::from_str(action)?)?)
     }

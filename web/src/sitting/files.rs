@@ -42,7 +42,7 @@ impl Needs {
 /// The shape and the templates that the text of a project file names, as JSON.
 ///
 /// # Errors
-/// Text that is no project.
+/// Text that is not a project.
 #[wasm_bindgen]
 pub fn needs_of_project(name: &str, text: &str) -> Result<String, JsError> {
     let (project, _) = Project::from_text(text, Path::new(name))?;

@@ -56,7 +56,7 @@ impl Sitting {
     /// Installs the answer of [`match_template`](crate::solve::match_template) to a request.
     ///
     /// # Errors
-    /// Text that is no match.
+    /// Text that is not a match.
     pub fn install(&mut self, request: &str, found: &str) -> Result<(), JsError> {
         let found: Matched = serde_json::from_str(found)?;
         if let Some(orientation) = found.stands.filter(|_| self.stands.in_doubt) {

@@ -25,7 +25,7 @@ const DRAWN: usize = 3;
 /// Variants that move less, or that lose more of their strength to their limit, are not shown first.
 const LEAST_MOVED: f64 = 0.02;
 const LEAST_KEPT: f64 = 0.5;
-/// Random variants of which the one is taken that keeps most of its strength.
+/// Random variants to choose from: the one that keeps the most of its strength is taken.
 const SURPRISES: usize = 6;
 
 /// Generations of twelve variants of one sitter.

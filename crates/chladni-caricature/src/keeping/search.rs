@@ -207,7 +207,7 @@ impl<'a> Search<'a> {
         u.iter().zip(&self.base.basis().mass).map(|(u, a)| a * length(*u)).sum()
     }
 
-    /// Whether so many folded and crossing triangles are left alone.
+    /// Whether these counts of folded and crossing triangles are few enough to be left alone.
     fn are_few(&self, (folded, crossing): (usize, usize)) -> bool {
         folded.max(crossing) * LEFT <= self.keeper.surface.triangles.len()
     }

@@ -210,7 +210,7 @@ fn a_change_of_the_model_takes_no_more_mu_along_than_is_usual() {
     assert_eq!(set(&mut project, Property::Model(Model::Distance)), (Model::Distance, 0.5));
 }
 
-/// The template lacks the end of the lump: the way to its edge is no feature.
+/// The template lacks the end of the lump: the distance to the template's edge is not a feature.
 #[test]
 fn what_a_match_is_not_trusted_at_is_filled_in_as_far_as_asked_and_no_longer_exaggerated() {
     let mesh = bodies::lump();

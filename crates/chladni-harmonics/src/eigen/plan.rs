@@ -82,8 +82,8 @@ pub(super) fn plan(
     Ok(at_a_jump(planned.collect()).into_iter().map(|slice| (slice, None)).collect())
 }
 
-/// The `slices`, but for those at a multiple eigenvalue that reaches through several of them: the slice below takes
-/// all of it, from a shift well below it.
+/// The `slices` without those that a multiple eigenvalue reaches through: the slice below takes all of it, from a
+/// shift well below it.
 fn at_a_jump(mut slices: Vec<Slice>) -> Vec<Slice> {
     let is_narrow = |slice: &Slice, from: f64| slice.high - from < NARROW * slice.high;
     let whole: usize = slices.iter().map(|slice| slice.expected).sum();

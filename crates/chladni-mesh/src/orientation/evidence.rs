@@ -38,8 +38,8 @@ pub(super) fn base(cloud: &Cloud, down: Vec3) -> Base {
     }
 }
 
-/// Where a shape is open, as the outward direction and the share of its outline that is missing;
-/// `None` where it is closed but for slits and eyes.
+/// Where a shape is open, as the outward direction and the share of its outline that is missing; `None` where it is
+/// closed except for slits and eyes.
 pub(super) fn opening(cloud: &Cloud) -> Option<(Vec3, f64)> {
     let size = length(cloud.opening);
     let direction = unit(cloud.opening);

@@ -121,7 +121,7 @@ pub struct Opening {
     pub handover: Handover,
     /// Who draws the 3D views.
     pub draw: Draw,
-    /// Cancelled by whoever asks the program to end: the window then closes without a question.
+    /// Cancelled to end the program: the window then closes without a question.
     pub ends: Option<Task>,
     /// The clock that measures how long work takes, to reduce quality on a slow machine. Tests pass their own
     /// clock, so that they behave the same on every machine.

@@ -24,7 +24,7 @@ pub fn is_film(name: &str) -> bool {
     ending.is_some_and(|ending| FILMS.iter().any(|known| known.eq_ignore_ascii_case(ending)))
 }
 
-/// A film in a loop, of which one picture at a time is held.
+/// A film in a loop. It holds one picture at a time.
 pub struct BackFilm {
     path: PathBuf,
     longest_side: usize,
@@ -52,7 +52,7 @@ impl BackFilm {
         Ok(Self { path, longest_side, decoder, decoded: 1, picture, length: None })
     }
 
-    /// The first picture, or that which was asked for last.
+    /// The first picture, or the one that was asked for last.
     pub fn picture(&self) -> &Picture {
         &self.picture
     }
@@ -192,7 +192,7 @@ mod tests {
         assert!(seen[..10].is_sorted() && seen[9] > seen[0] + 100, "{seen:?}");
         assert_eq!((&seen[10..20], &seen[20..]), (&seen[..10], &seen[..10]));
         assert!(!film.go_to(29.5 / 25.0).unwrap());
-        // Whoever begins in the middle sees the same.
+        // A film opened in the middle shows the same.
         let mut later = BackFilm::open(&name, LONGEST_SIDE).unwrap();
         for frame in [27, 3, 14] {
             later.go_to(f64::from(frame) / 25.0).unwrap();

@@ -120,7 +120,7 @@ impl OutlinePen for Pen {
     }
 }
 
-/// How much of each pixel lies within the edges: exact along rows, of which each pixel has four.
+/// The share of each pixel within the edges: exact along rows, four of which sample each pixel.
 fn filled(edges: &[[[f32; 2]; 2]], width: usize, height: usize) -> Vec<f32> {
     let mut covered = vec![0.0; width * height];
     let mut crossings: Vec<(f32, i32)> = Vec::new();

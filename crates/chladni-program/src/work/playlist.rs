@@ -9,7 +9,7 @@ use super::formats::{self, Kind};
 const DEEPEST: usize = 8;
 /// At most this many are taken.
 const MOST_SONGS: usize = 5000;
-/// A list is no longer than this.
+/// The most bytes in the file of a list.
 const MOST_BYTES: u64 = 4 << 20;
 
 /// The songs found in files and folders.

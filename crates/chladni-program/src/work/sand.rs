@@ -35,7 +35,7 @@ pub struct SandTable {
 }
 
 impl SandTable {
-    /// A shape without sand, for a show of which nothing before `begins_secs` is seen.
+    /// A shape without sand, for a show that is seen from `begins_secs` on.
     pub fn new(body: Body, begins_secs: f64) -> Self {
         let next = ((begins_secs - BEFORE_SECS).max(0.0) / SAND_STEP_SECS).ceil() as i64;
         Self { body, tray: None, sands: Vec::new(), sweeps: 0, next, grains: Vec::new(), radius: 0.0 }

@@ -31,7 +31,7 @@ impl Scenery {
     /// none.
     ///
     /// # Errors
-    /// A file that cannot be read, or is no such picture; a film without ffmpeg.
+    /// A file that cannot be read, or is not a picture of this kind; a film without ffmpeg.
     pub fn open(picture: &str, panorama: &str) -> Result<Self, Error> {
         let film = is_film(picture).then(|| picture.to_owned());
         let behind = match &film {

@@ -56,8 +56,8 @@ pub fn sitter(
     Ok(Sitter::new(stack, &templates, parts)?)
 }
 
-/// The named parts of the head `mesh`, its match with the plain head and that one; `None` of what is no head. Takes
-/// seconds.
+/// The named parts of the head `mesh`, its match with the plain head, and the plain head; `None` if `mesh` is not a
+/// head. Takes seconds.
 ///
 /// # Errors
 /// A head that cannot be matched, [`Error::Cancelled`].

@@ -172,7 +172,7 @@ fn proxy(mesh: &Arc<TriMesh>, vertices: usize) -> Option<Proxy> {
     Proxy::of(mesh, vertices)
 }
 
-/// The simplifier's C++ has no compiler where there is no desktop.
+/// The simplifier is C++, and a build without desktop has no compiler for it.
 #[cfg(not(feature = "desktop"))]
 fn proxy(_: &Arc<TriMesh>, _: usize) -> Option<Proxy> {
     None

@@ -56,7 +56,7 @@ impl Lens {
     fn corner(&self, [x, y, z, w]: [f32; 4]) -> Corner {
         let sx = self.offset[0] + self.scale[0] * (x / w);
         let sy = self.offset[1] + self.scale[1] * (y / w);
-        // No comparison with what is no number holds.
+        // Comparisons with NaN are false.
         let on = (z >= 0.0) & (w > 0.0) & (sx.abs() <= GUARD) & (sy.abs() <= GUARD);
         let whole = |s: f32| (s + 0.5).floor() as i32;
         Corner { x: if on { whole(sx) } else { OFF }, y: whole(sy), z: z / w }

@@ -21,7 +21,7 @@ fn mixed(a: Vec3, b: Vec3, share: f32) -> Vec3 {
     a * (1.0 - share) + b * share
 }
 
-/// `a` over its length; `otherwise` where that is no positive number.
+/// `a` over its length; `otherwise` where the length is not a positive number.
 #[inline(always)]
 pub(super) fn normalized(a: Vec3, otherwise: Vec3) -> Vec3 {
     let length = a.dot(a).sqrt();

@@ -162,7 +162,7 @@ fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<
         let last = run.len() - 1;
         let along: Vec<[f64; 2]> =
             (0..=last).map(|i| way(run[i.saturating_sub(1)].at, run[(i + 1).min(last)].at)).collect();
-        // So far behind itself a line is no longer near by being smooth.
+        // Beyond this distance along itself, a line that comes near is no longer its own smooth continuation.
         let behind = (2.0 * near / (STEP * unit)).ceil() as usize + 1;
         let mut drawn = Vec::with_capacity(run.len());
         for i in 0..=last {

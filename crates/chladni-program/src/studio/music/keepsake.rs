@@ -65,7 +65,7 @@ impl Keepsake {
         failure.filter(|_| is_news)
     }
 
-    /// Writes `show`, which has so many `actions`, on a thread.
+    /// Writes `show`, which has this many `actions`, on a thread.
     fn write(&mut self, show: Show, actions: usize) {
         let Some(Ok(copy)) = self.copy.take() else { return };
         let (done, written) = channel();

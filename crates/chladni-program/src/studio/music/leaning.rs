@@ -25,7 +25,7 @@ impl Leaning {
     /// True once, when nothing was touched for a while.
     pub fn is_at_rest(&mut self, ctx: &Context) -> bool {
         let Some(since_secs) = &mut self.since_secs else { return false };
-        // A pointer may be moved out of the way; whoever presses something wants something else.
+        // A pointer may be moved out of the way; a press means that the user wants something else.
         let presses = |event: &Event| {
             matches!(event, Event::PointerButton { pressed: true, .. } | Event::Key { pressed: true, .. })
         };

@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         let saved = save(found.remove(0));
         assert_eq!(saved.was, home.path().join("set.mp4"));
-        // It has no picture: the folder stays for whoever wants to look.
+        // It has no picture: the folder stays for a person to look at.
         assert!(saved.film.is_err() && recording.exists());
     }
 }

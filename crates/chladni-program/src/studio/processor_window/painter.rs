@@ -224,7 +224,7 @@ impl Triangle {
         }
     }
 
-    /// The columns whose middles it covers in row `y`, exactly: a middle on an edge belongs to the triangle of which
+    /// The columns whose middles it covers in row `y`, exactly: a middle on an edge belongs to the triangle for which
     /// that is a top or a left edge.
     fn columns(&self, y: i64) -> [i64; 2] {
         let [mut left, mut right] = self.clip[0];

@@ -34,7 +34,7 @@ const HIDDEN: Duration = Duration::from_millis(250);
 
 /// Why the loop wakes up, beside what the system says.
 pub enum Wake {
-    /// Something wants a frame then; it knew of so many passes.
+    /// A frame is wanted then; `passes` had been painted when it was asked for.
     Repaint { at: Instant, viewport: ViewportId, passes: u64 },
     /// A screen reader is here.
     Reader(accesskit_winit::Event),

@@ -218,7 +218,7 @@ fn stretch(
     }
 }
 
-/// Four channels at once: so many 256ths of the way from `a` to `b`.
+/// All four channels at once, `share` 256ths of the way from `a` to `b`.
 fn between(a: u32, b: u32, share: u32) -> u32 {
     const HALF: u32 = 0x00ff_00ff;
     let mix = |a: u32, b: u32| ((a & HALF) * (256 - share) + (b & HALF) * share + 0x0080_0080) >> 8 & HALF;

@@ -50,7 +50,7 @@ pub struct Picking {
 }
 
 impl Picking {
-    /// Opens both shapes for the selected layer; `None` where its template is no mesh.
+    /// Opens both shapes for the selected layer; `None` where its template is not a mesh.
     pub fn begin(session: &Session, shared: &Shared<'_>) -> Option<Result<Self, Error>> {
         let layer = session.selected?;
         let template = session.project().layer(layer)?.template.clone();

@@ -92,7 +92,7 @@ pub struct ShowSong {
 }
 
 impl ShowSong {
-    /// A song of which nothing is known yet.
+    /// A song about which nothing is known yet.
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
         Self { path, reading, beats: None, given_up: false, title: None, cover: None }
     }
