@@ -55,7 +55,7 @@ pub struct New {
 pub struct AddLayer {
     /// The project file.
     project: PathBuf,
-    /// What the shape is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
+    /// The template, to compare the shape with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 (magnifies all),
     /// self:lowpass=20, self:original (magnifies the layers below) or self:layer=2 (the shape after the second layer from
     /// below: magnifies those above it).

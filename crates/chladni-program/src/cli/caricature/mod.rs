@@ -31,7 +31,7 @@ pub struct Caricature {
     /// The shape: a mesh file or sample:NAME. With --recipe it replaces the recipe's own.
     #[arg(required_unless_present = "recipe")]
     shape: Option<String>,
-    /// What it is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
+    /// The template, to compare it with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 or self:lowpass=20.
     #[arg(required_unless_present_any = ["recipe", "gallery"], conflicts_with = "recipe")]
     template: Option<Template>,
