@@ -3,7 +3,7 @@
 use realfft::num_complex::Complex;
 
 use super::bands::{Bands, FrontEnd};
-use super::level::{Level, Leveller};
+use super::level::{Level, Leveler};
 use crate::SoundError;
 use crate::windowed::WindowedFft;
 
@@ -184,7 +184,7 @@ pub struct SpectrumAnalyzer {
     fresh: Spectrum,
     followed: Vec<Followed>,
     spectrum: Spectrum,
-    leveller: Leveller,
+    leveler: Leveler,
     /// The gain of each band.
     gains: Vec<f32>,
     lag_secs: f64,
@@ -217,7 +217,7 @@ impl SpectrumAnalyzer {
             fresh: silence.clone(),
             followed: vec![Followed::default(); settings.bands],
             spectrum: silence,
-            leveller: Leveller::new(settings.bands, settings.loud),
+            leveler: Leveler::new(settings.bands, settings.loud),
             gains: vec![0.0; settings.bands],
             lag_secs: lag_secs(&settings),
             settings,
@@ -248,7 +248,7 @@ impl SpectrumAnalyzer {
     pub fn reset(&mut self) {
         self.spectrum = Spectrum::silent(self.settings.bands);
         self.followed.fill(Followed::default());
-        self.leveller = Leveller::new(self.settings.bands, self.settings.loud);
+        self.leveler = Leveler::new(self.settings.bands, self.settings.loud);
     }
 
     /// The delay, in seconds, from a click to the peak of its spectrum, caused by the decay. A window
@@ -300,16 +300,16 @@ impl SpectrumAnalyzer {
 
     /// Computes the gain of each band into `gains`. Returns the gain of the side.
     fn level(&mut self, dt_secs: f64) -> f32 {
-        let Self { fresh, gains, leveller, settings, .. } = self;
+        let Self { fresh, gains, leveler, settings, .. } = self;
         if let Level::Fixed(gain) = settings.level {
             gains.fill(gain);
             return settings.side_gain;
         }
         let louder = fresh.left.iter().zip(&fresh.right).map(|(l, r)| l.max(*r));
         gains.iter_mut().zip(louder).for_each(|(gain, amplitude)| *gain = amplitude);
-        leveller.follow(gains, dt_secs);
+        leveler.follow(gains, dt_secs);
         let side = fresh.side.iter().zip(&*gains).fold(0.0f32, |most, (u, gain)| most.max(u * gain));
-        leveller.side_gain(side, settings.side_gain, dt_secs)
+        leveler.side_gain(side, settings.side_gain, dt_secs)
     }
 }
 

@@ -157,7 +157,7 @@ fn towards_viewer(at: vec3f) -> vec3f {
 }
 
 // A surface of its own color under the lamps, as the target's numbers.
-fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32, glow: f32) -> vec3f {
+fn modeled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32, glow: f32) -> vec3f {
     let v = towards_viewer(at);
     let n = facing(normal, v, front);
     let base = select(color * figure.back.rgb, color, front);
