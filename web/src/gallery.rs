@@ -65,7 +65,7 @@ impl Wall {
             stack.install(request, Ok(found));
         }
         let (project, _) = Project::from_text(project, Path::new(PROJECT))?;
-        // What a file holds is known to the page alone: only its match is here.
+        // Only the page knows the content of a file: here there is only its match.
         let given = Exhibition::template_of(&project).filter(|(template, matching)| {
             let request = MatchRequest { template: template.clone(), matching: matching.clone() };
             stack.matched(&request).is_some()

@@ -57,7 +57,7 @@ pub fn close_card() {
     CARD.set(None);
 }
 
-/// Who draws what is made from now on.
+/// The device that draws everything made from now on.
 pub fn device() -> Device {
     CARD.with_borrow(|card| card.as_ref().map_or(Device::Processor, |card| (&card.gpu).into()))
 }

@@ -1,4 +1,4 @@
-//! Recovery of a session that crashed.
+//! Recovery of unsaved work after a crash.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -11,7 +11,7 @@ use crate::{CaricatureError, Project};
 /// Beginning and ending of a copy's name.
 const NAMES: (&str, &str) = ("session", "chladni");
 
-/// The recovery copy of a running session; [`finish`](Self::finish) removes it.
+/// The recovery copy of a running program; [`finish`](Self::finish) removes it.
 #[derive(Debug)]
 pub struct Recovery(RecoveryCopy);
 

@@ -1,4 +1,4 @@
-//! Who dances when nobody chooses: another dance and another look where a section of the music begins.
+//! The autopilot: another dance and another look where a section of the music begins.
 
 use crate::BarLine;
 use crate::stage::hash;

@@ -233,7 +233,7 @@ impl Instrument {
         self.stage.scene(beat, &self.favorites, &self.parameters)
     }
 
-    /// Who comes on stage next, and how far the fader has brought it, in [0, 1].
+    /// The next item on stage, and how far the fader has brought it, in [0, 1].
     pub fn next_on_stage(&self) -> Option<(ItemId, f32)> {
         self.stage.next()
     }

@@ -31,7 +31,7 @@ pub struct Show {
     /// How long it lasts; `None` is as long as its song.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_secs: Option<f64>,
-    /// Who dances: a mesh, or a caricature whose layers are voices.
+    /// The dancing body: a mesh, or a caricature whose layers are voices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<FileRef>,
     /// The look of the shapes.

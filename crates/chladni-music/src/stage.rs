@@ -66,7 +66,7 @@ pub struct Stage {
     cue: Option<Cue>,
     since_beat: f64,
     before: Option<ItemId>,
-    /// Who is next, and where the fader stood when that was said.
+    /// The next item, and where the fader stood when it was chosen.
     next: Option<(ItemId, f32)>,
     /// Where it stands, in [0, 1]. It goes to the other end and, for the one after, back again.
     fader: f32,
@@ -102,7 +102,7 @@ impl Stage {
         *self = Self { fader: self.fader, next: self.next, ..Self::default() };
     }
 
-    /// Who is next, and how far the fader has brought it on stage, in [0, 1].
+    /// The next item, and how far the fader has brought it on stage, in [0, 1].
     pub fn next(&self) -> Option<(ItemId, f32)> {
         let (id, from) = self.next?;
         let way = if from < 0.5 { 1.0 - from } else { -from };

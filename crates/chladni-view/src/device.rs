@@ -1,10 +1,10 @@
-//! Who draws: a graphics device, or this machine's processor.
+//! The device that draws: a graphics device, or this machine's processor.
 
 use std::str::FromStr;
 
 use crate::{Gpu, Samples, ViewError};
 
-/// Who is asked to draw.
+/// The choice of the device that draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Draw {
     /// A graphics card where there is one, else the processor.
@@ -40,7 +40,7 @@ impl FromStr for Draw {
     }
 }
 
-/// Who draws. All that a figure is made of is made for one device and drawn by it.
+/// The device that draws. All parts of a figure are made for one device and drawn by it.
 #[derive(Clone, Debug)]
 pub enum Device {
     /// The processor, on the threads of the rayon pool that it is called from.

@@ -21,7 +21,7 @@ impl Renderer {
         Self { device, held }
     }
 
-    /// Who draws.
+    /// The device that draws.
     pub fn device(&self) -> &Device {
         &self.device
     }

@@ -144,7 +144,7 @@ pub struct Marker {
 pub struct Cell<'a> {
     /// Where on the canvas, pixels.
     pub viewport: Rect,
-    /// Who looks.
+    /// The viewer's camera.
     pub camera: Camera,
     /// The lights.
     pub lights: Lights,

@@ -151,7 +151,7 @@ impl Sitting {
     /// # Errors
     /// Bugs only.
     pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
-        // What they show lies on the card.
+        // Their pictures lie on the card.
         (self.landmarks, self.hanging) = (None, None);
         self.stage.draw_by_processor()?;
         Ok(self.refresh()?)

@@ -1,4 +1,4 @@
-//! Who is caricatured: a shape with its parts and templates, on which variants become layers.
+//! The sitter of a gallery: a shape with its parts and templates, on which variants become layers.
 
 use std::sync::Arc;
 

@@ -86,7 +86,7 @@ impl<'a> Search<'a> {
         mask: Option<&'a [f32]>,
         task: &'a Task,
     ) -> Result<Self, CaricatureError> {
-        // What does not move crosses nothing new.
+        // A shape that does not move crosses nothing new.
         let moves = unlimited.iter().any(|u| *u != [0.0; 3]);
         let crossed = if moves { keeper.crossings.triangles(&base.positions, task)? } else { Vec::new() };
         Ok(Self { keeper, base, unlimited, mask, task, crossed })

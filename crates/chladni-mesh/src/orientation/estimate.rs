@@ -241,7 +241,7 @@ impl<'a> Witness<'a> {
             }
         }
         if candidates.is_empty() {
-            // What is known does not fit the mirror plane.
+            // The known axes do not fit the mirror plane.
             let mut all = axes.to_vec();
             all.extend(known.up.map(unit));
             all.extend(known.front.map(unit));

@@ -274,7 +274,7 @@ impl Face {
             return part;
         }
         let form = self.forms(p);
-        // What joins two forms lies off both: the smaller ones reach out for it.
+        // Places that join two forms lie off both: the smaller forms reach out for them.
         let forms = [
             (jaw, form.jaw),
             (cheeks, form.face.min(form.bone).min(form.flesh)),

@@ -130,7 +130,7 @@ struct Summary {
     ranks: Option<RanksReport>,
 }
 
-/// Who solved, where SLEPc did.
+/// The solver on ranks, in words.
 fn by_ranks(of: &RanksReport) -> String {
     let how = match of.counted_by {
         Some(program) => format!("counted by {program}"),

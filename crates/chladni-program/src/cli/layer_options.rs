@@ -74,7 +74,7 @@ fn cutoff(text: &str) -> Result<f64, Error> {
 
 fn roll_off(text: &str) -> Result<RollOff, Error> {
     match text {
-        // What older command lines say.
+        // Names from older command lines.
         "heat" | "gaussian" => Ok(RollOff::Heat),
         "sharp" => Ok(RollOff::Sharp),
         _ => Err(Error::input("must be heat or sharp")),

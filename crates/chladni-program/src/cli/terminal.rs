@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Terminal {
     quiet: bool,
     task: Task,
-    /// Who is asked to draw.
+    /// The choice of the device that draws.
     draw: Draw,
 }
 
@@ -52,12 +52,12 @@ impl Terminal {
         Self { draw, ..self }
     }
 
-    /// Who is asked to draw.
+    /// The choice of the device that draws.
     pub fn draw(&self) -> Draw {
         self.draw
     }
 
-    /// Who draws the command's pictures.
+    /// The device that draws the command's pictures.
     pub fn device(&self) -> Result<Device, Error> {
         Ok(Device::open(self.draw)?)
     }

@@ -57,7 +57,7 @@ impl Studio {
         }
         match self.closing {
             Closing::No | Closing::Yes => {}
-            // What was being made is done meanwhile.
+            // The work in the background ended meanwhile.
             Closing::Asked if unsaved.is_empty() => self.leave(ctx),
             Closing::Asked => self.ask_to_save(ctx, &unsaved),
             Closing::Waiting if being_made.is_empty() => self.leave(ctx),

@@ -105,7 +105,7 @@ pub struct PlayedFrame {
 pub struct Opening {
     /// Where it keeps its persistent files; nowhere by default.
     pub folders: Folders,
-    /// Who is asked for files: by default the system's dialogs.
+    /// The file dialogs: by default the system's.
     pub chooser: Box<dyn Chooser>,
     /// Files to open at once.
     pub files: Vec<PathBuf>,
@@ -119,7 +119,7 @@ pub struct Opening {
     pub trace: Option<Trace>,
     /// The rooms that an earlier window left to resume from, and where this one leaves its own if its device is lost.
     pub handover: Handover,
-    /// Who draws the 3D views.
+    /// The choice of the device that draws the 3D views.
     pub draw: Draw,
     /// Cancelled to end the program: the window then closes without a question.
     pub ends: Option<Task>,

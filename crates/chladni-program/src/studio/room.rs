@@ -91,7 +91,7 @@ pub trait Room {
 pub struct Shared<'a> {
     /// The context, to start jobs and ask for repaints.
     pub ctx: egui::Context,
-    /// Who draws, and how pictures are shown.
+    /// The device that draws, and how pictures are shown.
     pub screen: &'a Screen,
     /// Messages to the user.
     pub notices: &'a mut Notices,

@@ -1,4 +1,4 @@
-//! Who draws the window's 3D views, and how a finished picture comes to be shown.
+//! The device that draws the window's 3D views, and the way of a finished picture to the screen.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ impl Screen {
         Self { device: device.clone(), way: Way::Pixels(egui::Context::default()), window: None }
     }
 
-    /// Who draws.
+    /// The device that draws.
     pub fn device(&self) -> &Device {
         &self.device
     }

@@ -154,7 +154,7 @@ impl Decoder {
     fn complaint(&mut self) -> String {
         let mut said = String::new();
         if let Some(errors) = self.child.stderr.take() {
-            // What it says only explains; without it the file is as unreadable.
+            // Its message only explains; without it the file is still unreadable.
             let _ = errors.take(4096).read_to_string(&mut said);
         }
         let line = said.lines().map(str::trim).find(|line| !line.is_empty());

@@ -63,7 +63,7 @@ impl ShowClock {
         // A song that already played, as behind live input, has no crossfade.
         let crossfade_secs = if position <= playing.crossfade_secs { playing.crossfade_secs } else { 0.0 };
         let leap = |clock: &mut Self| {
-            // What was done at the last moment was done before the leap, even if no time has gone by since.
+            // Actions of the last moment were done before the leap, even if no time has passed since.
             let is_first = clock.stretch.is_none() && clock.at_secs == 0.0;
             let after_secs = if is_first { 0.0 } else { clock.at_secs.next_up() };
             clock.at_secs = (clock.at_secs + dt_secs).max(after_secs);

@@ -72,7 +72,7 @@ pub struct Hearing {
     songs: BTreeMap<usize, KnownSong>,
     /// Each with the whole beats to be added to those of its song.
     stretches: Vec<(Stretch, f64)>,
-    /// Who films each song, by its seed.
+    /// The director of each song, with its seed.
     directors: BTreeMap<usize, (u64, Director)>,
     /// An outer clock that was followed in place of the songs' beats.
     clocked: Clocked,

@@ -37,7 +37,7 @@ impl Lettering {
         for letter in text.chars().take(LONGEST) {
             let Some(glyph) = letters.map(letter).or_else(|| letters.map('?')) else { continue };
             if let Some(outline) = outlines.get(glyph) {
-                // What the font says of a letter that it cannot draw is a gap.
+                // A letter that the font cannot draw leaves a gap.
                 drop(outline.draw(DrawSettings::unhinted(size, place), &mut pen));
             }
             pen.at[0] += advances.advance_width(glyph).unwrap_or(0.0);

@@ -12,9 +12,9 @@ use super::{Error, Hearing};
 
 /// Of the grains, sRGB.
 const COLOR: [u8; 3] = [240, 220, 178];
-/// A film that begins in the middle of a show begins with sand that has lain for so long.
+/// A film that begins in the middle of a show begins with sand poured this long before.
 const BEFORE_SECS: f64 = 5.0;
-/// Who was kept waiting for longer goes on from now.
+/// The most steps that are caught up; after a longer wait the sand goes on from now.
 const MOST_STEPS: i64 = 120;
 
 /// A shape on which sand may lie. It steps at fixed times of the show, by what is heard then, so that window

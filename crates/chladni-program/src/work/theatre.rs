@@ -126,7 +126,7 @@ const LIMIT_STEP: f32 = 0.08;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Staged {
     area: Rect,
-    /// Who looks.
+    /// The viewer's camera.
     pub camera: Camera,
     /// The look of shapes and light at this moment.
     pub look: Look,

@@ -162,7 +162,7 @@ fn pieces_of_a_film_are_the_film_bit_for_bit() {
     assert!(
         std::fs::read(whole.join("sound.wav")).unwrap() == std::fs::read(pieces.join("sound.wav")).unwrap()
     );
-    // What is there stays, what is missing comes.
+    // Existing frames stay, missing ones are made.
     std::fs::write(pieces.join("frame-00033.png"), "kept").unwrap();
     std::fs::remove_file(pieces.join("frame-00034.png")).unwrap();
     frames("pieces", &["--piece", "3/3", "--resume"]);
@@ -253,7 +253,7 @@ fn the_layers_of_a_caricature_dance_along() {
     let largest = differences.fold(0.0, f32::max);
     assert!(largest > 0.03, "the layer changes the picture by {largest}");
 
-    // What is recorded is the mapping's own movement, with layers or without.
+    // The recording holds the mapping's own movement, with layers or without.
     for form in ["filter", "modal", "half-mask"] {
         let record = |name: &str, mesh: &str| {
             let out = folder.path().join(name);

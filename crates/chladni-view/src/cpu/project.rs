@@ -169,7 +169,7 @@ impl Chunk {
     #[inline(always)]
     fn find(&mut self, grid: &Grid, corners: &[Corner; 3], reference: u32) {
         let [a, b, c] = corners;
-        // What has no area covers nothing.
+        // Triangles without area cover nothing.
         let area = area(corners);
         if area == 0 {
             return;

@@ -319,7 +319,7 @@ impl StagedFigure {
             let map = matrix(&cell.uniform.shadow) * model;
             self.map = rows(map, [0, 1, 2]);
             let size = cell.uniform.shadow_map[1];
-            // What is translucent casts none.
+            // Translucent figures cast no shadows.
             self.shadow_lens = (figure.opacity >= 1.0).then(|| Lens::new(map, [0.0, 0.0, size, size]));
         }
     }

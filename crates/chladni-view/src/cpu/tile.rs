@@ -203,7 +203,7 @@ impl Tile<'_, '_> {
             Layer::Ring(figure) => return self.ring(*figure),
         };
         self.scratch.farthest.forget();
-        // What fronts hide of the backs is not looked at twice.
+        // Parts of backs that fronts hide are not drawn again.
         for front in [true, false] {
             if side.is_none_or(|side| side == front) {
                 self.find(figures.clone(), front);

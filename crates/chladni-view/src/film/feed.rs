@@ -22,7 +22,7 @@ impl Feed {
         let complaints = child.stderr.take().map(|mut stderr| {
             std::thread::spawn(move || {
                 let mut text = Vec::new();
-                // What cannot be read cannot be reported; the exit status still is.
+                // A message that cannot be read cannot be reported; the exit status still is.
                 let _ = stderr.by_ref().take(MOST_COMPLAINTS).read_to_end(&mut text);
                 let _ = std::io::copy(&mut stderr, &mut std::io::sink());
                 String::from_utf8_lossy(&text).into_owned()

@@ -89,7 +89,7 @@ impl Gif {
         for y in top..bottom {
             for x in left..right {
                 let at = y * usize::from(width) + x;
-                // What stays is clear: long runs compress well.
+                // Unchanged pixels are clear: long runs compress well.
                 let same = writer.shown.get(at) == Some(&indices[at]);
                 buffer.push(if same { Palette::CLEAR } else { indices[at] });
             }

@@ -138,7 +138,7 @@ impl LiveFilm {
         samples.extend(left.iter().zip(right).flat_map(|(left, right)| [*left, *right]));
         let frames = samples.len() as u64 / 2;
         let send = |sender: &SyncSender<Message>| sender.try_send(Message::Sound(samples)).is_ok();
-        // What finds no place is silence later.
+        // Sound that the queue does not take is silence in the film.
         if frames > 0 && self.sender.as_ref().is_some_and(send) {
             self.sounded += frames;
         }
@@ -193,7 +193,7 @@ impl Writer {
             // Dropped: nobody wants it.
             Ok(false) => Ok(0),
             Err(why) => {
-                // What there is of it can still become a film.
+                // The frames so far can still become a film.
                 drop(self.encoder);
                 self.folder.keep();
                 Err(why)

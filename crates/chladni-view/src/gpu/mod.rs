@@ -86,7 +86,7 @@ impl Gpu {
     /// # Errors
     /// [`ViewError::NoDevice`] where it refuses.
     pub async fn on_adapter(adapter: &wgpu::Adapter) -> Result<Self, ViewError> {
-        // What the card allows: synthesis binds large buffers.
+        // All that the card allows: synthesis binds large buffers.
         Self::within(adapter, adapter.limits()).await
     }
 

@@ -68,7 +68,7 @@ impl<'a> Sight<'a> {
         let toward = self.toward(p);
         let normal = if dot(normal, toward) < 0.0 { scaled(normal, -1.0) } else { normal };
         let [near, high] = BEFORE_CONTOUR.map(|share| share * self.plate.size);
-        // What lies behind the eye hides nothing.
+        // Things behind the eye hide nothing.
         let eye = match self.camera.projection {
             Projection::Perspective => length(sub(self.eye, p)),
             _ => f64::INFINITY,

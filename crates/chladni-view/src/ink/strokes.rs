@@ -44,7 +44,7 @@ pub(super) fn visible(sight: &Sight<'_>, ink: &Ink, lines: Vec<Line>) -> Vec<Str
         })
         .collect();
     let mut runs: Vec<(Mark, Vec<Sample>)> = runs.into_iter().flatten().collect();
-    // What says most is drawn first, and what runs beside it is left out.
+    // Strokes are drawn by mark, the longest first; lines beside an earlier one are left out.
     runs.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.len().cmp(&a.1.len())));
     let runs = without_doubles(runs, sight.unit);
     let runs = joined(runs, JOIN * sight.unit);

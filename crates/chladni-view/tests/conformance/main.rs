@@ -205,7 +205,7 @@ fn what_does_not_fit_is_an_error() {
     let cell = Cell { viewport: Rect { x: 4, y: 0, width: 8, height: 8 }, ..model.cell(&[], [8, 8]) };
     assert!(matches!(Renderer::new(&device).draw(&canvas, &[cell]), Err(ViewError::Shape(_))));
     let Some(gpu) = gpu() else { return };
-    // What one device holds the other does not draw, and says so.
+    // Buffers of one device cannot be drawn by the other, and an error says so.
     let figures = [model.figure()];
     let cell = model.cell(&figures, [8, 8]);
     let theirs = Canvas::new(&gpu, 8, 8).unwrap();

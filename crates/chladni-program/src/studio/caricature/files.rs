@@ -160,7 +160,7 @@ impl CaricatureRoom {
         let chosen = match known {
             Some(known) => Some(known),
             None => match choose(&suggested) {
-                // What is there is asked about by the dialog alone, which did not know this name.
+                // The dialog asks before it replaces a file, but it did not know the name with the ending added.
                 Some((path, chosen)) if path != chosen && path.exists() => {
                     choose(&path).map(|(path, _)| path)
                 }

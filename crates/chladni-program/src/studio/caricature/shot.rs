@@ -53,7 +53,7 @@ pub struct Shot {
     pub poses: Vec<Pose>,
     /// Their color; must not be written any more.
     pub coat: Coat,
-    /// Who looks.
+    /// The viewer's camera.
     pub camera: Camera,
     /// Material, light, edges.
     pub look: Portrayal,

@@ -246,7 +246,7 @@ mod tests {
         assert_eq!(<&str>::try_from(&seen["xesam:title"]).unwrap(), playing.title);
         assert_eq!(i64::try_from(&seen["mpris:length"]).unwrap(), 90_000_000);
         let jumps = other.receive_signal("Seeked").unwrap();
-        // What is asked comes in turn; a place in another song, and one behind the end, are left aside.
+        // Requests arrive in order; positions in another song, and beyond the end, are ignored.
         let place = |song: &str, micros: i64| (ObjectPath::try_from(song.to_owned()).unwrap(), micros);
         other.call_method("SetPosition", &place("/org/chladni/song/1", 5_000_000)).unwrap();
         other.call_method("SetPosition", &place("/org/chladni/song/2", 95_000_000)).unwrap();

@@ -14,7 +14,7 @@ pub const RATE: FrameRate = FrameRate::per_second(30);
 /// Pictures on their way back from the device.
 const FLYING: usize = 2;
 
-/// Who else gets the pictures of the stage.
+/// The other receivers of the stage's pictures.
 #[derive(Default)]
 pub struct Outgoing {
     /// Films the set.
@@ -91,7 +91,7 @@ impl Outgoing {
         (veil, dark): (Veil, f32),
     ) -> Result<(), Error> {
         if self.recorder.is_none() && self.camera.is_none() {
-            // What is on its way would be old when somebody wants it again.
+            // Pictures on their way would be old when they are wanted again.
             self.flying.clear();
             return Ok(());
         }

@@ -44,11 +44,11 @@ pub struct Output {
     pub height: u32,
     /// Frames a second.
     pub rate: FrameRate,
-    /// Who draws.
+    /// The choice of the device that draws.
     pub draw: Draw,
     /// Of each pixel; what suits the device unless said.
     pub samples: Option<Samples>,
-    /// Who deforms.
+    /// The choice of the device that deforms.
     pub synthesis: Backend,
     /// More than three a second.
     pub allow_flashes: bool,

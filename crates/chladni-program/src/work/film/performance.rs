@@ -24,7 +24,7 @@ pub struct Done {
     pub recording: Recording,
     /// Unknown where the positions never leave the device.
     pub largest_displacement: Option<f32>,
-    /// Who drew, and how; none where nothing was drawn.
+    /// The device that drew, and how; none where nothing was drawn.
     pub drawn: Option<Drawn>,
     /// Warnings.
     pub warnings: Vec<String>,
@@ -150,7 +150,7 @@ impl Performance {
         loop {
             let begins = self.heard.peek().map(|stretch| stretch.at_secs).filter(|begins| *begins <= at_secs);
             let done = self.script.peek().map(|line| line.moment.at_secs).filter(|done| *done <= at_secs);
-            // What plays comes first: an action is done at its beat.
+            // A stretch begins before the actions of its time: an action is done at its beat.
             let stretch_first = begins.is_some_and(|begins| done.is_none_or(|done| begins <= done));
             if stretch_first && let Some(stretch) = self.heard.next() {
                 self.hearing.begin(stretch)?;

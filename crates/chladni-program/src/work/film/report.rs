@@ -62,7 +62,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Who drew, with how many samples a pixel, where that is a processor and no graphics card.
+    /// The device that drew and its samples a pixel, if it is a processor rather than a graphics card.
     pub fn drawn_by_processor(&self) -> Option<(&str, Samples)> {
         self.device.as_deref().zip(self.by_processor)
     }

@@ -44,7 +44,7 @@ impl Titles {
                 shown.push((stretch.at_secs, name.as_str()));
             }
         }
-        // What began before the film is named as it begins.
+        // A song that began before the film is named at the film's beginning.
         let before = shown.partition_point(|(at_secs, _)| *at_secs <= start_secs);
         let shown = shown.into_iter().skip(before.saturating_sub(1));
         let shown = shown.map(|(at_secs, name)| (at_secs.max(start_secs), Title::of(name))).collect();

@@ -80,7 +80,7 @@ impl Filled {
         let target =
             std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
         let whole = from(&self.whole);
-        // What is not slim is seen as a whole.
+        // A figure that is not slim is seen as a whole.
         let far =
             self.cropped.as_ref().map_or(whole, |cropped| mix(whole, from(cropped).min(whole), framing.crop));
         let distance = mix(far, from(&self.near).min(far), framing.closeness).exp();

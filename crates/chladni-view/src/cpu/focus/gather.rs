@@ -28,7 +28,7 @@ impl Kernel for Gather<'_> {
             let mut own = [0.0; BLOCK];
             // Whether the pixel is before the focus: then colors count for as much as they are.
             let (mut reach, mut whole) = (own, own);
-            // What lies before the focus, and all else.
+            // Weights of light from before the focus, and of all other light.
             let (mut before, mut behind) = (own, own);
             for i in 0..BLOCK {
                 own[i] = circle[i].abs();

@@ -94,7 +94,7 @@ impl GalleryView {
                     stack.iter().for_each(|stack| session.stack.learn(stack));
                     (self.shown, self.wall) = (Some(shown), self.wall.take().map(Wall::emptied));
                 }
-                // What is shown already stays.
+                // The gallery on screen stays.
                 Err(why) if self.shown.is_some() => shared.notices.failed(why),
                 Err(why) => return Err(why),
             }

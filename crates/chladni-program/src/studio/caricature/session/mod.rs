@@ -140,7 +140,7 @@ impl Session {
             changed |= self.take_up(&edit)?;
             Ok(())
         });
-        // What came before an error has been done.
+        // Edits before an error are done.
         if changed {
             self.refresh();
         }

@@ -29,7 +29,7 @@ pub struct InkedStage {
 /// A figure, and how often it had been changed.
 type Pictured = (usize, u64);
 
-/// Who sees which figures where.
+/// A drawing: its figures and viewpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub camera: Camera,

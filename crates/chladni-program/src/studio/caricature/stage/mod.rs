@@ -45,7 +45,7 @@ pub struct StageResponse {
 /// Buffers and camera of one body.
 pub struct Stage {
     viewport: Viewport,
-    /// Who looks; survives changes of the shape.
+    /// The viewer's camera; survives changes of the shape.
     pub camera: Camera,
     topology: Topology,
     buffers: ItemBuffers,

@@ -75,7 +75,7 @@ impl Concert {
             let drawn = self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures));
             if drawn? && let Some(canvas) = self.pane.viewport.canvas() {
                 self.pane.glimpse.begin(self.pane.viewport.device(), canvas, behind);
-                // What the processor has drawn is known at once.
+                // A picture drawn by the processor can be judged at once.
                 self.pane.judge()?;
             }
             self.pane.shown = Some(shown);

@@ -73,7 +73,7 @@ pub struct Concert {
     pub house: House,
     /// The corners of the picture are being moved.
     pub adjusts: bool,
-    /// Who else gets what the stage shows.
+    /// The other receivers of the stage's pictures.
     pub outgoing: Outgoing,
     moving: bool,
     /// The pane that is drawn shows the stage.
@@ -319,7 +319,7 @@ impl Concert {
         self.instrument.scene(self.moment.at_beat).is_some()
     }
 
-    /// Who is on stage, or is coming.
+    /// The item on stage, or the one that is coming.
     pub fn on_stage_now(&self) -> Option<ItemId> {
         self.instrument.scene(self.moment.at_beat).map(|scene| scene.to)
     }

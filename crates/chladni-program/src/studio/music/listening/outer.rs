@@ -152,7 +152,7 @@ impl Listening {
             self.outer.tempo.go_on_from(self.last_beat.count, self.last_secs);
         } else {
             self.ear.beats.gone = self.outer_beat.count.ceil();
-            // What was done is counted again in the beats of the song, where they are known.
+            // Past actions are counted again in the beats of the song, where these are known.
             self.beats_changed |= self.known_beats().is_some();
         }
         self.film_anew();

@@ -41,7 +41,7 @@ impl Means {
     }
 }
 
-/// Who drew.
+/// The device that drew.
 pub struct Drawn {
     /// The adapter, or the processor.
     pub device: String,
