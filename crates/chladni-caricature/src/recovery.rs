@@ -15,7 +15,7 @@ const NAMES: (&str, &str) = ("session", "chladni");
 #[derive(Debug)]
 pub struct Recovery(RecoveryCopy);
 
-/// A project that a session left behind when it died.
+/// A project that a program left behind when it crashed.
 #[derive(Clone, Debug)]
 pub struct Recovered {
     /// The recovery file.
@@ -29,8 +29,8 @@ pub struct Recovered {
 }
 
 impl Recovery {
-    /// Starts a session that keeps its copies in `folder`, which is created if missing. `id` must differ
-    /// between sessions that run at once, such as the process id.
+    /// Starts a copy in `folder`, which is created if missing. `id` must differ between programs that run at once,
+    /// such as the process id.
     ///
     /// # Errors
     /// A folder that cannot be made or written.
@@ -55,13 +55,13 @@ impl Recovery {
         self.0.clear();
     }
 
-    /// Ends the session well. A session that is merely dropped, as by a panic, leaves its copy.
+    /// Ends well and removes the copy. A value that is merely dropped, as by a panic, leaves its copy.
     pub fn finish(self) {
         self.0.finish();
     }
 
-    /// The projects in `folder` whose sessions died, newest first, and the copies that cannot be
-    /// read, each with the reason. An absent folder holds none.
+    /// The projects in `folder` whose programs crashed, newest first, and the copies that cannot be read, each with
+    /// the reason. An absent folder holds none.
     pub fn find(folder: &Path) -> (Vec<Recovered>, Vec<CaricatureError>) {
         let (mut found, mut unreadable) = (Vec::new(), Vec::new());
         for copy in RecoveryCopy::left_behind(folder, NAMES.0, NAMES.1) {

@@ -98,7 +98,7 @@ impl ClockTrack {
         }
     }
 
-    /// The mark from which on the beat at `at_secs` is what it is; none before the first.
+    /// The mark that determines the beat at `at_secs`; none before the first.
     pub fn mark_at(&self, at_secs: f64) -> Option<&ClockMark> {
         self.marks.get(self.begun(at_secs).checked_sub(1)?)
     }

@@ -37,7 +37,7 @@ fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64
     let (positions, triangles) = bumpy(scene.vertices);
     let normals = smooth_normals(&positions, &triangles);
     let topology = Topology::new(device, positions.len(), &triangles)?;
-    // The last is what the others lag behind themselves.
+    // The last item is the lag of the others.
     let buffers = ItemBuffers::new(device, positions.len(), scene.items + 1);
     (0..=scene.items).try_for_each(|item| buffers.write(device, item, &positions, &normals))?;
     let still: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|c| c * (1.0 + 0.3 * p[1]))).collect();

@@ -88,8 +88,8 @@ impl Circle {
         }
     }
 
-    /// The radius of the circle of what lies at this depth, pixels of the small picture; below 0 before the focus.
-    /// At depth 1 is what is behind all figures, as far away as can be.
+    /// The radius of the circle of light at this depth, in pixels of the small picture; below 0 before the focus.
+    /// Depth 1 is behind all figures, infinitely far away.
     #[inline(always)]
     pub(crate) fn at(&self, depth: f32) -> f32 {
         let way = if depth >= 1.0 { 1.0 } else { self.line[0] + self.line[1] * depth };

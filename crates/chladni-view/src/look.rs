@@ -29,7 +29,7 @@ pub struct Response {
     pub timbre: f32,
     /// How much of the palette lies between what both channels share and what they do not.
     pub sides: f32,
-    /// How often the palette goes around on the way around the circle of fifths: a whole number, lest colors jump.
+    /// Turns of the palette per turn of the circle of fifths: a whole number, so that colors do not jump.
     pub key: f32,
     /// Glow added at full level in both channels.
     pub glow: f32,

@@ -28,7 +28,7 @@ pub struct Looks {
     /// The file of a panorama that shines on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub panorama: String,
-    /// How soft is what is not in focus, percent of the most; the scene's own where there is none.
+    /// Depth of field: softness out of focus, in percent of the most; `None` is the scene's own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blur_percent: Option<u8>,
 }

@@ -31,7 +31,7 @@ impl Feed {
         Ok(Self { child, input, complaints })
     }
 
-    /// Writes to it. The error is what the program said, if it takes no more.
+    /// Writes to it. If it takes no more, the error is the program's message.
     pub(super) fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
         let Some(input) = &mut self.input else { return Err(self.complaint("it takes no more frames")) };
         let written = input.write_all(bytes);

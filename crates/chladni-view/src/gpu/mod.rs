@@ -81,7 +81,7 @@ impl Gpu {
         pollster::block_on(Self::on_adapter(adapter))
     }
 
-    /// Opens an adapter that somebody else has chosen, where nobody may wait, as in a browser.
+    /// Opens an adapter that was chosen elsewhere, without blocking, as a browser requires.
     ///
     /// # Errors
     /// [`ViewError::NoDevice`] where it refuses.

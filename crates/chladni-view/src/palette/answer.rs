@@ -23,7 +23,8 @@ pub struct Answer {
     pub travel: f32,
     /// How much of it a unit of [lag](crate::Figure::lag) is: speed.
     pub haste: f32,
-    /// How often the palette goes around in one vibration: the angle of (d · n, v · n). A whole number, lest colors jump.
+    /// Turns of the palette in one vibration: it follows the angle of (d · n, v · n). A whole number, so that colors
+    /// do not jump.
     pub phase: f32,
     /// Glow that a unit of length adds to the material's own.
     pub glow: f32,

@@ -159,7 +159,7 @@ fn palette(ui: &mut Ui, chosen: &mut String) {
     ui.add_space(theme::GAP);
 }
 
-/// How soft is what is not in focus: the look's own until it is moved.
+/// Depth of field: the look's own until the slider is moved.
 fn blur(ui: &mut Ui, chosen: &mut Option<u8>, own: f32) {
     ui.label(RichText::new("Depth of field").strong());
     let tip = "As through a lens that is wide open: what lies before or behind the front of the shape is soft. 0 is sharp \

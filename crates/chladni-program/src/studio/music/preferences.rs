@@ -30,7 +30,7 @@ pub struct Preferences {
     pub picture: String,
     /// That of a panorama that shines on it.
     pub panorama: String,
-    /// How soft is what is not in focus; `None` is the look's own.
+    /// Depth of field: softness out of focus; `None` is the look's own.
     pub blur_percent: Option<u8>,
     /// Where the stage appears.
     pub screen: Screen,

@@ -4,7 +4,7 @@ use egui::{Color32, Rect, Ui};
 
 /// Light goes and comes back within this time.
 const FADE_SECS: f64 = 0.6;
-/// A change of mind waits so long: no more than three flashes a second, however fast a hand is.
+/// The least time between two changes: no more than three flashes a second, however fast a hand is.
 const LEAST_SECS: f64 = 0.7;
 
 /// Whether the stage is black, and whether its picture stands still.

@@ -13,7 +13,7 @@ use crate::work::Error;
 /// How often bands are sent, and how many.
 const BANDS_SECS: f64 = 1.0 / 30.0;
 const BANDS: usize = 8;
-/// An address that was not found is looked up again after so long: the network may come later.
+/// An address that was not found is looked up again after this time: the network may come later.
 const LOOK_AGAIN: Duration = Duration::from_secs(5);
 
 /// The state to send at one moment.
