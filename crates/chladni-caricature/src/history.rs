@@ -147,7 +147,7 @@ impl History {
         self.saved = Some(self.project.clone());
     }
 
-    /// Whether there is something to save: undoing back to what was saved counts as saved.
+    /// Whether there is something to save: undoing back to the saved state counts as saved.
     pub fn is_modified(&self) -> bool {
         self.saved.as_ref() != Some(&self.project)
     }

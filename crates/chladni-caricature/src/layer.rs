@@ -1,4 +1,4 @@
-//! One layer of a project: what is exaggerated, how, and where.
+//! One layer of a project: the difference that it exaggerates, how, and where.
 
 use std::path::PathBuf;
 
@@ -61,9 +61,9 @@ pub enum Template {
     Scaled(f64),
     /// The layer's own shape without its harmonics from k0 on: exaggerates its own detail.
     LowPass(usize),
-    /// The original shape below all layers: exaggerates what the layers below did.
+    /// The original shape below all layers: exaggerates the effect of the layers below.
     Original,
-    /// The shape as it is after a layer further down: exaggerates what the layers between did.
+    /// The shape as it is after a layer further down: exaggerates the effect of the layers between.
     Layer(LayerId),
 }
 

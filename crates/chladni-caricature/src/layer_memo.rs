@@ -111,7 +111,7 @@ impl LayerMemo {
         Ok(Some(Acting { outdated, mask, difference, unlimited, displacement, kept, result }))
     }
 
-    /// The limited displacement, or, until there is one, the displacement capped by what was found last.
+    /// The limited displacement, or, until there is one, the displacement capped by the last limit.
     fn limited(
         &mut self,
         scene: &Scene<'_>,

@@ -148,7 +148,7 @@ impl Project {
         self.layers.iter().find(|(i, _)| *i == id).map(|(_, l)| l)
     }
 
-    /// The number of a layer, counted from the lowest, 1: what it is called where ids mean nothing, as in files.
+    /// The number of a layer, counted from the lowest, 1: its name where ids mean nothing, as in files.
     pub fn number(&self, id: LayerId) -> Option<usize> {
         self.layers.iter().position(|(i, _)| *i == id).map(|place| place + 1)
     }

@@ -20,7 +20,7 @@ use crate::{
 };
 use chladni_mesh::surface::vec3::{Vec3, add};
 
-/// Evaluates projects on one body, and remembers what it computed.
+/// Evaluates projects on one body, and remembers its results.
 ///
 /// Basis and correspondences never change; a layer whose inputs have not changed costs nothing, so a change
 /// to layer i is paid for only from i up.

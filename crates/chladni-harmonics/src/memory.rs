@@ -154,7 +154,7 @@ fn size(bytes: u64) -> String {
     if bytes < 1e9 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }
 
-/// Refuses what the system would not even promise.
+/// Refuses a size that the system would not even promise.
 fn check_promise(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
     if Vec::<f64>::new().try_reserve_exact(vertices.saturating_mul(harmonics)).is_err() {
         let reason = "they are more than this machine's memory".into();

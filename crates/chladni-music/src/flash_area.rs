@@ -71,14 +71,14 @@ impl Places {
         Self { rises_only: true, ..Self::counting(signal) }
     }
 
-    /// Forgets what was more than a second before `time_secs`.
+    /// Forgets changes more than a second before `time_secs`.
     pub(crate) fn forget(&mut self, time_secs: f64) {
         while let Some((_, cell)) = self.recent.pop_front_if(|(at_secs, _)| time_secs - *at_secs > 1.0) {
             self.counts[usize::from(cell)] -= 1;
         }
     }
 
-    /// Takes what is shown at `time_secs`: `picture` behind `veil`.
+    /// Takes the picture shown at `time_secs`: `picture` behind `veil`.
     pub(crate) fn show(&mut self, time_secs: f64, picture: &Histogram, veil: Veil) {
         self.forget(time_secs);
         for cell in 0..CELLS {

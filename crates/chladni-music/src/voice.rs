@@ -180,7 +180,7 @@ impl Voices {
         Item { terms: self.voices.iter().map(|v| v.term.clone()).collect() }
     }
 
-    /// Writes what the sound does into `item`, made by [`item`](Self::item). Returns the share
+    /// Writes the effect of the sound into `item`, made by [`item`](Self::item). Returns the share
     /// of the limit reached before it was softened. Allocates nothing after the first call.
     ///
     /// # Errors

@@ -147,7 +147,7 @@ impl Camera {
         [right, up, back].map(|v| x * v.x + y * v.y + z * v.z)
     }
 
-    /// Right, up and front of what stands in the scene.
+    /// Right, up and front of the shapes in the scene.
     fn ground(&self) -> [Vec3; 3] {
         let stands = &self.stands;
         [stands.right(), stands.up(), stands.front()].map(|v| DVec3::from(v).as_vec3())

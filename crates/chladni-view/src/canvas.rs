@@ -130,7 +130,7 @@ impl Readback {
         Ok(Self { held })
     }
 
-    /// Queues the copy of what has been drawn so far; does not wait.
+    /// Queues the copy of the picture drawn so far; does not wait.
     ///
     /// # Errors
     /// [`ViewError::Shape`] where the device is not the canvas's own.

@@ -88,7 +88,7 @@ impl Device {
         self.gpu().is_none_or(Gpu::is_software)
     }
 
-    /// Samples a pixel for what moves: see [`Gpu::live_samples`]; the processor always takes four.
+    /// Samples a pixel for moving pictures: see [`Gpu::live_samples`]; the processor always takes four.
     pub fn live_samples(&self) -> Samples {
         self.gpu().map_or(Samples::Four, Gpu::live_samples)
     }

@@ -1,4 +1,4 @@
-//! Effects on a finished picture: depth of field, glow around what is bright, trails, a darker rim, grain.
+//! Effects on a finished picture: depth of field, glow around bright places, trails, a darker rim, grain.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -15,7 +15,7 @@ pub struct Finish {
     pub trail_secs: f32,
     /// How fast trails grow from the middle, in sizes per second; below 0 they shrink.
     pub trail_growth: f32,
-    /// How much light spreads from what is bright, in [0, 2].
+    /// How much light spreads from bright places, in [0, 2].
     pub bloom: f32,
     /// From which brightness on, in [0, 1).
     pub bloom_from: f32,

@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    /// The circle of what lies so far beyond the target, along the view.
+    /// The circle of a point this far beyond the target, along the view.
     fn at(finish: &Finish, camera: Camera, beyond: f32) -> f32 {
         let cell = cell(camera);
         let [_, _, back] = camera.axes();

@@ -27,7 +27,7 @@ pub struct Response {
     pub flow: f32,
     /// How much of the palette lies between dull and shrill sound.
     pub timbre: f32,
-    /// How much of the palette lies between what both channels share and what they do not.
+    /// How much of the palette lies between a sound that both channels share and one that they do not.
     pub sides: f32,
     /// Turns of the palette per turn of the circle of fifths: a whole number, so that colors do not jump.
     pub key: f32,

@@ -33,7 +33,7 @@ impl Gpu {
         match *self {}
     }
 
-    /// Samples a pixel for what moves.
+    /// Samples a pixel for moving pictures.
     pub fn live_samples(&self) -> Samples {
         match *self {}
     }

@@ -37,8 +37,8 @@ impl Renderer {
         }
     }
 
-    /// Draws `cells` on `canvas`; a graphics device does not wait until it is done. What no cell covers
-    /// is transparent.
+    /// Draws `cells` on `canvas`; a graphics device does not wait until it is done. Pixels that no cell covers
+    /// are transparent.
     ///
     /// # Errors
     /// [`ViewError::Shape`] where a cell leaves the canvas, a figure's topology, buffers and paint do

@@ -94,7 +94,7 @@ pub struct Light {
     pub color: [f32; 3],
 }
 
-/// Three lights and what comes from all sides.
+/// Three lights, and light from all sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lights {
     /// Key, fill and rim.
@@ -115,7 +115,7 @@ pub struct Lights {
     pub curve: Curve,
 }
 
-/// From linear light to what a screen can show.
+/// From linear light to the range of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curve {
     /// Khronos PBR Neutral (2024): colors below the shoulder stay true.

@@ -25,7 +25,7 @@ impl Surroundings {
         Ok(Self { behind, ..self })
     }
 
-    /// Takes what there is to the device. The picture fills a cell; what does not fit is cut off.
+    /// Uploads the given pictures. The picture behind fills a cell and is cropped to fit.
     ///
     /// # Errors
     /// [`ViewError::Size`] for a picture that is too long for the device.
@@ -56,7 +56,7 @@ pub struct Panorama {
 
 /// Texels around the sharpest level; it has half as many rows.
 const AROUND: u32 = 256;
-/// How narrow the lobes of the levels after the first are (Phong's exponent): of roughness ⅓, ⅔ and 1, and of what is chalk.
+/// How narrow the lobes of the levels after the first are (Phong's exponent): of roughness ⅓, ⅔ and 1, and of chalk.
 const LOBES: [f32; 4] = [19.0, 2.5, 1.0, 1.0];
 
 type Light = [f32; 3];

@@ -1,4 +1,4 @@
-//! A gallery of caricatures: choose what is liked, and see children of it.
+//! A gallery of caricatures: choose some, and see their children.
 
 mod sitter;
 mod title;
@@ -112,7 +112,7 @@ impl VariantGallery {
         }
     }
 
-    /// Shows children of those that are chosen: some that look different, and like what was chosen so far.
+    /// Shows children of those that are chosen: different from each other, and similar to the choices so far.
     ///
     /// # Errors
     /// Nothing chosen, or no room for more.

@@ -27,7 +27,7 @@ pub struct SitterPart {
     pub painted: Arc<[f32]>,
 }
 
-/// The largest share of triangles that a variant may fold, and what is aimed at.
+/// The largest share of triangles that a variant may fold, and the share aimed at.
 pub const MOST_FOLDS: f64 = 0.005;
 const AIM: f64 = 0.0015;
 /// Vertices at which variants are compared.

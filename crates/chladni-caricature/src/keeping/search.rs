@@ -58,7 +58,7 @@ const SCANT: f64 = 0.85;
 const RETURNS: usize = 24;
 const GIVEN: f32 = 0.2;
 const AGAIN: f32 = 1.5;
-/// √t of the heat around what a return would spoil, in the working frame.
+/// √t of the heat around triangles that a return would spoil, in the working frame.
 const CLOSE: f64 = 0.015;
 
 /// The heat steps of a search: one for each round that holds back, then these two.

@@ -58,7 +58,7 @@ fn apply(m: &Matrix, v: Vec3) -> Vec3 {
 }
 
 impl Frame<'_> {
-    /// The rotation closest to what the ring around `v` undergoes; `None` where it has no area.
+    /// The rotation closest to the deformation of the ring around `v`; `None` where it has no area.
     fn rotation(&self, v: usize, ring: &[u32]) -> Option<Matrix> {
         let [n, m] = self.normals;
         if dot(n, n) == 0.0 || dot(m, m) == 0.0 {
@@ -107,7 +107,7 @@ mod tests {
     use chladni_mesh::surface::vertex_neighbors;
     use std::sync::Arc;
 
-    /// A rigid motion of what is smooth takes the detail along.
+    /// A rigid motion of the smooth part takes the detail along.
     #[test]
     fn detail_turns_with_what_carries_it() {
         let (body, surface) = bumpy_sphere();

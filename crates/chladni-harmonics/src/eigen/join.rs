@@ -100,7 +100,7 @@ fn value(entries: &[Entry], zeros: usize, index: usize) -> f64 {
     index.checked_sub(zeros).map_or(0.0, |i| entries[i].value)
 }
 
-/// The pairs above 0 that the counts at all shifts agree on, or what is wrong with them.
+/// The pairs above 0 that the counts at all shifts agree on, or the fault in them.
 fn joined(slices: &[Found], zeros: usize) -> Result<Vec<Entry>, Join> {
     let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
         slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();

@@ -56,7 +56,7 @@ pub(super) fn is_shallow(cloud: &Cloud, direction: Vec3) -> bool {
 }
 
 /// How far toward `front` and `up` the detailed places lie, as shares of the shape's length in that
-/// direction. The edges of what the shape stands on are left out.
+/// direction. The edges of the base are left out.
 pub(super) fn detail(cloud: &Cloud, roughness: &[f64], up: Vec3, front: Vec3) -> (f64, f64) {
     let (bottom, top) = cloud.span(up);
     let ground = bottom + 0.1 * (top - bottom);

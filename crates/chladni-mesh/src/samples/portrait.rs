@@ -11,7 +11,7 @@ use crate::surface::components;
 use crate::surface::vec3::Vec3;
 use crate::{MeshError, TriMesh};
 
-/// The sliders by name, and what they do; each goes from −1 to 1, and 0 is a plain head.
+/// The sliders by name, and their effects; each goes from −1 to 1, and 0 is a plain head.
 pub const SLIDERS: [(&str, &str); 17] = [
     ("width", "narrow to broad"),
     ("length", "a short face to a long one"),

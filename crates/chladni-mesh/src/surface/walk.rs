@@ -97,7 +97,7 @@ impl Ground {
         Some(SurfacePoint { triangle: triangle as u32, weights })
     }
 
-    /// The gradient of what has `values` at the corners of a triangle and is linear between them.
+    /// The gradient of the linear function with these `values` at the corners of a triangle.
     ///
     /// # Panics
     /// If there is no such triangle.

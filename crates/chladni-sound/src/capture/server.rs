@@ -1,4 +1,4 @@
-//! Captures what a PulseAudio or PipeWire server plays, all of it or one program's, with its own recorder.
+//! Captures the output of a PulseAudio or PipeWire server, all of it or one program's, with its own recorder.
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};

@@ -24,7 +24,7 @@ impl Tail {
         self.length
     }
 
-    /// With what is left of the song before it.
+    /// Mixed with the rest of the song before it.
     pub fn over(mut self, mut before: Self) -> Self {
         let longer = self.frames.len().max(before.frames.len());
         Self::of((0..longer).map(|_| {

@@ -8,7 +8,7 @@ use super::instructions::Kernel;
 use super::shade::{self, rgb};
 use crate::uniforms::{CellUniform, FigureUniform};
 
-/// Places in a batch: what is computed of them fits the first cache.
+/// Places in a batch: their data fits the first-level cache.
 pub(super) const PLACES: usize = 128;
 
 type Places = [f32; PLACES];
@@ -42,7 +42,7 @@ pub(super) struct Batch {
     pub(super) keyed: Places,
     /// Share of the key light.
     pub(super) key: Places,
-    /// In a panorama: light from all around, and what is mirrored.
+    /// In a panorama: light from all around, and the mirrored light.
     ambient: [Places; 3],
     mirror: [Places; 3],
     /// Own light, as a share of the color.
@@ -81,7 +81,7 @@ impl Batch {
         })
     }
 
-    /// Looks up what a panorama sends to each place.
+    /// Looks up the light of a panorama at each place.
     pub(super) fn surround(&mut self, cell: &CellUniform, around: &Pyramid, roughness: f32) {
         for i in 0..self.count {
             let (n, v) = (at(&self.normal, i), at(&self.viewer, i));
@@ -221,7 +221,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
     }
 }
 
-/// From what a palette answers with to colors, linear light.
+/// From a palette's answers to colors, linear light.
 pub(super) struct Answered<'a, 'b> {
     pub(super) figure: &'a FigureUniform,
     pub(super) map: &'a [[f32; 3]; 256],
@@ -302,7 +302,7 @@ impl Kernel for LightMap<'_, '_> {
     }
 }
 
-/// From colors to what is added to pixels.
+/// From colors to the bytes that are added to pixels.
 pub(super) struct Pack<'b> {
     pub(super) opacity: f32,
     pub(super) batch: &'b mut Batch,

@@ -51,7 +51,7 @@ pub(super) fn whole(x: f32) -> i32 {
     ((x - 0.5) + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits()) as i32
 }
 
-/// 2ˣ, to 2 · 10⁻⁷ of it; x is held to what a normal number can be the result of.
+/// 2ˣ, to 2 · 10⁻⁷ of it; x is clamped so that the result is a normal number.
 #[inline(always)]
 pub(super) fn exp2(x: f32) -> f32 {
     let x = clamp(x, -126.0, 126.0);

@@ -53,7 +53,7 @@ impl Focusing {
         &mut self.circles
     }
 
-    /// Spreads what is out of focus, by the circles that were written.
+    /// Spreads light that is out of focus, by the circles that were written.
     pub(super) fn lay(&mut self, with: Instructions, size: [u32; 2], pixels: &mut [u8]) {
         let spread = Spread::new(size);
         let [width, height] = size.map(|side| side as usize);
@@ -101,7 +101,8 @@ impl Small {
         self.stride() * (self.height + 2 * self.rim)
     }
 
-    /// Each square of a picture as one pixel: the circle of what is nearest, and the color of what has such a circle.
+    /// Each square of a picture as one pixel: the circle of the nearest thing in it, and the color of all pixels with
+    /// such a circle.
     fn shrink(
         &mut self,
         step: usize,

@@ -193,7 +193,7 @@ impl Chunk {
         }
     }
 
-    /// Sorts what was found by place, in the order in which it came.
+    /// Sorts the triangles found by place, in the order in which they came.
     fn count(&mut self, places: usize) {
         self.starts.clear();
         self.starts.resize(places + 1, 0);
@@ -281,7 +281,7 @@ impl Clipped {
         all
     }
 
-    /// Keeps what is on the side where `distance` is not negative (Sutherland & Hodgman 1974).
+    /// Keeps the part on the side where `distance` is not negative (Sutherland & Hodgman 1974).
     fn cut(&mut self, distance: impl Fn([f32; 4]) -> f32) {
         let (before, count) = (self.corners, self.count);
         self.count = 0;

@@ -1,4 +1,4 @@
-//! A tile of a picture: what is seen in it, layer after layer, and its colors.
+//! A tile of a picture: the visible triangles, layer after layer, and their colors.
 
 mod circles;
 mod colors;
@@ -117,7 +117,7 @@ struct Tile<'a, 'p> {
     high: [i32; 2],
     /// The canvas's rows from the tile's first.
     pixels: &'p mut [u8],
-    /// Where what is drawn is out of focus: how depths say so, and where it is written.
+    /// The circles of light, where there is depth of field: from depths, and where they are written.
     circles: Option<(Circle, &'p mut [f32])>,
     scratch: &'p mut Scratch,
 }

@@ -58,7 +58,7 @@ impl Feed {
         let _ = self.child.wait();
     }
 
-    /// Ends it and returns what it said as one line, or `otherwise` if it said nothing.
+    /// Ends it and returns its message as one line, or `otherwise` if it said nothing.
     pub(super) fn complaint(&mut self, otherwise: &str) -> String {
         self.end();
         let text = self.complaints.take().and_then(|thread| thread.join().ok()).unwrap_or_default();

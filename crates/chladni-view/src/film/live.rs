@@ -98,7 +98,7 @@ impl LiveFilm {
     }
 
     /// The folder in which it is made, beside its file. If the program ends before the film does, [`CutOff`](super::CutOff)
-    /// makes a film of what is there.
+    /// makes a film of the pieces there.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -128,7 +128,7 @@ impl LiveFilm {
         self.left_out += u64::from(!sent);
     }
 
-    /// Takes the sound up to `at_secs`; what is missing before it is silence.
+    /// Takes the sound up to `at_secs`; a gap before it is silence.
     pub fn sound(&mut self, at_secs: f64, left: &[f32], right: &[f32]) {
         let due = (at_secs.max(0.0) * f64::from(self.sound_hz)) as u64;
         let missing = due.saturating_sub(self.sounded + left.len() as u64);

@@ -94,7 +94,7 @@ impl Corners {
         self.groups.get(figure)?.as_ref()
     }
 
-    /// Makes ready what the figures of a picture look up.
+    /// Prepares the data that the figures of a picture look up.
     pub(crate) fn stage(
         &mut self,
         device: &wgpu::Device,
@@ -225,7 +225,7 @@ impl Numbers {
 }
 
 impl Sheet {
-    /// Queues the copy: whole rows, then what is left.
+    /// Queues the copy: whole rows, then the rest.
     fn fill(&self, encoder: &mut wgpu::CommandEncoder) {
         let Numbers { buffer, format, start, count } = &self.source;
         let bytes = u64::from(format.block_copy_size(None).unwrap_or(4));

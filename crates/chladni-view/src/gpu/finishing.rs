@@ -18,7 +18,7 @@ pub(crate) struct Finishing {
     uniform: wgpu::Buffer,
     bare: wgpu::TextureView,
     last: wgpu::Texture,
-    /// Each with its pipeline, what it reads and where it draws, in order.
+    /// Passes in order, each with its pipeline, inputs and target.
     spreading: Vec<(Pass, wgpu::BindGroup, wgpu::TextureView)>,
     finish: wgpu::BindGroup,
     /// When the picture that shows on was drawn.

@@ -156,7 +156,7 @@ impl Gpu {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Samples a pixel for what moves: four where there is a graphics card, one where the processor
+    /// Samples a pixel for moving pictures: four where there is a graphics card, one where the processor
     /// draws, which takes a third of the time. Still pictures can wait and have four everywhere.
     pub fn live_samples(&self) -> Samples {
         if self.is_software() { Samples::One } else { Samples::Four }

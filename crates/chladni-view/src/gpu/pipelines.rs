@@ -77,7 +77,7 @@ pub(crate) enum Coat {
     Corners,
 }
 
-/// One side of a surface. Opaque surfaces draw the front first, so that what lies behind it is never
+/// One side of a surface. Opaque surfaces draw the front first, so that surfaces behind it are never
 /// shaded; translucent ones the back first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Side {

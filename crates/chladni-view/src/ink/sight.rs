@@ -12,7 +12,7 @@ pub(super) struct Sight<'a> {
     pub plate: &'a Plate,
     pub camera: Camera,
     pub cell: Rect,
-    /// Pixels: what all lengths on paper are measured in, 1 where the cell's shorter side has 900.
+    /// The unit of lengths on paper, in pixels: 1 where the cell's shorter side has 900.
     pub unit: f64,
     /// Right, up and toward the viewer.
     pub axes: [Vec3; 3],
@@ -22,7 +22,7 @@ pub(super) struct Sight<'a> {
 }
 
 /// How far from the surface visibility is tested, as a share of the size: more than a triangle's sagitta, less than
-/// what could lie before it.
+/// the distance of anything that could lie before it.
 const CLEARANCE: f64 = 0.004;
 /// Contours are drawn on the averaged surface. Where it hardly bends along the line of sight, the exact surface may
 /// rise just in front of its contour. So a blocker nearer than the first share of the size hides a contour only if it

@@ -15,7 +15,7 @@ pub struct Answer {
     pub offset: f32,
     /// How much of it lies along the shape.
     pub span: f32,
-    /// How much of it lies between what is flat and the sharpest ridge; hollows are as far on the other side.
+    /// How much of it lies between flat places and the sharpest ridge; hollows are as far on the other side.
     pub crease: f32,
     /// How much of it a unit of length outward is.
     pub swing: f32,
@@ -34,7 +34,8 @@ pub struct Answer {
     pub saturation: f32,
     /// Lines where the surface vibrates and does not move.
     pub lines: NodalLines,
-    /// How far the surface may go, in the coordinates of its item: what is far smaller has neither phase nor lines.
+    /// How far the surface may go, in the coordinates of its item: far smaller displacements have neither phase nor
+    /// lines.
     pub farthest: f32,
 }
 

@@ -66,7 +66,7 @@ fn ramp(around: &[f32], i: usize, step: usize) -> f32 {
     if at < 0.0 { mix(around[0], around[1], 1.0 + at) } else { mix(around[1], around[2], at) }
 }
 
-/// Lays what has spread over a row of the picture.
+/// Lays the spread light over a row of the picture.
 pub(super) struct Compose<'a> {
     pub(super) y: usize,
     pub(super) pixels: &'a mut [u8],

@@ -114,7 +114,7 @@ fn is_nothing(numbers: &[f32; BLOCK]) -> bool {
     numbers.iter().fold(0, |all, number| all | number.to_bits()) == 0
 }
 
-/// The mean of what has spread in a row and around it, of like softness: of the taps of two rows.
+/// The mean of the spread light of like softness in a row and around it, over the taps of two rows.
 pub(super) struct Even<'a> {
     pub(super) small: &'a Small,
     /// The rows above, here and below.
