@@ -1,4 +1,4 @@
-//! One body that dances: the music room without a window. The page says what plays and how large its picture
+//! One body that dances: the music room without a window. The page says which song plays and how large its picture
 //! is, and gets the pixels.
 
 mod curves;
@@ -29,7 +29,7 @@ use self::playing::Script;
 use self::stage::{Figures, Stage};
 use crate::parcel::Parcel;
 
-/// A shape, its dances, what is heard, and the picture of it.
+/// A shape, its dances, the sound, and the picture of it.
 #[wasm_bindgen]
 pub struct Concert {
     name: String,
@@ -104,7 +104,7 @@ impl Concert {
         })
     }
 
-    /// A song is known from now on, by its number: what [`decode`](crate::decode) gave, and what it is called.
+    /// A song is known from now on, by its number: the result of [`decode`](crate::decode), and its name.
     ///
     /// # Errors
     /// Beats that are none.
@@ -228,7 +228,7 @@ impl Concert {
 }
 
 impl Concert {
-    /// The look by its names, or what is worn on stage.
+    /// The look by its names, or that of the dance on stage.
     fn look(&self) -> Look {
         look_on_stage(&self.instrument).unwrap_or_else(|| look_named(&self.looks).0)
     }

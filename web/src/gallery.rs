@@ -1,4 +1,4 @@
-//! Twelve caricatures of a shape, for a worker: the page hangs what comes out of it.
+//! Twelve caricatures of a shape, computed in a worker and shown by the page.
 
 use std::path::Path;
 use std::sync::Arc;

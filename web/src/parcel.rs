@@ -1,4 +1,4 @@
-//! A body that can dance, as bytes: what a worker hands to the page, and what `scripts/web` puts beside it.
+//! A body that can dance, as bytes, which a worker hands to the page, or `scripts/web` puts beside it.
 //!
 //! Positions are f32, and each harmonic is 16-bit integers of a scale of its own, just as pictures are
 //! synthesized: a tenth of the bytes that a solve has. The way back to the file's vertices stays behind, so

@@ -16,7 +16,7 @@ pub fn shape(name: &str, bytes: Option<&[u8]>, watcher: &impl Watcher) -> Result
     }
 }
 
-/// Reports to the page what is done, as `report("step", "solving …")`, warnings as `report("warning", …)`, and how far
+/// Reports the work to the page, as `report("step", "solving …")`, warnings as `report("warning", …)`, and how far
 /// the work is as `report("progress", "solving …, 40 %")`.
 pub struct Reporter<'a> {
     task: Task,

@@ -9,13 +9,13 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 use wgpu::util::TextureBlitter;
 
-/// The device of the page, and what it shows.
+/// The device of the page, and its surface.
 struct Card {
     gpu: Gpu,
     surface: wgpu::Surface<'static>,
     /// Draws pictures into the page, where they cannot be copied there.
     blitter: Option<TextureBlitter>,
-    /// Of what is shown.
+    /// The size of the picture.
     size: (u32, u32),
 }
 
@@ -98,7 +98,7 @@ impl Screen {
         Ok(had)
     }
 
-    /// Shows what was drawn. Where the processor draws, the page has yet to fetch it: the pixels.
+    /// Shows the picture. Where the processor draws, the page has yet to fetch it: the pixels.
     pub fn show(&mut self) -> Result<Option<&mut Picture>, Error> {
         match &self.device {
             Device::Processor => {

@@ -1,4 +1,4 @@
-//! One shape that is exaggerated: the caricature room without a window. The page says what is done to it and how large
+//! One shape that is exaggerated: the caricature room without a window. The page sends its actions and says how large
 //! its picture is, and gets the pixels.
 
 mod doings;

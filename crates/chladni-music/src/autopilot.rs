@@ -24,7 +24,7 @@ impl Candidate {
     /// How much more often a favorite comes.
     pub const FAVORITE: u32 = 4;
 
-    /// By the words that a preset is found by: calm and lively say what it suits.
+    /// By the words that a preset is found by: calm and lively name the energy that it suits.
     pub fn tagged(tags: &[String], weight: u32) -> Self {
         let has = |word: &str| tags.iter().any(|tag| tag == word);
         Self {
@@ -95,12 +95,12 @@ impl Autopilot {
         self.shown == 0
     }
 
-    /// Whether it stays with what is shown.
+    /// Whether it keeps the current dance and look.
     pub fn holds(&self) -> bool {
         self.holds
     }
 
-    /// Stays with what is shown, or goes on.
+    /// Keeps the current dance and look, or goes on.
     pub fn hold(&mut self, on: bool) {
         self.holds = on;
     }

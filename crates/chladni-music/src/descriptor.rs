@@ -21,7 +21,7 @@ const LEVEL: f32 = 0.3;
 const MOST_MOMENTS: usize = 12;
 
 impl Moments {
-    /// Remembers what is heard now, in the place of the oldest of twelve. Where the number of bands has
+    /// Remembers the current sound, in place of the oldest of twelve moments. Where the number of bands has
     /// changed, the others are forgotten.
     pub fn remember(&mut self, heard: &Bands<'_>) {
         let bands = heard.mid.len();
@@ -95,7 +95,7 @@ impl Describer {
         Ok(Self { dancer, playing: Playing { timbre: None, ..playing }, moments })
     }
 
-    /// How `mapping` moves the body: displacements and gradients at its probes, as shares of what the limits allow,
+    /// How `mapping` moves the body: displacements and gradients at its probes, as shares of the limits,
     /// so that a ripple counts as much as a sway.
     ///
     /// # Errors

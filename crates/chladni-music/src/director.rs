@@ -124,7 +124,7 @@ impl Framing {
     }
 }
 
-/// Chooses the shots of one song, or of what is heard live.
+/// Chooses the shots of one song, or of live sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Director {
     seed: u64,

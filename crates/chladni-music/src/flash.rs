@@ -163,7 +163,7 @@ impl FlashLimiter {
         }
     }
 
-    /// Counts what is shown at `time_secs`; it should be as near to what was
+    /// Counts the value shown at `time_secs`; it should be as near to what was
     /// [`allowed`](Self::allowed) as the picture permits.
     pub fn show(&mut self, time_secs: f64, shown: f32) {
         if self.swings.push(shown) {

@@ -79,7 +79,7 @@ pub enum Action {
     LeaveStage,
     /// Sweeps the sand off the shape and pours it anew.
     Sweep,
-    /// Puts a look of that name over what is on stage, until something else comes there or the stage is left. An
+    /// Puts a look of that name over the dance on stage, until something else comes there or the stage is left. An
     /// empty name is the show's own look.
     SetLook { look: String },
 }
@@ -218,7 +218,7 @@ impl Instrument {
         self.sweeps
     }
 
-    /// The name of the look that what is on stage wears; `None` where that is the show's own.
+    /// The name of the look of the dance on stage; `None` where that is the show's own.
     pub fn look(&self) -> Option<&str> {
         Some(self.look.as_str()).filter(|look| !look.is_empty())
     }
@@ -251,7 +251,7 @@ impl Instrument {
     /// Does `action` and logs it. On error nothing changes and nothing is logged.
     ///
     /// # Errors
-    /// The action names what is not there, or a value out of its range; or the gallery refuses, as where
+    /// The action names a missing thing, or a value out of its range; or the gallery refuses, as where
     /// nothing was chosen to breed.
     pub fn apply(&mut self, moment: Moment, action: Action) -> Result<(), MusicError> {
         self.act(moment, &action)?;

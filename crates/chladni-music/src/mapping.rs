@@ -95,7 +95,7 @@ impl Mapping {
     /// (the gain lies in [0, 100]).
     ///
     /// # Errors
-    /// Names what is wrong.
+    /// Names the number that is wrong.
     pub fn validate(&self) -> Result<(), MusicError> {
         let bad = |what, why: String| Err(MusicError::BadMapping { what, why });
         for (what, values, low) in

@@ -110,7 +110,7 @@ pub struct Sand {
     /// Steps since it was poured, and those of them in which something moved.
     steps: u64,
     moves: u64,
-    /// a_k² of each term of what sounds, smoothed.
+    /// a_k² of each term of the dance, smoothed.
     powers: Vec<Vec<f32>>,
     /// u of each vertex, and the largest without its sign.
     speed: Vec<f32>,
@@ -209,7 +209,7 @@ impl Sand {
         });
     }
 
-    /// Takes in what sounds: the energy of each vertex, the length of the waves, the vigor.
+    /// Takes in the sounding item: the energy of each vertex, the length of the waves, the vigor.
     fn feel(&mut self, item: &Item, full: f32) {
         let keep = (-SAND_STEP_SECS as f32 / MEMORY_SECS).exp();
         let (basis, slowest) = (Arc::clone(&self.tray.basis), self.tray.slowest);
@@ -258,8 +258,8 @@ impl Sand {
         self.vigor = self.level / (self.level + HALF_VIGOR);
     }
 
-    /// The harmonics that drive the sand, and the weights of their movements: what is weaker than the strongest
-    /// one counts less still, so that few of them draw the figure. Constant ones have no frequency.
+    /// The harmonics that drive the sand, and the weights of their movements: one weaker than the strongest
+    /// counts less still, so that few of them draw the figure. Constant ones have no frequency.
     fn drivers(&self) -> Vec<(usize, f32)> {
         let power = |k: usize| self.powers.iter().map(|powers| powers[k]).sum::<f32>();
         let mut all: Vec<(usize, f32)> = (0..self.tray.basis.harmonics()).map(|k| (k, power(k))).collect();

@@ -1,4 +1,4 @@
-//! A table of everything that can be controlled: what a knob, a pad or an OSC message may turn, press or
+//! A table of everything that a knob, a pad or an OSC message may turn, press or
 //! choose.
 //!
 //! OSC addresses, the targets that can be learned, and the page `docs/controls.md` are generated from it.

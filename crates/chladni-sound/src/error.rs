@@ -76,7 +76,7 @@ pub enum SoundError {
     /// A setting is out of range.
     #[error("{what}")]
     Setting {
-        /// Which setting, and what is allowed.
+        /// The setting and its allowed range.
         what: String,
     },
     /// A sound device failed or does not exist.

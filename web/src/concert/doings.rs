@@ -121,7 +121,7 @@ impl Concert {
         Ok(())
     }
 
-    /// Does what the autopilot wants by a time of the show.
+    /// Does the autopilot's actions up to a time of the show.
     pub(super) fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
         let Some(programme) = &mut self.programme else { return Ok(()) };
         let bars = match &mut self.live {

@@ -81,7 +81,7 @@ impl Concert {
 }
 
 impl Concert {
-    /// Does what was done by a time of the show that is played.
+    /// Repeats the actions up to a time of the show that is played.
     pub(super) fn follow_script(&mut self, now_secs: f64) -> Result<(), Error> {
         loop {
             let Some(script) = &mut self.script else { return Ok(()) };

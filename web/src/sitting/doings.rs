@@ -42,7 +42,7 @@ impl Sitting {
         Ok(self.refresh()?)
     }
 
-    /// Takes a step back; what it was called, where there was one.
+    /// Undoes a step; returns its label, if there was one.
     ///
     /// # Errors
     /// Bugs only.
@@ -52,7 +52,7 @@ impl Sitting {
         Ok(label.map(Into::into))
     }
 
-    /// Does again what was taken back.
+    /// Repeats an undone step.
     ///
     /// # Errors
     /// Bugs only.
@@ -126,7 +126,7 @@ impl Sitting {
         Ok(self.act_once(&Action::Stand(stands))?)
     }
 
-    /// Looks for what stands out of the shape, from whole limbs (0) to small features (1).
+    /// Looks for parts of the shape, from whole limbs (0) to small features (1).
     ///
     /// # Errors
     /// Bugs only.
@@ -219,7 +219,7 @@ impl Sitting {
 }
 
 impl Sitting {
-    /// The viewer of what is shown.
+    /// The camera of the current view.
     fn camera(&mut self) -> &mut Camera {
         match (&mut self.landmarks, &mut self.hanging) {
             (Some(landmarks), _) => landmarks.camera(),

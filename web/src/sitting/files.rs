@@ -105,7 +105,7 @@ impl Sitting {
     /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`.
     ///
     /// # Errors
-    /// Another format, or what the format cannot hold.
+    /// Another format, or a shape that the format cannot hold.
     pub fn export(&mut self, extension: &str) -> Result<Vec<u8>, JsError> {
         let format = Format::from_extension(extension).ok_or_else(|| JsError::new("no such format"))?;
         self.settle()?;

@@ -244,7 +244,7 @@ impl Sitting {
         Some(self.landmarks.as_ref()?.picks.hint(self.matching().landmarks.len()))
     }
 
-    /// Whether landmarks are those of what is selected.
+    /// Closes landmarks that are not those of the selected layer.
     pub(super) fn forget_other_landmarks(&mut self) {
         let project = self.history.project();
         let selected = self.selected.and_then(|id| Some((id, project.layer(id)?)));

@@ -43,7 +43,7 @@ pub struct Stage {
     by_hand: bool,
 }
 
-/// The shape as renderers have it, with what gives it its color.
+/// The shape as renderers have it, with its colors.
 struct Dressed {
     topology: Topology,
     buffers: ItemBuffers,
@@ -346,7 +346,7 @@ impl Stage {
         &self.triangles
     }
 
-    /// The tree that finds what is under the pointer, and what it was built of.
+    /// The tree that finds the triangle under the pointer, and the positions and triangles that it was built of.
     pub fn pick_tree(&mut self) -> (&PickTree, &[[f32; 3]], &[[u32; 3]]) {
         let (positions, triangles) = (&self.positions, &self.triangles);
         let tree = self.pick.get_or_insert_with(|| PickTree::new(positions, triangles));

@@ -167,7 +167,7 @@ impl Sitting {
     }
 }
 
-/// The templates that need no file, each with what it compares a shape with, as JSON: `[["Ellipsoid", "Against …"], …]`.
+/// The templates that need no file, each with its comparison in words, as JSON: `[["Ellipsoid", "Against …"], …]`.
 ///
 /// # Errors
 /// Bugs only.

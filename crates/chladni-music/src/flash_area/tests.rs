@@ -1,4 +1,4 @@
-//! Shows made to get past the guard. What is left of them is counted on the pixels that are shown.
+//! Shows made to get past the guard. Their remaining flashes are counted on the pixels that are shown.
 
 use proptest::prelude::*;
 

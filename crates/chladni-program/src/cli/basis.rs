@@ -150,7 +150,7 @@ fn gigabytes(text: &str) -> Result<f64, Error> {
 }
 
 impl Args {
-    /// Solves, writes what was asked for, and reports.
+    /// Solves, writes the files asked for, and reports.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = self.output.as_deref().filter(|path| is_folder(path));
         let files = [self.output.as_ref().filter(|_| folder.is_none()), self.operator.as_ref()];

@@ -1,4 +1,4 @@
-//! `chladni dance MESH SONG`: what can be asked for, and the film that is meant by it.
+//! `chladni dance MESH SONG`: its arguments, and the film that they ask for.
 
 mod changes;
 
@@ -333,7 +333,7 @@ impl Dance {
         self.material.is_some() || self.lights.is_some() || self.background.is_some()
     }
 
-    /// A look with what the arguments change of it.
+    /// A look, changed as the arguments say.
     fn look(&self, of_show: Look) -> Look {
         // Parts alone are those of the plain look.
         let whole = if self.chooses_parts() && self.show.is_none() { Look::PLAIN } else { of_show };

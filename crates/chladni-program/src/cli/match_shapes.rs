@@ -103,7 +103,7 @@ struct Printed<'a> {
 }
 
 impl MatchShapes {
-    /// Matches, writes what was asked for and prints the report.
+    /// Matches, writes the files asked for and prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.check()?;
         let shape = source::mesh(&self.shape, terminal)?;

@@ -81,7 +81,7 @@ pub struct Show {
 }
 
 impl ProjectCommand {
-    /// Does what was asked for.
+    /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         match self {
             Self::New(new) => new.run(terminal),

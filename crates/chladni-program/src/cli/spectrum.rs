@@ -1,4 +1,4 @@
-//! `chladni spectrum`: what the shape will dance to, as numbers or as a picture.
+//! `chladni spectrum`: the bands that the shape will dance to, as numbers or as a picture.
 
 use std::path::PathBuf;
 

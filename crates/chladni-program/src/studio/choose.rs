@@ -24,7 +24,7 @@ pub trait Chooser {
     /// Begins to ask while the window goes on; false where something is being asked already.
     fn begin(&mut self, request: Request) -> bool;
 
-    /// The answer to what was [begun](Self::begin), once: no files if the user cancels.
+    /// The answer to the request that was [begun](Self::begin), once: no files if the user cancels.
     fn answer(&mut self) -> Option<Vec<PathBuf>>;
 
     /// The error since the last call: no dialog may have come up at all.
@@ -131,7 +131,7 @@ fn ask_the_system(request: &Request) -> Vec<PathBuf> {
 }
 
 /// The request to make again where a file to be saved was named without an extension, and is there with it: the dialog,
-/// which alone asks about what is there, did not know that name. Else the extension is added.
+/// which alone asks before it replaces a file, did not know that name. Else the extension is added.
 fn completed(request: &Request, files: &mut [PathBuf]) -> Option<Request> {
     let extension = request.kinds.first().and_then(|(_, extensions)| extensions.first());
     let (Purpose::Save, Some(file), Some(extension)) = (request.purpose, files.first_mut(), extension) else {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-/// Waits for the first picture of what is opened.
+/// Waits for the first picture of the opened files.
 #[derive(Debug)]
 pub struct FirstPicture {
     began: Instant,
@@ -105,7 +105,7 @@ impl Measure {
         at >= self.secs
     }
 
-    /// Notes what dances.
+    /// Notes the size of the dance.
     pub fn shows(&mut self, stage: Option<OnStage>) {
         self.stage = stage.or(self.stage);
     }

@@ -1,4 +1,4 @@
-//! Short messages in the corner: what was done, what went wrong. Errors stay until they are read.
+//! Short messages in the corner: successes, warnings and errors. Errors stay until they are read.
 
 use std::fmt::Display;
 use std::time::{Duration, Instant};

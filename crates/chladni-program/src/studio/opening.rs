@@ -1,4 +1,4 @@
-//! Opening the window: what it opens with, and how it continues after losing its graphics device.
+//! Opening the window: its settings, and how it continues after losing its graphics device.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -29,10 +29,10 @@ pub(super) const SMALLEST: [f32; 2] = [900.0, 600.0];
 /// If a device is lost sooner than this after its window has opened, give up.
 const SHORTEST: Duration = Duration::from_secs(10);
 
-/// Opens the window on the start screen, or on `files` where some are given, and returns when
-/// it is closed. With a measure it closes by itself when all is counted.
-/// It closes, too, once `ends` is cancelled. With a first picture it closes as soon as that is shown. Where the processor draws it paints the window, too; where the graphics device is lost,
-/// another window goes on with what was open.
+/// Opens the window on the start screen, or on `files` where some are given, and returns when it is closed. With a
+/// measure it closes by itself when all is counted, and with a first picture as soon as that is shown; it closes,
+/// too, once `ends` is cancelled. Where the processor draws, it paints the window, too. If the graphics device is
+/// lost, another window goes on with the same rooms.
 pub fn open(
     mut files: Vec<PathBuf>,
     measure: Option<Rc<RefCell<Measure>>>,
@@ -115,7 +115,7 @@ pub struct Opening {
     pub first_picture: Option<Rc<FirstPicture>>,
     /// The live input that the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
-    /// Hears what the music room plays in each frame.
+    /// Records the music room's items in each frame.
     pub trace: Option<Trace>,
     /// The rooms that an earlier window left to resume from, and where this one leaves its own if its device is lost.
     pub handover: Handover,

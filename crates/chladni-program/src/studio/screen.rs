@@ -123,7 +123,7 @@ impl Shown {
         }
     }
 
-    /// Shows what is on `canvas` now.
+    /// Shows the current picture of `canvas`.
     pub fn refresh(&mut self, canvas: &Canvas) {
         let Self::Pixels { handle, images } = self else { return };
         let Some(pixels) = canvas.pixels() else { return };

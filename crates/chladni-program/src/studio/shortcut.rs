@@ -1,4 +1,4 @@
-//! A key and what it does.
+//! A key and its action.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -72,7 +72,7 @@ impl Shortcut {
 /// Keys that edit text together with Ctrl.
 const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
 
-/// Whether what has the focus wants `key` for itself: a text field all of them, another control those
+/// Whether the control with the focus wants `key` for itself: a text field all of them, another control those
 /// that click it, change it or lead to the next one.
 fn is_taken(ctx: &egui::Context, key: Key) -> bool {
     let controls = matches!(

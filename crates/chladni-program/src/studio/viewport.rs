@@ -38,7 +38,7 @@ pub struct Viewport {
     effort: Effort,
     /// Effects on finished pictures, and the time of the next one.
     finish: (Finish, f64),
-    /// Which pictures stand around what is drawn.
+    /// The version of the pictures around the scene.
     surrounded: u64,
     surroundings: Surroundings,
     /// Which picture of a film stands behind; 0 is that of the surroundings.

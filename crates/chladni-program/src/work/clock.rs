@@ -43,7 +43,7 @@ impl ShowClock {
         self.at_secs
     }
 
-    /// Advances to what plays at `now_secs` by any steadily running clock; returns the stretch that begins
+    /// Advances to the player's position at `now_secs` of any steadily running clock; returns the stretch that begins
     /// there, if one does.
     pub fn follow(&mut self, now_secs: f64, playing: Playing) -> Option<Stretch> {
         let dt_secs = (now_secs - self.now_secs.unwrap_or(now_secs)).max(0.0);

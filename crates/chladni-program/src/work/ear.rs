@@ -1,4 +1,4 @@
-//! An ear that knows only what was heard so far: for live input, and for a song that is still being read.
+//! An ear that knows only the past: for live input, and for a song that is still being read.
 
 use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, Timbre};
 use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings};
@@ -6,7 +6,7 @@ use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyz
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
 
-/// Seed of the shots of what is not known as a whole.
+/// Seed of the shots of sound that is not known as a whole.
 pub const LIVE_SEED: u64 = 1;
 
 /// An analyzer, a beat tracker, the resonators that they strike, and the chords.
@@ -22,7 +22,7 @@ pub struct Ear {
     harmony: Harmony,
 }
 
-/// The number of beats so far. A tracker sometimes corrects its phase backward, but what moves with the beat
+/// The number of beats so far. A tracker sometimes corrects its phase backward, but things that move with the beat
 /// must not jump back.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeatCount {

@@ -25,7 +25,7 @@ pub enum Error {
     /// A request that cannot be met, for the reason given.
     #[error("{0}")]
     Input(String),
-    /// An error of what is called `name`, which the error itself does not say.
+    /// An error about `name`, which the error itself does not mention.
     #[error("{name}: {error}")]
     Of {
         /// A file, a sample, a pair of them.
@@ -201,7 +201,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// Of what is called `name`.
+    /// A warning about `name`.
     pub fn of(name: impl Display, message: impl Display) -> Self {
         Self::Of { name: name.to_string(), message: message.to_string() }
     }

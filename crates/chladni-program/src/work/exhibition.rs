@@ -1,4 +1,4 @@
-//! Twelve caricatures of one shape, to be chosen from and bred: what the window and the page hang.
+//! Twelve caricatures of one shape, to be chosen from and bred, as the window and the page show them.
 
 use std::sync::Arc;
 

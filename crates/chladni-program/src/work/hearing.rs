@@ -252,7 +252,7 @@ impl Hearing {
         self.harmony
     }
 
-    /// Listens to `at_secs`; false where nothing is known of what plays there.
+    /// Listens to `at_secs`; false where nothing is known of the sound there.
     fn listen(&mut self, at_secs: f64) -> Result<bool, SoundError> {
         let (Some(stretch), Some(tuning)) = (self.stretch(), self.tuning) else { return Ok(false) };
         let Some(number) = stretch.song else {

@@ -9,7 +9,7 @@ const LONGEST_SECS: f64 = 0.5;
 /// Smaller coefficients (the shape's area is one) are rest.
 const REST: f32 = 1e-6;
 
-/// Remembers items from frame to frame. With x the coefficients and y what follows them by ẏ = (x − y)/τ, the lag is
+/// Remembers items from frame to frame. With x the coefficients and y their followers by ẏ = (x − y)/τ, the lag is
 /// x − y: the speed times τ where the movement is even, and never more than the movement itself. Between two frames
 /// x is taken for a straight line, for which the step is exact, so the frame rate does not matter.
 #[derive(Clone, Debug, Default)]

@@ -1,4 +1,4 @@
-//! Landmarks picked on a shape and its template, side by side: what a press does, and what both shapes look like.
+//! Landmarks picked on a shape and its template, side by side: the effect of a press, and the look of both shapes.
 
 use chladni_match::Landmark;
 use chladni_mesh::surface::SurfacePoint;
@@ -244,7 +244,7 @@ impl Side {
         self.positions.get(vertex as usize).copied()
     }
 
-    /// The vertex nearest to what lies under the pixel (x, y).
+    /// The vertex nearest to the place under the pixel (x, y).
     pub fn vertex_at(&self, x: f32, y: f32, cell: Rect) -> Option<u32> {
         let ray = self.camera.ray(x, y, cell);
         let hit = self.tree.pick(&ray, &self.positions, &self.triangles)?;
@@ -299,7 +299,7 @@ impl Side {
     }
 }
 
-/// Where a match puts what lies at `vertex` of one side on the other: the shape's vertices lie `on_template`.
+/// Where a match puts `vertex` of one side on the other: the shape's vertices lie `on_template`.
 pub fn counterpart(
     which: Which,
     vertex: u32,

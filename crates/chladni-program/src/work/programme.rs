@@ -79,17 +79,17 @@ impl Programme {
         self.heard_secs
     }
 
-    /// Whether it stays with what is shown.
+    /// Whether it keeps the current dance and look.
     pub fn holds(&self) -> bool {
         self.autopilot.holds()
     }
 
-    /// Stays with what is shown, or goes on.
+    /// Keeps the current dance and look, or goes on.
     pub fn hold(&mut self, on: bool) {
         self.autopilot.hold(on);
     }
 
-    /// Hears the bars that begin up to `at_secs`; what is to be done, and when.
+    /// Hears the bars that begin up to `at_secs`; returns the actions to do, and when.
     pub fn hear(&mut self, bars: &[BarLine], at_secs: f64, instrument: &Instrument) -> Vec<(f64, Action)> {
         self.heard_secs = at_secs;
         let mut actions = Vec::new();
@@ -101,7 +101,7 @@ impl Programme {
         actions
     }
 
-    /// The next dance at once, or the one before: what is to be done.
+    /// The actions that bring the next dance on at once, or the one before.
     pub fn step(&mut self, at_secs: f64, forward: bool, instrument: &Instrument) -> Vec<Action> {
         let turn = self.autopilot.step(at_secs, forward);
         turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()

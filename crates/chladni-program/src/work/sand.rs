@@ -17,7 +17,7 @@ const BEFORE_SECS: f64 = 5.0;
 /// The most steps that are caught up; after a longer wait the sand goes on from now.
 const MOST_STEPS: i64 = 120;
 
-/// A shape on which sand may lie. It steps at fixed times of the show, by what is heard then, so that window
+/// A shape on which sand may lie. It steps at fixed times of the show, by the sound of that time, so that window
 /// and film show the same grains at any frame rate.
 pub struct SandTable {
     body: Body,
@@ -114,7 +114,7 @@ impl SandTable {
         self.grains.iter().map(|grains| of(&grains[..])).collect()
     }
 
-    /// A number that changes whenever what is drawn does.
+    /// A number that changes whenever the grains do.
     pub fn version(&self) -> u64 {
         let mixed = |all: u64, sand: &Sand| all.rotate_left(5) ^ sand.version();
         let radius = u64::from(self.radius.to_bits()) << 32;

@@ -1,5 +1,5 @@
 //! How a scale curve is drawn, in the window and in the page: where wavelengths and gains lie in its plot, how a hand draws
-//! it, and what the active model exaggerates behind it. Places in the plot go from 0 to 1, to the right and up.
+//! it, and the spectrum that the active model exaggerates behind it. Places in the plot go from 0 to 1, to the right and up.
 
 use chladni_caricature::{Difference, Model, ScaleCurve, wavelengths};
 use chladni_harmonics::Basis;

@@ -129,7 +129,7 @@ impl Sculpture {
         Ok((write_mesh(&self.result(), format)?, None))
     }
 
-    /// All of the shape, with what the body's displacements make of it.
+    /// All of the shape, moved by the body's displacements.
     fn result(&self) -> TriMesh {
         let whole = self.subject.whole();
         let positions = match &self.subject.proxy {

@@ -81,7 +81,7 @@ pub fn head_parts(
     Ok(Some((HeadParts::of_match(&found, &plain)?, found, plain)))
 }
 
-/// The named parts of a head; `None` of what is none.
+/// The named parts of a head; `None` if it is not a head.
 fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Option<Vec<SitterPart>>, Error> {
     let Some((parts, found, plain)) = head_parts(mesh, watcher)? else { return Ok(None) };
     let body = stack.body().clone();

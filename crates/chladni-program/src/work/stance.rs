@@ -4,7 +4,7 @@ use chladni_mesh::{Axis, Estimate, Known, Orientation, ShapeSource, TriMesh};
 
 use super::{Error, Warning, Watcher};
 
-/// Up and front as given by the user; what is not given is estimated.
+/// Up and front as given by the user; missing ones are estimated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stance {
     /// The axis of the file that points up.
@@ -36,7 +36,7 @@ impl Stance {
         }
     }
 
-    /// The axes given here, completed by what is known of the source.
+    /// The axes given here, completed by those known of the source.
     fn known(&self, source: &ShapeSource) -> Known {
         let given = Known {
             up: self.up.map(Axis::direction),

@@ -1,4 +1,4 @@
-//! Caricatures that swell out of their shape and back, all together: what the galleries of the window and of the page show.
+//! Caricatures that swell out of their shape and back, all together, for the galleries of the window and of the page.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! How a dance looks at one moment: camera, lights and cells, from what the beat does and where the viewer
+//! How a dance looks at one moment: camera, lights and cells, from the beat and from where the viewer
 //! stands.
 
 use std::sync::Arc;
@@ -104,7 +104,7 @@ pub struct Staging {
     stands: Orientation,
     /// Whether the body is a sheet.
     flat: bool,
-    /// The limit of displacement, and what has to fit into a cell for it.
+    /// The limit of displacement, and the points that have to fit into a cell for it.
     room: (f32, Vec<[f32; 3]>),
     /// Points of the surface, and from how far they fill a picture.
     surface: Vec<[f32; 3]>,
@@ -137,7 +137,7 @@ pub struct Staged {
 }
 
 impl Staging {
-    /// For a body at rest, its triangles, what is [`along`] it, and how it stands.
+    /// For a body at rest, its triangles, the numbers [`along`] it, and how it stands.
     pub fn new(
         dancer: Arc<Dancer>,
         rest: Vec<[f32; 3]>,
@@ -264,7 +264,7 @@ impl Staging {
     }
 }
 
-/// Right, up and front of what stands so.
+/// Right, up and front in this orientation.
 fn axes(stands: Orientation) -> [[f32; 3]; 3] {
     [stands.right(), stands.up(), stands.front()].map(|axis| axis.map(|c| c as f32))
 }

@@ -176,7 +176,7 @@ impl SongReader {
         self.audible.frames.or(self.declared_frames)
     }
 
-    /// A description of what is missing from the sound so far; `None` if nothing is.
+    /// A description of the parts missing from the sound so far; `None` if nothing is.
     pub fn damage(&self) -> Option<String> {
         let packets = match self.damaged_packets {
             0 => None,

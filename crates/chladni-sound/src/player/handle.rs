@@ -193,7 +193,7 @@ impl Player {
 
     /// Sets how long the end of a song is heard under the beginning of the next, in seconds up to
     /// [`LONGEST_CROSSFADE_SECS`]. With 0, the start, one follows the other without a gap. At most half of what
-    /// was heard of a song fades out; what is started by hand begins at once.
+    /// was heard of a song fades out; a song started by hand begins at once.
     pub fn set_crossfade_secs(&self, secs: f64) {
         let secs = if secs.is_finite() { secs.clamp(0.0, LONGEST_CROSSFADE_SECS) } else { 0.0 };
         self.send(Command::Crossfade(secs));

@@ -28,7 +28,7 @@ const LIFT: f32 = 0.8;
 const SOFTEST: f32 = 1e-3;
 /// A band's level rises at once, and falls with this time constant, in decibels.
 const BAND_RELEASE_SECS: f64 = 4.0;
-/// Leveled amplitudes are raised to this power: what is 10 dB softer than the level of its band appears 7
+/// Leveled amplitudes are raised to this power: a sound 10 dB softer than the level of its band appears 7
 /// dB softer.
 const COMPRESSION: f32 = 0.7;
 

@@ -1,4 +1,4 @@
-//! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate what makes a shape differ from a
+//! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate the difference between a shape and a
 //! template, or play a whole recipe on one or many shapes.
 
 mod batch;
@@ -84,7 +84,7 @@ pub struct Caricature {
 }
 
 impl Caricature {
-    /// Makes what was asked for.
+    /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         if self.gallery.gallery {
             return self.gallery(terminal);
@@ -280,7 +280,7 @@ fn finish(
     Ok(())
 }
 
-/// Prints for every acting layer how far it moves the shape and what it folds.
+/// Prints for every acting layer how far it moves the shape and how many triangles it folds.
 fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
     let Made { sculpture, stack, .. } = made;
     for layer in &sculpture.evaluation.layers {

@@ -12,7 +12,7 @@ use crate::work::Error;
 const INTERVAL_SECS: f64 = 2.0;
 
 /// The recovery copy of this window. The disk is only touched on a thread of its own, which
-/// writes what it was given before it ends.
+/// writes all orders before it ends.
 pub struct Autosave {
     orders: Option<Sender<Order>>,
     reports: Receiver<Result<(), CaricatureError>>,
@@ -86,7 +86,7 @@ impl Autosave {
         self.is_behind(history).then(|| (self.last_secs + INTERVAL_SECS - now_secs).max(0.0))
     }
 
-    /// The next [`tick`](Self::tick) keeps what is not kept, however soon.
+    /// The next [`tick`](Self::tick) keeps all changes, however soon.
     pub fn hurry(&mut self) {
         self.last_secs = f64::NEG_INFINITY;
     }

@@ -52,7 +52,7 @@ impl LimbTool {
         limbs.part.iter().map(value).collect()
     }
 
-    /// Takes in what is under the pointer, with its mirror image in `plane`; true when that has changed.
+    /// Takes in the part under the pointer, with its mirror image in `plane`; true when that has changed.
     pub fn point(
         &mut self,
         press: Option<&Press>,
@@ -74,7 +74,7 @@ impl LimbTool {
         changed
     }
 
-    /// Takes the part under the pointer: alone, or, with Shift, besides what is painted; `erase` takes it away.
+    /// Takes the part under the pointer: alone, or, with Shift, besides the painted region; `erase` takes it away.
     pub fn take(&self, limbs: &Limbs, layer: LayerId, erase: bool, modifiers: Modifiers, edits: &mut Edits) {
         if self.pointed.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! The offer to recover what a crash left behind.
+//! The offer to recover unsaved work after a crash.
 
 use chladni_caricature::{Recovered, Recovery, ShapeSource};
 use egui::RichText;

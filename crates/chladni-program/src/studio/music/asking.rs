@@ -1,4 +1,4 @@
-//! Files that a person is asked for while the dance goes on, and what is done with them.
+//! Files that a person is asked for while the dance goes on, and their use.
 
 use std::path::{Path, PathBuf};
 

@@ -97,7 +97,7 @@ pub fn show(
     stroke(&response, Stroke::Amplification, &mapping, draft, index, wishes);
 }
 
-/// Keeps what is drawn as a draft, and turns it into one action when the pointer is released.
+/// Keeps the stroke as a draft, and turns it into one action when the pointer is released.
 fn stroke(
     response: &egui::Response,
     action: Stroke,

@@ -1,4 +1,4 @@
-//! The drawer at the right of the room, and what lies in it.
+//! The drawer at the right of the room, and its content.
 
 use egui::{RichText, ScrollArea, Ui};
 

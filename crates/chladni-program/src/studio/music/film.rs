@@ -1,4 +1,4 @@
-//! Films of what dances: the form that asks for subject, size and rate; they are made in the background.
+//! Films of the dance: the form that asks for subject, size and rate; they are made in the background.
 
 use std::path::{Path, PathBuf};
 
@@ -62,7 +62,7 @@ struct Form {
     /// Of the song or the show; the end where `to_secs` is 0.
     from_secs: f64,
     to_secs: f64,
-    /// By its name; none is the look of what is filmed.
+    /// By its name; none is the look of the dance itself.
     look: Option<&'static str>,
     titles: bool,
 }
@@ -166,7 +166,7 @@ impl Filming {
         self.running.as_ref().map(Job::label)
     }
 
-    /// Ends what is being made, so that nothing half written stays: the window closes.
+    /// Cancels the film being made, so that nothing half written stays: the window closes.
     pub fn stop(&mut self) {
         if let Some(running) = self.running.take() {
             running.stop();

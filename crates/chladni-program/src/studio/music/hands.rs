@@ -99,7 +99,7 @@ fn pick(names: &[impl AsRef<str>], now: Option<usize>, which: &Which) -> Option<
 }
 
 impl MusicRoom {
-    /// Does what a controller asks of the room; says so where there is no such thing.
+    /// Does a controller's request to the room, or says that there is no such thing.
     pub(super) fn ask(
         &mut self,
         target: Target,

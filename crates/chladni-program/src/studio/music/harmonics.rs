@@ -14,7 +14,7 @@ use crate::work::{Error, figure_markers};
 /// Cells of the view: the figure, then harmonics.
 pub const CELLS: usize = 12;
 
-/// A body's harmonics, with what is needed to draw them.
+/// A body's harmonics, with the buffers to draw them.
 pub struct Harmonics {
     body: Body,
     symmetry: Symmetry,

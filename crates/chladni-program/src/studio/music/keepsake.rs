@@ -45,7 +45,7 @@ pub struct Keepsake {
 }
 
 impl Keepsake {
-    /// Takes in what was written, or `waits` for it; what went wrong, if that is news.
+    /// Takes in the finished write, or `waits` for it; returns a new error, if there is one.
     fn settle(&mut self, waits: bool) -> Option<String> {
         let (written, actions) = self.writing.as_ref()?;
         let written =
@@ -123,7 +123,7 @@ impl MusicRoom {
         self.keepsake.write(show, actions);
     }
 
-    /// The program must end: what is not saved is written before that, and stays.
+    /// The program must end: unsaved work is written before that, and stays.
     pub(super) fn leave_show(&mut self, shared: &mut Shared<'_>) {
         self.keep_show(true, shared);
         // It is too late to tell anybody what went wrong.

@@ -10,7 +10,7 @@ use crate::studio::theme;
 /// Width of the names.
 const LABEL: f32 = 98.0;
 
-/// Draws them all and collects what was turned. `voices` may listen to the side in any form.
+/// Draws them all and collects the changes. `voices` may listen to the side in any form.
 pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec<Wish>) {
     let parameters = instrument.parameters();
     group(ui, "Form", |ui| {

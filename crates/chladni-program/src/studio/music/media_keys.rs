@@ -1,7 +1,7 @@
 //! Media keys and the desktop's players: state for them and requests from them, by MPRIS 2.2 on the session bus
 //! (Linux).
 //!
-//! Without a bus nothing happens. The window tells what plays and collects what was asked; it never waits.
+//! Without a bus nothing happens. The window reports its state and collects requests; it never waits.
 
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -130,7 +130,7 @@ impl MediaKeys {
         self.asked.try_iter()
     }
 
-    /// Tells what plays, and at which second of the song.
+    /// Reports the state of the player, and the second of the song.
     pub fn tell(&mut self, playing: Playing, at_secs: f64) {
         let before = std::mem::replace(&mut *lock(&self.place), Place { song: playing.song, at_secs });
         // A thread that has ended has nobody to tell.
@@ -145,7 +145,7 @@ impl MediaKeys {
 }
 
 impl MusicRoom {
-    /// Does what media keys ask for, and tells the desktop what plays.
+    /// Does the requests of media keys, and reports the player to the desktop.
     pub(super) fn follow_media_keys(&mut self, shared: &mut Shared<'_>) {
         let Some(listening) = &mut self.listening else { return };
         let keys = self.media_keys.get_or_insert_with(|| {

@@ -115,7 +115,7 @@ struct Names {
 }
 
 impl MusicRoom {
-    /// A room that listens to `input` from the beginning, where there is one, and tells `trace` what it plays.
+    /// A room that listens to `input` from the beginning, where there is one, and records its items in `trace`.
     pub fn listening_to(input: Option<Capture>, trace: Option<Trace>) -> Self {
         Self { input, trace, ..Self::default() }
     }

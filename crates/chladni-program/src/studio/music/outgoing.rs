@@ -131,7 +131,7 @@ impl Outgoing {
         Ok(())
     }
 
-    /// The device is another one: what was on its way is lost.
+    /// The device is another one: pictures on their way are lost.
     pub fn change_device(&mut self) {
         self.flying.clear();
         self.resting.clear();

@@ -29,7 +29,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Follows what is wanted, and the screens that there are now, in the system's order.
+    /// Follows the wanted screen, and the screens that there are now, in the system's order.
     pub fn follow(&mut self, wanted: &Screen, names: &[String]) -> Option<Change> {
         let name = wanted.name()?;
         if let Some(index) = wanted.index(names) {

@@ -33,7 +33,7 @@ impl Default for Projection {
 }
 
 impl Projection {
-    /// As in a file, or the plain picture if what the file has is not valid.
+    /// As in a file, or the plain picture if the file's values are not valid.
     pub fn sane(self) -> Self {
         let trim = self.trim.map(|share| if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 });
         Self { corners: if is_convex(&self.corners) { self.corners } else { PLAIN }, trim }

@@ -1,4 +1,4 @@
-//! The set as it is played, as a film: what the stage shows and what is heard.
+//! The set as it is played, as a film: the stage and its sound.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub struct Recorder {
     /// When something came last.
     last_secs: f64,
     ends: bool,
-    /// Lets the next start find what this one may not finish.
+    /// Lets the next start find a recording that this one may not finish.
     note: Option<Note>,
 }
 
@@ -80,7 +80,7 @@ impl Recorder {
         had_begun
     }
 
-    /// Takes what was seen at `now_secs`.
+    /// Takes the picture shown at `now_secs`.
     pub fn picture(&mut self, now_secs: f64, picture: Picture) {
         self.start(now_secs);
         if !self.ends && self.since_secs.is_some() {
@@ -88,7 +88,7 @@ impl Recorder {
         }
     }
 
-    /// Takes what was heard up to now.
+    /// Takes the sound up to now.
     pub fn sound(&mut self, now_secs: f64, heard: &HeardSound) -> Result<(), Error> {
         if !self.start(now_secs) {
             // From before it began.

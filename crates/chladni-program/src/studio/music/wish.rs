@@ -18,7 +18,7 @@ pub enum Wish {
     Choose(Then),
     /// Record the set as it is played, or end that.
     Record,
-    /// Ask for a film of what dances.
+    /// Ask for a film of the dance.
     Film,
     /// Show the gallery, one item or the harmonics.
     Show(View),
@@ -35,7 +35,7 @@ pub enum Wish {
     Mark { right: isize, down: isize },
     /// Lean back, or no longer.
     Autopilot,
-    /// The autopilot stays with what it shows, or goes on.
+    /// The autopilot keeps the current dance and look, or goes on.
     Hold,
     /// Press a button of a controller.
     Press(Target),

@@ -32,7 +32,7 @@ const FRAME: Duration = Duration::from_micros(16_666);
 /// Without word from a system that hides the window, frames go on at this pace, for the sound and other windows.
 const HIDDEN: Duration = Duration::from_millis(250);
 
-/// Why the loop wakes up, beside what the system says.
+/// Why the loop wakes up, beside events of the system.
 pub enum Wake {
     /// A frame is wanted then; `passes` had been painted when it was asked for.
     Repaint { at: Instant, viewport: ViewportId, passes: u64 },
@@ -320,7 +320,7 @@ impl Windows {
         }
     }
 
-    /// Opens what is wanted and not open; true where there was any.
+    /// Opens the wanted windows that are not open; true where there was any.
     fn open_wanted(
         &mut self,
         ctx: &egui::Context,

@@ -43,7 +43,7 @@ impl Surface {
         Ok(Self { window, input, info, pixels, asked: Vec::new(), is_shown: false })
     }
 
-    /// Does what the program asked of the window.
+    /// Does the program's commands to the window.
     pub fn obey(&mut self, ctx: &egui::Context, commands: Vec<ViewportCommand>) {
         egui_winit::process_viewport_commands(ctx, &mut self.info, commands, &self.window, &mut self.asked);
         for asked in self.asked.drain(..) {

@@ -46,7 +46,7 @@ pub struct Film {
     pub clock: ClockTrack,
     /// How long the show is; as long as the first song where that is not said.
     pub show_secs: Option<f64>,
-    /// How it begins and what is done.
+    /// How it begins, and the actions in it.
     pub beginning: Beginning,
     /// Of shapes, lights and background.
     pub look: Look,

@@ -166,7 +166,7 @@ impl Performance {
         }
     }
 
-    /// Does what the autopilot wants by a time of the show.
+    /// Does the autopilot's actions up to a time of the show.
     fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
         let Some(programme) = &mut self.programme else { return Ok(()) };
         let bars = self.hearing.bars_between(programme.heard_secs(), now_secs);
@@ -178,7 +178,7 @@ impl Performance {
         Ok(())
     }
 
-    /// Plays a frame: what is done to its picture, and the items to deform.
+    /// Plays a frame: the effects on its picture, and the items to deform.
     fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(Shot, Vec<Item>), Error> {
         let time_secs = self.rate.start_secs(frame);
         let at_secs = self.start_secs + time_secs;

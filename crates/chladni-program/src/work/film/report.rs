@@ -53,7 +53,7 @@ pub struct Report {
     pub(super) samples: Option<u32>,
     pub(super) synthesis: Option<String>,
     pub(super) flashes_in_worst_second: usize,
-    /// The longest time for which bright stripes covered more than a quarter of what is shown.
+    /// The longest time for which bright stripes covered more than a quarter of the picture.
     pub(super) longest_stripes_secs: f64,
     pub(super) frames_damped: usize,
     /// The part of the dance that a GLB holds; null for films.

@@ -20,8 +20,8 @@ const NEAR_WIDTHS: f32 = 1.5;
 const CROPPED_WIDTHS: f32 = 0.7;
 /// The part of a figure that is cut off, as a share of its height.
 const LOWER: f32 = 0.33;
-/// How far that part may reach to the sides, in comparison with the rest: what stands on its widest part, as a bell
-/// does, is seen as a whole.
+/// How far that part may reach to the sides, in comparison with the rest: a figure that stands on its widest part, as
+/// a bell does, is seen as a whole.
 const LOWER_REACHES: f32 = 0.8;
 /// The share of the largest displacement by which a figure rises in loud music.
 const RISES: f32 = 0.9;

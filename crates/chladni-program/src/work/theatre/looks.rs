@@ -8,7 +8,7 @@ pub fn first_looks() -> Looks {
     Looks { look: "aurora".into(), ..Looks::default() }
 }
 
-/// The look that what is on stage wears in place of the show's own, as far as this version knows it.
+/// The look of the dance on stage in place of the show's own, as far as this version knows it.
 pub fn look_on_stage(instrument: &Instrument) -> Option<Look> {
     instrument.look().and_then(Look::named)
 }

@@ -162,7 +162,7 @@ impl Picking {
         }
     }
 
-    /// Steers the camera of one shape and finds out what the pointer does there.
+    /// Steers the camera of one shape and finds the gesture of the pointer there.
     fn interact(
         &mut self,
         ui: &mut Ui,

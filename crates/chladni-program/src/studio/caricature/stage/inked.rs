@@ -18,7 +18,7 @@ const REST_SECS: f64 = 0.25;
 #[derive(Default)]
 pub struct InkedStage {
     wanted: Option<Scene>,
-    /// When what is wanted last changed.
+    /// When the wanted drawing last changed.
     changed_secs: f64,
     running: Option<Job<Drawn>>,
     shown: Option<(TextureHandle, Scene, Depth)>,

@@ -254,7 +254,7 @@ impl Stage {
         }
     }
 
-    /// Moves the camera so that what is shown fills the view.
+    /// Moves the camera so that the figures fill the view.
     pub fn fit(&mut self) {
         self.fitted = false;
     }

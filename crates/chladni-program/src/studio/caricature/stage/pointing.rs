@@ -99,7 +99,7 @@ impl Stage {
         taken
     }
 
-    /// Where the eye is that sees what lies under a pixel: far away in a parallel view.
+    /// The eye that sees the place under a pixel: far away in a parallel view.
     pub(super) fn eye_of(&self, [x, y]: [f32; 2], cell: Rect) -> [f64; 3] {
         let ray = self.camera.ray(x, y, cell);
         let far = match self.camera.projection {

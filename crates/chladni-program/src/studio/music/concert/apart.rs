@@ -19,7 +19,7 @@ use crate::work::{Error, Lag, Staging};
 /// The parts of the second window that the first does not have.
 pub struct Apart {
     pane: Pane,
-    /// Plays what is on stage; the first window's plays the gallery.
+    /// Plays the dance on stage; the first window's plays the gallery.
     ensemble: Ensemble,
     items: Vec<Item>,
     /// How many of them are seen; as many more may be their lags.
@@ -53,7 +53,7 @@ impl Apart {
         Ok(())
     }
 
-    /// Adds the lag of what is on stage, where it is wanted.
+    /// Adds the lag of the items on stage, where it is wanted.
     pub fn lag(&mut self, at_secs: f64, wanted: bool) {
         self.lag.follow(&mut self.items, at_secs, wanted);
     }

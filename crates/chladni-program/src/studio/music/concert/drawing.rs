@@ -101,7 +101,7 @@ impl Concert {
         self.send(veil, true)
     }
 
-    /// Gives films and other programs what the stage shows or, where there is none, the window.
+    /// Gives films and other programs the picture of the stage or, where there is none, the window.
     fn send(&mut self, veil: Veil, is_kept: bool) -> Result<(), Error> {
         let seen = self.draws_stage || !self.on_stage();
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };

@@ -1,4 +1,4 @@
-//! One frame of the music room: heard, danced, deformed, drawn, and what is laid over it.
+//! One frame of the music room: heard, danced, deformed, drawn, and its overlay.
 
 use std::time::Instant;
 
@@ -35,7 +35,7 @@ pub(super) struct Frame {
     staged: bool,
     /// The stage has a window of its own.
     is_apart: bool,
-    /// Played in the gallery's place: a preset that is tried out, or what is shown close up.
+    /// Played in the gallery's place: a preset that is tried out, or the item of the close-up.
     solo: Option<(Mapping, Settings)>,
 }
 
@@ -52,7 +52,7 @@ impl Frame {
 }
 
 impl Concert {
-    /// Hears, deforms and draws one frame, and handles clicks on what is shown.
+    /// Hears, deforms and draws one frame, and handles clicks on it.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -99,7 +99,7 @@ impl Concert {
         self.show_items(ui, shared, listening, (&frame, count, pose), whole, wishes)
     }
 
-    /// Hears what sounds now, and lets all that is shown dance to it.
+    /// Hears the current sound, and lets all visible items dance to it.
     fn play(
         &mut self,
         shared: &mut Shared<'_>,

@@ -28,7 +28,7 @@ impl Concert {
         self.view
     }
 
-    /// Shows something else; what was being drawn is given up.
+    /// Shows something else; an unfinished stroke is dropped.
     pub fn look_at(&mut self, view: View) {
         self.view = view;
         self.draft = None;

@@ -94,7 +94,7 @@ pub struct Concert {
 }
 
 impl Concert {
-    /// A gallery of twelve on what was loaded.
+    /// A gallery of twelve on the loaded body.
     pub fn new(screen: &Screen, ready: Ready) -> Result<Self, Error> {
         let bands = Parameter::Bands.initial() as usize;
         let Dancing { body, symmetry, dancer } = ready.dancing;

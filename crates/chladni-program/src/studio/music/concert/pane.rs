@@ -8,7 +8,7 @@ use crate::studio::screen::Screen;
 use crate::studio::viewport::Viewport;
 use crate::work::Error;
 
-/// One picture, and what is known of it.
+/// One picture, and whether it was judged and shown.
 pub struct Pane {
     pub viewport: Viewport,
     pub glimpse: Glimpse,

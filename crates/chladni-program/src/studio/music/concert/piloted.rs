@@ -8,12 +8,12 @@ use super::Concert;
 use crate::work::{Error, Programme};
 
 impl Concert {
-    /// Whether the autopilot chooses what is on stage.
+    /// Whether the autopilot chooses the dance on stage.
     pub fn is_piloted(&self) -> bool {
         self.piloted.is_some()
     }
 
-    /// Whether it stays with what is shown.
+    /// Whether it keeps the current dance and look.
     pub fn is_held(&self) -> bool {
         self.piloted.as_ref().is_some_and(Programme::holds)
     }
@@ -36,7 +36,7 @@ impl Concert {
         Ok(())
     }
 
-    /// Holds what is shown, or goes on.
+    /// Keeps the current dance and look, or goes on.
     pub fn hold(&mut self) {
         if let Some(programme) = &mut self.piloted {
             let holds = programme.holds();

@@ -1,4 +1,4 @@
-//! Suggested children: judged by what was heard last.
+//! Suggested children, judged by the recent sound.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub struct Recent {
 }
 
 impl Recent {
-    /// Remembers what is heard at some time of the show, now and then.
+    /// Remembers the sound of some moments of the show.
     pub fn hear(&mut self, at_secs: f64, bands: &Bands<'_>) {
         if (at_secs - self.at_secs).abs() >= EVERY_SECS {
             self.moments.remember(bands);
@@ -54,7 +54,7 @@ impl Concert {
         self.judging.wanted
     }
 
-    /// Has candidates judged where children are wanted; breeds the best once that is done. What is chosen meanwhile
+    /// Has candidates judged where children are wanted; breeds the best once that is done. A choice made meanwhile
     /// counts: then it begins again. Where nothing is chosen any more there are none.
     pub(super) fn judge(&mut self, ctx: &egui::Context) -> Result<(), Error> {
         if !self.judging.wanted {

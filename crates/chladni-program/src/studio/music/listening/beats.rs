@@ -1,4 +1,4 @@
-//! The beat of what is heard, and the user's corrections.
+//! The beat of the sound, and the user's corrections.
 
 use chladni_music::{BeatReading, ClockMessage};
 use chladni_sound::{BeatMoment, Beats};

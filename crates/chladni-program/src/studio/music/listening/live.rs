@@ -66,7 +66,7 @@ impl Live {
 }
 
 impl Listening {
-    /// Listens to a microphone or to what the machine plays; the song pauses.
+    /// Listens to a microphone or to the machine's own sound; the song pauses.
     pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), Error> {
         let live = Live::new(Capture::start(source)?, source.name.clone(), Some(source.clone()));
         self.go_live(live);

@@ -1,4 +1,4 @@
-//! The ears of the room: the song that plays or what a microphone hears, its spectrum and its beat,
+//! The ears of the room: the song that plays or live sound, its spectrum and its beat,
 //! at the moment that is heard.
 
 mod beats;
@@ -28,7 +28,7 @@ use crate::work::source::TUNE;
 use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
-/// song until it is read, through an ear that knows only what was heard so far.
+/// song until it is read, through an ear that knows only the past.
 pub struct Listening {
     player: Player,
     live: Option<Live>,
@@ -49,12 +49,12 @@ pub struct Listening {
     right: Vec<f32>,
     last_secs: f64,
     last_position_secs: f64,
-    /// Films what is not known as a whole.
+    /// Films sound that is not known as a whole.
     director: Director,
     /// Bars that began by ear, and up to when those of known songs were reported.
     fresh_bars: Vec<BarLine>,
     bars_told_secs: f64,
-    /// The beat of an outer clock, and what it was last.
+    /// The beat of an outer clock, and its last value.
     outer: Outer,
     outer_beat: Beat,
     progress: Progress,
@@ -258,7 +258,7 @@ impl Listening {
         self.warnings.drain(..).chain(messages).collect()
     }
 
-    /// Listens to what is heard at this moment, which is `now_secs` by any steadily running clock. `before`
+    /// Listens to the sound of this moment, which is `now_secs` by any steadily running clock. `before`
     /// listens first to whatever it wants before the time of the show that it is given.
     pub fn hear(
         &mut self,
@@ -341,7 +341,7 @@ impl Listening {
         self.bars_or(bars)
     }
 
-    /// How the camera frames what was heard last.
+    /// How the camera frames the shape at the time heard last.
     pub fn framing(&mut self, seed: u64) -> Framing {
         if let Some((shot, since_secs)) = self.called {
             return Framing::of_shot(shot, self.last_secs - since_secs);
@@ -355,7 +355,7 @@ impl Listening {
         self.hearing.framing_at(self.clock.at_secs(), seed)
     }
 
-    /// Keeps what is heard for a recording, or no longer.
+    /// Keeps the sound for a recording, or no longer.
     pub fn keep_sound(&mut self, on: bool) {
         self.tee = on.then(HeardSound::default);
     }

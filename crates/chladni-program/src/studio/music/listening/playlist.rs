@@ -61,7 +61,7 @@ impl Listening {
         self.repeat
     }
 
-    /// Changes what comes after a song.
+    /// Changes the choice at the end of a song.
     pub fn set_repeat(&mut self, repeat: Repeat) {
         self.repeat = repeat;
         self.player.repeat(repeat);

@@ -118,7 +118,7 @@ impl BeatOut {
         Ok(Self { address: address.to_owned(), socket, found, last: Sent::default(), failure: None })
     }
 
-    /// Sends what is new, once the address is found.
+    /// Sends all changes, once the address is found.
     pub fn tell(&mut self, now: &Now<'_>, ctx: &egui::Context) {
         let Some(to) = self.found(ctx) else { return };
         for message in self.last.messages(now) {

@@ -1,4 +1,4 @@
-//! MIDI controllers and clocks, whenever they are plugged in, and what is sent back to them.
+//! MIDI controllers and clocks, whenever they are plugged in, and the feedback to them.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -83,7 +83,7 @@ impl Outputs {
         }
     }
 
-    /// Opens what is wanted and there; tells what is there.
+    /// Opens the wanted ports that exist; returns all that exist.
     fn look(&self) -> Result<Vec<String>, Error> {
         let output = || MidiOutput::new(CLIENT).map_err(Error::other);
         let looking = output()?;
@@ -107,7 +107,7 @@ impl Outputs {
     }
 }
 
-/// Whether a port is one of ours, as ALSA calls them: to them, we would hear what we say.
+/// Whether a port is one of ours, as ALSA calls them: listening to them, we would hear our own messages.
 fn is_own(name: &str) -> bool {
     cfg!(target_os = "linux") && name.split_once(':').is_some_and(|(client, _)| client == CLIENT)
 }
@@ -199,7 +199,7 @@ impl Sender {
 
 type Open = HashMap<String, (String, MidiInputConnection<()>)>;
 
-/// Connects what is new and lets go of what is gone.
+/// Connects new ports and drops missing ones.
 fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
     // Where the kernel has no sequencer, ALSA would print a complaint at every look.
     if cfg!(target_os = "linux") && !std::path::Path::new("/dev/snd/seq").exists() {

@@ -1,4 +1,4 @@
-//! Control from outside: MIDI controllers, clocks and OSC, what they turn, and the beat for others.
+//! Control from outside: MIDI controllers, clocks and OSC, their bindings, and the beat for others.
 
 mod beat_out;
 mod clock_out;
@@ -57,8 +57,8 @@ pub struct Asked {
 }
 
 impl Remote {
-    /// Opens what the preferences ask for and collects what was touched since the last frame.
-    /// `standing` says where things are, for knobs that take over softly and for what devices show.
+    /// Opens the devices that the preferences ask for and collects all touches since the last frame.
+    /// `standing` says where things are, for knobs that take over softly and for feedback to devices.
     pub fn asked(
         &mut self,
         preferences: &mut Preferences,
