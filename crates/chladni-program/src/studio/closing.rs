@@ -18,7 +18,7 @@ pub enum Closing {
     No,
     /// Asked about unsaved work.
     Asked,
-    /// All is saved; it closes once what is being made is done.
+    /// All is saved; it closes once the work in the background is done.
     Waiting,
     /// Decided; the window is about to go.
     Yes,

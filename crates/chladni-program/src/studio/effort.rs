@@ -32,9 +32,9 @@ const PROCESSOR: [Quality; 4] =
 pub struct Quality {
     /// Samples a pixel.
     pub samples: Samples,
-    /// Width and height in percent of what is shown.
+    /// Width and height in percent of the area shown.
     pub percent: u32,
-    /// Whether what is bright glows and leaves trails.
+    /// Whether bright places glow and leave trails.
     pub glow: bool,
 }
 

@@ -55,7 +55,7 @@ impl Settings {
         Ok(settings.bounded())
     }
 
-    /// Keeps what could not be read beside `path`, where the next preferences do not replace it; returns where.
+    /// Keeps a file that could not be read beside `path`, where the next preferences do not replace it; returns where.
     pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
         let aside = path.with_extension("toml.unread");
         chladni_task::write_atomic(&aside, &read_file(path, LARGEST)?)?;

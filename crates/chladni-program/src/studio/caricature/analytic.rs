@@ -15,7 +15,7 @@ use crate::work::template_name;
 const SCALED: Template = Template::Scaled(0.9);
 const SMOOTHED: Template = Template::LowPass(20);
 
-/// Draws what can be changed of `template`, where that is anything.
+/// Draws the controls of `template`, if it has any.
 pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
     match template {
         Template::Scaled(_) | Template::LowPass(_) => itself(ui, session, id, template, edits),

@@ -86,7 +86,7 @@ impl MaskMenu {
     }
 }
 
-/// Does what is asked of the region of `layer`.
+/// Fulfills a wish about the region of `layer`.
 pub fn fulfil(
     wish: MaskWish,
     layer: LayerId,

@@ -85,7 +85,7 @@ pub struct CaricatureRoom {
     layers: LayerList,
     thumbnails: Thumbnails,
     controls: Controls,
-    /// Meshes that become layers as soon as what is loading is there.
+    /// Meshes that become layers as soon as the shape being loaded is there.
     templates: Vec<PathBuf>,
     brush: BrushTool,
     limbs: KnownLimbs,
@@ -239,7 +239,7 @@ impl CaricatureRoom {
         }
     }
 
-    /// Puts what was loaded in the place of what is open; an error leaves that as it is.
+    /// Replaces the open project with the loaded one; on an error it stays as it is.
     fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) -> Result<(), Error> {
         for warning in &loaded.warnings {
             shared.notices.warn(warning.clone());

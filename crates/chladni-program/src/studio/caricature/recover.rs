@@ -15,7 +15,7 @@ pub struct Offer {
 }
 
 impl Offer {
-    /// Looks once, and asks as long as there is something; returns what the user wants to recover.
+    /// Looks once, and asks as long as there is something; returns the project that the user wants to recover.
     pub fn show(&mut self, shared: &mut Shared<'_>) -> Option<Recovered> {
         let found = self.found.get_or_insert_with(|| find(shared));
         if found.is_empty() {

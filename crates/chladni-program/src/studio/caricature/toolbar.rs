@@ -1,4 +1,4 @@
-//! The bar above the stage: file, history, what is shown and how it looks.
+//! The bar above the stage: file, history, view and look.
 
 use chladni_caricature::Action;
 use chladni_mesh::{Axis, Orientation};

@@ -199,7 +199,7 @@ impl Browser {
         }
     }
 
-    /// Completes what is typed as far as all files that begin like it agree.
+    /// Completes the typed text as far as all files that begin with it agree.
     pub fn complete(&mut self) {
         let (before, begun) = match self.typed.rsplit_once('/') {
             Some((before, begun)) => (format!("{before}/"), begun),
@@ -217,7 +217,7 @@ impl Browser {
         self.retyped();
     }
 
-    /// Confirms what is typed and picked.
+    /// Confirms the typed or picked files.
     pub fn go_ahead(&mut self) -> Verdict {
         if self.picked.len() > 1 {
             return Verdict::Done(self.picked.iter().map(|name| self.folder.join(name)).collect());

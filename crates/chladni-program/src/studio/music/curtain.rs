@@ -21,7 +21,7 @@ pub struct Curtain {
 }
 
 impl Curtain {
-    /// Fills the screen when the stage opens and gives it back when it closes. Says what the user must know.
+    /// Fills the screen when the stage opens and gives it back when it closes. Returns a message for the user.
     pub fn follow(
         &mut self,
         ctx: &egui::Context,

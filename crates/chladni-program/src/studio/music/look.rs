@@ -71,7 +71,7 @@ fn screens(ui: &mut Ui, chosen: &mut Screen, names: Vec<String>) {
     });
 }
 
-/// Which programs see the stage, through what this system has for it.
+/// Which programs see the stage, by the means that this system has.
 fn camera(ui: &mut Ui, chosen: &mut Camera) {
     let (ways, tip): (&[Camera], _) = if cfg!(target_os = "linux") {
         (

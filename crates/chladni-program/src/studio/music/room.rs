@@ -1,4 +1,4 @@
-//! The room as the window sees it: what it shows, keeps and opens.
+//! The room as the window sees it: how it is shown, kept and opened.
 
 use std::path::{Path, PathBuf};
 

@@ -189,7 +189,7 @@ fn step(ui: &mut Ui, mark: Icon, key: Shortcut, to: Option<usize>, wishes: &mut 
     }
 }
 
-/// Whether children are suggested, and the way to forget what was liked.
+/// Whether children are suggested, and the way to forget past choices.
 fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
     let tip = "Suggest children that differ most and are most like what you chose so far. Right click: forget \
                what was chosen.";

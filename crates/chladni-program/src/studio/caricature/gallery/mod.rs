@@ -78,7 +78,7 @@ impl GalleryView {
         self.wall = None;
     }
 
-    /// Draws it; false when it is to be left. What is taken becomes layers.
+    /// Draws it; false when it is to be left. A caricature that is taken becomes layers.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -198,7 +198,7 @@ impl GalleryView {
         self.taking = Some(Job::start("A surprise", ctx, work));
     }
 
-    /// The twelve, and what is done to them; false when one was taken.
+    /// Shows the twelve and handles clicks on them; false when one was taken.
     fn cells(
         &mut self,
         ui: &mut Ui,

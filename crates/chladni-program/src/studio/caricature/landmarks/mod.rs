@@ -83,7 +83,7 @@ impl Picking {
         }))
     }
 
-    /// Whether it still belongs to what is selected.
+    /// Whether it still belongs to the selected layer.
     pub fn belongs_to(&self, session: &Session) -> bool {
         let layer =
             session.selected.filter(|id| *id == self.layer).and_then(|id| session.project().layer(id));

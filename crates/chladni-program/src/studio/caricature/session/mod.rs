@@ -46,7 +46,7 @@ pub struct Session {
     /// Limits a layer that would fold the surface.
     keeping: Option<(KeepRequest, Job<Kept>)>,
     mirror: Arc<OnceLock<Option<MirrorPlane>>>,
-    /// Prepares what a brush needs, from the moment when it is chosen.
+    /// Prepares the brush, from the moment when it is chosen.
     brush: Option<Job<()>>,
     /// The harmonics that were asked for last.
     asked: (usize, Laplacian),
@@ -58,7 +58,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session on what was loaded.
+    /// A session on a loaded project.
     pub fn new(loaded: Loaded) -> Self {
         let mut stack = loaded.stack;
         let evaluation = stack.evaluate(&loaded.project);
@@ -90,7 +90,7 @@ impl Session {
         session
     }
 
-    /// Prepares, in the background, what the first stroke of a brush needs.
+    /// Prepares, in the background, the data that the first stroke of a brush needs.
     pub fn prepare_brush(&mut self, ctx: &egui::Context) {
         if self.brush.is_some() {
             return;
@@ -133,7 +133,7 @@ impl Session {
         self.history.project()
     }
 
-    /// Does what the panels asked, up to the first error; true where something may look different.
+    /// Does the edits of the panels, up to the first error; true if something may look different.
     pub fn apply(&mut self, edits: Vec<Edit>) -> Result<bool, Error> {
         let mut changed = false;
         let outcome = edits.into_iter().try_for_each(|edit| {
@@ -207,7 +207,7 @@ impl Session {
         index.and_then(|index| self.folds.get(index)).map_or(0, Vec::len)
     }
 
-    /// Whether it is still being found how far layers must be held back: what is seen is the last limit known.
+    /// Whether it is still being found how far layers must be held back: until then the last known limit is shown.
     pub fn is_settling(&self) -> bool {
         self.keeping.is_some()
     }
@@ -272,7 +272,7 @@ mod tests {
         assert_eq!((body.positions.len(), body.basis.harmonics()), (42, 42));
     }
 
-    /// Asks for the papers' operator and waits for what comes of it.
+    /// Asks for the papers' operator and waits for the result.
     fn in_paper_mode(mesh: &TriMesh) -> (Session, Result<Option<Vec<Warning>>, Error>) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("shape.ply");

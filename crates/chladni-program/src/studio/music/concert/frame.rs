@@ -204,7 +204,7 @@ impl Concert {
         Ok(pose)
     }
 
-    /// Draws `count` shapes in `whole`, seen from where the hand or the camera has chosen, and what lies over them.
+    /// Draws `count` shapes in `whole`, seen from where the hand or the camera has chosen, with their overlay.
     fn show_items(
         &mut self,
         ui: &mut Ui,
