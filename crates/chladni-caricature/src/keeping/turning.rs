@@ -117,7 +117,7 @@ mod tests {
         let smooth = smooth_part(&body.basis, harmonics, &body.positions);
         let (sin, cos) = 0.7_f64.sin_cos();
         let turn = |p: Vec3| [cos * p[0] - sin * p[1], sin * p[0] + cos * p[1], p[2]];
-        // Only what is smooth is turned; the detail stays behind, as the sum of a filtered signal leaves it.
+        // Only the smooth part is turned; the detail stays behind, as the sum of a filtered signal leaves it.
         let coefficients = body.basis.analyze(harmonics, |v| sub(turn(body.positions[v]), body.positions[v]));
         let displacement = body.basis.synthesize3(&coefficients);
         let result = turned(&base, &surface, &neighbors, harmonics, &displacement, None);

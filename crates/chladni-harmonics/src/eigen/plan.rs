@@ -190,7 +190,7 @@ fn count(
             (1..=PROBES).map(|i| from + (top - from) * (i as f64 / PROBES as f64).powf(0.8)).collect();
         sample(problem, &probes, false, counting, profile)?;
         let (last, reached) = counting.0.last().copied().unwrap_or((top, n));
-        // In proportion to what is missing, within bounds.
+        // In proportion to the missing pairs, within bounds.
         let grow = ((wanted + 2.0) / reached.max(1.0)).clamp(1.02, 4.0);
         top = last * (1.0 + 1.3 * (grow - 1.0));
     }

@@ -154,7 +154,7 @@ impl Estimate {
         };
         let rival = judged.iter().find(|(_, _, other)| orientation.angle_to(other) > 2.0 * SAME_RAD);
         let lead = rival.map_or(f64::INFINITY, |(sum, _, _)| best - sum);
-        // The evidence that distinguishes it from its rival, not what they share.
+        // The evidence that distinguishes it from its rival, without the evidence that they share.
         let apart = |i: usize| votes[i] - rival.map_or(0.0, |(_, votes, _)| votes[i]);
         let strongest = (0..votes.len()).max_by(|i, j| apart(*i).total_cmp(&apart(*j))).unwrap_or(CUSTOM);
         let in_doubt = lead < CLEAR_LEAD;

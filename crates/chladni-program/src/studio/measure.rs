@@ -163,7 +163,7 @@ mod tests {
             assert!(!measure.frame(at(ms), Some((position_secs, 1))));
         }
         assert!(measure.frame(at(1100), Some((6.0, 2))));
-        // The window closes; what it draws until then does not count.
+        // The window closes; frames until then do not count.
         assert!(measure.frame(at(1200), None));
         let report = measure.report().unwrap();
         assert_eq!((report.frames, report.underruns), (5, 2));

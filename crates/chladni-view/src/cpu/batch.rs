@@ -210,7 +210,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
                     row(&setting.map[2], normal, 0.0),
                 );
                 let on = on * scale + vec3(0.5 * size, 0.5 * size, 0.0);
-                // A disc around it stays in the map; what the camera cannot reach is beyond its edge.
+                // A disc around it stays in the map; places beyond the camera's reach are beyond its edge.
                 let on = vec3(clamp(on.x, 6.0, size - 6.0), clamp(on.y, 6.0, size - 6.0), on.z);
                 let length = max(turned.dot(turned).sqrt(), 1e-12);
                 let grazing = 1.0 - min(turned.dot(key).abs() / length, 1.0);

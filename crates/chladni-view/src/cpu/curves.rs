@@ -104,7 +104,7 @@ pub(super) fn pow(x: f32, power: f32) -> f32 {
 pub(super) fn cos(angle: f32) -> f32 {
     let turns = angle * (0.5 * std::f32::consts::FRAC_1_PI);
     let part = (turns - ((turns + WHOLE) - WHOLE)).abs();
-    // The sine of what is left to a quarter turn, in [−π/2, π/2].
+    // The sine of the remainder to a quarter turn, in [−π/2, π/2].
     let s = (0.25 - part) * std::f32::consts::TAU;
     let s2 = s * s;
     let series = 2.755_731_9e-6;

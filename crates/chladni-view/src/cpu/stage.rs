@@ -292,7 +292,7 @@ impl StagedFigure {
         if phase == 0.0 && haste == 0.0 && spark == 0.0 && self.uniform.lines[3] <= 0.0 {
             return;
         }
-        // Without a lag what is taken for it counts for nothing.
+        // Without a lag, this stand-in has no effect.
         let lag = vertices.zip(lag.unwrap_or(subject.positions)).zip(&mut self.answers);
         self.outward.extend(lag.map(|((((position, normal), [x, y, z, ..]), lagging), [place, own])| {
             let (rest, normal) = (Vec3::new(*x, *y, *z), Vec3::from(*normal));

@@ -1,5 +1,5 @@
-//! Editing templates that are not meshes: the shape itself scaled or smoothed, given ellipsoids, and what the layers below
-//! leave.
+//! Editing templates that are not meshes: the shape itself scaled or smoothed, given ellipsoids, and the results of
+//! the layers below.
 
 use chladni_caricature::{GivenEllipsoid, LayerId, Property, Template, wavelengths};
 use chladni_match::Ellipsoid;

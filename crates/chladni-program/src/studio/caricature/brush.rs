@@ -103,7 +103,8 @@ impl BrushTool {
         }
     }
 
-    /// Turns a drag on the shape into dabs of the vertices that the ring enclosed, or, where there are `limbs`, a click into a part.
+    /// Turns a drag on the shape into dabs of the vertices that the ring enclosed, or, where there are `limbs`, a
+    /// click into a part.
     pub fn paint(
         &mut self,
         ui: &Ui,

@@ -57,7 +57,7 @@ impl Rehearsal {
         // The panel draws it behind the scale curve.
         heat::spectrum(&self.session);
         update_stage(&mut self.session, &mut self.stage, &mut self.heat, self.look, &mut true)?;
-        // Drawing would send off what is queued for the device.
+        // Drawing would send off the work queued for the device.
         if let Some(gpu) = self.screen.device().gpu() {
             gpu.queue.submit([]);
         }

@@ -31,7 +31,8 @@ const TEMPLATES: [(&str, &str); 15] = [
 const CARD: Vec2 = vec2(104.0, 98.0);
 const COLUMNS: usize = 5;
 
-/// A button that opens the shelf; returns the template taken from it, with its name. Pictures are drawn when the shelf is first opened.
+/// A button that opens the shelf; returns the template taken from it, with its name. Pictures are drawn when the
+/// shelf is first opened.
 pub fn show(ui: &mut Ui, shared: &mut Shared<'_>) -> Option<(&'static str, Template)> {
     let mut taken = None;
     let menu = ui.menu_button(icon::label(Icon::Images, "Shelf"), |ui| {

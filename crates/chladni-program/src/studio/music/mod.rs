@@ -169,7 +169,7 @@ impl MusicRoom {
                     shared.notices.warn(warning.clone());
                 }
                 let concert = Concert::new(shared.screen, ready).and_then(|mut concert| {
-                    // Another shape dances what was bred on the one before.
+                    // Another shape dances the gallery bred on the one before.
                     self.concert.as_ref().map_or(Ok(()), |before| concert.go_on_from(before))?;
                     Ok(concert)
                 });

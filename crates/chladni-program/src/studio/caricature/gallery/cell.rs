@@ -19,7 +19,8 @@ pub enum Wanted {
     Changed,
 }
 
-/// Shows the marks of a caricature at `place` and does the action that was clicked or pressed; keys are for the `marked` one.
+/// Shows the marks of a caricature at `place` and does the action that was clicked or pressed; keys are for the
+/// `marked` one.
 pub fn show(
     ui: &mut Ui,
     place: Rect,

@@ -65,7 +65,7 @@ impl Session {
             .as_ref()
             .is_some_and(|(running, _)| !wanted.as_ref().is_some_and(|w| w.is_same(running)))
         {
-            // Something has changed: what would be found is no longer needed.
+            // Something has changed: the result is no longer needed.
             self.keeping = None;
         }
         if let Some((request, job)) = &self.keeping

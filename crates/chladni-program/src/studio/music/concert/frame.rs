@@ -176,7 +176,7 @@ impl Concert {
         frame: &Frame,
         items: &mut Vec<Item>,
     ) -> Result<u64, Error> {
-        // Of what is not known beforehand only the present is heard.
+        // Sound that is not known in advance is heard only in the present.
         while self.sand.due(frame.at_secs).is_some() {
             let stepping = self.apart.as_ref().filter(|_| frame.is_apart).map_or(&items[..], Apart::items);
             self.sand.step(stepping, &self.instrument);

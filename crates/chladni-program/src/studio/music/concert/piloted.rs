@@ -26,7 +26,7 @@ impl Concert {
         let favorites = self.instrument.favorites().iter();
         let favorites = favorites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
         let favorites = favorites.chain(kept).collect();
-        // Another evening, another programme: what it does is written down in the show.
+        // Another evening, another program: its actions are written down in the show.
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs, now)?;
         let mut programme = programme.on_sheet(self.staging.is_flat());
