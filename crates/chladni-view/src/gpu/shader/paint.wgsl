@@ -1,4 +1,4 @@
-// What a surface is painted with, and its pixels.
+// The paint of a surface, and its pixels.
 
 fn map_color(value: f32) -> vec3f {
     return row_color(clamp((value - figure.scale.x) * figure.scale.y, 0.0, 1.0));
@@ -67,9 +67,10 @@ fn answer_fragment(in: AnsweredSurface, @builtin(front_facing) front: bool) -> @
     return vec4f(c, 1.0) * figure.color.a;
 }
 
-// What is smaller than this share of the farthest way has less and less of a phase.
+// Below this share of the farthest displacement, the phase fades out.
 const PHASED = 0.04;
-// A way that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or faint ones.
+// A displacement that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or
+// faint ones.
 const STILL = 2e-5;
 const STIRRED = 1e-4;
 
