@@ -42,8 +42,8 @@ pub struct FilmFrame {
 
 #[wasm_bindgen]
 impl FilmFrame {
-    /// Of pictures of `width` × `height` pixels, encoded by `codec`, as WebCodecs name it (`avc1.42002a`,
-    /// `vp09.00.40.08`) with what describes it, if anything does; times are in 1/`rate` s. `colors` are the numbers of their
+    /// A film of pictures of `width` × `height` pixels, encoded by `codec`, as WebCodecs name it (`avc1.42002a`,
+    /// `vp09.00.40.08`) with its description, if it has one; times are in 1/`rate` s. `colors` are the numbers of their
     /// primaries, transfer and matrix (ISO/IEC 23091-2), and 1 where they have their whole range.
     ///
     /// # Errors

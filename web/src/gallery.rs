@@ -17,7 +17,7 @@ use crate::{PROJECT, solve};
 #[wasm_bindgen]
 pub struct Wall {
     shown: Exhibition,
-    /// Of the gallery that was begun last, and of the next surprise.
+    /// Seeds of the gallery that was begun last, and of the next surprise.
     seeds: [u64; 2],
 }
 

@@ -1,9 +1,9 @@
 //! The parts of any shape, from whole limbs to small features, by how heat stays in them.
 //!
-//! Of the heat that starts at a point v, k_t(v, v) is still there after a time t: much at the tip of whatever stands
-//! out farther than √t, little on a trunk. Limbs are the hills of its logarithm that rise higher than a threshold
-//! above the pass to the next hill (persistence: Skraba, Ovsjanikov, Chazal & Guibas, "Persistence-based segmentation
-//! of deformable shapes", 2010), cut where that is shortest near the pass; the rest is trunk.
+//! Of the heat that starts at a point v, the share k_t(v, v) remains after a time t: much at the tip of a part that
+//! stands out farther than √t, little on a trunk. Limbs are the hills of its logarithm that rise higher than a
+//! threshold above the pass to the next hill (persistence: Skraba, Ovsjanikov, Chazal & Guibas, "Persistence-based
+//! segmentation of deformable shapes", 2010), cut where that is shortest near the pass; the rest is trunk.
 
 use std::sync::Arc;
 

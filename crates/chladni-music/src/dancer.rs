@@ -47,7 +47,7 @@ pub struct Dancer {
 /// How far and how steeply one unit of a harmonic moves the shape.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Reach {
-    /// Of the most moved vertex.
+    /// Displacement of the most moved vertex.
     pub displacement: f32,
     /// ‖∇u‖, exceeded by at most one triangle in 50.
     pub steepness: f32,

@@ -44,7 +44,7 @@ impl Moments {
         2 * self.bands.iter().filter(sounds).count() >= MOST_MOMENTS
     }
 
-    /// Of an unknown song: one octave after the other, in each channel and in both.
+    /// Moments for an unknown song: one octave after the other, in each channel and in both.
     pub fn of_anything(bands: usize) -> Self {
         const STEPS: usize = 6;
         let range = |step: usize| bands * step / STEPS..bands * (step + 1) / STEPS;

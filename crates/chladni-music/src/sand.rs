@@ -73,7 +73,7 @@ pub struct Tray {
 }
 
 impl Tray {
-    /// Of a body.
+    /// The tray of a body.
     pub fn new(body: &Body) -> Self {
         Self {
             ground: Ground::new(&body.positions, &body.triangles),

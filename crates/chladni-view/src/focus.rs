@@ -53,7 +53,8 @@ const NEAR: [[f32; 2]; 12] = [
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Circle {
-    /// Of a depth in [0, 1] the way to it from the focus as a share of the whole way to it: at 0, and by a unit.
+    /// From a depth in [0, 1] to its distance beyond the focus, over its distance from the eye: the value at 0, and
+    /// the slope.
     pub(crate) line: [f32; 2],
     /// Ways below this are none.
     pub(crate) sharp: f32,
@@ -65,7 +66,7 @@ pub(crate) struct Circle {
 }
 
 impl Circle {
-    /// Of a cell in a picture of `height` rows.
+    /// The circles of a cell in a picture of `height` rows.
     pub(crate) fn new(finish: &Finish, cell: &Cell<'_>, height: u32) -> Self {
         let camera = &cell.camera;
         let projection = camera.projection_matrix(cell.viewport.aspect());

@@ -25,7 +25,7 @@ pub struct Heat {
 }
 
 impl Heat {
-    /// Of a shape that brought colors along, or none.
+    /// The first heat map of a shape with or without colors of its own.
     pub fn of(own_look: bool) -> Self {
         let quantity = if own_look { Quantity::Own } else { Quantity::None };
         Self { quantity, harmonic: 1, map: ColorMap::Viridis, crossings: None }

@@ -34,7 +34,7 @@ pub struct Principal {
 }
 
 impl Principal {
-    /// Of `tensor` at right angles to `normal`, which is unit or zero.
+    /// The values and directions of `tensor` at right angles to `normal`, which is unit or zero.
     pub fn of(tensor: Tensor, normal: Vec3) -> Self {
         let least = (0..3).min_by(|i, j| normal[*i].abs().total_cmp(&normal[*j].abs())).unwrap_or(0);
         let u = unit(cross(normal, std::array::from_fn(|i| f64::from(u8::from(i == least)))));

@@ -13,13 +13,13 @@ pub struct Looks {
     /// The colors of the movement.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub palette: String,
-    /// Of the shapes.
+    /// The material of the shapes.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub material: String,
-    /// On them.
+    /// The lights on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub lights: String,
-    /// Behind them.
+    /// The background.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub background: String,
     /// The file of a picture that stands behind them.

@@ -97,7 +97,7 @@ pub struct PlayedFrame {
     pub is_known: bool,
     /// Something is on stage.
     pub on_stage: bool,
-    /// Of the mapping's first term, of the first item.
+    /// Coefficients of the mapping's first term, of the first item.
     pub coefficients: Vec<f32>,
 }
 

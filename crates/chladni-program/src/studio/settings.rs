@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::work::HARMONICS;
 
-/// Of a file of preferences, in bytes.
+/// The largest file of preferences, in bytes.
 const LARGEST: u64 = 1 << 20;
 
 /// Recent files that the start screen shows at most.

@@ -55,7 +55,7 @@ impl Ear {
         })
     }
 
-    /// Of the sound that it is tuned to.
+    /// The rate of the sound that it is tuned to.
     pub fn rate_hz(&self) -> u32 {
         self.analyzer.settings().rate_hz
     }

@@ -166,7 +166,7 @@ from_engines! {
 pub enum Warning {
     /// The shape called `name` has too few vertices for the harmonics that were `asked` for.
     FewerHarmonics {
-        /// Of the shape.
+        /// Name of the shape.
         name: String,
         /// Usable vertices, which is also the number of harmonics.
         vertices: usize,
@@ -184,7 +184,7 @@ pub enum Warning {
     },
     /// It could not be found out how a shape stands.
     InDoubt {
-        /// Of the shape.
+        /// Name of the shape.
         name: String,
         /// How it is drawn.
         stands: Orientation,

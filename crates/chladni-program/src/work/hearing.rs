@@ -33,7 +33,7 @@ pub struct KnownSong {
 }
 
 impl KnownSong {
-    /// Of its samples, which are heard once to know how loud they get.
+    /// A song known by its samples, which are read once to find how loud they get.
     ///
     /// # Errors
     /// [`SoundError::Setting`] where their rate is out of range.
@@ -158,8 +158,8 @@ impl Hearing {
         self.stretches.iter().map(|(stretch, _)| *stretch)
     }
 
-    /// Of a show that goes on at `at_secs`: the stretches heard before, in order, and the clock that was followed. A clock
-    /// of now is another one.
+    /// A hearing of a show that goes on at `at_secs`, with the stretches heard before, in order, and the clock that
+    /// was followed. A clock that is followed now counts as another one.
     pub fn continued(stretches: &[Stretch], clock: ClockTrack, at_secs: f64) -> Self {
         let mut hearing = Self::default();
         hearing.go_on(stretches, clock);

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::{Error, Hearing};
 
-/// Of the grains, sRGB.
+/// Color of the grains, sRGB.
 const COLOR: [u8; 3] = [240, 220, 178];
 /// A film that begins in the middle of a show begins with sand poured this long before.
 const BEFORE_SECS: f64 = 5.0;

@@ -20,7 +20,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a difference on a shape with the harmonics of `basis`.
+    /// The spectrum of a difference on a shape with the harmonics of `basis`.
     pub fn of(difference: &Difference, model: Model, basis: &Basis) -> Self {
         let bars = difference.amplitudes(model);
         let waves = wavelengths(basis).into_iter().zip(bars.harmonics);

@@ -19,7 +19,7 @@ const MOST_BYTES: u64 = 256 << 20;
 /// The pictures and films read from these files.
 #[derive(Clone, Debug, Default)]
 pub struct Scenery {
-    /// Of a film, its first picture.
+    /// The picture behind; the first one if it is a film.
     behind: Option<Picture>,
     /// The film's name.
     film: Option<String>,

@@ -22,7 +22,7 @@ pub struct Sculpture {
     pub subject: Subject,
     /// With its harmonics.
     pub body: Arc<Body>,
-    /// Of all layers.
+    /// The evaluation of all layers.
     pub evaluation: Evaluation,
 }
 

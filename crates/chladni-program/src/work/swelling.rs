@@ -27,7 +27,7 @@ pub struct Swelling {
 }
 
 impl Swelling {
-    /// Of the shape that `model` is made of; nothing swells yet.
+    /// Caricatures of the shape in `model`; nothing swells yet.
     pub fn new(model: SynthModel) -> Self {
         Self { synthesizer: CpuSynthesizer::new(model), items: Vec::new(), swollen: None }
     }

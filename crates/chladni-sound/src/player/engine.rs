@@ -75,7 +75,7 @@ pub(super) struct Engine {
     output: Output,
     list: Playlist,
     song: Option<Decoding>,
-    /// Of the song before it.
+    /// The rest of the song before it.
     tail: Tail,
     crossfade_secs: f64,
     /// Frames on their way to the ring.

@@ -9,7 +9,7 @@ use crate::history::Frame;
 #[derive(Default)]
 pub(super) struct Tail {
     frames: VecDeque<Frame>,
-    /// Of the whole crossfade.
+    /// Frames of the whole crossfade.
     length: usize,
 }
 

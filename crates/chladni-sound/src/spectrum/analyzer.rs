@@ -87,14 +87,14 @@ impl SpectrumSettings {
 /// is the louder channel of the loudest band of the last two seconds of a loud passage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
-    /// Of (left + right) / 2, one per band.
+    /// Amplitudes of (left + right) / 2, one per band.
     pub mid: Vec<f32>,
-    /// Of (left − right) / 2, times the side's gain, one per band.
+    /// Amplitudes of (left − right) / 2, times the side's gain, one per band.
     pub side: Vec<f32>,
-    /// Of the left channel, one per band. (The magnitudes of mid and side alone do not distinguish left
+    /// Amplitudes of the left channel, one per band. (The magnitudes of mid and side alone do not distinguish left
     /// from right.)
     pub left: Vec<f32>,
-    /// Of the right channel, one per band.
+    /// Amplitudes of the right channel, one per band.
     pub right: Vec<f32>,
     /// The gain by which `side` was multiplied.
     pub side_gain: f32,

@@ -125,7 +125,7 @@ fn row(row: &[f32; 4], p: Vec3, w: f32) -> f32 {
     row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3] * w
 }
 
-/// Of a triangle's corners in clip space, at a place over w: the weight of each, and their sum.
+/// Weights of a triangle's corners in clip space at a place, each over w, and their sum.
 #[inline(always)]
 fn weights(clip: [[f32; 3]; 3], [sx, sy]: [f32; 2]) -> ([f32; 3], f32) {
     // From the place, so that small triangles lose no digits.

@@ -248,7 +248,7 @@ impl<'a> Light<'a> {
         Self { above: row(above), below: row(below), share }
     }
 
-    /// Of channel `k`, from `x` on.
+    /// A block of channel `k`, from `x` on, above and below.
     #[inline(always)]
     fn part(&self, k: usize, x: usize) -> Option<[&[f32; BLOCK]; 2]> {
         let at = self.above.len() / 3 * k + x;

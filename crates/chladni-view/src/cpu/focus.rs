@@ -15,7 +15,7 @@ use crate::focus::{Spread, most};
 /// Buffers that are kept from picture to picture.
 #[derive(Debug, Default)]
 pub(super) struct Focusing {
-    /// Of each pixel the radius of its circle of light, pixels of the small picture; below 0 before the focus.
+    /// The radius of each pixel's circle of light, in pixels of the small picture; below 0 before the focus.
     circles: Vec<f32>,
     small: Small,
     /// Light that has spread.

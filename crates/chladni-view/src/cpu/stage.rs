@@ -162,7 +162,7 @@ pub(super) struct StagedFigure {
     pub(super) view: [[f32; 4]; 3],
     pub(super) map: [[f32; 4]; 3],
     pub(super) projected: Projected,
-    /// Of each vertex the place of its palette and its own light, where it has one.
+    /// The palette position and the glow of each vertex, where it has them.
     pub(super) answers: Vec<[f32; 2]>,
     /// Its ways outward from the rest and from where it was lately, where they are asked for.
     pub(super) outward: Vec<[f32; 2]>,

@@ -18,7 +18,7 @@ pub(crate) enum Lookup {
 }
 
 impl Lookup {
-    /// Of the devices with these limits.
+    /// The look-up that suits devices with these limits.
     pub(crate) fn within(limits: &wgpu::Limits) -> Self {
         if limits.max_storage_buffers_per_shader_stage < 5 { Self::Textures } else { Self::Storage }
     }

@@ -63,7 +63,7 @@ impl Depths {
 struct Pipelines {
     /// Which they read.
     depths: Depths,
-    /// Of one cell, of depths, and of images.
+    /// Layouts of one cell, of depths, and of images.
     cell: wgpu::BindGroupLayout,
     depth: wgpu::BindGroupLayout,
     images: wgpu::BindGroupLayout,

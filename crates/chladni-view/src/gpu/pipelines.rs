@@ -144,7 +144,7 @@ impl Layouts {
     }
 }
 
-/// Of the picture whose edges are to be smoothed.
+/// The layout of the picture whose edges are to be smoothed.
 pub(crate) fn smooth_layout(device: &wgpu::Device) -> BindGroupLayout {
     layout(device, "smooth", &[(wgpu::ShaderStages::FRAGMENT, IMAGE)])
 }
@@ -177,7 +177,7 @@ pub(super) fn layout(
 /// The pipelines that were needed so far.
 pub(crate) struct Pipelines {
     module: wgpu::ShaderModule,
-    /// Of groups: the first two, three, all four, and that of [`Part::Smooth`].
+    /// Layouts of groups: the first two, three, all four, and that of [`Part::Smooth`].
     shadowed: wgpu::PipelineLayout,
     indexed: wgpu::PipelineLayout,
     cornered: wgpu::PipelineLayout,

@@ -122,7 +122,7 @@ fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<()
     Ok(())
 }
 
-/// Of the shape's file; samples have neither colors nor attributes.
+/// The format of the shape's file; samples have neither colors nor attributes.
 fn format(session: &Session) -> Format {
     let ShapeSource::File(path) = &session.project().shape else { return Format::Ply };
     Format::of_path(path).unwrap_or(Format::Ply)

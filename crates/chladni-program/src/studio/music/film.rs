@@ -59,7 +59,7 @@ struct Form {
     what: What,
     size: [u32; 2],
     fps: u32,
-    /// Of the song or the show; the end where `to_secs` is 0.
+    /// Range of the song or the show; to the end where `to_secs` is 0.
     from_secs: f64,
     to_secs: f64,
     /// By its name; none is the look of the dance itself.

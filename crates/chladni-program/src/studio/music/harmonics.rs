@@ -38,7 +38,7 @@ impl Harmonics {
         Self { body, symmetry, figure_markers, drawn: None, shown: None }
     }
 
-    /// Of the body, by its vertices.
+    /// Triangles of the body, by its vertices.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.body.triangles
     }

@@ -11,7 +11,7 @@ use super::outgoing::RATE;
 use super::salvage::Note;
 use crate::work::Error;
 
-/// Of the film's sound.
+/// Rate of the film's sound.
 const SOUND_HZ: u32 = 48_000;
 
 /// One recording.

@@ -57,7 +57,7 @@ pub struct Span {
 }
 
 impl Ink {
-    /// Of one color or four gradients, times texels.
+    /// The ink of one color or four gradients, times texels.
     pub fn new(color: Result<[u8; 4], [Gradient; 4]>, texels: Texels) -> Self {
         match (color, texels) {
             (Ok(color), Texels::One(texel)) => Self::Flat(pixel(times(color, texel))),

@@ -48,7 +48,7 @@ pub struct Film {
     pub show_secs: Option<f64>,
     /// How it begins, and the actions in it.
     pub beginning: Beginning,
-    /// Of shapes, lights and background.
+    /// The look of shapes, lights and background.
     pub look: Look,
     /// The file of a picture that stands behind them, or none.
     pub picture: String,

@@ -46,7 +46,7 @@ pub struct Output {
     pub rate: FrameRate,
     /// The choice of the device that draws.
     pub draw: Draw,
-    /// Of each pixel; what suits the device unless said.
+    /// Samples of each pixel; by default as many as suit the device.
     pub samples: Option<Samples>,
     /// The choice of the device that deforms.
     pub synthesis: Backend,

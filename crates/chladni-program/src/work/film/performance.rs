@@ -38,7 +38,7 @@ struct Shot {
     /// In the film.
     time_secs: f64,
     reaction: Reaction,
-    /// Of a shot that the camera chose.
+    /// The framing of a shot that the camera chose.
     framing: Option<Framing>,
     mood: Mood,
     /// How many shapes are seen.

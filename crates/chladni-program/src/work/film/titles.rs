@@ -31,7 +31,7 @@ struct Title {
 }
 
 impl Titles {
-    /// Of `songs`, by number, as they are heard in a film that begins at `start_secs`.
+    /// Titles of `songs`, by number, as they are heard in a film that begins at `start_secs`.
     pub fn of(songs: &[(String, BeatReading)], heard: &[Stretch], start_secs: f64) -> Self {
         let mut shown: Vec<(f64, &str)> = Vec::new();
         let mut last = None;

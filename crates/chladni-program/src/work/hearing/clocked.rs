@@ -74,7 +74,7 @@ impl Hearing {
             .collect()
     }
 
-    /// Of the bar of the music that began last.
+    /// The energy of the music's last bar.
     fn energy_before(&self, at_secs: f64) -> f32 {
         const LONGEST_BAR_SECS: f64 = 15.0;
         self.bars_of_songs(at_secs - LONGEST_BAR_SECS, at_secs).last().map_or(0.0, |bar| bar.energy)

@@ -15,7 +15,7 @@ pub(super) struct Widen<'a> {
     /// Pixels in one of the small picture, and in a row of it.
     pub(super) step: usize,
     pub(super) small: usize,
-    /// Of one plane of the row, with a pixel more on either side.
+    /// One plane of the row, with a pixel more on either side.
     pub(super) between: &'a mut Vec<f32>,
     pub(super) wide: &'a mut [f32],
 }

@@ -37,7 +37,7 @@ impl Recent {
 #[derive(Default)]
 pub struct Judging {
     wanted: bool,
-    /// Of this gallery.
+    /// The gallery that is judged, and the job.
     running: Option<(Arc<Gallery>, Job<Vec<u16>>)>,
 }
 

@@ -85,9 +85,9 @@ pub struct ShowSong {
     beats: Option<Beats>,
     /// It cannot be read as a whole.
     given_up: bool,
-    /// Of its tags.
+    /// The title in its tags.
     title: Option<String>,
-    /// Of its tags, or beside it.
+    /// The cover in its tags, or beside it.
     cover: Option<TextureHandle>,
 }
 

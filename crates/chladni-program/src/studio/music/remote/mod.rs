@@ -146,7 +146,7 @@ impl Remote {
     }
 }
 
-/// Of several turns of one knob within a frame only the last counts.
+/// If a knob turns several times within a frame, only the last turn counts.
 fn push(cues: &mut Vec<Cue>, cue: Cue) {
     if let Cue::Do(Action::Set { parameter: turned, .. }) = cue {
         cues.retain(|known| !matches!(known, Cue::Do(Action::Set { parameter, .. }) if *parameter == turned));
