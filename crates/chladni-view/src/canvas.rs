@@ -110,10 +110,10 @@ impl Deref for PixelsHeld<'_> {
     }
 }
 
-/// The way back of one picture of a canvas, while later ones are drawn.
+/// Reads one picture of a canvas back while later ones are drawn.
 #[derive(Debug)]
 pub struct Readback {
-    /// Premultiplied pixels, or the way from a graphics device.
+    /// Premultiplied pixels, or a read-back from a graphics device.
     held: Held<Vec<u8>, gpu::Readback>,
 }
 

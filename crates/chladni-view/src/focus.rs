@@ -56,9 +56,9 @@ pub(crate) struct Circle {
     /// From a depth in [0, 1] to its distance beyond the focus, over its distance from the eye: the value at 0, and
     /// the slope.
     pub(crate) line: [f32; 2],
-    /// Ways below this are none.
+    /// Distances below this count as 0.
     pub(crate) sharp: f32,
-    /// Radius of the circle by a unit of the way beyond, pixels of the small picture.
+    /// Radius of the circle per unit of distance beyond that, in pixels of the small picture.
     pub(crate) radius: f32,
     /// No circle is larger.
     pub(crate) most: f32,

@@ -5,8 +5,7 @@ use super::adjacency::sorted_half_edges;
 use super::normals::corners;
 use super::vec3::{Vec3, dot, length, scaled, sub};
 
-/// The most edges that one walk passes: around a corner where many triangles meet it may come to lie before the
-/// end of its way.
+/// The most edges that one walk crosses: around a corner of many triangles it may stop short of its length.
 const MOST_EDGES: usize = 64;
 
 /// Changes of a weight below this count as none, so that a walk along a border does not press against it.

@@ -1,4 +1,4 @@
-//! The device that draws the window's 3D views, and the way of a finished picture to the screen.
+//! The device that draws the window's 3D views, and the transfer of finished pictures to the screen.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use winit::window::Window;
 
 use super::error::NoDevice;
 
-/// The device of all views, and the way from it to the window. Clones share both.
+/// The device of all views, and the transfer from it to the window. Clones share both.
 #[derive(Clone)]
 pub struct Screen {
     device: Device,

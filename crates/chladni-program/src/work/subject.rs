@@ -19,7 +19,7 @@ const PROXY_VERTICES: usize = 150_000;
 pub struct Subject {
     /// The shape as its file holds it, or fewer of its vertices.
     pub mesh: Arc<TriMesh>,
-    /// The way from `mesh` to the whole shape, where `mesh` is less.
+    /// Carries displacements of `mesh` to the whole shape, where `mesh` has fewer vertices.
     pub proxy: Option<Arc<Proxy>>,
 }
 

@@ -164,7 +164,7 @@ pub(super) struct StagedFigure {
     pub(super) projected: Projected,
     /// The palette position and the glow of each vertex, where it has them.
     pub(super) answers: Vec<[f32; 2]>,
-    /// Its ways outward from the rest and from where it was lately, where they are asked for.
+    /// Its outward displacement and its outward lag, where they are asked for.
     pub(super) outward: Vec<[f32; 2]>,
     shadow: Projected,
     pub(super) lens: Lens,

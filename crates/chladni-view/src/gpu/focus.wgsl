@@ -3,11 +3,11 @@
 
 // The lens of a cell.
 struct Circle {
-    // Of a depth the way to it from the focus as a share of the whole way to it: at 0, and by a unit.
+    // From a depth to its distance beyond the focus, over its distance from the eye: the value at 0, and the slope.
     line: vec2f,
-    // Ways below this are none.
+    // Distances below this count as 0.
     sharp: f32,
-    // Radius by a unit of the way beyond, pixels of the small picture, and the largest one.
+    // Radius per unit of distance beyond that, in pixels of the small picture, and the largest radius.
     radius: f32,
     @size(16) most: f32,
 }

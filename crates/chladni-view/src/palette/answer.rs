@@ -78,7 +78,7 @@ impl Answer {
         [self.haste, self.phase, self.spark].iter().any(|share| *share != 0.0)
     }
 
-    /// Whether it looks at more of a vertex than its way from the rest.
+    /// Whether it reads more of a vertex than its displacement.
     pub(crate) fn is_figured(&self) -> bool {
         self.feels_speed() || self.lines.opacity > 0.0
     }

@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &
     });
 }
 
-/// That it is recorded, for how long, and the way to end it.
+/// Says that it is recorded and for how long, and ends the recording on a click.
 fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let Some(recorder) = &concert.outgoing.recorder else { return };
     let (secs, left_out) = recorder.progress(ui.input(|input| input.time));

@@ -126,7 +126,8 @@ impl Tile<'_, '_> {
 
 /// Below this share of the farthest displacement, the phase fades out.
 const PHASED: f32 = 0.04;
-/// A way that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or faint ones.
+/// A displacement that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or
+/// faint ones.
 const STILL: f32 = 2e-5;
 const STIRRED: f32 = 1e-4;
 

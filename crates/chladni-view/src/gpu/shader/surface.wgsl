@@ -36,7 +36,7 @@ struct AnsweredSurface {
     @location(4) map_step: vec3f,
 }
 
-// The same, and the ways outward from the rest and from where it was lately.
+// The same, and the outward displacement and lag.
 struct FiguredSurface {
     @builtin(position) clip: vec4f,
     @location(0) at: vec3f,
