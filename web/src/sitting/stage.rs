@@ -193,7 +193,7 @@ impl Stage {
         self.model.coat(self.screen.device(), coating)
     }
 
-    /// That of the heat map that is shown.
+    /// The scale of the heat map that is shown.
     pub fn scale(&self) -> Option<Scale> {
         match self.model.coating {
             Coating::Values(_, scale) => Some(scale),

@@ -14,8 +14,8 @@ const STILL: f64 = 1e-12;
 /// A surface made ready for walking on it. Directions and slopes on a triangle have two coordinates in its own
 /// plane: x from its first corner to its second, y toward its third.
 ///
-/// Edges of one triangle, of more than two, and those of triangles without area are borders. Who comes to a
-/// border goes on along it.
+/// Edges of one triangle, of more than two, and those of triangles without area are borders. A walk that reaches a
+/// border follows it.
 #[derive(Clone, Debug, Default)]
 pub struct Ground {
     tiles: Vec<Tile>,

@@ -39,7 +39,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// That of pictures that do not move.
+    /// The quality of pictures that do not move.
     pub const STILL: Self = CARD[0];
 }
 

@@ -29,7 +29,7 @@ impl Lag {
             self.last.clear();
             return self.lags.clear();
         }
-        // Who comes or goes in a gallery shifts all others.
+        // An item that comes or goes in a gallery shifts all others.
         if self.last.len() != items.len() {
             self.lags.clear();
             self.lags.resize_with(items.len(), Item::default);

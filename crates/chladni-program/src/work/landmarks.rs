@@ -29,9 +29,9 @@ pub fn color(index: usize) -> [u8; 3] {
 /// Which of the two shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
-    /// That which is exaggerated.
+    /// The shape that is exaggerated.
     Shape,
-    /// That which it is compared with.
+    /// The shape that it is compared with.
     Template,
 }
 

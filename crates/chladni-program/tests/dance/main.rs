@@ -298,7 +298,7 @@ fn films_deformed_on_cpu_and_gpu_agree() {
             .output()
             .unwrap();
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-        // Who deformed: a GPU that gave up would be compared with the processor in vain.
+        // The device that deformed: a GPU that gave up would be compared with the processor in vain.
         let report: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
         let by = report["synthesis"].as_str().unwrap();
         assert_eq!(by.starts_with(&device), synthesis == "gpu", "{by}");

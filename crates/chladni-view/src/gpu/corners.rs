@@ -89,7 +89,7 @@ impl Corners {
         self.lookup.shader()
     }
 
-    /// That of a figure, by its number in the picture.
+    /// The bind group of a figure, by its number in the picture.
     pub(crate) fn group(&self, figure: usize) -> Option<&wgpu::BindGroup> {
         self.groups.get(figure)?.as_ref()
     }

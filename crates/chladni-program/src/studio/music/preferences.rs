@@ -28,7 +28,7 @@ pub struct Preferences {
     pub background: String,
     /// The file of a picture that stands behind all; none where it is empty.
     pub picture: String,
-    /// That of a panorama that shines on it.
+    /// The file of a panorama that shines on it.
     pub panorama: String,
     /// Depth of field: softness out of focus; `None` is the look's own.
     pub blur_percent: Option<u8>,

@@ -53,7 +53,7 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     }
 }
 
-/// That other programs see the stage.
+/// Says that other programs see the stage.
 fn camera(ui: &mut Ui, concert: &Concert) {
     let Some(camera) = concert.outgoing.camera() else { return };
     let (sent, left_out) = (camera.sent(), camera.left_out());

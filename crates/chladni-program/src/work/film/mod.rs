@@ -52,7 +52,7 @@ pub struct Film {
     pub look: Look,
     /// The file of a picture that stands behind them, or none.
     pub picture: String,
-    /// That of a panorama that shines on them.
+    /// The file of a panorama that shines on them.
     pub panorama: String,
     /// Where the viewer stands.
     pub viewpoint: Viewpoint,
