@@ -1,5 +1,5 @@
-//! The device that draws, and how a picture comes to the page: a graphics card draws straight into it, once the page has opened
-//! one; the pixels of the processor are fetched.
+//! The device that draws, and how a picture comes to the page: a graphics card draws straight into it, once the page
+//! has opened one; the pixels of the processor are fetched.
 
 use std::cell::RefCell;
 
