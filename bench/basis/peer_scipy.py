@@ -14,7 +14,7 @@ n = operator.n
 s = sp.csc_matrix((operator.data, operator.indices.astype(np.int32), operator.indptr.astype(np.int32)), (n, n))
 m = sp.diags(operator.mass).tocsc()
 start = time.perf_counter()
-# The symmetrised form is what ARPACK solves fastest: no products with M.
+# The symmetrized form is what ARPACK solves fastest: no products with M.
 root = sp.diags(1 / np.sqrt(operator.mass))
 a = (root @ s @ root).tocsc()
 lu = sla.splu(a + 0.01 * sp.identity(n, format="csc"), permc_spec="MMD_AT_PLUS_A",

@@ -1,4 +1,4 @@
-// Spectra: SymEigsShiftSolver on the symmetrised operator, factored by Eigen's SimplicialLLT.
+// Spectra: SymEigsShiftSolver on the symmetrized operator, factored by Eigen's SimplicialLLT.
 // Reads the raw arrays that run.py writes beside the exported operator: n, nnz, indptr, indices,
 // data, mass. Prints one JSON line as measure.py does.
 #include <Eigen/Sparse>

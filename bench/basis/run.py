@@ -153,7 +153,7 @@ def tables(results, papers):
             lines.append(f"| {label} | {title} | {answer['seconds']:.3f} | {ratio:.1f} | {answer['residual']:.0e} "
                          f"| {answer['orthogonality']:.0e} | {answer['count']} | {answer['memory_mb']:.0f} |")
     lines += ["", "Where our time goes (seconds of one thread summed over threads, but for the first two columns):", "",
-              "| case | order, analysis (wall) | plan (wall) | factor | solve | orthogonalise | small eigenproblems | vectors | certificate, output (wall) | factors | solved columns |",
+              "| case | order, analysis (wall) | plan (wall) | factor | solve | orthogonalize | small eigenproblems | vectors | certificate, output (wall) | factors | solved columns |",
               "|---|---|---|---|---|---|---|---|---|---|---|"]
     for (name, k), rows in results:
         p = rows[0][1].get("profile")
@@ -172,7 +172,7 @@ def tables(results, papers):
 
 
 def gemm_gflops():
-    """What one thread reaches on products of the shapes that orthogonalisation has."""
+    """What one thread reaches on products of the shapes that orthogonalization has."""
     code = """
 import numpy, time
 v, x = numpy.random.rand(33000, 256), numpy.random.rand(33000, 16)
@@ -187,11 +187,11 @@ print(best)
 
 
 def floors(results):
-    """How far each case is from its solves and its orthogonalisation alone."""
+    """How far each case is from its solves and its orthogonalization alone."""
     gemm = gemm_gflops()
     lines = ["", f"The floor: the columns that were solved for, at the time per column of the one-thread run, and the flops of the "
-             f"orthogonalisation at what NumPy's GEMM reaches on one thread ({gemm:.0f} Gflop/s on 33,000 × 256 by 16 columns), shared by 4 threads:", "",
-             "| case | solves, s | orthogonalisation, Gflop | floor, s | ours, s | ours / floor |", "|---|---|---|---|---|---|"]
+             f"orthogonalization at what NumPy's GEMM reaches on one thread ({gemm:.0f} Gflop/s on 33,000 × 256 by 16 columns), shared by 4 threads:", "",
+             "| case | solves, s | orthogonalization, Gflop | floor, s | ours, s | ours / floor |", "|---|---|---|---|---|---|"]
     for (name, k), rows in results:
         ours, one = rows[0][1], rows[1][1]
         if "error" in ours or "error" in one or not one["profile"]["solved_columns"]:

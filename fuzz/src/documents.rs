@@ -38,7 +38,7 @@ pub fn show(text: &str) {
     }
 }
 
-/// What controllers turn.
+/// Bindings of controllers.
 pub fn bindings(text: &str) {
     let mut bindings = Bindings::default();
     if bindings.import(text).is_ok() {

@@ -8,7 +8,7 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{Format, HealthReport, TriMesh, read_mesh, write_mesh};
 use chladni_task::Task;
 
-/// A mesh that is valid but for its shape, and what is done with it.
+/// A mesh that is valid except perhaps for its shape, and the settings that it is processed with.
 #[derive(Arbitrary, Debug)]
 pub struct Shape {
     /// Steps of a coarse grid, so that vertices meet and triangles lie flat.

@@ -225,7 +225,7 @@ pub fn give_rows<const C: usize, T: numpy::Element + Copy>(
     PyArray1::from_vec(py, rows.into_flattened()).reshape([n, C])
 }
 
-/// Says in Python what a result is not quite as it was asked for.
+/// Warns in Python that a result is not quite as it was asked for.
 pub fn warn(py: Python<'_>, warnings: &[String]) -> PyResult<()> {
     let category = py.import("chladni._errors")?.getattr("ChladniWarning")?;
     for text in warnings {

@@ -76,7 +76,7 @@ pub fn restored_certificate(parts: CertificateParts) -> Certificate {
     })
 }
 
-/// Warns of what a solve was not quite as asked for.
+/// Warns where a solve is not quite as asked for.
 pub fn warn_of(py: Python<'_>, report: &BuildReport, certificate: &harmonics::Certificate) -> PyResult<()> {
     let mut warnings: Vec<String> = report.warnings(certificate).iter().map(ToString::to_string).collect();
     if report.fell_back_to_dense {
@@ -195,7 +195,7 @@ impl Basis {
         Certificate(self.certificate)
     }
 
-    /// V, F, and what was solved, from which `chladni.Basis` restores itself.
+    /// V, F, and the solution, from which `chladni.Basis` restores itself.
     #[expect(clippy::type_complexity, reason = "what Python is given")]
     fn parts<'py>(
         &self,
@@ -222,7 +222,7 @@ impl Basis {
 type SolvedArrays = (Py<PyArray1<f64>>, Py<PyArray2<f64>>, Py<PyArray1<f64>>, Py<Certificate>, bool);
 
 impl Basis {
-    /// The basis of `mesh` from what was solved before.
+    /// The basis of `mesh` from an earlier solution.
     fn restored(mesh: TriMesh, solved: SolvedArrays) -> PyResult<Self> {
         let Body { frame, positions, triangles, operator_vertex, .. } =
             Body::unsolved(&mesh).map_err(Failure::from)?;

@@ -16,9 +16,9 @@ pyo3::import_exception!(chladni._errors, NotCertifiedError);
 /// Why a call has no result, on a thread that knows no Python.
 #[derive(Debug)]
 pub enum Failure {
-    /// What was given is nothing to compute with.
+    /// Input that cannot be computed with.
     Input(String),
-    /// What was found did not pass its check.
+    /// A result that did not pass its check.
     NotCertified(String),
     /// A file could not be read or written.
     File(String),

@@ -17,7 +17,7 @@ use crate::basis::{Basis, rows_of};
 use crate::failure::{Failure, InputError};
 use crate::{matching, work};
 
-/// What a shape is compared with, from Python's words: a name, a number of harmonics, or a mesh (V, F).
+/// A template from Python's words: a name, a number of harmonics, or a mesh (V, F).
 fn template(object: &Bound<'_, PyAny>) -> PyResult<(Template, Option<TriMesh>)> {
     if let Ok(name) = object.extract::<String>() {
         return match name.as_str() {

@@ -1,4 +1,4 @@
-//! The engines from Python: numpy arrays in, numpy arrays out. What is computed is the engines' own; here are only
+//! The engines from Python: numpy arrays in, numpy arrays out. The engines do all computations; here are only
 //! conversions, exceptions, and the thread that waits for signals. The names that users see are in `chladni/`.
 
 mod arrays;

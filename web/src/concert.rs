@@ -1,4 +1,4 @@
-//! One body that dances: the music room without a window. The page says what plays and how large its picture
+//! One body that dances: the music room without a window. The page says which song plays and how large its picture
 //! is, and gets the pixels.
 
 mod curves;
@@ -29,33 +29,33 @@ use self::playing::Script;
 use self::stage::{Figures, Stage};
 use crate::parcel::Parcel;
 
-/// A shape, its dances, what is heard, and the picture of it.
+/// A shape, its dances, the sound, and the picture of it.
 #[wasm_bindgen]
 pub struct Concert {
     name: String,
     hearing: Hearing,
-    /// What is heard in place of a song.
+    /// The live input in place of a song.
     live: Option<Live>,
     clock: ShowClock,
     instrument: Instrument,
     ensemble: Ensemble,
     staging: Staging,
     sand: SandTable,
-    /// What palettes know of speed.
+    /// The lag, which palettes read as speed.
     lag: Lag,
     programme: Option<Programme>,
-    /// What is still to come of a show that is played.
+    /// The rest of a show that is being played.
     script: Option<Script>,
     /// The knobs as they stood before there was sand.
     before_sand: Option<Parameters>,
     looks: Looks,
     viewpoint: Viewpoint,
-    /// What its songs are called, by number.
+    /// Names of its songs, by number.
     songs: Vec<String>,
     stage: Stage,
 }
 
-/// What beat and sound do to one picture.
+/// The effect of beat and sound on one picture.
 struct Shot {
     at_secs: f64,
     reaction: Reaction,
@@ -104,7 +104,7 @@ impl Concert {
         })
     }
 
-    /// A song is known from now on, by its number: what [`decode`](crate::decode) gave, and what it is called.
+    /// A song is known from now on, by its number: the result of [`decode`](crate::decode), and its name.
     ///
     /// # Errors
     /// Beats that are none.
@@ -228,7 +228,7 @@ impl Concert {
 }
 
 impl Concert {
-    /// The look by its names, or what is worn on stage.
+    /// The look by its names, or that of the dance on stage.
     fn look(&self) -> Look {
         look_on_stage(&self.instrument).unwrap_or_else(|| look_named(&self.looks).0)
     }

@@ -46,7 +46,7 @@ impl DecodedSong {
         self.loud
     }
 
-    /// What was wrong with the file, where it could be played all the same.
+    /// The fault of a file that could be played all the same.
     #[wasm_bindgen(getter)]
     pub fn damage(&self) -> Option<String> {
         self.damage.clone()
@@ -56,7 +56,7 @@ impl DecodedSong {
 /// Decodes a song by the same decoders as the desktop, and tracks its beats; without bytes, our own tune.
 ///
 /// # Errors
-/// A file that is no song, or too long.
+/// A file that is not a song, or too long.
 #[wasm_bindgen]
 pub fn decode(name: &str, bytes: Option<Vec<u8>>) -> Result<DecodedSong, JsError> {
     let task = Task::new();

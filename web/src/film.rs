@@ -16,7 +16,7 @@ const FILM_RATE: u32 = 1000;
 struct Track {
     /// Units of its times in a second.
     rate: u32,
-    /// What its pieces are encoded as.
+    /// The description of its codec.
     sample_entry: Vec<u8>,
     size: Option<[u16; 2]>,
     /// Units at its beginning that are not heard.
@@ -42,8 +42,8 @@ pub struct FilmFrame {
 
 #[wasm_bindgen]
 impl FilmFrame {
-    /// Of pictures of `width` × `height` pixels, encoded by `codec`, as WebCodecs name it (`avc1.42002a`,
-    /// `vp09.00.40.08`) with what describes it, if anything does; times are in 1/`rate` s. `colors` are the numbers of their
+    /// A film of pictures of `width` × `height` pixels, encoded by `codec`, as WebCodecs name it (`avc1.42002a`,
+    /// `vp09.00.40.08`) with its description, if it has one; times are in 1/`rate` s. `colors` are the numbers of their
     /// primaries, transfer and matrix (ISO/IEC 23091-2), and 1 where they have their whole range.
     ///
     /// # Errors
@@ -77,7 +77,8 @@ impl FilmFrame {
         Ok(())
     }
 
-    /// The next piece of the film's content: a picture, or sound, of so many bytes, which lasts so many units.
+    /// The next piece of the film's content: a picture, or sound, of this many `bytes`, which lasts this many
+    /// `units`.
     pub fn add(&mut self, is_sound: bool, bytes: u32, units: u32, is_key: bool) {
         if let Some(track) = self.tracks.get_mut(usize::from(is_sound)) {
             track.pieces.push(Piece { bytes, units, is_key, before: self.bytes });
@@ -85,7 +86,7 @@ impl FilmFrame {
         }
     }
 
-    /// What stands in the file before its content.
+    /// The part of the file before its content.
     pub fn head(&self) -> Vec<u8> {
         let kinds = [&b"isom"[..], &512_u32.to_be_bytes(), b"isomiso2mp41"].concat();
         let kind = boxed(b"ftyp", &kinds);
@@ -156,7 +157,7 @@ impl Track {
         boxed(b"trak", &[head, edits, boxed(b"mdia", &media.concat())].concat())
     }
 
-    /// What its pieces are, how long each is, and where.
+    /// The table of the track's pieces: codec, lengths and places.
     fn table(&self, begins: u64) -> Vec<u8> {
         let entries = [&1_u32.to_be_bytes()[..], &self.sample_entry].concat();
         let mut runs: Vec<[u32; 2]> = Vec::new();
@@ -231,7 +232,7 @@ fn picture_entry(
     Ok(boxed(name, &entry.bytes))
 }
 
-/// What sound is encoded as, and how many units at its beginning are not heard.
+/// The description of the sound's codec, and how many units at its beginning are not heard.
 fn sound_entry(codec: &str, description: &[u8], rate: u32) -> Result<(Vec<u8>, u32), JsError> {
     let (name, configuration, skipped) = match codec {
         "opus" => {

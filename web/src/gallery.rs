@@ -1,4 +1,4 @@
-//! Twelve caricatures of a shape, for a worker: the page hangs what comes out of it.
+//! Twelve caricatures of a shape, computed in a worker and shown by the page.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::{PROJECT, solve};
 #[wasm_bindgen]
 pub struct Wall {
     shown: Exhibition,
-    /// Of the gallery that was begun last, and of the next surprise.
+    /// Seeds of the gallery that was begun last, and of the next surprise.
     seeds: [u64; 2],
 }
 
@@ -37,7 +37,7 @@ struct State {
     first: bool,
     /// Groups of numbers, and whether children inherit each unchanged.
     groups: Vec<(&'static str, bool)>,
-    /// What the favorites do, in the order in which they were marked.
+    /// The favorites' effects in words, in the order in which they were marked.
     favorites: Vec<String>,
 }
 
@@ -47,7 +47,7 @@ impl Wall {
     /// compared as the `project` compares it. `matches` are those that [`Sitting::matches`](crate::Sitting::matches) knows.
     ///
     /// # Errors
-    /// What cannot be read or matched.
+    /// Files that cannot be read or matched.
     #[wasm_bindgen(constructor)]
     pub fn new(
         name: &str,
@@ -65,7 +65,7 @@ impl Wall {
             stack.install(request, Ok(found));
         }
         let (project, _) = Project::from_text(project, Path::new(PROJECT))?;
-        // What a file holds is known to the page alone: only its match is here.
+        // Only the page knows the content of a file: here there is only its match.
         let given = Exhibition::template_of(&project).filter(|(template, matching)| {
             let request = MatchRequest { template: template.clone(), matching: matching.clone() };
             stack.matched(&request).is_some()

@@ -73,7 +73,7 @@ pub fn samples() -> Result<String, JsError> {
     Ok(serde_json::to_string(&all)?)
 }
 
-/// What a file is, by its name: `mesh`, `song`, `text` (a show or a preset), `list` or `project`.
+/// The kind of a file, by its name: `mesh`, `song`, `text` (a show or a preset), `list` or `project`.
 #[wasm_bindgen]
 pub fn kind(name: &str) -> String {
     format!("{:?}", formats::kind(Path::new(name))).to_lowercase()

@@ -1,6 +1,6 @@
 //! Numbers out of bytes that came from elsewhere.
 
-/// Why bytes are not what they should be.
+/// The fault in a file's bytes.
 #[derive(Debug)]
 pub struct Damaged(pub String);
 

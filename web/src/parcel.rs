@@ -1,4 +1,4 @@
-//! A body that can dance, as bytes: what a worker hands to the page, and what `scripts/web` puts beside it.
+//! A body that can dance, as bytes, which a worker hands to the page, or `scripts/web` puts beside it.
 //!
 //! Positions are f32, and each harmonic is 16-bit integers of a scale of its own, just as pictures are
 //! synthesized: a tenth of the bytes that a solve has. The way back to the file's vertices stays behind, so
@@ -34,7 +34,7 @@ struct Head {
     triangles: usize,
     classes: Vec<Class>,
     eigenvalues: Vec<f64>,
-    /// What one unit of each harmonic's integers is.
+    /// The value of one unit in each harmonic's integers.
     units: Vec<f64>,
     certificate: Certificate,
 }
@@ -73,7 +73,7 @@ impl Parcel {
         Ok(bytes)
     }
 
-    /// What [`to_bytes`](Self::to_bytes) wrote.
+    /// Reads the output of [`to_bytes`](Self::to_bytes).
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Damaged> {
         let mut rest = bytes;
         let head = u32::from_le_bytes(take(&mut rest, 4)?.try_into().unwrap_or_default()) as usize;

@@ -12,7 +12,7 @@ use crate::reporter::{Reporter, shape};
 /// content is `bytes`. `report` gets two strings, `"step"` or `"warning"` and what it is.
 ///
 /// # Errors
-/// What cannot be read, or solved for.
+/// Files that cannot be read, or shapes that cannot be solved for.
 #[wasm_bindgen]
 pub fn prepare(
     name: &str,

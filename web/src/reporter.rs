@@ -1,4 +1,4 @@
-//! What the worker tells the page while it works, and the shapes that it is given.
+//! Reports of the worker to the page, and the shapes that it reads.
 
 use chladni_mesh::{ShapeSource, TriMesh};
 use chladni_program::work::{Error, Warning, Watcher, source};
@@ -16,14 +16,14 @@ pub fn shape(name: &str, bytes: Option<&[u8]>, watcher: &impl Watcher) -> Result
     }
 }
 
-/// Reports to the page what is done, as `report("step", "solving …")`, warnings as `report("warning", …)`, and how far
+/// Reports the work to the page, as `report("step", "solving …")`, warnings as `report("warning", …)`, and how far
 /// the work is as `report("progress", "solving …, 40 %")`.
 pub struct Reporter<'a> {
     task: Task,
     report: &'a Function,
 }
 
-/// What the page was told last. A worker does one thing at a time.
+/// The last report to the page. A worker does one thing at a time.
 #[derive(Default)]
 struct Told {
     report: Option<Function>,

@@ -1,5 +1,5 @@
-//! Who draws, and how a picture comes to the page: a graphics card draws straight into it, once the page has opened
-//! one; the pixels of the processor are fetched.
+//! The device that draws, and how a picture comes to the page: a graphics card draws straight into it, once the page
+//! has opened one; the pixels of the processor are fetched.
 
 use std::cell::RefCell;
 
@@ -9,13 +9,13 @@ use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 use wgpu::util::TextureBlitter;
 
-/// The device of the page, and what it shows.
+/// The device of the page, and its surface.
 struct Card {
     gpu: Gpu,
     surface: wgpu::Surface<'static>,
     /// Draws pictures into the page, where they cannot be copied there.
     blitter: Option<TextureBlitter>,
-    /// Of what is shown.
+    /// The size of the picture.
     size: (u32, u32),
 }
 
@@ -23,8 +23,8 @@ thread_local! {
     static CARD: RefCell<Option<Card>> = const { RefCell::new(None) };
 }
 
-/// From now on a graphics card draws, straight into `picture`, through WebGL2 or through WebGPU; its name. Concerts and sittings that are there already
-/// stay with whoever draws them.
+/// Lets a graphics card draw from now on, straight into `picture`, through WebGL2 or WebGPU; returns its name.
+/// Existing concerts and sittings stay with the device that draws them.
 ///
 /// # Errors
 /// A browser that has no such device, or a device that cannot draw into a page.
@@ -57,7 +57,7 @@ pub fn close_card() {
     CARD.set(None);
 }
 
-/// Who draws what is made from now on.
+/// The device that draws everything made from now on.
 pub fn device() -> Device {
     CARD.with_borrow(|card| card.as_ref().map_or(Device::Processor, |card| (&card.gpu).into()))
 }
@@ -98,7 +98,7 @@ impl Screen {
         Ok(had)
     }
 
-    /// Shows what was drawn. Where the processor draws, the page has yet to fetch it: the pixels.
+    /// Shows the picture. Where the processor draws, the page has yet to fetch it: the pixels.
     pub fn show(&mut self) -> Result<Option<&mut Picture>, Error> {
         match &self.device {
             Device::Processor => {

@@ -1,4 +1,4 @@
-//! One shape that is exaggerated: the caricature room without a window. The page says what is done to it and how large
+//! One shape that is exaggerated: the caricature room without a window. The page sends its actions and says how large
 //! its picture is, and gets the pixels.
 
 mod doings;
@@ -36,7 +36,7 @@ use crate::{PROJECT, solve};
 /// A project on its shape, and the picture of it.
 #[wasm_bindgen]
 pub struct Sitting {
-    /// What the shape was read from; none of a sample.
+    /// The file that the shape was read from; none for a sample.
     file: Option<Vec<u8>>,
     mesh: Arc<TriMesh>,
     history: History,
@@ -61,7 +61,7 @@ pub struct Sitting {
     landmarks: Option<Landmarks>,
     /// Caricatures in the place of the figure.
     hanging: Option<Hanging>,
-    /// What the page has to say.
+    /// Messages for the page.
     notes: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ impl Sitting {
     /// of a project file, or a new one of that many `harmonics`.
     ///
     /// # Errors
-    /// What cannot be read.
+    /// Files that cannot be read.
     #[wasm_bindgen(constructor)]
     pub fn new(
         name: &str,

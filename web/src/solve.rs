@@ -22,7 +22,7 @@ struct Head {
 /// [`Sitting::take_harmonics`](crate::Sitting::take_harmonics). `laplacian` is that of the project.
 ///
 /// # Errors
-/// What cannot be read, or solved for.
+/// Files that cannot be read, or shapes that cannot be solved for.
 #[wasm_bindgen]
 pub fn solve(
     name: &str,
@@ -38,11 +38,11 @@ pub fn solve(
     Ok(to_bytes(&body.basis)?)
 }
 
-/// What a layer waits for, as `request` says in JSON: the match of a shape with its template, whose content is
-/// `template` where it is a file. For [`Sitting::install`](crate::Sitting::install).
+/// The match of a shape with its template that a layer waits for, as the JSON `request` asks; `template` is the
+/// template's content where it is a file. For [`Sitting::install`](crate::Sitting::install).
 ///
 /// # Errors
-/// What cannot be read, and shapes that do not match.
+/// Files that cannot be read, and shapes that do not match.
 #[wasm_bindgen]
 pub fn match_template(
     name: &str,
@@ -63,11 +63,11 @@ pub fn match_template(
     Ok(serde_json::to_string(&found)?)
 }
 
-/// The part of a head on which each vertex of the shape's file lies, by its number among the names; none where the
-/// shape is no head.
+/// For each vertex of the shape's file, the part of a head on which it lies, by the part's number among the names;
+/// none where the shape is not a head.
 ///
 /// # Errors
-/// What cannot be read or matched.
+/// Files that cannot be read or matched.
 #[wasm_bindgen]
 pub fn parts_of_head(
     name: &str,
@@ -94,7 +94,7 @@ fn to_bytes(basis: &Basis) -> Result<Vec<u8>, Damaged> {
     Ok(bytes)
 }
 
-/// What [`to_bytes`] wrote.
+/// Reads the output of [`to_bytes`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Basis, Damaged> {
     let mut rest = bytes;
     let head = u32::from_le_bytes(take(&mut rest, 4)?.try_into().unwrap_or_default()) as usize;

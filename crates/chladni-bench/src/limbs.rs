@@ -21,7 +21,7 @@ struct Known {
     limb: Vec<u8>,
 }
 
-/// What was found of one shape.
+/// The limbs found on one shape.
 struct Found {
     parts: usize,
     /// For each known limb, and the trunk, the best intersection over union, by area, with a part that was found.

@@ -25,7 +25,7 @@ pub enum BreedingError {
     /// A list with the wrong length for the gallery.
     #[error("{what}: {found} where {expected} are needed")]
     Size {
-        /// What the list holds.
+        /// The content of the list.
         what: &'static str,
         /// How many there are.
         found: usize,

@@ -264,7 +264,7 @@ impl<G: Genome> Gallery<G> {
         GalleryItem { id, name, genome, origin, edited: false, chosen: false, locked: false }
     }
 
-    /// A fresh random stream for each draw: what is drawn does not depend on how much randomness earlier
+    /// A fresh random stream for each draw: the result does not depend on how much randomness earlier
     /// draws used.
     fn rng(&mut self) -> ChaCha8Rng {
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);

@@ -1,9 +1,9 @@
-//! What a gallery holds: genomes, the items that they define, and where each item comes from.
+//! The content of a gallery: genomes, the items that they define, and where each item comes from.
 
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-/// What is bred: a set of numbers that defines an item.
+/// A set of numbers that defines an item and can be bred.
 pub trait Genome: Clone + Send + Sync {
     /// A child of two parents; a child of two equal parents is equal to them.
     fn child(mother: &Self, father: &Self, rng: &mut ChaCha8Rng) -> Self;

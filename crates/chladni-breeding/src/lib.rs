@@ -1,6 +1,6 @@
 //! Galleries that are bred: a person chooses items they like and sees children of them.
 //!
-//! What is bred is a [`Genome`], such as a dance or a caricature. A [`Gallery`] holds its generations.
+//! The things bred are [`Genome`]s, such as dances or caricatures. A [`Gallery`] holds their generations.
 //! [`suggest`] picks children that look different from each other and similar to what was chosen, by their
 //! [`Descriptor`]s.
 //!

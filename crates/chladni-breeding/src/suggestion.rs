@@ -22,8 +22,8 @@ use crate::{BreedingError, Gallery, Genome};
 /// A movement or deformation with a smaller norm counts as none.
 const STILL: f32 = 1e-5;
 
-/// What an item looks like, independently of its strength: a unit vector, or zeros for an item without any
-/// effect. Items that look alike have vectors that are close to each other.
+/// The appearance of an item, independent of its strength: a unit vector, or zeros for an item without any effect.
+/// Items that look alike have vectors that are close to each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Descriptor(Vec<f32>);
 

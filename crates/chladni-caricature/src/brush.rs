@@ -1,4 +1,4 @@
-//! What a brush covers: the part of the displayed shape within its radius along the surface.
+//! The part of the displayed shape under a brush: all within its radius along the surface.
 
 use std::fmt;
 
@@ -20,7 +20,7 @@ pub struct Seen<'a> {
     pub positions: &'a [[f32; 3]],
     /// The eye, far away for a parallel view; `None` ignores visibility.
     pub eye: Option<[f64; 3]>,
-    /// What another part of the shape hides from the eye; `None` hides nothing.
+    /// Tells whether another part of the shape hides a point from the eye; `None` hides nothing.
     pub blocked: Option<&'a Blocked<'a>>,
 }
 
@@ -39,7 +39,7 @@ pub struct Brush {
     pub mirror: Option<MirrorPlane>,
 }
 
-/// What a brush covers.
+/// The vertices and triangles under a brush.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reach {
     /// The brush's radius.
@@ -74,11 +74,10 @@ impl Seen<'_> {
 }
 
 impl Brush {
-    /// What the brush covers when it is pressed on `seen` at `at`: all that lies within its radius along the
-    /// surface, over triangles that show the eye the same side as the one at `at`. So it passes neither
-    /// through the shape nor around its edge onto the hidden side; and what is behind another part, such as
-    /// the cheek behind a nose, stays bare, too. Empty if there is no such triangle or the
-    /// positions belong to another shape.
+    /// The part of `seen` under the brush when it is pressed at `at`: all within its radius along the surface, over
+    /// triangles that show the eye the same side as the one at `at`. So it passes neither through the shape nor
+    /// around its edge onto the hidden side; parts behind another part, such as the cheek behind a nose, stay bare,
+    /// too. Empty if there is no such triangle or the positions belong to another shape.
     pub fn reach(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
         let twin = || {
             let plane = self.mirror?;

@@ -1,4 +1,4 @@
-//! What makes a shape differ from its template, as signals and in harmonics.
+//! The difference between a shape and its template, as signals and in harmonics.
 
 use std::sync::{Arc, OnceLock};
 

@@ -1,4 +1,4 @@
-//! What can go wrong, where and why.
+//! Errors of this crate: what went wrong, where and why.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,11 +19,11 @@ pub enum CaricatureError {
     /// A text, such as a command-line argument or a field of a project, does not parse.
     #[error("{what} `{text}`: {why}")]
     Syntax {
-        /// What was being read.
+        /// The kind of text that was being read.
         what: &'static str,
         /// The text as given, shortened.
         text: String,
-        /// What is wrong with it.
+        /// The fault in it.
         why: String,
     },
     /// A number lies outside its range.
@@ -58,7 +58,7 @@ pub enum CaricatureError {
     Template {
         /// The template, as written in the project.
         template: String,
-        /// What went wrong.
+        /// The reason.
         why: String,
     },
     /// The match that a layer needs failed before.
@@ -73,7 +73,7 @@ pub enum CaricatureError {
     /// A file of a project whose name is not Unicode, which a project file has to be.
     #[error("{}: its name is not valid Unicode", .0.display())]
     NotUnicode(PathBuf),
-    /// What was painted or picked on one shape has no place on another.
+    /// Painted vertices or picked points of one shape have no place on another.
     #[error("the layers cannot be carried to this shape: {0}")]
     Carry(String),
     /// A project file is not valid.
@@ -81,7 +81,7 @@ pub enum CaricatureError {
     ProjectFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it, with line and column where known.
+        /// The fault in it, with line and column where known.
         why: String,
     },
     /// A project cannot be put into a file.
@@ -102,7 +102,7 @@ pub enum CaricatureError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A region cannot be softened on this surface.

@@ -1,4 +1,4 @@
-//! What a stack of layers gives.
+//! The result of a stack of layers.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub struct Evaluation {
     pub result: Arc<Base>,
 }
 
-/// What one layer does.
+/// The effect of one layer.
 #[derive(Clone, Debug)]
 pub struct EvaluatedLayer {
     /// The layer.

@@ -107,8 +107,7 @@ impl Surface {
         marched
     }
 
-    /// The distance of `w` through triangle `t`, of which `v` is settled and the third corner
-    /// may be.
+    /// The distance of `w` through triangle `t`. Its corner `v` is settled, and its third corner may be.
     fn through(&self, t: u32, v: u32, w: u32, best: &[f64], done: &[bool], at: &impl Fn(u32) -> Vec3) -> f64 {
         let along_edge = best[v as usize] + distance(at(v), at(w));
         let third = self.triangles[t as usize].into_iter().find(|u| *u != v && *u != w);
@@ -118,7 +117,7 @@ impl Surface {
     }
 }
 
-/// What a march over the surface reached.
+/// The part of a surface that a march reached.
 #[derive(Debug, Default)]
 pub(crate) struct Marched {
     /// Vertices and their distances.

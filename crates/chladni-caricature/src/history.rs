@@ -132,12 +132,12 @@ impl History {
         self.past.len()
     }
 
-    /// What undo would take back.
+    /// Label of the step that undo would take back.
     pub fn undo_label(&self) -> Option<&'static str> {
         self.past.last().map(|s| s.label)
     }
 
-    /// What redo would do again.
+    /// Label of the step that redo would repeat.
     pub fn redo_label(&self) -> Option<&'static str> {
         self.future.last().map(|s| s.label)
     }
@@ -147,7 +147,7 @@ impl History {
         self.saved = Some(self.project.clone());
     }
 
-    /// Whether there is something to save: undoing back to what was saved counts as saved.
+    /// Whether there is something to save: undoing back to the saved state counts as saved.
     pub fn is_modified(&self) -> bool {
         self.saved.as_ref() != Some(&self.project)
     }

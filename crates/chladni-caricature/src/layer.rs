@@ -1,4 +1,4 @@
-//! One layer of a project: what is exaggerated, how, and where.
+//! One layer of a project: the difference that it exaggerates, how, and where.
 
 use std::path::PathBuf;
 
@@ -18,9 +18,9 @@ pub struct LayerId(pub u64);
 /// One exaggeration. Its result is the shape of the layer above.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layer {
-    /// What the user calls it; the name of its morph target.
+    /// The user's name for it, which its morph target gets, too.
     pub name: String,
-    /// What the shape is compared with.
+    /// The shape to compare with.
     pub template: Template,
     /// How the template's points are found; used by templates that are meshes.
     pub matching: MatchSettings,
@@ -43,7 +43,7 @@ pub struct Layer {
     pub solo: bool,
 }
 
-/// What the shape of a layer is compared with.
+/// The template of a layer: the shape that the mesh is compared with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Template {
@@ -61,9 +61,9 @@ pub enum Template {
     Scaled(f64),
     /// The layer's own shape without its harmonics from k0 on: exaggerates its own detail.
     LowPass(usize),
-    /// The original shape below all layers: exaggerates what the layers below did.
+    /// The original shape below all layers: exaggerates the effect of the layers below.
     Original,
-    /// The shape as it is after a layer further down: exaggerates what the layers between did.
+    /// The shape as it is after a layer further down: exaggerates the effect of the layers between.
     Layer(LayerId),
 }
 

@@ -1,4 +1,4 @@
-//! What a stack remembers of one layer, and how a layer is evaluated with it.
+//! The memo of a layer in a stack, and the evaluation of a layer with it.
 
 use std::sync::Arc;
 
@@ -14,18 +14,18 @@ use crate::{
 use chladni_mesh::surface::vec3::Vec3;
 
 pub(crate) type Mask = Option<Arc<[f32]>>;
-/// What was found on another thread, or why it was not; kept for whoever asks again.
+/// A result from another thread, or why there is none; kept so that nothing is computed twice.
 pub(crate) type Answer<T> = Result<Arc<T>, Arc<CaricatureError>>;
 type FieldMemo = Memo<(Same<Difference>, ScaleCurve), Arc<Field>>;
 /// The field, μ and χ it came from.
 type DisplacementMemo = Memo<(Same<Field>, f64, Option<Same<[f32]>>), Arc<Vec<Vec3>>>;
-/// What is capped, and by what.
+/// The displacement that is capped, and the limit.
 type CapMemo = Memo<(Same<Vec<Vec3>>, Same<Kept>), Arc<Vec<Vec3>>>;
 /// A displacement, and how far it was limited, once that is known.
 type Limited = (Arc<Vec<Vec3>>, Option<Arc<Kept>>);
 type ResultMemo = Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>;
 
-/// What one layer computed last.
+/// The last results of one layer.
 #[derive(Debug, Default)]
 pub(crate) struct LayerMemo {
     painted: PaintedSpectrum,
@@ -46,7 +46,7 @@ pub(crate) struct LayerMemo {
     pub signals: Memo<Same<Difference>, Signals>,
 }
 
-/// What a layer sees of its stack.
+/// The parts of a stack that a layer reads.
 pub(crate) struct Scene<'a> {
     pub matches: &'a [(MatchRequest, Answer<Matched>)],
     /// The shape of the stack that its template is made from, where it is not a matched one.
@@ -111,7 +111,7 @@ impl LayerMemo {
         Ok(Some(Acting { outdated, mask, difference, unlimited, displacement, kept, result }))
     }
 
-    /// The limited displacement, or, until there is one, the displacement capped by what was found last.
+    /// The limited displacement, or, until there is one, the displacement capped by the last limit.
     fn limited(
         &mut self,
         scene: &Scene<'_>,

@@ -1,4 +1,4 @@
-//! Exaggerates what makes a shape differ from a template.
+//! Exaggerates the difference between a shape and a template.
 //!
 //! A [`Project`] is a shape and a stack of layers; a [`Stack`] evaluates it on a
 //! [`Body`](chladni_harmonics::Body), each layer's result being the shape of the next. All

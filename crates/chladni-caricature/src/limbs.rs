@@ -1,9 +1,9 @@
 //! The parts of any shape, from whole limbs to small features, by how heat stays in them.
 //!
-//! Of the heat that starts at a point v, k_t(v, v) is still there after a time t: much at the tip of whatever stands
-//! out farther than √t, little on a trunk. Limbs are the hills of its logarithm that rise higher than a threshold
-//! above the pass to the next hill (persistence: Skraba, Ovsjanikov, Chazal & Guibas, "Persistence-based segmentation
-//! of deformable shapes", 2010), cut where that is shortest near the pass; trunks are what is left.
+//! Of the heat that starts at a point v, the share k_t(v, v) remains after a time t: much at the tip of a part that
+//! stands out farther than √t, little on a trunk. Limbs are the hills of its logarithm that rise higher than a
+//! threshold above the pass to the next hill (persistence: Skraba, Ovsjanikov, Chazal & Guibas, "Persistence-based
+//! segmentation of deformable shapes", 2010), cut where that is shortest near the pass; the rest is trunk.
 
 use std::sync::Arc;
 
@@ -35,7 +35,7 @@ pub struct Limb {
     pub middle: Vec3,
 }
 
-/// The time at level 0, in squares of the size √(A / π), and what it is multiplied by at level 1.
+/// The time at level 0, in squares of the size √(A / π), and the factor on it at level 1.
 const TIME: [f64; 2] = [0.25, 0.04];
 /// The same of the persistence from which on a hill is a limb.
 const PERSISTENCE: [f64; 2] = [0.5, 0.2];
@@ -69,7 +69,7 @@ impl Limbs {
         Self::numbered(body, &label, &neighbors, &hills)
     }
 
-    /// Numbers what is connected and of one label, the largest first.
+    /// Numbers the connected pieces of one label, the largest first.
     fn numbered(body: &Body, label: &[u32], neighbors: &Rows, hills: &Hills) -> Self {
         let (piece, count) = pieces(label, neighbors);
         let total: f64 = body.basis.mass.iter().sum();

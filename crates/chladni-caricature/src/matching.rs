@@ -86,7 +86,7 @@ fn on_operator_vertices(body: &Body, points: &[Vec3]) -> Result<Vec<Vec3>, Caric
 }
 
 impl MatchRequest {
-    /// What `layer` needs; `None` where its template is its own shape.
+    /// The match that `layer` needs; `None` where its template is made from its own shape.
     pub fn of(layer: &Layer) -> Option<Self> {
         let template = layer.template.clone();
         match template {

@@ -1,4 +1,5 @@
-//! The transform of a painted signal, which follows the brush: a stroke costs what it touches.
+//! The transform of a painted signal, which follows the brush: a stroke costs only the rows of the vertices that it
+//! touches.
 
 use chladni_harmonics::Basis;
 use rayon::prelude::*;

@@ -15,7 +15,8 @@ use crate::{
 /// K of a project that names none.
 pub const DEFAULT_HARMONICS: usize = 512;
 
-/// What is saved: which shape, how many harmonics of which Laplacian, which layers. Cloning shares the layers.
+/// The content of a project file: which shape, how many harmonics of which Laplacian, which layers. Cloning shares
+/// the layers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
     /// Where the shape comes from.
@@ -71,7 +72,7 @@ pub enum Action {
     Paint {
         /// The layer.
         layer: LayerId,
-        /// What the brush did.
+        /// The change that the brush made.
         edit: PaintEdit,
     },
     /// Changes the number of harmonics; the basis has to be solved again.
@@ -147,7 +148,7 @@ impl Project {
         self.layers.iter().find(|(i, _)| *i == id).map(|(_, l)| l)
     }
 
-    /// The number of a layer, counted from the lowest, 1: what it is called where ids mean nothing, as in files.
+    /// The number of a layer, counted from the lowest, 1: its name where ids mean nothing, as in files.
     pub fn number(&self, id: LayerId) -> Option<usize> {
         self.layers.iter().position(|(i, _)| *i == id).map(|place| place + 1)
     }
@@ -210,11 +211,11 @@ impl Project {
         self.layers.iter().position(|(i, _)| *i == id).ok_or(CaricatureError::NoLayer(id.0))
     }
 
-    /// Does `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
+    /// Applies `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
     ///
     /// # Errors
-    /// A layer that is not there, a number out of its range, painting without a `surface` or on another one, or a layer
-    /// whose template would be the result of one that is not below it.
+    /// A missing layer, a number out of range, painting without a `surface` or on another one, or a template that is
+    /// the result of a layer not below the one that uses it.
     pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         let mut changed = self.clone();
         changed.act(action, surface)?;
@@ -330,7 +331,7 @@ impl Property {
 }
 
 impl Action {
-    /// What undo and redo call it.
+    /// The action's name for undo and redo.
     pub fn label(&self) -> &'static str {
         match self {
             Self::Add { .. } => "add layer",

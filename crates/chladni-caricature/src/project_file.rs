@@ -20,7 +20,7 @@ use crate::{
 
 mod paths;
 
-/// What is read of one file at most.
+/// The most bytes that are read of one file.
 pub(crate) const MOST_BYTES: u64 = 1 << 30;
 
 /// The whole file.
@@ -142,7 +142,7 @@ impl Project {
     /// happens to this process meanwhile.
     ///
     /// # Errors
-    /// A path that is not Unicode, or what the system says.
+    /// A path that is not Unicode, or an error of the system.
     pub fn save(&self, path: &Path) -> Result<(), CaricatureError> {
         let text = self.to_text(path, None)?;
         chladni_task::write_atomic(path, text.as_bytes())

@@ -1,4 +1,4 @@
-//! Recovery of a session that crashed.
+//! Recovery of unsaved work after a crash.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -8,14 +8,14 @@ use chladni_task::{RecoveryCopy, read_text_file};
 use crate::project_file::MOST_BYTES;
 use crate::{CaricatureError, Project};
 
-/// What names of copies begin and end with.
+/// Beginning and ending of a copy's name.
 const NAMES: (&str, &str) = ("session", "chladni");
 
-/// The recovery copy of a running session; [`finish`](Self::finish) removes it.
+/// The recovery copy of a running program; [`finish`](Self::finish) removes it.
 #[derive(Debug)]
 pub struct Recovery(RecoveryCopy);
 
-/// A project that a session left behind when it died.
+/// A project that a program left behind when it crashed.
 #[derive(Clone, Debug)]
 pub struct Recovered {
     /// The recovery file.
@@ -29,8 +29,8 @@ pub struct Recovered {
 }
 
 impl Recovery {
-    /// Starts a session that keeps its copies in `folder`, which is created if missing. `id` must differ
-    /// between sessions that run at once, such as the process id.
+    /// Starts a copy in `folder`, which is created if missing. `id` must differ between programs that run at once,
+    /// such as the process id.
     ///
     /// # Errors
     /// A folder that cannot be made or written.
@@ -55,13 +55,13 @@ impl Recovery {
         self.0.clear();
     }
 
-    /// Ends the session well. A session that is merely dropped, as by a panic, leaves its copy.
+    /// Ends well and removes the copy. A value that is merely dropped, as by a panic, leaves its copy.
     pub fn finish(self) {
         self.0.finish();
     }
 
-    /// The projects in `folder` whose sessions died, newest first, and the copies that cannot be
-    /// read, each with the reason. An absent folder holds none.
+    /// The projects in `folder` whose programs crashed, newest first, and the copies that cannot be read, each with
+    /// the reason. An absent folder holds none.
     pub fn find(folder: &Path) -> (Vec<Recovered>, Vec<CaricatureError>) {
         let (mut found, mut unreadable) = (Vec::new(), Vec::new());
         for copy in RecoveryCopy::left_behind(folder, NAMES.0, NAMES.1) {

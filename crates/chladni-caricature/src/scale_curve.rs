@@ -29,7 +29,7 @@ impl Default for ScaleCurve {
 }
 
 impl ScaleCurve {
-    /// The largest gain; twice what the paper's interface offers.
+    /// The largest gain; twice that of the paper's interface.
     pub const MAX_GAIN: f64 = 4.0;
     /// The longest wave a point may stand at: beyond the lowest harmonics of a ball (2.2).
     pub const BROADEST: f64 = 3.2;

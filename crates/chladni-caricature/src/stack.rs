@@ -20,7 +20,7 @@ use crate::{
 };
 use chladni_mesh::surface::vec3::{Vec3, add};
 
-/// Evaluates projects on one body, and remembers what it computed.
+/// Evaluates projects on one body, and remembers its results.
 ///
 /// Basis and correspondences never change; a layer whose inputs have not changed costs nothing, so a change
 /// to layer i is paid for only from i up.
@@ -139,7 +139,8 @@ impl Stack {
         found.as_ref().ok()
     }
 
-    /// What makes the shape differ from a template, below all layers and with nothing left as it was found.
+    /// The difference between the shape, below all layers, and a template, filled in completely where the match is
+    /// not trusted.
     ///
     /// # Errors
     /// A template that is not matched, or that is the result of a layer.

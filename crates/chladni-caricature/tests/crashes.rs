@@ -13,7 +13,7 @@ use chladni_caricature::*;
 
 /// The folder in which the child works.
 const FOLDER: &str = "CHLADNI_TEST_SAVE_FOREVER";
-/// What the child says once a project is saved, before its number.
+/// Printed by the child once a project is saved; its number follows.
 const SAVED: &str = "saved ";
 
 /// The project of a number: every second one is large.

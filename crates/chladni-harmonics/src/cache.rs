@@ -75,7 +75,7 @@ pub(crate) enum CacheError {
     NoRoom(#[from] HarmonicsError),
 }
 
-/// What is wrong with an entry.
+/// A fault in an entry.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Damage {
     #[error("its head does not fit")]

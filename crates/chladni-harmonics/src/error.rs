@@ -82,7 +82,7 @@ pub enum HarmonicsError {
     /// S and M do not form a pencil that can be solved.
     #[error("{reason}")]
     BadPencil {
-        /// What is wrong with them.
+        /// The fault in them.
         reason: String,
     },
     /// A heat step of a length that cannot be computed.
@@ -124,7 +124,7 @@ pub enum HarmonicsError {
     /// A functional map whose size does not fit its eigenvectors.
     #[error("functional map: {reason}")]
     BadMap {
-        /// What does not fit.
+        /// The mismatch.
         reason: String,
     },
     /// More harmonics than fit in memory, or than a solver can find for this number of vertices.
@@ -142,19 +142,19 @@ pub enum HarmonicsError {
     NoScratch {
         /// The folder.
         folder: PathBuf,
-        /// What the system says.
+        /// The system's message.
         reason: String,
     },
     /// SLEPc cannot be used, or not with the requested ranks.
     #[error("cannot solve with SLEPc: {reason}")]
     NoRanks {
-        /// What is missing or wrong.
+        /// The missing or wrong part.
         reason: String,
     },
     /// The ranks ended without a result.
     #[error("the ranks of SLEPc failed: {reason}")]
     RanksFailed {
-        /// What the first failed rank reported.
+        /// The report of the first rank that failed.
         reason: String,
     },
     /// The worker threads could not be started.

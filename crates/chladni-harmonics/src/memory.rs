@@ -37,7 +37,8 @@ fn of_harmonics(vertices: usize, harmonics: usize, on_disk: bool) -> u64 {
 }
 
 impl Keep<'_> {
-    /// What is different from a solve of `of_slices` at once in memory, if `slices` are solved at once.
+    /// How solving `slices` at once, with vectors kept here, differs from solving `of_slices` at once in memory;
+    /// `None` if it does not.
     pub(crate) fn short_of(
         self,
         slices: usize,
@@ -153,7 +154,7 @@ fn size(bytes: u64) -> String {
     if bytes < 1e9 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }
 
-/// Refuses what the system would not even promise.
+/// Refuses a size that the system would not even promise.
 fn check_promise(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError> {
     if Vec::<f64>::new().try_reserve_exact(vertices.saturating_mul(harmonics)).is_err() {
         let reason = "they are more than this machine's memory".into();

@@ -90,7 +90,7 @@ pub fn npz_of(fill: impl FnOnce(&mut Npz<Cursor<Vec<u8>>>) -> Result<()>) -> Res
     archived(Cursor::new(Vec::new()), fill).map(Cursor::into_inner)
 }
 
-/// What an archive was written into.
+/// Writes an archive into `into` and returns it.
 fn archived<W: Write + Seek>(into: W, fill: impl FnOnce(&mut Npz<W>) -> Result<()>) -> Result<W> {
     let mut npz = Npz { archive: ZipWriter::new(into) };
     fill(&mut npz)?;
@@ -100,7 +100,7 @@ fn archived<W: Write + Seek>(into: W, fill: impl FnOnce(&mut Npz<W>) -> Result<(
 /// `values` as one array, the bytes of a `.npy` file.
 ///
 /// # Errors
-/// None but bugs: memory takes what is written to it.
+/// Only bugs: writing to memory does not fail.
 pub fn npy_of<T: AutoSerialize>(values: &[T]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let array = WriteOptions::new().default_dtype().shape(&[values.len() as u64]);

@@ -20,7 +20,7 @@ pub struct BuildReport {
     pub cuts_cluster: bool,
     /// Whether slices could not be certified, and the operator was solved as a dense matrix instead.
     pub fell_back_to_dense: bool,
-    /// What was done differently because memory is short.
+    /// Concessions to a shortage of memory.
     pub short_of_memory: Option<ShortOfMemory>,
     /// Where the time of a solve by slices went; all zero if the basis was cached or solved densely.
     pub profile: SolveProfile,

@@ -39,7 +39,7 @@ pub struct BasisSettings {
     pub threads: Option<usize>,
     /// Whether to extend K to the end of a group of equal eigenvalues that it would cut.
     pub whole_clusters: bool,
-    /// The memory in bytes that a solve may take; `None` means what the system has free. A solve that does
+    /// The memory in bytes that a solve may take; `None` means the free memory of the system. A solve that does
     /// not fit solves fewer slices at once, if need be with its harmonics in `scratch`, or is refused.
     pub memory_bytes: Option<u64>,
     /// The folder for harmonics that do not fit in memory; `None` keeps all of them in memory. The result

@@ -52,7 +52,7 @@ pub(crate) trait Lanes: Copy {
 /// Work that is compiled for each kind of [`Lanes`]. Functions that its inner loops call must be
 /// `#[inline(always)]`, otherwise they are not compiled for that kind.
 pub(crate) trait Kernel {
-    /// What the work returns.
+    /// The result of the work.
     type Output;
     /// Does the work.
     fn run<L: Lanes>(self, lanes: L) -> Self::Output;

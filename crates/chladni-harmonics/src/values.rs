@@ -86,8 +86,8 @@ impl<T: Pod> Values<T> {
     }
 }
 
-/// A file of `bytes` zeros in `folder`, without a name, all of whose blocks are allocated: writing to a
-/// mapped file for which there is no block would end the program.
+/// A nameless file of `bytes` zeros in `folder`, with all of its blocks allocated: if a block were missing, writing
+/// to the mapped file would end the program.
 #[cfg(not(target_family = "wasm"))]
 fn file_of(folder: &Path, bytes: u64) -> io::Result<std::fs::File> {
     let mut file = tempfile::tempfile_in(folder)?;

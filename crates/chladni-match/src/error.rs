@@ -106,7 +106,7 @@ pub enum MatchError {
         side: Side,
         /// Index of the vertex.
         vertex: u32,
-        /// What is wrong with it.
+        /// The fault in it.
         problem: &'static str,
     },
     /// A map through a sphere needs at least three landmarks.
@@ -117,7 +117,7 @@ pub enum MatchError {
     LandmarkFile {
         /// Line, from one.
         line: usize,
-        /// What is wrong with it.
+        /// The fault in it.
         problem: String,
     },
     /// A surface cannot be mapped to a sphere.
@@ -133,9 +133,9 @@ pub enum MatchError {
     Parameter {
         /// Its name.
         name: &'static str,
-        /// What is allowed.
+        /// The allowed range.
         range: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
     /// A linear system could not be solved.

@@ -34,7 +34,7 @@ pub enum Method {
     Map,
 }
 
-/// What to match, and how.
+/// The choice of what to match, and how.
 #[derive(Clone, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct MatchSettings {

@@ -83,10 +83,10 @@ fn a_size_that_is_kept_is_a_difference() {
         assert!(large > 0.01 && large > 3.0 * small, "{method:?}: {small} and {large}");
         assert!(rigid.report.warnings.iter().all(|w| !w.contains("one unit")));
     }
-    let metres = moved(&shape, |p| p.map(|c| 0.001 * c));
+    let meters = moved(&shape, |p| p.map(|c| 0.001 * c));
     let settings =
         MatchSettings { method: Method::Same, scaling: Scaling::Rigid, ..MatchSettings::default() };
-    let found = match_shapes(&shape, &metres, &settings, &Task::new()).unwrap();
+    let found = match_shapes(&shape, &meters, &settings, &Task::new()).unwrap();
     assert!(found.report.warnings.iter().any(|w| w.contains("1000.0 times smaller")), "{:?}", found.report);
 }
 

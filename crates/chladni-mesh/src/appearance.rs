@@ -1,10 +1,10 @@
-//! What a file says about the look of a mesh.
+//! The look of a mesh, as its file describes it.
 
 use std::sync::Arc;
 
 use crate::Rows;
 
-/// What a file says about the look of a mesh, kept for drawing and for the export.
+/// The look of a mesh, as its file describes it, kept for drawing and for the export.
 ///
 /// A file's normals are not kept: they would be wrong as soon as the shape moves.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,7 +3,7 @@
 use crate::appearance::{linear_from_srgb, srgb_from_linear};
 use crate::{Format, TriMesh};
 
-/// What the four numbers of a color are called.
+/// Names of a color's four channels.
 pub const COLOR_CHANNELS: [&str; 4] = ["red", "green", "blue", "alpha"];
 
 /// Whether colors in files of this format are in linear light; the others are encoded as sRGB.

@@ -1,4 +1,4 @@
-//! What can go wrong between a file and a mesh.
+//! Errors between a file and a mesh.
 
 use std::fmt;
 use std::io;
@@ -14,7 +14,7 @@ pub enum MeshError {
     InFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error in it.
         error: Box<MeshError>,
     },
     /// The system would not read or write the file.
@@ -30,7 +30,7 @@ pub enum MeshError {
         format: Format,
         /// Where the fault lies.
         at: Place,
-        /// What is wrong there.
+        /// The error there.
         reason: String,
     },
     /// A well-formed file without a triangle or polygon.
@@ -52,7 +52,7 @@ pub enum MeshError {
     Sliders {
         /// The sample as it was named.
         name: String,
-        /// What is wrong with it.
+        /// The error in it.
         why: String,
     },
     /// An empty text where a file or a sample is to be named.

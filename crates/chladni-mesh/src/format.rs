@@ -103,8 +103,8 @@ pub(crate) fn is_binary_stl(bytes: &[u8]) -> bool {
     count.is_some_and(|count| bytes.len() as u64 == 84 + 50 * u64::from(count))
 }
 
-/// What an OFF header keyword such as `STCNOFF` says, and how long it is. Counts may follow it
-/// without a blank.
+/// The vertex layout that an OFF header keyword such as `STCNOFF` announces, and the keyword's length. Counts may
+/// follow it without a blank.
 pub(crate) fn off_keyword(word: &[u8]) -> Option<(OffVertex, usize)> {
     let mut vertex = OffVertex::default();
     let mut rest = word;
@@ -124,7 +124,7 @@ pub(crate) fn off_keyword(word: &[u8]) -> Option<(OffVertex, usize)> {
     after.iter().all(u8::is_ascii_digit).then_some((vertex, word.len() - after.len()))
 }
 
-/// What an OFF file says of each vertex besides x, y, z.
+/// The fields of each vertex of an OFF file besides x, y, z.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct OffVertex {
     pub texture: bool,

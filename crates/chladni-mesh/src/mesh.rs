@@ -9,7 +9,7 @@ pub struct TriMesh {
     pub positions: Vec<[f64; 3]>,
     /// m triangles of vertex indices < n; polygons are triangulated as a fan from their first corner.
     pub triangles: Vec<[u32; 3]>,
-    /// What affects only the look: polygons, UVs, materials, colors.
+    /// Polygons, UVs, materials and colors: they affect only the look.
     pub appearance: Appearance,
 }
 

@@ -85,7 +85,7 @@ impl<'a> MirrorSearch<'a> {
     /// length.
     ///
     /// Where several planes fit about as well (a box, an eight-armed octopus), it is the one whose
-    /// normal is nearest to x, what a viewer calls left and right.
+    /// normal is nearest to x: a viewer's left and right.
     ///
     /// # Errors
     /// [`Cancelled`] through `task`.

@@ -24,7 +24,7 @@ pub struct Proxy {
 /// How far detail may swell or shrink with the surface that carries it.
 const SWELLING: [f64; 2] = [0.25, 4.0];
 
-/// Of the vertices, how many may lie in pieces of which a proxy has none.
+/// The largest share of vertices that may lie in pieces that vanish from the proxy.
 #[cfg(feature = "simplify")]
 const MOST_LOST: f64 = 0.01;
 
@@ -158,7 +158,7 @@ impl Proxy {
     }
 }
 
-/// How many vertices lie in pieces of which `triangles` have none.
+/// Number of vertices in pieces that are missing from `triangles`.
 #[cfg(feature = "simplify")]
 fn lost(welded: &crate::Weld, triangles: &[[u32; 3]]) -> f64 {
     let piece = crate::surface::components(welded.positions.len(), &welded.triangles);

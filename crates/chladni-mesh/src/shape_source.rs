@@ -20,7 +20,7 @@ pub enum ShapeSource {
 const SAMPLE: &str = "sample:";
 
 impl ShapeSource {
-    /// What `name` says: a sample if it begins with `sample:`, else a file.
+    /// The source called `name`: a sample if it begins with `sample:`, else a file.
     pub fn named(name: impl Into<PathBuf>) -> Self {
         let path = name.into();
         match Self::sample_name(&path) {
@@ -42,8 +42,8 @@ impl ShapeSource {
         }
     }
 
-    /// What is known of how it stands without looking at it: all of a sample, and of a glTF file, by name, that y is up and
-    /// z should be in front (glTF 2.0, section 3.4).
+    /// The part of the orientation that follows from the name alone: all of a sample's; of a glTF file, that y is up
+    /// and z should be in front (glTF 2.0, section 3.4).
     pub fn known(&self) -> Known {
         let is_gltf = |path: &Path| {
             let end = path.extension().and_then(|end| end.to_str()).unwrap_or_default();

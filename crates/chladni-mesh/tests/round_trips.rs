@@ -1,4 +1,4 @@
-//! What goes out comes back, as far as the format can hold it.
+//! Meshes that are written and read again are the same, as far as the format can hold them.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 

@@ -1,11 +1,11 @@
-//! Who dances when nobody chooses: another dance and another look where a section of the music begins.
+//! The autopilot: another dance and another look where a section of the music begins.
 
 use crate::BarLine;
 use crate::stage::hash;
 
-/// Nothing is danced again before so long has gone by, as long as there is something else.
+/// A dance is not repeated within this time, unless all others are as recent.
 pub const REPEAT_SECS: f64 = 600.0;
-/// A dance lasts at least so long; with 40 dances none has to come back too soon.
+/// The shortest time that a dance lasts: at 15 s, 40 dances fill [`REPEAT_SECS`].
 const SHORTEST_SECS: f64 = 15.0;
 /// Where no section begins, a group of four bars does after this time.
 const LONG_SECS: f64 = 20.0;
@@ -24,7 +24,7 @@ impl Candidate {
     /// How much more often a favorite comes.
     pub const FAVORITE: u32 = 4;
 
-    /// By the words that a preset is found by: calm and lively say what it suits.
+    /// By the words that a preset is found by: calm and lively name the energy that it suits.
     pub fn tagged(tags: &[String], weight: u32) -> Self {
         let has = |word: &str| tags.iter().any(|tag| tag == word);
         Self {
@@ -40,7 +40,7 @@ impl Candidate {
     }
 }
 
-/// What is shown from a bar on.
+/// The dance and the look from one bar on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Which candidate dances.
@@ -85,7 +85,7 @@ impl Autopilot {
         }
     }
 
-    /// What is shown now; `None` before the first bar.
+    /// The current choice; `None` before the first bar.
     pub fn shown(&self) -> Option<Turn> {
         self.turns.get(self.shown).copied()
     }
@@ -95,12 +95,12 @@ impl Autopilot {
         self.shown == 0
     }
 
-    /// Whether it stays with what is shown.
+    /// Whether it keeps the current dance and look.
     pub fn holds(&self) -> bool {
         self.holds
     }
 
-    /// Stays with what is shown, or goes on.
+    /// Keeps the current dance and look, or goes on.
     pub fn hold(&mut self, on: bool) {
         self.holds = on;
     }

@@ -1,9 +1,9 @@
-//! What clocks say to each other: MIDI clock in and out, and its like over OSC.
+//! Messages between clocks: MIDI clock in and out, and its like over OSC.
 
 /// Ticks of a MIDI clock in a quarter note.
 pub const TICKS_PER_QUARTER: f64 = 24.0;
 
-/// What an outer clock says.
+/// A message from an external clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClockMessage {
     /// One of [`TICKS_PER_QUARTER`].
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(out.due(Some(7.25)).len(), 0);
         assert_eq!(out.due(Some(8.0)).len(), 12);
         assert_eq!((out.due(None), out.due(None)), (vec![0xfc], vec![]));
-        // What goes out can be followed.
+        // The clock that we send can be followed.
         let (mut out, mut tempo) = (ClockOut::default(), Tempo::default());
         for step in 0..20_000 {
             let secs = 1e-3 * f64::from(step);

@@ -12,15 +12,15 @@ const TOLERANCE_BEATS: f64 = 0.02;
 const MOST_BEATS: f64 = 1e8;
 const MOST_BPM: f64 = 4000.0;
 
-/// From a time of the show on the beat is that of a clock, or no longer.
+/// From this time of the show on, the beat follows an external clock, or stops following it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClockMark {
     /// Since the show began.
     pub at_secs: f64,
     /// Beats gone by then.
     pub count: f64,
-    /// Beats a minute from then on; 0 where the clock stands still, `None` where the beat is again that of what is
-    /// heard.
+    /// Beats per minute from then on: 0 while the clock stands still, `None` where the beat is again the one detected
+    /// in the music.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bpm: Option<f64>,
     /// Bars begin where the count is this and a multiple of four.
@@ -56,7 +56,7 @@ impl ClockTrack {
         self.marks.is_empty()
     }
 
-    /// What is kept of it, oldest first.
+    /// The marks, oldest first.
     pub fn marks(&self) -> &[ClockMark] {
         &self.marks
     }
@@ -98,7 +98,7 @@ impl ClockTrack {
         }
     }
 
-    /// The mark from which on the beat at `at_secs` is what it is; none before the first.
+    /// The mark that determines the beat at `at_secs`; none before the first.
     pub fn mark_at(&self, at_secs: f64) -> Option<&ClockMark> {
         self.marks.get(self.begun(at_secs).checked_sub(1)?)
     }

@@ -49,8 +49,8 @@ struct Hand {
     at: Option<f32>,
     /// The last position to which it moved its target. While the target stays there, the control owns it.
     put: Option<f32>,
-    /// Where its target stood when it was turned last, since the last feedback: what a control does within one frame
-    /// has not reached the target yet.
+    /// Where its target stood when it was turned last, since the last feedback: movements of a control within one frame
+    /// have not reached the target yet.
     seen: Option<f32>,
     /// The message that the device shows now.
     shown: Option<[u8; 3]>,

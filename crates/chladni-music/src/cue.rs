@@ -1,4 +1,4 @@
-//! What a control asks for: an action of the instrument, or something of the window.
+//! The requests that controls make: an action of the instrument, or something of the window.
 
 use crate::target::{CHOIRS, FORMS, Kind, MOST_HARMONICS, Target};
 use crate::{Action, Parameter, Parameters, Switch};
@@ -16,7 +16,7 @@ pub enum Which {
     Level(f32),
 }
 
-/// What a control asks of the instrument or of the window.
+/// A request of a control to the instrument or the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cue {
     /// An action of the instrument.

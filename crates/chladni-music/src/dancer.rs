@@ -14,7 +14,7 @@ use crate::swing::Swing;
 use crate::unison::unisons;
 use crate::{Class, Form, MusicError, SymmetrySettings, Timbre, symmetry};
 
-/// What the mappings of all items share: the data of one body, in the working frame.
+/// The data of one body that the mappings of all items share, in the working frame.
 #[derive(Clone, Debug)]
 pub struct Dancer {
     /// λ_k, K values.
@@ -35,9 +35,9 @@ pub struct Dancer {
     pub(crate) swing: Swing,
     /// For each harmonic, the range of those that sound in unison with it.
     unisons: Vec<Range<u32>>,
-    /// What one unit of each harmonic does in the filter form, with its unison: Σ H_k x̃_k.
+    /// Reach of one unit of each harmonic in the filter form, with its unison: Σ H_k x̃_k.
     filter_reach: Vec<Reach>,
-    /// What one unit of each harmonic does in the modal form: H_k n.
+    /// Reach of one unit of each harmonic in the modal form: H_k n.
     modal_reach: Vec<Reach>,
     octaves: Vec<u8>,
     /// λ of the slowest wave.
@@ -47,7 +47,7 @@ pub struct Dancer {
 /// How far and how steeply one unit of a harmonic moves the shape.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Reach {
-    /// Of the most moved vertex.
+    /// Displacement of the most moved vertex.
     pub displacement: f32,
     /// ‖∇u‖, exceeded by at most one triangle in 50.
     pub steepness: f32,

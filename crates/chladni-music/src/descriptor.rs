@@ -1,4 +1,4 @@
-//! What a mapping looks like on a body: numbers that are near each other where movements look alike.
+//! Descriptors of a mapping on a body: numbers that are near each other where movements look alike.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ const LEVEL: f32 = 0.3;
 const MOST_MOMENTS: usize = 12;
 
 impl Moments {
-    /// Remembers what is heard now, in the place of the oldest of twelve. Where the number of bands has
+    /// Remembers the current sound, in place of the oldest of twelve moments. Where the number of bands has
     /// changed, the others are forgotten.
     pub fn remember(&mut self, heard: &Bands<'_>) {
         let bands = heard.mid.len();
@@ -44,7 +44,7 @@ impl Moments {
         2 * self.bands.iter().filter(sounds).count() >= MOST_MOMENTS
     }
 
-    /// Of an unknown song: one octave after the other, in each channel and in both.
+    /// Moments for an unknown song: one octave after the other, in each channel and in both.
     pub fn of_anything(bands: usize) -> Self {
         const STEPS: usize = 6;
         let range = |step: usize| bands * step / STEPS..bands * (step + 1) / STEPS;
@@ -74,8 +74,8 @@ impl Describer {
     /// For a body, a way of playing and some moments.
     ///
     /// # Errors
-    /// [`MusicError::Size`] where there is no moment or their bands differ in number, and what
-    /// [`Playing::validate`] says.
+    /// [`MusicError::Size`] where there are no moments or their bands differ in number, and the errors of
+    /// [`Playing::validate`].
     pub fn new(dancer: Arc<Dancer>, playing: Playing, moments: Moments) -> Result<Self, MusicError> {
         playing.validate()?;
         let bands = moments.bands.first().map_or(0, |moment| moment[0].len());
@@ -95,7 +95,7 @@ impl Describer {
         Ok(Self { dancer, playing: Playing { timbre: None, ..playing }, moments })
     }
 
-    /// How `mapping` moves the body: displacements and gradients at its probes, as shares of what the limits allow,
+    /// How `mapping` moves the body: displacements and gradients at its probes, as shares of the limits,
     /// so that a ripple counts as much as a sway.
     ///
     /// # Errors

@@ -116,7 +116,8 @@ pub const SHOTS: [&str; 7] = ["front", "orbit", "push-in", "pull-out", "low-angl
 const CALLED_SECS: f64 = 12.0;
 
 impl Framing {
-    /// That of shot `shot` of [`SHOTS`], given the seconds since it was called; the first one for a number beyond.
+    /// The framing of shot `shot` of [`SHOTS`], given the seconds since it was called; the first one for a number
+    /// beyond.
     pub fn of_shot(shot: usize, gone_secs: f64) -> Self {
         let kind = KINDS.get(shot).copied().unwrap_or(Kind::Front);
         let shot = Shot { at_secs: 0.0, secs: CALLED_SECS, glide_secs: 0.0, kind, side: 1.0, reach: 0.5 };
@@ -124,7 +125,7 @@ impl Framing {
     }
 }
 
-/// Chooses the shots of one song, or of what is heard live.
+/// Chooses the shots of one song, or of live sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Director {
     seed: u64,

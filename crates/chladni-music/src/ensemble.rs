@@ -1,4 +1,4 @@
-//! The players of what is shown, kept in step with the instrument.
+//! The players of the shown items, kept in step with the instrument.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ pub struct Ensemble {
     slots: Vec<Slot>,
     /// S items of the gallery, or the item on stage and the one leaving it.
     items: Vec<Item>,
-    /// Plays what is tried out.
+    /// Plays the mapping that is tried out.
     soloist: Option<(Slot, [Item; 1])>,
     voices: Voices,
     voice_item: Item,
@@ -165,7 +165,7 @@ impl Ensemble {
         Ok(&self.soloist.insert((slot, items)).1)
     }
 
-    /// `playing`, limited to what the machine can keep up with.
+    /// `playing`, limited to the harmonics that the machine can keep up with.
     fn within(&self, playing: Playing) -> Playing {
         let harmonics = match (playing.harmonics, self.most_harmonics) {
             (Some(asked), Some(most)) => Some(asked.min(most)),

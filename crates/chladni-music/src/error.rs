@@ -1,4 +1,4 @@
-//! What can go wrong in the music instrument.
+//! Errors of the music instrument.
 
 /// An error of this crate: what, where and why.
 #[derive(Debug, thiserror::Error)]
@@ -8,13 +8,13 @@ pub enum MusicError {
     BadMapping {
         /// `transfer`, `amplification`, `stereo_mu` or `gain`.
         what: &'static str,
-        /// What is wrong with it.
+        /// The fault in it.
         why: String,
     },
     /// A body, spectrum or class list whose sizes do not fit each other.
     #[error("{what}: {found} where {expected} are needed")]
     Size {
-        /// What was counted.
+        /// The things that were counted.
         what: &'static str,
         /// How many there are.
         found: usize,
@@ -24,7 +24,7 @@ pub enum MusicError {
     /// An action names an item, a generation or a favorite that does not exist.
     #[error("there is no {what} {index}: there are {count}")]
     NoSuch {
-        /// What was asked for.
+        /// The kind of thing that was asked for.
         what: &'static str,
         /// Its index, from 0.
         index: usize,
@@ -42,9 +42,9 @@ pub enum MusicError {
     OutOfRange {
         /// The parameter.
         name: &'static str,
-        /// What was asked for.
+        /// The value that was asked for.
         value: f64,
-        /// What is allowed.
+        /// The allowed range.
         range: String,
     },
     /// A preset or show file of a newer format.

@@ -52,7 +52,8 @@ impl WorstSecond {
     }
 }
 
-/// What limits flashes counts changes from this share of a step: what it gets may be the mean of a sample of the pixels.
+/// The limiters count changes from this share of a step on, because their input may be the mean of only a sample of
+/// the pixels.
 pub(crate) const GUARDED: f32 = 0.88;
 const GUARDED_STEP: f32 = GUARDED * FLASH_STEP;
 pub(crate) const GUARDED_DARK: f32 = FLASH_DARK + 0.02;
@@ -148,8 +149,8 @@ impl FlashLimiter {
         shown
     }
 
-    /// What [`limit`](Self::limit) would give, without counting it as shown: a value between
-    /// `wanted` and what was shown last.
+    /// The value that [`limit`](Self::limit) would return, without counting it as shown: one between `wanted` and the
+    /// last value shown.
     pub fn allowed(&self, time_secs: f64, wanted: f32) -> f32 {
         let wanted = if wanted.is_finite() { wanted.clamp(0.0, 1.0) } else { 0.0 };
         let Some((last_secs, last)) = self.last else { return wanted };
@@ -162,7 +163,7 @@ impl FlashLimiter {
         }
     }
 
-    /// Counts what is shown at `time_secs`; it should be as near to what was
+    /// Counts the value shown at `time_secs`; it should be as near to what was
     /// [`allowed`](Self::allowed) as the picture permits.
     pub fn show(&mut self, time_secs: f64, shown: f32) {
         if self.swings.push(shown) {

@@ -12,7 +12,7 @@ const RED_SHARE: f32 = 0.8;
 /// The change of (R − G − B) · 320 that counts; negatives count as 0.
 const RED_STEP: f32 = 20.0;
 
-/// What flashes.
+/// The quantity in which a picture may flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Signal {
     Luminance,
@@ -71,14 +71,14 @@ impl Places {
         Self { rises_only: true, ..Self::counting(signal) }
     }
 
-    /// Forgets what was more than a second before `time_secs`.
+    /// Forgets changes more than a second before `time_secs`.
     pub(crate) fn forget(&mut self, time_secs: f64) {
         while let Some((_, cell)) = self.recent.pop_front_if(|(at_secs, _)| time_secs - *at_secs > 1.0) {
             self.counts[usize::from(cell)] -= 1;
         }
     }
 
-    /// Takes what is shown at `time_secs`: `picture` behind `veil`.
+    /// Takes the picture shown at `time_secs`: `picture` behind `veil`.
     pub(crate) fn show(&mut self, time_secs: f64, picture: &Histogram, veil: Veil) {
         self.forget(time_secs);
         for cell in 0..CELLS {

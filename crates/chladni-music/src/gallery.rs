@@ -10,7 +10,7 @@ pub type Gallery = chladni_breeding::Gallery<Mapping>;
 /// One item of a gallery.
 pub type GalleryItem = chladni_breeding::GalleryItem<Mapping>;
 
-/// What the initial gallery is made for.
+/// The body and the number of bands that an initial gallery is made for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GalleryShape {
     /// λ_k of the body, ascending; K of them.

@@ -1,4 +1,4 @@
-//! Where on the circle of fifths the sound is: what a look may turn its colors by.
+//! The place of the sound on the circle of fifths, by which a look may turn its colors.
 
 use std::f32::consts::TAU;
 

@@ -1,5 +1,5 @@
-//! What is known of a picture that may flash: how often each value occurs, the mean color of each cell, and finer the
-//! luminance alone.
+//! Statistics of a picture that may flash: how often each value occurs, the mean color of each cell, and the
+//! luminance on a finer grid.
 
 use chladni_mesh::{linear_from_srgb, srgb_from_linear};
 
@@ -123,7 +123,7 @@ impl Histogram {
         if veil == Veil::Clear {
             return Some(light.map(|sum| sum / pixels));
         }
-        // Rounded as what is shown is: a veil just dense enough must not lose by it what it gains.
+        // Rounded like the picture shown: a veil that is just dense enough must not be undone by rounding.
         Some(light.map(|sum| {
             let clear = (255.0 * srgb_from_linear(f64::from(sum / pixels))).round() as u8;
             self.linear[usize::from(veil.over(clear))]

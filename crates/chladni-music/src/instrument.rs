@@ -25,7 +25,7 @@ pub enum Action {
     /// Replaces all items that are not locked by the candidates of these numbers, one for each place
     /// ([`Gallery::candidates`], [`suggest`](crate::suggest)).
     BreedFrom { candidates: Vec<u16> },
-    /// What was chosen so far no longer counts where children are suggested.
+    /// Choices made so far no longer count when children are suggested.
     ForgetPreference,
     /// Changes one item a little at random; amount in [0, 1].
     Mutate { item: usize, amount: f32 },
@@ -79,7 +79,7 @@ pub enum Action {
     LeaveStage,
     /// Sweeps the sand off the shape and pours it anew.
     Sweep,
-    /// Puts a look of that name over what is on stage, until something else comes there or the stage is left. An
+    /// Puts a look of that name over the dance on stage, until something else comes there or the stage is left. An
     /// empty name is the show's own look.
     SetLook { look: String },
 }
@@ -133,7 +133,7 @@ pub struct Instrument {
     stage: Stage,
     /// How often the sand was swept.
     sweeps: u32,
-    /// What [`Action::SetLook`] put over the stage; empty if nothing.
+    /// The look that [`Action::SetLook`] put over the stage; empty if none.
     look: String,
     log: Vec<LoggedAction>,
 }
@@ -208,7 +208,7 @@ impl Instrument {
         &self.parameters
     }
 
-    /// What a voice listens to, and how strongly.
+    /// The driver and gain of a voice.
     pub fn voice(&self, voice: usize) -> VoiceSettings {
         self.voices.get(&voice).copied().unwrap_or_else(|| VoiceSettings::initial(voice))
     }
@@ -218,7 +218,7 @@ impl Instrument {
         self.sweeps
     }
 
-    /// The name of the look that what is on stage wears; `None` where that is the show's own.
+    /// The name of the look of the dance on stage; `None` where that is the show's own.
     pub fn look(&self) -> Option<&str> {
         Some(self.look.as_str()).filter(|look| !look.is_empty())
     }
@@ -228,12 +228,12 @@ impl Instrument {
         &self.log
     }
 
-    /// What plays on stage after `beat` beats; `None` while the gallery is shown.
+    /// The scene on stage after `beat` beats; `None` while the gallery is shown.
     pub fn scene(&self, beat: f64) -> Option<Scene> {
         self.stage.scene(beat, &self.favorites, &self.parameters)
     }
 
-    /// Who comes on stage next, and how far the fader has brought it, in [0, 1].
+    /// The next item on stage, and how far the fader has brought it, in [0, 1].
     pub fn next_on_stage(&self) -> Option<(ItemId, f32)> {
         self.stage.next()
     }
@@ -251,7 +251,7 @@ impl Instrument {
     /// Does `action` and logs it. On error nothing changes and nothing is logged.
     ///
     /// # Errors
-    /// The action names what is not there, or a value out of its range; or the gallery refuses, as where
+    /// The action names a missing thing, or a value out of its range; or the gallery refuses, as where
     /// nothing was chosen to breed.
     pub fn apply(&mut self, moment: Moment, action: Action) -> Result<(), MusicError> {
         self.act(moment, &action)?;

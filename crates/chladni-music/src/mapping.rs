@@ -52,10 +52,10 @@ impl Mapping {
         Self { gain: mapping.even_gain(), ..mapping }
     }
 
-    /// The mapping for sand: from the lowest band to the highest, finer and finer harmonics in even steps, all
-    /// amplified alike, so that a higher tone draws a finer figure. Only those that answer to the middle of the
-    /// sound are among them, and of these neither the three coarsest, which have hardly any figure, nor those
-    /// whose lines are too close to be distinguished.
+    /// The mapping for sand. Going from the lowest band to the highest, it picks finer and finer harmonics in even
+    /// steps, all equally amplified, so that a higher tone draws a finer figure. It uses only harmonics that answer
+    /// to the middle (S) of the sound, except the three coarsest, which draw hardly any figure, and those whose lines
+    /// are too close to tell apart.
     pub fn figures(classes: &[Class], bands: usize) -> Self {
         let (bands, top) = (bands.max(1), (classes.len().max(2) - 1) as f32);
         let answering = |k: &usize| classes[*k] != Class::Antisymmetric;
@@ -95,7 +95,7 @@ impl Mapping {
     /// (the gain lies in [0, 100]).
     ///
     /// # Errors
-    /// Names what is wrong.
+    /// Names the number that is wrong.
     pub fn validate(&self) -> Result<(), MusicError> {
         let bad = |what, why: String| Err(MusicError::BadMapping { what, why });
         for (what, values, low) in

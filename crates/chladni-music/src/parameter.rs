@@ -317,7 +317,7 @@ impl Parameters {
         self.some(&Parameter::ALL, &Switch::ALL)
     }
 
-    /// The settings that affect how one dance looks: what a preset stores.
+    /// The settings that affect how one dance looks: those that a preset stores.
     pub fn of_a_dance(&self) -> Settings {
         self.some(&Parameter::OF_A_DANCE, &Switch::OF_A_DANCE)
     }

@@ -68,7 +68,7 @@ struct Driver {
 #[derive(Clone, Debug)]
 pub struct Player {
     voiced: Vec<Voiced>,
-    /// Ordered by what they drive.
+    /// Ordered by the harmonics that they drive.
     drivers: Vec<Driver>,
     band_count: usize,
     stereo_mu: f32,
@@ -193,7 +193,7 @@ impl Player {
         Item { terms }
     }
 
-    /// Writes what the sound does into `item`, which [`item`](Self::item) of a player of the
+    /// Writes the effect of the sound into `item`, which [`item`](Self::item) of a player of the
     /// same form and dancer made. Returns the share of the limit that the movement reached
     /// before it was softened. Nothing is allocated.
     ///
@@ -249,7 +249,7 @@ impl Player {
         self.dancer.probes.feel(item, limits, &mut self.scratch, out);
     }
 
-    /// The sum of what the drivers hear, by band and tone.
+    /// The sum of the drivers' levels, by band and tone.
     fn sum(&self, v: &Voiced, f: impl Fn(usize, u8) -> f32) -> f32 {
         let drivers = &self.drivers[v.first_driver as usize..v.end_driver as usize];
         drivers.iter().map(|d| d.strength * f(d.band as usize, d.tone)).sum()

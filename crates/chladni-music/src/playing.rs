@@ -100,9 +100,9 @@ pub struct Playing {
     pub gain: f32,
     /// Exchanges left and right.
     pub flip_sides: bool,
-    /// What a full-scale band does at gain 1: how far the farthest-moving vertex goes, as a share of the
-    /// bounding box's diagonal, (0, 1]; less where the steepness would exceed 5.5 times that number (2.5
-    /// times in the modal form).
+    /// The movement that a full-scale band causes at gain 1: the path of the farthest-moving vertex, as a share of
+    /// the bounding box's diagonal, (0, 1]; less where the steepness would exceed 5.5 times that number (2.5 times in
+    /// the modal form).
     pub calibration: f32,
     /// The largest displacement as a share of the diagonal, (0, 1], and 5.5 times that number (2.5 in the
     /// modal form) as the largest steepness: a soft limit that starts to act at half its value, on each

@@ -17,7 +17,7 @@ struct Entry {
     waves: Vec<f32>,
     /// The waves that are amplified, from and to; the ends are soft.
     sounding: [f32; 2],
-    /// What the amplification of the longest and of the shortest of these waves is.
+    /// The amplification of the longest and of the shortest of these waves.
     #[serde(default = "full")]
     amplified: [f32; 2],
     /// How much stronger it is than a dance usually is.

@@ -10,7 +10,7 @@
 //! mapping is linear in its bands: a harmonic of frequency ω that is driven by the sum of some bands moves
 //! as the sum of their oscillators. One bank therefore serves all dances, and none of them has a state of
 //! its own. The movement at any time depends only on the sound up to then, not on how often it was drawn or
-//! what was bred or chosen in between.
+//! the breeding and choices in between.
 
 use rayon::prelude::*;
 

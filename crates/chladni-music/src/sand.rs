@@ -1,9 +1,9 @@
 //! Sand: grains on a surface, which vibrations drive to where nothing moves.
 //!
-//! What sounds makes vertex v vibrate at a speed of u(v) = Σ_k w_k a_k H_k(v): a_k is the root mean square
-//! amplitude of harmonic k over about [`MEMORY_SECS`], times its frequency √λ_k; w_k lets the strongest ones
-//! draw the figure. All are in phase, as those of a plate are that is driven at one frequency. With E = u²,
-//! grains hop: at each hop a grain walks along the surface by
+//! The sound makes vertex v vibrate at a speed of u(v) = Σ_k w_k a_k H_k(v): a_k is the root mean square amplitude of
+//! harmonic k over about [`MEMORY_SECS`], times its frequency √λ_k; w_k lets the strongest ones draw the figure. All
+//! are in phase, like those of a plate that is driven at one frequency. With E = u², grains hop: at each hop a grain
+//! walks along the surface by
 //!
 //! ```text
 //! −C ℓ² ∇E / E_max + J ℓ √(E / E_max) ξ,      ℓ = 1/√λ,
@@ -61,7 +61,7 @@ const FALL_STEPS: u64 = 27;
 /// Grains that one thread takes at a time.
 const CHUNK: usize = 1024;
 
-/// What sand needs to know of a body: its surface and its harmonics.
+/// The surface and the harmonics of a body, as sand needs them.
 #[derive(Clone, Debug)]
 pub struct Tray {
     ground: Ground,
@@ -73,7 +73,7 @@ pub struct Tray {
 }
 
 impl Tray {
-    /// Of a body.
+    /// The tray of a body.
     pub fn new(body: &Body) -> Self {
         Self {
             ground: Ground::new(&body.positions, &body.triangles),
@@ -110,7 +110,7 @@ pub struct Sand {
     /// Steps since it was poured, and those of them in which something moved.
     steps: u64,
     moves: u64,
-    /// a_k² of each term of what sounds, smoothed.
+    /// a_k² of each term of the dance, smoothed.
     powers: Vec<Vec<f32>>,
     /// u of each vertex, and the largest without its sign.
     speed: Vec<f32>,
@@ -150,7 +150,7 @@ impl Sand {
         }
     }
 
-    /// What it lies on.
+    /// The tray that it lies on.
     pub fn tray(&self) -> &Tray {
         &self.tray
     }
@@ -209,7 +209,7 @@ impl Sand {
         });
     }
 
-    /// Takes in what sounds: the energy of each vertex, the length of the waves, the vigor.
+    /// Takes in the sounding item: the energy of each vertex, the length of the waves, the vigor.
     fn feel(&mut self, item: &Item, full: f32) {
         let keep = (-SAND_STEP_SECS as f32 / MEMORY_SECS).exp();
         let (basis, slowest) = (Arc::clone(&self.tray.basis), self.tray.slowest);
@@ -258,8 +258,8 @@ impl Sand {
         self.vigor = self.level / (self.level + HALF_VIGOR);
     }
 
-    /// The harmonics that drive the sand, and the weights of their movements: what is weaker than the strongest
-    /// one counts less still, so that few of them draw the figure. Constant ones have no frequency.
+    /// The harmonics that drive the sand, and the weights of their movements: one weaker than the strongest
+    /// counts less still, so that few of them draw the figure. Constant ones have no frequency.
     fn drivers(&self) -> Vec<(usize, f32)> {
         let power = |k: usize| self.powers.iter().map(|powers| powers[k]).sum::<f32>();
         let mut all: Vec<(usize, f32)> = (0..self.tray.basis.harmonics()).map(|k| (k, power(k))).collect();

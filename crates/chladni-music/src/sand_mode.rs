@@ -2,8 +2,8 @@
 
 use crate::{Action, Class, Form, Mapping, Parameter, Parameters, Switch};
 
-/// Actions that set an instrument up for sand: it lies on the shape, which moves along its normals, as a plate
-/// does, so little that the sand is what is seen; and nothing turns on the beat.
+/// Actions that set an instrument up for sand: sand lies on the shape, which moves along its normals, as a plate
+/// does, but so little that only the sand seems to move; and nothing turns on the beat.
 pub const SAND_MODE: [Action; 5] = [
     Action::Switch { switch: Switch::Sand, on: true },
     Action::SetForm { form: Form::Modal },
@@ -12,7 +12,7 @@ pub const SAND_MODE: [Action; 5] = [
     Action::Switch { switch: Switch::BeatLights, on: false },
 ];
 
-/// What takes [`SAND_MODE`] back, to where knobs and switches stood `before`.
+/// Actions that undo [`SAND_MODE`]: they return knobs and switches to where they stood `before`.
 pub fn without_sand(before: &Parameters) -> Vec<Action> {
     let back = SAND_MODE.into_iter().map(|action| match action {
         Action::SetForm { .. } => Action::SetForm { form: before.form },

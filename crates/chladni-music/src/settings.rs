@@ -1,4 +1,4 @@
-//! What a preset or a show keeps of the knobs and switches.
+//! Knobs and switches, as presets and shows store them.
 
 use std::collections::BTreeMap;
 

@@ -15,7 +15,7 @@ use crate::{ClockTrack, Instrument, LoggedAction, MusicError, Parameters, Settin
 mod appearance;
 mod songs;
 
-/// What was played and all actions, so that the show can be continued or filmed.
+/// The songs that were played and all actions, so that the show can be continued or filmed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Show {
@@ -31,10 +31,10 @@ pub struct Show {
     /// How long it lasts; `None` is as long as its song.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub duration_secs: Option<f64>,
-    /// Who dances: a mesh, or a caricature whose layers are voices.
+    /// The dancing body: a mesh, or a caricature whose layers are voices.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<FileRef>,
-    /// What the shapes look like.
+    /// The look of the shapes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub looks: Option<Looks>,
     /// Where the viewer stands.
@@ -43,7 +43,7 @@ pub struct Show {
     /// Where the knobs stood in the beginning.
     #[serde(default)]
     pub beginning: Settings,
-    /// What was heard.
+    /// The songs that were heard.
     #[serde(default)]
     pub songs: Vec<SongRef>,
     /// When each was heard, in order; if empty, the first song from its beginning.

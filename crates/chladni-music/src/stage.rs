@@ -1,4 +1,4 @@
-//! What is on stage, and how the beat moves it: pure functions of the number of beats so far.
+//! The stage, and how the beat moves it: pure functions of the number of beats so far.
 
 use chladni_breeding::ItemId;
 
@@ -39,7 +39,7 @@ impl Beat {
     }
 }
 
-/// What plays on stage at one moment: a cross-fade in which `to` has `weight` and `from` the rest.
+/// The scene at one moment: a cross-fade in which `to` has `weight` and `from` the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
     /// The outgoing item; the same as `to` outside a transition.
@@ -66,7 +66,7 @@ pub struct Stage {
     cue: Option<Cue>,
     since_beat: f64,
     before: Option<ItemId>,
-    /// Who is next, and where the fader stood when that was said.
+    /// The next item, and where the fader stood when it was chosen.
     next: Option<(ItemId, f32)>,
     /// Where it stands, in [0, 1]. It goes to the other end and, for the one after, back again.
     fader: f32,
@@ -102,7 +102,7 @@ impl Stage {
         *self = Self { fader: self.fader, next: self.next, ..Self::default() };
     }
 
-    /// Who is next, and how far the fader has brought it on stage, in [0, 1].
+    /// The next item, and how far the fader has brought it on stage, in [0, 1].
     pub fn next(&self) -> Option<(ItemId, f32)> {
         let (id, from) = self.next?;
         let way = if from < 0.5 { 1.0 - from } else { -from };
@@ -137,7 +137,7 @@ impl Stage {
         self.next = None;
     }
 
-    /// What plays after `beat` beats; `None` where the stage is empty.
+    /// The scene after `beat` beats; `None` where the stage is empty.
     pub fn scene(&self, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
         let scene = self.by_beats(beat, favorites, parameters)?;
         match self.next() {
@@ -179,14 +179,14 @@ impl Stage {
     }
 }
 
-/// What the beat does to the picture.
+/// The effect of the beat on the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reaction {
     /// Turn of the model about the vertical, in radians.
     pub turn_rad: f32,
     /// Turn of the lights about the vertical, in radians.
     pub light_turn_rad: f32,
-    /// What the lights' intensity is multiplied by, before the flash limiter; at least 1.
+    /// Factor on the lights' intensity, before the flash limiter; at least 1.
     pub light_gain: f32,
 }
 

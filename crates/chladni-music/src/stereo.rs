@@ -1,11 +1,11 @@
-//! What symmetric and antisymmetric harmonics hear of stereo sound (section 5c).
+//! The signals that drive symmetric and antisymmetric harmonics in stereo sound (section 5c).
 
 use crate::resonance::Signal;
 use crate::{Bands, Playing, Ringing};
 
 /// How middle S = (L + R) / 2 and side U = (L − R) / 2 are mixed for one item at one moment.
 ///
-/// Complex spectra are mixed, of which only the squared magnitudes are known:
+/// Mixes complex spectra of which only the squared magnitudes are known:
 /// |α S + β U|² = α² |S|² + β² |U|² + 2 α β Re(S Ū), with Re(S Ū) = (|L|² − |R|²) / 4.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StereoMix {
@@ -52,7 +52,7 @@ impl StereoMix {
         at_zero + self.mu * (at_one - at_zero)
     }
 
-    /// What antisymmetric and symmetric harmonics hear at μ = 1.
+    /// The signals that drive antisymmetric and symmetric harmonics at μ = 1.
     fn channels(&self) -> (Signal, Signal) {
         if self.turn > 0.0 { (Signal::Left, Signal::Right) } else { (Signal::Right, Signal::Left) }
     }
@@ -76,7 +76,7 @@ impl StereoMix {
     }
 }
 
-/// What harmonics hear at one moment: the level of each band, or how it rings.
+/// The sound at one moment, as harmonics receive it: the level of each band, or how it rings.
 #[derive(Clone, Copy)]
 pub(crate) struct Ear<'a> {
     mix: StereoMix,

@@ -82,7 +82,7 @@ impl Stripes {
         }
     }
 
-    /// Whether stripes cover more than a quarter of `area` behind `veil`, the picture being what was looked at.
+    /// Whether stripes cover more than a quarter of `area` behind `veil`, the picture being the one that was looked at.
     pub(crate) fn are_too_many(&self, picture: &Histogram, veil: Veil, area: FlashArea) -> bool {
         let most = encoded(BRIGHT);
         are_too_many(picture, area, |cell| self.light[cell] > 0 && veil.over(self.light[cell]) > most)

@@ -1,4 +1,4 @@
-//! A table of everything that can be controlled: what a knob, a pad or an OSC message may turn, press or
+//! A table of everything that a knob, a pad or an OSC message may turn, press or
 //! choose.
 //!
 //! OSC addresses, the targets that can be learned, and the page `docs/controls.md` are generated from it.
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Choir, Form, Parameter, Parameters, Switch};
 
-/// What a control may turn, press or choose.
+/// Anything that a control may turn, press or choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "the table says what they are")]

@@ -1,4 +1,4 @@
-//! What can be touched on a controller.
+//! The controls of a controller, such as knobs and keys.
 
 use serde::{Deserialize, Serialize};
 
@@ -72,7 +72,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Reads one MIDI message of `device`: controllers, notes and pitch bend. Anything else, and what is cut
+    /// Reads one MIDI message of `device`: controllers, notes and pitch bend. Anything else, and messages that are cut
     /// short or out of range, is `None`.
     pub fn from_midi(device: &str, bytes: &[u8]) -> Option<Self> {
         let &[status, number, value, ..] = bytes else { return None };

@@ -11,7 +11,7 @@ use crate::symmetry::repeated;
 /// harmonic.
 ///
 /// Σ H_k x̃_k over a run does not change when its harmonics are rotated among each other or change sign, so
-/// what a run plays in unison depends on the shape alone.
+/// the movement of a run in unison depends on the shape alone.
 pub(crate) fn unisons(basis: &Basis, classes: &[Class], gap: f64) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for group in repeated(basis, gap) {

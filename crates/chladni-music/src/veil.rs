@@ -109,7 +109,8 @@ impl FlashGuard {
         thinnest(least, |opacity| !self.would_flash(picture, Veil::black(opacity)))
     }
 
-    /// What the mean needs, at least as black as `least`. Where parts need black, the mean may fall at once.
+    /// The veil that the mean luminance needs, at least as black as `least`. Where parts need black, the mean may
+    /// fall at once.
     fn mean_veil(&self, time_secs: f64, picture: &Histogram, least: u8) -> Veil {
         let clearest = Veil::black(least);
         let wanted = picture.luminance(clearest);
@@ -150,8 +151,8 @@ fn thinnest(least: u8, enough: impl Fn(u8) -> bool) -> u8 {
     dense
 }
 
-/// Counts flashes of what was shown, of the mean luminance and of luminance and saturated red in more than a quarter of
-/// an area, and how long stripes were seen in more than a quarter of it.
+/// Counts flashes of the shown pictures, of the mean luminance and of luminance and saturated red in more than a
+/// quarter of an area, and how long stripes were seen in more than a quarter of it.
 #[derive(Clone, Debug)]
 pub struct FlashCount {
     area: FlashArea,
@@ -183,7 +184,7 @@ impl FlashCount {
         }
     }
 
-    /// Notes what was shown at `time_secs`: `picture` behind `veil`.
+    /// Notes the picture shown at `time_secs`: `picture` behind `veil`.
     pub fn note(&mut self, time_secs: f64, picture: &Histogram, veil: Veil) {
         self.mean.show(time_secs, picture.luminance(veil));
         for places in &mut self.places {

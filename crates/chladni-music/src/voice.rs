@@ -8,7 +8,7 @@ use crate::probes::Probes;
 use crate::stage::Beat;
 use crate::{Bands, Dancer, MusicError};
 
-/// What in the song a voice listens to.
+/// The feature of the song that drives a voice.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Driver {
@@ -48,12 +48,12 @@ impl Driver {
     }
 }
 
-/// What a voice listens to and how strongly it answers.
+/// The driver of a voice, and how strongly the voice answers to it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VoiceSettings {
-    /// What it listens to.
+    /// The feature of the song that it answers to.
     pub driver: Driver,
-    /// What the driver's strength is multiplied by, [−10, 10]; 0 is silent.
+    /// Factor on the driver's strength, [−10, 10]; 0 is silent.
     pub gain: f32,
 }
 
@@ -96,7 +96,7 @@ impl VoiceSettings {
 pub struct Voice {
     /// The deformation at full strength, such as one layer of a caricature.
     pub term: Term,
-    /// What it listens to, and how strongly.
+    /// Its driver and gain.
     pub settings: VoiceSettings,
 }
 
@@ -180,7 +180,7 @@ impl Voices {
         Item { terms: self.voices.iter().map(|v| v.term.clone()).collect() }
     }
 
-    /// Writes what the sound does into `item`, made by [`item`](Self::item). Returns the share
+    /// Writes the effect of the sound into `item`, made by [`item`](Self::item). Returns the share
     /// of the limit reached before it was softened. Allocates nothing after the first call.
     ///
     /// # Errors

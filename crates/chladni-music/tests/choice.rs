@@ -1,5 +1,5 @@
-//! What plays does not depend on which of equally good harmonics a solver hands out: neither on their signs
-//! nor on how those of one eigenvalue are rotated among each other.
+//! Equally good harmonics play alike, whichever of them a solver returns: neither their signs nor a rotation among
+//! those of one eigenvalue matters.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use std::sync::Arc;

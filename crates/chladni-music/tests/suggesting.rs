@@ -64,7 +64,8 @@ fn suggested_galleries_differ_more_than_bred_ones_and_repeat_from_their_numbers(
     }
 }
 
-/// Who always clicks what is most alike chooses twins, and twins have twins, which a preference likes best of all.
+/// A person who always clicks the most similar ones chooses twins, and twins have twins, which a preference likes
+/// best.
 #[test]
 fn one_who_knows_what_they_want_is_shown_no_twins() {
     let (mut instrument, describer) = instrument(3);

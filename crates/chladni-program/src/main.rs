@@ -25,7 +25,7 @@ fn silence_wayland_lookup() {
 #[cfg(not(target_os = "linux"))]
 fn silence_wayland_lookup() {}
 
-/// glibc gives each thread a heap of its own, and keeps in it what the thread's peaks took. In a show of hours, where knobs
+/// glibc gives each thread a heap of its own, and keeps in it all memory of the thread's peaks. In a show of hours, where knobs
 /// take memory and leave it again, the program would grow by that: it has two heaps instead, and large blocks go back to
 /// the system when they are free.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

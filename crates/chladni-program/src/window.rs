@@ -13,7 +13,7 @@ use crate::studio::{self, FirstPicture, FrameReport, Measure};
 pub use crate::studio::{CHOOSE_FILE, SetOutput, SetTarget};
 use crate::work::Error;
 
-/// What the window closes by itself for.
+/// The event at which the window closes by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Until {
     /// Nothing: a person closes it.
@@ -24,7 +24,7 @@ pub enum Until {
     Measured(f64),
 }
 
-/// What it closed for, as JSON.
+/// The measurement for which it closed, as JSON.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub enum Outcome {

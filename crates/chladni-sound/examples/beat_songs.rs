@@ -1,5 +1,5 @@
-//! Writes test songs of which all is known: `beat_songs FOLDER` makes NAME.wav and NAME.beats.txt, and of songs with
-//! a form NAME.bars.txt and NAME.sections.txt, too.
+//! Writes test songs whose beats are known exactly: `beat_songs FOLDER` makes NAME.wav and NAME.beats.txt, and for
+//! songs with a form NAME.bars.txt and NAME.sections.txt, too.
 
 #[allow(dead_code, reason = "tests use more of it")]
 #[path = "../tests/songs/mod.rs"]

@@ -20,7 +20,7 @@ pub enum SoundError {
     Unrecognized {
         /// The file, as the caller named it.
         name: String,
-        /// What the reader said.
+        /// The reader's message.
         reason: String,
     },
     /// The container is known, but its codec is not supported.
@@ -30,7 +30,7 @@ pub enum SoundError {
         name: String,
         /// The codec's name.
         codec: String,
-        /// What the user can do.
+        /// A remedy for the user.
         advice: &'static str,
     },
     /// The file is well-formed but holds no samples.
@@ -44,7 +44,7 @@ pub enum SoundError {
     Damaged {
         /// The file, as the caller named it.
         name: String,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// An implausible sampling rate.
@@ -76,7 +76,7 @@ pub enum SoundError {
     /// A setting is out of range.
     #[error("{what}")]
     Setting {
-        /// Which setting, and what is allowed.
+        /// The setting and its allowed range.
         what: String,
     },
     /// A sound device failed or does not exist.

@@ -5,7 +5,7 @@ pub(crate) type Frame = [f32; 2];
 
 /// The longest window that callers ask for.
 const LONGEST_WINDOW: usize = 1 << 16;
-/// The seconds that are kept: what is written ahead of the playback position, and two seconds that were
+/// The seconds that are kept: those written ahead of the playback position, and two that were
 /// heard, for late readers.
 const KEPT_SECS: usize = 3;
 

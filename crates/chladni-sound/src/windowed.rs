@@ -43,8 +43,8 @@ impl WindowedFft {
         self.fft.make_output_vec()
     }
 
-    /// The transform of the last samples of `heard`, preceded by silence where there are too few. What is no sound
-    /// ([`LOUDEST`]) counts as silence. Does not allocate.
+    /// The transform of the last samples of `heard`, preceded by silence where there are too few. Samples louder than
+    /// [`LOUDEST`] or NaN count as silence. Does not allocate.
     pub fn transform(&mut self, heard: &[f32], bins: &mut [Complex<f32>]) {
         let n = self.window.len();
         let have = heard.len().min(n);

@@ -192,7 +192,7 @@ fn four_codecs_have_one_spectrum() {
 }
 
 /// Amplitudes of the bands nearest to some tones, after `secs` of these tones at automatic level.
-fn levelled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: [f32; 2]) -> [Vec<f32>; 2] {
+fn leveled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: [f32; 2]) -> [Vec<f32>; 2] {
     let mut analyzer = SpectrumAnalyzer::new(settings).unwrap();
     let n = analyzer.window_frames();
     let wave = |i: usize| {
@@ -215,7 +215,7 @@ fn levelled(settings: SpectrumSettings, tones: &[(f32, f32)], secs: f64, sides: 
 #[test]
 fn soft_treble_moves_beside_loud_bass_and_hiss_does_not() {
     let tones = [(80.0, 0.5), (6000.0, 0.005), (12_000.0, 2e-6)];
-    let [mid, _] = levelled(SpectrumSettings::new(RATE_HZ), &tones, 2.0, [1.0, 1.0]);
+    let [mid, _] = leveled(SpectrumSettings::new(RATE_HZ), &tones, 2.0, [1.0, 1.0]);
     assert!((0.85..=1.01).contains(&mid[0]), "{mid:?}");
     // 40 dB softer: a fifth of that remains, and the compression leaves 70 % of the fifth.
     assert!((-6.2..-5.0).contains(&(20.0 * (mid[1] / mid[0]).log10())), "{mid:?}");
@@ -225,7 +225,7 @@ fn soft_treble_moves_beside_loud_bass_and_hiss_does_not() {
 #[test]
 fn the_side_has_a_level_of_its_own() {
     let most = |f: &[f32]| f.iter().copied().fold(0.0, f32::max);
-    let hear = |sides| levelled(SpectrumSettings::new(RATE_HZ), &[(220.0, 0.5), (900.0, 0.2)], 2.0, sides);
+    let hear = |sides| leveled(SpectrumSettings::new(RATE_HZ), &[(220.0, 0.5), (900.0, 0.2)], 2.0, sides);
     // A wide song: ten times its side would exceed full scale by a factor of ten.
     let [mid, side] = hear([1.0, -1.0]);
     assert!(most(&mid) < 0.01 && (0.85..=1.01).contains(&most(&side)), "{mid:?} {side:?}");
@@ -271,9 +271,9 @@ fn a_soft_passage_is_shown_softer_by_half_of_its_decibels() {
     let known = loudest(song(), true, &[6.0, 14.0, 22.0]);
     assert!((-10.5..-9.5).contains(&db(&known, 1)) && db(&known, 2).abs() < 0.2, "{known:?}");
     // If the level is learned, the loud passage is forgotten slowly.
-    let learnt = loudest(song(), false, &[6.0, 12.0, 15.9, 22.0]);
-    assert!(db(&learnt, 1) < -5.0 && db(&learnt, 1) + 1.0 < db(&learnt, 2), "{learnt:?}");
-    assert!(db(&learnt, 3).abs() < 0.2, "{learnt:?}");
+    let learned = loudest(song(), false, &[6.0, 12.0, 15.9, 22.0]);
+    assert!(db(&learned, 1) < -5.0 && db(&learned, 1) + 1.0 < db(&learned, 2), "{learned:?}");
+    assert!(db(&learned, 3).abs() < 0.2, "{learned:?}");
     // A master that is 30 dB softer looks the same.
     let mut soft = song();
     soft.left.iter_mut().chain(&mut soft.right).for_each(|x| *x *= 0.03);

@@ -66,7 +66,7 @@ impl SynthModel {
         &self.rest_normals
     }
 
-    /// Size of the packed basis in bytes: what one frame reads if every harmonic has weight.
+    /// Size of the packed basis in bytes: one frame reads all of it if every harmonic has weight.
     pub fn basis_bytes(&self) -> usize {
         self.basis.bytes()
     }

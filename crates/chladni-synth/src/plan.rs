@@ -69,7 +69,7 @@ pub(crate) fn columns_of(term: &Term) -> usize {
 /// The right-hand side of the product: all columns of all terms, for the harmonics that have weight in any
 /// of them.
 ///
-/// Columns are split evenly into `blocks` of `width` columns (at most what a kernel holds in registers);
+/// Columns are split evenly into `blocks` of `width` columns (at most as many as a kernel holds in registers);
 /// the last block is padded with zeros. Buffers are kept from frame to frame.
 #[derive(Debug)]
 pub(crate) struct Plan {

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// What a [`Task`] is doing at this moment.
+/// The current stage of a [`Task`], and how far it is.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
     /// Name of the current stage; empty before the first one.

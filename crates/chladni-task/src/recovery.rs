@@ -44,7 +44,7 @@ impl RecoveryCopy {
         &self.copy
     }
 
-    /// Keeps `bytes` in the place of what was kept before.
+    /// Keeps `bytes` in place of the last copy.
     ///
     /// # Errors
     /// As [`write_atomic`].

@@ -15,7 +15,7 @@ use chladni_view::{
 };
 use measured::{bumpy, cpu_ms};
 
-/// What is drawn: numbers of items and of vertices in each.
+/// A scene to draw: numbers of items and of vertices in each.
 struct Scene {
     name: &'static str,
     items: usize,
@@ -37,7 +37,7 @@ fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64
     let (positions, triangles) = bumpy(scene.vertices);
     let normals = smooth_normals(&positions, &triangles);
     let topology = Topology::new(device, positions.len(), &triangles)?;
-    // The last is what the others lag behind themselves.
+    // The last item is the lag of the others.
     let buffers = ItemBuffers::new(device, positions.len(), scene.items + 1);
     (0..=scene.items).try_for_each(|item| buffers.write(device, item, &positions, &normals))?;
     let still: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|c| c * (1.0 + 0.3 * p[1]))).collect();
@@ -78,7 +78,7 @@ fn measure(device: &Device, scene: &Scene, look: &Look) -> Result<(Vec<f64>, f64
     Ok((times, cpu, canvas.read(device)?))
 }
 
-/// What a frame of a scene consists of at least: its vertices, triangles, and pixels that show a surface.
+/// The least work in a frame of a scene: its vertices, triangles, and pixels that show a surface.
 fn counts(device: &Device, scene: &Scene) -> Result<[usize; 3], ViewError> {
     let look = Look { background: Background::TRANSPARENT, ..bare(0.0) };
     let (.., picture) = measure(device, scene, &look)?;

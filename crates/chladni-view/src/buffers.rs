@@ -1,4 +1,4 @@
-//! Buffers in the memory of whoever draws: triangles, positions and normals, paint, images, brush rings.
+//! Buffers in the memory of the device that draws: triangles, positions and normals, paint, images, brush rings.
 
 mod brush;
 mod items;

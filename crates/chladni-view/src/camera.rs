@@ -121,7 +121,7 @@ impl Camera {
         self.target = (Vec3::from(self.target) + (up * dy - right * dx) * per_pixel).to_array();
     }
 
-    /// What [`pan`](Self::pan) in a viewport of height 1 has brought the target here from `target`.
+    /// The [`pan`](Self::pan), in a viewport of height 1, that moves `target` to the current one.
     pub fn shift_since(&self, target: [f32; 3]) -> [f32; 2] {
         let [right, up, _] = self.axes();
         let moved = Vec3::from(self.target) - Vec3::from(target);
@@ -147,7 +147,7 @@ impl Camera {
         [right, up, back].map(|v| x * v.x + y * v.y + z * v.z)
     }
 
-    /// Right, up and front of what stands in the scene.
+    /// Right, up and front of the shapes in the scene.
     fn ground(&self) -> [Vec3; 3] {
         let stands = &self.stands;
         [stands.right(), stands.up(), stands.front()].map(|v| DVec3::from(v).as_vec3())

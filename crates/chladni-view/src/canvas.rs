@@ -1,4 +1,4 @@
-//! What is drawn on, and how its pixels come back.
+//! The surface to draw on, and how its pixels come back.
 
 use std::ops::Deref;
 use std::sync::MutexGuard;
@@ -110,10 +110,10 @@ impl Deref for PixelsHeld<'_> {
     }
 }
 
-/// What one picture of a canvas comes back through, while later ones are drawn.
+/// Reads one picture of a canvas back while later ones are drawn.
 #[derive(Debug)]
 pub struct Readback {
-    /// Premultiplied pixels, or the way from a graphics device.
+    /// Premultiplied pixels, or a read-back from a graphics device.
     held: Held<Vec<u8>, gpu::Readback>,
 }
 
@@ -130,7 +130,7 @@ impl Readback {
         Ok(Self { held })
     }
 
-    /// Queues the copy of what has been drawn so far; does not wait.
+    /// Queues the copy of the picture drawn so far; does not wait.
     ///
     /// # Errors
     /// [`ViewError::Shape`] where the device is not the canvas's own.

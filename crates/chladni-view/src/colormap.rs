@@ -59,7 +59,7 @@ impl ColorMap {
     }
 }
 
-/// A color map over a range of values: what a legend shows.
+/// A color map over a range of values, as a legend shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// Colors.

@@ -1,10 +1,10 @@
-//! Who draws: a graphics device, or this machine's processor.
+//! The device that draws: a graphics device, or this machine's processor.
 
 use std::str::FromStr;
 
 use crate::{Gpu, Samples, ViewError};
 
-/// Who is asked to draw.
+/// The choice of the device that draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Draw {
     /// A graphics card where there is one, else the processor.
@@ -40,7 +40,7 @@ impl FromStr for Draw {
     }
 }
 
-/// Who draws. All that a figure is made of is made for one device and drawn by it.
+/// The device that draws. All parts of a figure are made for one device and drawn by it.
 #[derive(Clone, Debug)]
 pub enum Device {
     /// The processor, on the threads of the rayon pool that it is called from.
@@ -53,8 +53,8 @@ impl Device {
     /// Longest side of a picture or an image that the processor draws, pixels.
     const LONGEST_SIDE: u32 = 16_384;
 
-    /// Whoever `draw` asks for. `Auto` takes the processor where there is no adapter, or where the only
-    /// one is software, which draws the same several times slower.
+    /// The device that `draw` asks for. `Auto` takes the processor where there is no adapter, or where the only one
+    /// is software, which draws the same picture several times slower.
     ///
     /// # Errors
     /// Those of [`Gpu::headless`] where a graphics device is asked for, and [`ViewError::NoDevice`] where
@@ -88,7 +88,7 @@ impl Device {
         self.gpu().is_none_or(Gpu::is_software)
     }
 
-    /// Samples a pixel for what moves: see [`Gpu::live_samples`]; the processor always takes four.
+    /// Samples a pixel for moving pictures: see [`Gpu::live_samples`]; the processor always takes four.
     pub fn live_samples(&self) -> Samples {
         self.gpu().map_or(Samples::Four, Gpu::live_samples)
     }

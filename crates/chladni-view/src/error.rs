@@ -1,4 +1,4 @@
-//! What can go wrong between a mesh and its picture.
+//! Errors between a mesh and its picture.
 
 use std::io;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ pub enum ViewError {
     NoDevice {
         /// The adapter's own name.
         adapter: String,
-        /// What the driver said.
+        /// The driver's message.
         reason: String,
     },
     /// The device went away, or refused a command.
@@ -59,7 +59,7 @@ pub enum ViewError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// The work was cancelled.

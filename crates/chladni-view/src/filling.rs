@@ -46,9 +46,9 @@ pub struct Headroom {
 }
 
 impl Filling {
-    /// Around `target`, so that what has these `points` spread evenly over its surface covers `share` of a picture of
-    /// `aspect`, or less where it would not have the room it needs. A camera that stands there and
-    /// [keeps the upper end](Camera::keep_below) in the picture cuts off the lower part of what does not fit.
+    /// Distances around `target` at which the surface sampled evenly by `points` covers `share` of a picture of this
+    /// `aspect`, or less if `room` requires it. If the whole does not fit, a camera there that [keeps the upper
+    /// end](Camera::keep_below) in the picture cuts off the lower part.
     pub fn new(
         points: &[[f32; 3]],
         stands: Orientation,
@@ -230,7 +230,7 @@ mod tests {
         assert!(feet > -1.0 && head > 0.3 && risen <= TOP + 1e-3, "{feet} {head} {risen}");
         let [feet, _, head, risen] = seen_from(NEAR_HEIGHTS, [0.0; 3], 1.0);
         assert!(feet < -1.2 && head > 0.3 && risen <= TOP + 1e-3, "{feet} {head} {risen}");
-        // What is looked at is seen, too, even at the feet.
+        // The point looked at is in the picture, too, even at the feet.
         let [_, looked_at, head, risen] = seen_from(NEAR_HEIGHTS, [0.0, -0.9, 0.0], 1.0);
         assert!(looked_at > -0.95 && head > 0.3 && risen <= TOP + 1e-3, "{looked_at} {head} {risen}");
         let near = Filling::new(&points, Orientation::Y_UP, [0.0; 3], 1.7, 1.0, whole(0.0));

@@ -1,4 +1,4 @@
-//! What is done to a finished picture: depth of field, glow around what is bright, trails, a darker rim, grain.
+//! Effects on a finished picture: depth of field, glow around bright places, trails, a darker rim, grain.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -15,7 +15,7 @@ pub struct Finish {
     pub trail_secs: f32,
     /// How fast trails grow from the middle, in sizes per second; below 0 they shrink.
     pub trail_growth: f32,
-    /// How much light spreads from what is bright, in [0, 2].
+    /// How much light spreads from bright places, in [0, 2].
     pub bloom: f32,
     /// From which brightness on, in [0, 1).
     pub bloom_from: f32,
@@ -49,7 +49,7 @@ impl Finish {
         [blur, trail_secs, bloom, vignette, grain].iter().all(|share| *share <= 0.0)
     }
 
-    /// The numbers for a picture of this size at `at_secs`, the last of which was shown at `before_secs`.
+    /// The numbers for a picture of this size at `at_secs`; the last one was shown at `before_secs`.
     pub(crate) fn uniform(
         &self,
         [width, height]: [u32; 2],

@@ -1,5 +1,5 @@
-//! What is in focus: how far the light of each depth spreads on the picture, as behind a thin lens. Both
-//! renderers use these numbers.
+//! Depth of field: how far the light of each depth spreads on the picture, as behind a thin lens. Both renderers use
+//! these numbers.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -53,11 +53,12 @@ const NEAR: [[f32; 2]; 12] = [
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Circle {
-    /// Of a depth in [0, 1] the way to it from the focus as a share of the whole way to it: at 0, and by a unit.
+    /// From a depth in [0, 1] to its distance beyond the focus, over its distance from the eye: the value at 0, and
+    /// the slope.
     pub(crate) line: [f32; 2],
-    /// Ways below this are none.
+    /// Distances below this count as 0.
     pub(crate) sharp: f32,
-    /// Radius of the circle by a unit of the way beyond, pixels of the small picture.
+    /// Radius of the circle per unit of distance beyond that, in pixels of the small picture.
     pub(crate) radius: f32,
     /// No circle is larger.
     pub(crate) most: f32,
@@ -65,7 +66,7 @@ pub(crate) struct Circle {
 }
 
 impl Circle {
-    /// Of a cell in a picture of `height` rows.
+    /// The circles of a cell in a picture of `height` rows.
     pub(crate) fn new(finish: &Finish, cell: &Cell<'_>, height: u32) -> Self {
         let camera = &cell.camera;
         let projection = camera.projection_matrix(cell.viewport.aspect());
@@ -88,8 +89,8 @@ impl Circle {
         }
     }
 
-    /// The radius of the circle of what lies at this depth, pixels of the small picture; below 0 before the focus.
-    /// At depth 1 is what is behind all figures, as far away as can be.
+    /// The radius of the circle of light at this depth, in pixels of the small picture; below 0 before the focus.
+    /// Depth 1 is behind all figures, infinitely far away.
     #[inline(always)]
     pub(crate) fn at(&self, depth: f32) -> f32 {
         let way = if depth >= 1.0 { 1.0 } else { self.line[0] + self.line[1] * depth };
@@ -112,8 +113,8 @@ pub(crate) struct Spread {
     pub(crate) size: [f32; 2],
     pub(crate) step: u32,
     pub(crate) padding: u32,
-    /// Whole pixels to the right and below, how far that is, and the part of the disc that each stands for, all of
-    /// which are the square of its radius. Even and odd rows have others, and are averaged later.
+    /// Taps: offset right and down in whole pixels, its length, and the area that the tap stands for (all areas sum
+    /// to the squared radius of the disc). Even and odd rows have different taps, which are averaged later.
     pub(crate) taps: [[[f32; 4]; TAPS]; 2],
 }
 
@@ -163,7 +164,7 @@ mod tests {
         }
     }
 
-    /// The circle of what lies so far beyond the target, along the view.
+    /// The circle of a point this far beyond the target, along the view.
     fn at(finish: &Finish, camera: Camera, beyond: f32) -> f32 {
         let cell = cell(camera);
         let [_, _, back] = camera.axes();

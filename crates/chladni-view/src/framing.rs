@@ -107,7 +107,7 @@ mod tests {
         (0..8).map(|i| [at(i, 0), at(i, 1), at(i, 2)]).collect()
     }
 
-    /// Width and height in pixels of what is seen of `points`, after checking that it is in its cell.
+    /// Width and height in pixels of the visible part of `points`, after checking that it is in its cell.
     fn seen(points: &[[f32; 3]], (cell, camera): &(Rect, Camera)) -> [f32; 2] {
         let pixels: Vec<[f32; 2]> = points.iter().map(|p| camera.project(*p, *cell).unwrap().0).collect();
         assert!(pixels.iter().all(|[x, y]| cell.contains(*x, *y)), "{cell:?}: {pixels:?}");

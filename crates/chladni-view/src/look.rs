@@ -1,22 +1,22 @@
-//! What makes a whole scene: material, palette, light, ground and finish, and how they answer to music.
+//! The look of a whole scene: material, palette, light, ground and finish, and how they answer to music.
 
 use crate::{Answer, Background, Finish, Lights, Material};
 
 /// All that makes a picture beside the shapes and the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// What shapes are made of.
+    /// The material of the shapes.
     pub material: Material,
     /// How movement colors them; none leaves the material's own color. Its lengths are shares of the farthest
     /// that a shape may go: see [`scaled`](Self::scaled).
     pub answer: Option<Answer>,
-    /// What shines.
+    /// The lights.
     pub lights: Lights,
-    /// What is behind and below.
+    /// The background and the floor.
     pub background: Background,
-    /// What is done to the finished picture.
+    /// Effects on the finished picture.
     pub finish: Finish,
-    /// What music does to all of it.
+    /// The effect of music on all of it.
     pub response: Response,
 }
 
@@ -27,11 +27,11 @@ pub struct Response {
     pub flow: f32,
     /// How much of the palette lies between dull and shrill sound.
     pub timbre: f32,
-    /// How much of the palette lies between what both channels share and what they do not.
+    /// How much of the palette lies between a sound that both channels share and one that they do not.
     pub sides: f32,
-    /// How often the palette goes around on the way around the circle of fifths: a whole number, lest colors jump.
+    /// Turns of the palette per turn of the circle of fifths: a whole number, so that colors do not jump.
     pub key: f32,
-    /// What full level in both channels adds to the glow.
+    /// Glow added at full level in both channels.
     pub glow: f32,
     /// How much of the light comes with the level, in [0, 1]: with that of the left channel in the left of the
     /// picture.
@@ -40,11 +40,11 @@ pub struct Response {
     pub halo: f32,
     /// How much of the colors' strength comes with the level of both channels, in [0, 1].
     pub saturation: f32,
-    /// What a beat adds to the rim light, as a share of it.
+    /// Rim light added on a beat, as a share of it.
     pub rim: f32,
 }
 
-/// What is heard, for a look to answer to. Each in [0, 1] but `beats`, which only grows.
+/// The sound that a look answers to. Each in [0, 1] except `beats`, which only grows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mood {
     /// How loud it is left and right.

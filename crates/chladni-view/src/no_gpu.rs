@@ -2,7 +2,7 @@
 
 use crate::{Cell, Finish, Samples, Surroundings, ViewError};
 
-/// A graphics device, of which this build has none.
+/// A graphics device; this build has none, so no value of this type exists.
 #[derive(Clone, Debug)]
 pub enum Gpu {}
 
@@ -33,7 +33,7 @@ impl Gpu {
         match *self {}
     }
 
-    /// Samples a pixel for what moves.
+    /// Samples a pixel for moving pictures.
     pub fn live_samples(&self) -> Samples {
         match *self {}
     }

@@ -1,10 +1,9 @@
-//! Draws cells of figures on a canvas, whoever draws.
+//! Draws cells of figures on a canvas, on either device.
 
 use crate::buffers::Held;
 use crate::{Canvas, Cell, Device, Finish, Surroundings, ViewError, cpu, gpu};
 
-/// What one device keeps from picture to picture: pipelines and uniforms, or bins and tiles. Make one
-/// and keep it.
+/// Pipelines and uniforms, or bins and tiles, that one device keeps from picture to picture. Make one and keep it.
 #[derive(Debug)]
 pub struct Renderer {
     pub(crate) device: Device,
@@ -22,7 +21,7 @@ impl Renderer {
         Self { device, held }
     }
 
-    /// Who draws.
+    /// The device that draws.
     pub fn device(&self) -> &Device {
         &self.device
     }
@@ -38,8 +37,8 @@ impl Renderer {
         }
     }
 
-    /// Draws `cells` on `canvas`; a graphics device does not wait until it is done. What no cell covers
-    /// is transparent.
+    /// Draws `cells` on `canvas`; a graphics device does not wait until it is done. Pixels that no cell covers
+    /// are transparent.
     ///
     /// # Errors
     /// [`ViewError::Shape`] where a cell leaves the canvas, a figure's topology, buffers and paint do

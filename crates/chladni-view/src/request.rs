@@ -36,11 +36,11 @@ pub struct PictureShape<'a> {
 /// How a picture looks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Style {
-    /// What the shapes are made of.
+    /// The material of the shapes.
     pub material: Material,
-    /// What shines.
+    /// The lights.
     pub lights: Lights,
-    /// What is behind.
+    /// The background.
     pub background: Background,
     /// Edges over the surface.
     pub wire: Option<Wire>,

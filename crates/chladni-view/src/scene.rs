@@ -1,4 +1,4 @@
-//! What is drawn: figures, what they are painted with, and the cells they stand in.
+//! The scene: figures, their paint, and the cells they stand in.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -7,7 +7,7 @@ use crate::{
     Topology, VertexPaint,
 };
 
-/// What gives a surface its color.
+/// The source of a surface's color.
 #[derive(Clone, Copy, Debug, Default)]
 pub enum Paint<'a> {
     /// The material's own.
@@ -79,7 +79,7 @@ pub struct Figure<'a> {
     pub model: [[f32; 4]; 4],
     /// How it answers to light.
     pub material: Material,
-    /// What gives it its color.
+    /// The source of its color.
     pub paint: Paint<'a>,
     /// 1 is opaque. Translucent figures are to be listed last.
     pub opacity: f32,
@@ -144,13 +144,13 @@ pub struct Marker {
 pub struct Cell<'a> {
     /// Where on the canvas, pixels.
     pub viewport: Rect,
-    /// Who looks.
+    /// The viewer's camera.
     pub camera: Camera,
-    /// What shines.
+    /// The lights.
     pub lights: Lights,
-    /// What is behind.
+    /// The background.
     pub background: Background,
-    /// What stands there.
+    /// The figures.
     pub figures: &'a [Figure<'a>],
     /// Landmarks.
     pub markers: &'a [Marker],

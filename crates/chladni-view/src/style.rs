@@ -30,7 +30,7 @@ pub struct Material {
     pub iridescence: f32,
     /// Share of its own color that shines without any light, at least 0.
     pub glow: f32,
-    /// What shines where the surface turns away from the viewer (velvet, deep-sea skin), sRGB; black is nothing.
+    /// The light where the surface turns away from the viewer (velvet, deep-sea skin), sRGB; black is none.
     pub edge: [u8; 3],
 }
 
@@ -94,7 +94,7 @@ pub struct Light {
     pub color: [f32; 3],
 }
 
-/// Three lights and what comes from all sides.
+/// Three lights, and light from all sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lights {
     /// Key, fill and rim.
@@ -115,7 +115,7 @@ pub struct Lights {
     pub curve: Curve,
 }
 
-/// From linear light to what a screen can show.
+/// From linear light to the range of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curve {
     /// Khronos PBR Neutral (2024): colors below the shoulder stay true.
@@ -218,7 +218,7 @@ impl Lights {
     }
 }
 
-/// What is behind the shape, sRGB.
+/// The background, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Background {
     /// Color in the middle of the picture.
@@ -231,7 +231,7 @@ pub struct Background {
     pub opacity: f32,
     /// Which way the colors run.
     pub gradient: Gradient,
-    /// What the shape stands over, seen in perspective only.
+    /// The floor below the shape, seen in perspective only.
     pub floor: Option<Floor>,
 }
 

@@ -5,8 +5,8 @@ use image::RgbaImage;
 use crate::style::{decoded, encoded};
 use crate::{Device, Picture, Skin, ViewError};
 
-/// What stands behind all cells of a renderer in the place of their backgrounds' colors, and what shines on their
-/// figures in the place of sky, ground and softboxes.
+/// A picture behind all cells of a renderer, in place of the backgrounds' colors, and a panorama that lights their
+/// figures, in place of sky, ground and softboxes.
 #[derive(Clone, Debug, Default)]
 pub struct Surroundings {
     /// With its width over its height.
@@ -25,7 +25,7 @@ impl Surroundings {
         Ok(Self { behind, ..self })
     }
 
-    /// Takes what there is to the device. The picture fills a cell; what does not fit is cut off.
+    /// Uploads the given pictures. The picture behind fills a cell and is cropped to fit.
     ///
     /// # Errors
     /// [`ViewError::Size`] for a picture that is too long for the device.
@@ -56,7 +56,7 @@ pub struct Panorama {
 
 /// Texels around the sharpest level; it has half as many rows.
 const AROUND: u32 = 256;
-/// How narrow the lobes of the levels after the first are (Phong's exponent): of roughness ⅓, ⅔ and 1, and of what is chalk.
+/// How narrow the lobes of the levels after the first are (Phong's exponent): of roughness ⅓, ⅔ and 1, and of chalk.
 const LOBES: [f32; 4] = [19.0, 2.5, 1.0, 1.0];
 
 type Light = [f32; 3];
@@ -109,7 +109,7 @@ impl Sphere {
         [flat * sin, (PI * down).cos(), -flat * cos]
     }
 
-    /// What part of all directions a texel of this row is, but for a factor.
+    /// The solid angle of a texel in row `y`, up to a constant factor.
     fn share(&self, y: usize) -> f32 {
         (std::f32::consts::PI * (y as f32 + 0.5) / self.height as f32).sin()
     }
@@ -147,7 +147,7 @@ impl Sphere {
         Self { width, height, pixels: (0..width * height).map(texel).collect() }
     }
 
-    /// What is seen in each direction through a lobe.
+    /// The light from each direction, averaged over a lobe around it.
     fn blurred(&self, width: usize, lobe: f32) -> Self {
         use rayon::prelude::*;
         let mut level = Self { width, height: width / 2, pixels: Vec::new() };

@@ -12,7 +12,7 @@ use chladni_view::{FrameRate, Picture};
 
 /// The film that the child records.
 const FILM: &str = "CHLADNI_TEST_RECORD_FOREVER";
-/// What the child says before the folder of its recording, and once it has recorded for long enough.
+/// Printed by the child before the folder of its recording, and once it has recorded for long enough.
 const FOLDER: &str = "folder ";
 const ENOUGH: &str = "enough";
 const SOUND_HZ: u32 = 8000;

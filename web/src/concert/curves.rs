@@ -8,7 +8,7 @@ use super::Concert;
 
 #[derive(Serialize)]
 struct Curves<'a> {
-    /// Of the dance, in the gallery.
+    /// The dance's place in the gallery.
     item: usize,
     transfer: &'a [f32],
     amplification: &'a [f32],

@@ -1,4 +1,4 @@
-//! What a person does to a concert.
+//! Actions of a person in a concert.
 
 use chladni_music::{Action, Moment, experiment, without_sand};
 use chladni_program::work::{Error, Programme, opening_view};
@@ -17,7 +17,7 @@ impl Concert {
     /// Does an action of the instrument, as a line of a show file says it: `{"do": "choose", "item": 3, "on": true}`.
     ///
     /// # Errors
-    /// Text that is no action, and an action that cannot be done.
+    /// Text that is not an action, and an action that cannot be done.
     #[wasm_bindgen(js_name = "act")]
     pub fn act_text(&mut self, action: &str) -> Result<(), JsError> {
         Ok(self.act(serde_json::from_str(action)?)?)
@@ -121,7 +121,7 @@ impl Concert {
         Ok(())
     }
 
-    /// Does what the autopilot wants by a time of the show.
+    /// Does the autopilot's actions up to a time of the show.
     pub(super) fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
         let Some(programme) = &mut self.programme else { return Ok(()) };
         let bars = match &mut self.live {

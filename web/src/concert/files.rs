@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-/// What a show is made of that the page has to find by itself.
+/// The files of a show that the page has to find by itself.
 #[derive(Serialize)]
 struct Needs {
     body: Option<String>,
@@ -18,7 +18,7 @@ struct Needs {
 /// The body and songs that a show names, as JSON.
 ///
 /// # Errors
-/// Text that is no show.
+/// Text that is not a show.
 #[wasm_bindgen]
 pub fn needs_of_show(text: &str) -> Result<String, JsError> {
     let show = Show::from_text(text)?;
@@ -55,7 +55,7 @@ impl Concert {
     /// danced on, and what is heard from now on, is up to the page ([`needs_of_show`]), which numbers songs as the show does.
     ///
     /// # Errors
-    /// Text that is no show, and a show that cannot be danced here.
+    /// Text that is not a show, and a show that cannot be danced here.
     pub fn open_show(&mut self, text: &str) -> Result<(), JsError> {
         let show = Show::from_text(text)?;
         self.instrument = show.replay(self.instrument.shape().clone())?;
@@ -83,7 +83,7 @@ impl Concert {
     /// Puts a preset in the place of a dance.
     ///
     /// # Errors
-    /// Text that is no preset.
+    /// Text that is not a preset.
     pub fn open_preset(&mut self, item: usize, text: &str) -> Result<(), JsError> {
         let preset = Box::new(Preset::from_text(text)?);
         Ok(self.act(Action::Take { item, preset })?)

@@ -6,7 +6,7 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-/// What came in last, and who listens to it.
+/// The latest live sound, and the ear that listens to it.
 pub(super) struct Live {
     rate_hz: u32,
     ear: Ear,
@@ -43,7 +43,7 @@ impl Live {
         }
     }
 
-    /// What is heard now, at `at_secs` of the show.
+    /// Analyzes the sound at `at_secs` of the show.
     pub fn hear(&mut self, at_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, Error> {
         self.ear.tune(self.rate_hz, parameters)?;
         let window = self.ear.analyzer().window_frames();

@@ -9,14 +9,14 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-/// What is still to come of a show.
+/// The rest of a show.
 pub(super) struct Script {
     actions: VecDeque<LoggedAction>,
     heard: VecDeque<Stretch>,
     ends_secs: f64,
 }
 
-/// What the page is to let be heard from now on.
+/// The sound that the page is to play from now on.
 #[derive(Serialize)]
 struct Cue {
     /// By its number among the show's songs; none is live input, which was not recorded.
@@ -31,7 +31,7 @@ impl Concert {
     /// [`cue`](Self::cue).
     ///
     /// # Errors
-    /// Text that is no show, and a show that cannot be danced here.
+    /// Text that is not a show, and a show that cannot be danced here.
     pub fn play_show(&mut self, text: &str) -> Result<(), JsError> {
         let show = Show::from_text(text)?;
         self.instrument = show.begin(self.instrument.shape().clone())?;
@@ -54,7 +54,7 @@ impl Concert {
         Ok(())
     }
 
-    /// What begins to be heard by now in the show that is played, as JSON, once; none where that is what is heard.
+    /// The change of sound that is due now in the show being played, as JSON, once; none where nothing changes.
     ///
     /// # Errors
     /// Bugs only.
@@ -81,7 +81,7 @@ impl Concert {
 }
 
 impl Concert {
-    /// Does what was done by a time of the show that is played.
+    /// Repeats the actions up to a time of the show that is played.
     pub(super) fn follow_script(&mut self, now_secs: f64) -> Result<(), Error> {
         loop {
             let Some(script) = &mut self.script else { return Ok(()) };

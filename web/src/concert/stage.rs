@@ -1,4 +1,4 @@
-//! What deforms the dancers and draws them.
+//! Deforms the dancers and draws them.
 
 use chladni_program::work::{Error, FrameGuard, Staging};
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
@@ -19,7 +19,7 @@ pub(super) struct Stage {
     pub cells: Vec<u32>,
 }
 
-/// What draws, and what it draws.
+/// The renderer and what it draws.
 pub(super) struct Figures {
     pub topology: Topology,
     /// For a gallery, whose pictures are small; none where the body has few vertices anyway.

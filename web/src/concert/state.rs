@@ -1,4 +1,4 @@
-//! What the page shows of a concert beside its picture.
+//! The state of a concert that the page shows beside its picture.
 
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
@@ -31,7 +31,7 @@ struct State<'a> {
     played: bool,
     look: &'a str,
     viewpoint: Viewpoint,
-    /// What is set, by its name in show files.
+    /// Knobs and switches, by their names in show files.
     settings: Settings,
 }
 

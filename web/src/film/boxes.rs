@@ -1,6 +1,6 @@
 //! Boxes of an MP4 file.
 
-/// What is in a box, as it is written.
+/// The content of a box, as it is written.
 #[derive(Default)]
 pub struct Boxed {
     pub bytes: Vec<u8>,
@@ -44,7 +44,7 @@ pub fn language(letters: &[u8; 3]) -> u16 {
     letters.iter().fold(0, |packed, letter| packed << 5 | u16::from(letter - 0x60))
 }
 
-/// What describes AAC, whose own description is shorter than 64 bytes.
+/// A descriptor of AAC, whose own description is shorter than 64 bytes.
 pub fn aac_descriptor(description: &[u8]) -> Vec<u8> {
     let tagged = |tag: u8, content: &[u8]| [&[tag, content.len() as u8][..], content].concat();
     // MPEG-4 sound; the size of its buffer and its bit rates stay 0, which says nothing of them.

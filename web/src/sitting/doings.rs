@@ -1,4 +1,4 @@
-//! What a person does to a sitting.
+//! Actions of a person in a sitting.
 
 use std::path::PathBuf;
 
@@ -17,7 +17,7 @@ impl Sitting {
     /// Does an action of the project, as JSON: `{"set": {"layer": 1, "to": {"mu": -0.8}}}`.
     ///
     /// # Errors
-    /// Text that is no action, and an action that cannot be done.
+    /// Text that is not an action, and an action that cannot be done.
     pub fn act(&mut self, action: &str) -> Result<(), JsError> {
         Ok(self.act_once(&serde_json::from_str(action)?)?)
     }
@@ -42,7 +42,7 @@ impl Sitting {
         Ok(self.refresh()?)
     }
 
-    /// Takes a step back; what it was called, where there was one.
+    /// Undoes a step; returns its label, if there was one.
     ///
     /// # Errors
     /// Bugs only.
@@ -52,7 +52,7 @@ impl Sitting {
         Ok(label.map(Into::into))
     }
 
-    /// Does again what was taken back.
+    /// Repeats an undone step.
     ///
     /// # Errors
     /// Bugs only.
@@ -126,7 +126,7 @@ impl Sitting {
         Ok(self.act_once(&Action::Stand(stands))?)
     }
 
-    /// Looks for what stands out of the shape, from whole limbs (0) to small features (1).
+    /// Looks for parts of the shape, from whole limbs (0) to small features (1).
     ///
     /// # Errors
     /// Bugs only.
@@ -219,7 +219,7 @@ impl Sitting {
 }
 
 impl Sitting {
-    /// The viewer of what is shown.
+    /// The camera of the current view.
     fn camera(&mut self) -> &mut Camera {
         match (&mut self.landmarks, &mut self.hanging) {
             (Some(landmarks), _) => landmarks.camera(),

@@ -11,7 +11,7 @@ use wasm_bindgen::prelude::*;
 use super::Sitting;
 use crate::PROJECT;
 
-/// What a project is made of that the page has to find by itself.
+/// The files of a project that the page has to find by itself.
 #[derive(Serialize)]
 struct Needs {
     shape: String,
@@ -42,7 +42,7 @@ impl Needs {
 /// The shape and the templates that the text of a project file names, as JSON.
 ///
 /// # Errors
-/// Text that is no project.
+/// Text that is not a project.
 #[wasm_bindgen]
 pub fn needs_of_project(name: &str, text: &str) -> Result<String, JsError> {
     let (project, _) = Project::from_text(text, Path::new(name))?;
@@ -51,7 +51,7 @@ pub fn needs_of_project(name: &str, text: &str) -> Result<String, JsError> {
 
 #[wasm_bindgen]
 impl Sitting {
-    /// What its project names, as JSON, like [`needs_of_project`].
+    /// The files that its project names, as JSON, like [`needs_of_project`].
     ///
     /// # Errors
     /// Bugs only.
@@ -105,7 +105,7 @@ impl Sitting {
     /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`.
     ///
     /// # Errors
-    /// Another format, or what the format cannot hold.
+    /// Another format, or a shape that the format cannot hold.
     pub fn export(&mut self, extension: &str) -> Result<Vec<u8>, JsError> {
         let format = Format::from_extension(extension).ok_or_else(|| JsError::new("no such format"))?;
         self.settle()?;
@@ -151,7 +151,7 @@ impl Sitting {
     /// # Errors
     /// Bugs only.
     pub fn draw_by_processor(&mut self) -> Result<(), JsError> {
-        // What they show lies on the card.
+        // Their pictures lie on the card.
         (self.landmarks, self.hanging) = (None, None);
         self.stage.draw_by_processor()?;
         Ok(self.refresh()?)

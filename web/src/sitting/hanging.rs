@@ -1,4 +1,4 @@
-//! The gallery in the place of the figure, and what is taken from it.
+//! The gallery in place of the figure, and the caricatures taken from it.
 
 use chladni_caricature::Layer;
 use chladni_harmonics::Body;

@@ -239,12 +239,12 @@ impl Sitting {
         Some((which, near.0, near.1))
     }
 
-    /// What to do next, while landmarks are picked.
+    /// The hint at the next step, while landmarks are picked.
     pub(super) fn landmark_hint(&self) -> Option<String> {
         Some(self.landmarks.as_ref()?.picks.hint(self.matching().landmarks.len()))
     }
 
-    /// Whether landmarks are those of what is selected.
+    /// Closes landmarks that are not those of the selected layer.
     pub(super) fn forget_other_landmarks(&mut self) {
         let project = self.history.project();
         let selected = self.selected.and_then(|id| Some((id, project.layer(id)?)));

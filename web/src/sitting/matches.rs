@@ -14,8 +14,8 @@ use super::Sitting;
 /// A match that the page has to ask for.
 #[derive(Serialize)]
 struct Wanted {
-    /// What [`match_template`](crate::solve::match_template) takes: a text, since a page's numbers have too few digits
-    /// for seeds.
+    /// The request for [`match_template`](crate::solve::match_template): a text, since a page's numbers have too few
+    /// digits for seeds.
     request: String,
     /// The template as people read it.
     template: String,
@@ -53,10 +53,10 @@ impl Sitting {
         Ok(Some(serde_json::to_string(&wanted)?))
     }
 
-    /// What [`match_template`](crate::solve::match_template) found for a request.
+    /// Installs the answer of [`match_template`](crate::solve::match_template) to a request.
     ///
     /// # Errors
-    /// Text that is no match.
+    /// Text that is not a match.
     pub fn install(&mut self, request: &str, found: &str) -> Result<(), JsError> {
         let found: Matched = serde_json::from_str(found)?;
         if let Some(orientation) = found.stands.filter(|_| self.stands.in_doubt) {
@@ -75,7 +75,7 @@ impl Sitting {
         Ok(self.refresh()?)
     }
 
-    /// What layers are matched with, as JSON, for [`Wall`](crate::Wall): each request with its answer.
+    /// The matches of all layers, as JSON, for [`Wall`](crate::Wall): each request with its answer.
     ///
     /// # Errors
     /// Bugs only.

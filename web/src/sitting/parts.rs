@@ -38,7 +38,7 @@ impl Parts {
         Self { part: own, twins: vec![None; names.len()], names, level: None }
     }
 
-    /// What stands out at `level`.
+    /// The limbs at `level`.
     pub fn at_level(body: &Body, level: f64, mirror: Option<MirrorPlane>) -> Self {
         let limbs = Limbs::of(body, level);
         let twins = match mirror.filter(|plane| plane.misfit <= MirrorPlane::TOLERANCE) {
@@ -67,7 +67,7 @@ impl Parts {
         std::iter::once(part).chain(self.twins.get(part).copied().flatten()).collect()
     }
 
-    /// What is to be shown of them: 1 on the `pointed` ones.
+    /// The values to show for them: 1 on the `pointed` ones.
     pub fn shown(&self, pointed: &[usize]) -> Vec<f32> {
         self.part.iter().map(|part| f32::from(u8::from(pointed.contains(&(*part as usize))))).collect()
     }

@@ -1,4 +1,4 @@
-//! What the pointer does on the figure: it shows and takes parts, and paints.
+//! The pointer on the figure: it shows and takes parts, and paints.
 
 use chladni_caricature::{Action, Brush, Dab, PaintEdit, Reach, Seen, SurfacePoint};
 use chladni_program::work::{Coating, Error, with_pointed};
@@ -7,7 +7,7 @@ use wasm_bindgen::prelude::*;
 
 use super::Sitting;
 
-/// What a press on the figure does.
+/// The effect of a press on the figure.
 #[derive(Default)]
 pub struct Tool {
     pub mode: Mode,
@@ -37,7 +37,7 @@ const MOST_DABS: f32 = 32.0;
 
 #[wasm_bindgen]
 impl Sitting {
-    /// What a press on the figure does from now on: `turn`, `parts` or `brush`.
+    /// Chooses the effect of a press on the figure from now on: `turn`, `parts` or `brush`.
     ///
     /// # Errors
     /// A name of no tool.
@@ -164,7 +164,7 @@ impl Sitting {
         self.recoat()
     }
 
-    /// What the brush covers where it touches the figure.
+    /// The part of the figure under the brush.
     fn reach(&mut self, hit: &Hit, x: f32, y: f32) -> Result<Reach, Error> {
         let mirror = if self.tool.both_sides { self.mirror()? } else { None };
         let brush = Brush { radius: self.tool.radius, mirror };

@@ -26,7 +26,7 @@ struct Plot {
     reached: f64,
     /// The energy of each band of wavelengths before and after the curve, then of all that is finer than the harmonics.
     bars: Vec<[f64; 2]>,
-    /// What the curve does with that.
+    /// The gain of the curve on that residual.
     residual: f64,
     /// Heights and names of gains; places and names of wavelengths.
     gains: [(f64, String); 4],
@@ -64,7 +64,7 @@ impl Sitting {
         self.chosen().map_or(0.0, |(_, layer)| height_of(layer.curve.at(wave_at(x))))
     }
 
-    /// What it does there, in words.
+    /// The gain there, in words.
     pub fn scale_words(&self, x: f64) -> String {
         let words = |(_, layer): (LayerId, &Layer)| gain_in_words([wave_at(x), layer.curve.at(wave_at(x))]);
         self.chosen().map(words).unwrap_or_default()

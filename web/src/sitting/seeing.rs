@@ -1,4 +1,4 @@
-//! What is seen of the numbers: heat maps, and where a drawing in ink is seen from.
+//! Heat maps of numbers on the figure, and the viewpoint of a drawing in ink.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::ink::Viewer;
 /// Colors of a legend.
 const LEGEND: usize = 16;
 
-/// What the user has chosen to see.
+/// The user's choice of a heat map.
 pub struct Heat {
     quantity: Quantity,
     harmonic: usize,
@@ -25,7 +25,7 @@ pub struct Heat {
 }
 
 impl Heat {
-    /// Of a shape that brought colors along, or none.
+    /// The first heat map of a shape with or without colors of its own.
     pub fn of(own_look: bool) -> Self {
         let quantity = if own_look { Quantity::Own } else { Quantity::None };
         Self { quantity, harmonic: 1, map: ColorMap::Viridis, crossings: None }
@@ -37,7 +37,7 @@ impl Heat {
     }
 }
 
-/// What the page shows of a heat map beside the picture.
+/// The state of a heat map that the page shows beside the picture.
 #[derive(Serialize)]
 pub struct ShownHeat {
     /// By its number among [`quantities`].
@@ -132,7 +132,7 @@ impl Sitting {
 }
 
 impl Sitting {
-    /// What the chosen heat map gives the figure as its color.
+    /// The figure's color by the chosen heat map.
     pub(super) fn heated(&mut self) -> Result<Coating, Error> {
         let quantity = self.heat.quantity;
         let folds: Vec<u32> = match quantity {

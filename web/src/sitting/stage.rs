@@ -19,11 +19,11 @@ use crate::screen::{Screen, device};
 /// The figure's share of the picture's sides.
 const FILL: f32 = 0.86;
 
-/// What draws, what it drew last, and who looks.
+/// The renderer, its last picture, and the camera.
 pub struct Stage {
     pub camera: Camera,
     triangles: Arc<[[u32; 3]]>,
-    /// What the shape brought along.
+    /// The look that the shape's file brought along.
     look: Option<OwnLook>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
@@ -35,7 +35,7 @@ pub struct Stage {
     pick: Option<PickTree>,
     /// How often the figure has changed.
     changes: u64,
-    /// What is shown is not what was drawn.
+    /// The picture on screen is out of date.
     stale: bool,
     /// The whole figure is to be seen.
     fitted: bool,
@@ -43,11 +43,11 @@ pub struct Stage {
     by_hand: bool,
 }
 
-/// The shape as renderers have it, with what gives it its color.
+/// The shape as renderers have it, with its colors.
 struct Dressed {
     topology: Topology,
     buffers: ItemBuffers,
-    /// What a heat map shows.
+    /// The numbers of a heat map.
     values: VertexPaint,
     /// Regions, marks and places.
     tints: VertexPaint,
@@ -193,7 +193,7 @@ impl Stage {
         self.model.coat(self.screen.device(), coating)
     }
 
-    /// That of the heat map that is shown.
+    /// The scale of the heat map that is shown.
     pub fn scale(&self) -> Option<Scale> {
         match self.model.coating {
             Coating::Values(_, scale) => Some(scale),
@@ -219,7 +219,7 @@ impl Stage {
         self.screen.device()
     }
 
-    /// What is shown is not what was drawn.
+    /// Marks the picture on screen as out of date.
     pub fn stir(&mut self) {
         self.stale = true;
     }
@@ -346,14 +346,14 @@ impl Stage {
         &self.triangles
     }
 
-    /// The tree that finds what is under the pointer, and what it was built of.
+    /// The tree that finds the triangle under the pointer, and the positions and triangles that it was built of.
     pub fn pick_tree(&mut self) -> (&PickTree, &[[f32; 3]], &[[u32; 3]]) {
         let (positions, triangles) = (&self.positions, &self.triangles);
         let tree = self.pick.get_or_insert_with(|| PickTree::new(positions, triangles));
         (tree, positions, triangles)
     }
 
-    /// What lies under a pixel of the last picture.
+    /// The place on the figure under a pixel of the last picture.
     pub fn hit(&mut self, x: f32, y: f32) -> Option<Hit> {
         let ray = self.camera.ray(x, y, self.area());
         let (tree, positions, triangles) = self.pick_tree();

@@ -1,4 +1,4 @@
-//! What the page shows of a sitting beside its picture.
+//! The state of a sitting that the page shows beside its picture.
 
 use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
 use chladni_match::Landmark;
@@ -76,7 +76,7 @@ struct State<'a> {
     heat: ShownHeat,
     /// The shape has colors of its own.
     own_look: bool,
-    /// What to do next, while landmarks are picked.
+    /// The hint at the next step, while landmarks are picked.
     hint: Option<String>,
     /// Caricatures hang in the place of the figure.
     hanging: bool,
@@ -120,7 +120,7 @@ impl Sitting {
         Ok(serde_json::to_string(&state)?)
     }
 
-    /// What there is to say since this was last asked, one a line.
+    /// The messages since the last call, one per line.
     pub fn take_notes(&mut self) -> String {
         std::mem::take(&mut self.notes).join("\n")
     }
@@ -167,7 +167,7 @@ impl Sitting {
     }
 }
 
-/// The templates that need no file, each with what it compares a shape with, as JSON: `[["Ellipsoid", "Against …"], …]`.
+/// The templates that need no file, each with its comparison in words, as JSON: `[["Ellipsoid", "Against …"], …]`.
 ///
 /// # Errors
 /// Bugs only.

@@ -18,7 +18,7 @@ use chladni_program::work::{Error, Watcher, body, make, settled, source};
 pub struct BenchKeeping {
     /// The shape: a mesh file or sample:NAME.
     shape: String,
-    /// What it is compared with, as `chladni caricature` takes it.
+    /// The template, as `chladni caricature` takes it.
     template: Template,
     /// μ.
     #[arg(long, allow_hyphen_values = true, default_value_t = -1.5)]

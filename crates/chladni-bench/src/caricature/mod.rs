@@ -159,7 +159,7 @@ fn painting(stack: &Stack, time: &mut Timer<'_>) -> Result<(), Error> {
         std::hint::black_box(step.apply(&painted));
         Ok(())
     })?;
-    time("region smoothing, heat: factorisation for another softness", &mut |i| {
+    time("region smoothing, heat: factorization for another softness", &mut |i| {
         flow.step(0.01 + 1e-4 * i as f64)?;
         Ok(())
     })?;

@@ -171,9 +171,9 @@ pub fn least_over_median(values: &[f64]) -> f64 {
 /// Means over time, for each item.
 #[derive(Default)]
 pub struct Moved {
-    /// The way from rest, as a share of the box's diagonal.
+    /// The displacement, as a share of the box's diagonal.
     pub ways: Vec<f64>,
-    /// What changes from one moment to the next, as such a share.
+    /// The change from one moment to the next, as such a share.
     pub changes: Vec<f64>,
     /// The turn of the normals.
     pub turns_deg: Vec<f64>,

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::ready::{RATE_HZ, Ready, farthest};
 use chladni_program::work::{Error, bands_of};
 
-/// What a tone in one channel, or the same in both, does.
+/// The effect of a tone in one channel, or in both.
 #[derive(Serialize)]
 pub struct Stereo {
     pub shape: String,

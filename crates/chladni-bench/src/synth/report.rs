@@ -1,4 +1,4 @@
-//! What is printed of a measurement.
+//! The output of a measurement.
 
 use chladni_synth::SynthModel;
 use serde::Serialize;
@@ -23,7 +23,7 @@ pub struct Measured {
     fps: f64,
     /// With drawing.
     drawn_fps: Option<f64>,
-    /// What the paper prints, where it prints it.
+    /// The paper's figure, if it gives one.
     published_fps: Option<f64>,
     /// Bytes of the basis read and of positions written.
     bytes_moved: usize,
@@ -31,7 +31,7 @@ pub struct Measured {
     bandwidth_share: f64,
 }
 
-/// What was measured of one frame, in seconds.
+/// Times of one frame, in seconds.
 pub struct Times {
     pub device: String,
     pub synthesis: f64,

@@ -48,7 +48,7 @@ impl Projector {
         Ok(Self { deformed, camera })
     }
 
-    /// Who looks at the first of `items` cells, and where that is.
+    /// The camera and the viewport of the first of `items` cells.
     pub fn view(&self, items: usize) -> (Camera, Rect) {
         (self.camera, cells(items).first().copied().unwrap_or_default())
     }

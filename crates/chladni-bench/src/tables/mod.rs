@@ -39,7 +39,7 @@ fn pair(text: &str) -> Result<(String, String), Error> {
     Ok((name.to_owned(), with.to_owned()))
 }
 
-/// What is printed, as JSON.
+/// The output, as JSON.
 #[derive(Serialize)]
 struct Tables {
     threads: usize,

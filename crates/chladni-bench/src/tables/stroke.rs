@@ -14,7 +14,7 @@ use super::frame::{Easel, Projector, Secs};
 /// Radius of the brush in the working frame, where a shape is 2 wide.
 const BRUSH: f64 = 0.15;
 
-/// What a stroke changes, frame by frame.
+/// A brush stroke and the state that it changes frame by frame.
 pub struct Stroke {
     layer: LayerId,
     smoothing: Smoothing,

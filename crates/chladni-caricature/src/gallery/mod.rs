@@ -1,4 +1,4 @@
-//! A gallery of caricatures: choose what is liked, and see children of it.
+//! A gallery of caricatures: choose some, and see their children.
 
 mod sitter;
 mod title;
@@ -22,10 +22,10 @@ pub const GALLERY_SIZE: usize = 12;
 const FIRST: usize = 160;
 /// How many that differ are drawn for each one that is shown.
 const DRAWN: usize = 3;
-/// What moves less, or loses more of its strength to its limit, is not shown first.
+/// Variants that move less, or that lose more of their strength to their limit, are not shown first.
 const LEAST_MOVED: f64 = 0.02;
 const LEAST_KEPT: f64 = 0.5;
-/// Random variants of which the one is taken that keeps most of its strength.
+/// Random variants to choose from: the one that keeps the most of its strength is taken.
 const SURPRISES: usize = 6;
 
 /// Generations of twelve variants of one sitter.
@@ -112,7 +112,7 @@ impl VariantGallery {
         }
     }
 
-    /// Shows children of those that are chosen: some that look different, and like what was chosen so far.
+    /// Shows children of those that are chosen: different from each other, and similar to the choices so far.
     ///
     /// # Errors
     /// Nothing chosen, or no room for more.
@@ -184,7 +184,7 @@ fn first(sitter: &Sitter, model: Option<&Variant>, seed: u64) -> Result<Vec<Vari
 /// One random variant of `seed`: of a few the one that loses least to its limit.
 ///
 /// # Errors
-/// What the synthesizer refuses.
+/// Errors of the synthesizer.
 pub fn surprise(seed: u64, sitter: &Sitter) -> Result<(Variant, Portrait), CaricatureError> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let all: Vec<Variant> =

@@ -1,4 +1,4 @@
-//! Who is caricatured: a shape with its parts and templates, on which variants become layers.
+//! The sitter of a gallery: a shape with its parts and templates, on which variants become layers.
 
 use std::sync::Arc;
 
@@ -21,13 +21,13 @@ use crate::{
 /// A part that variants enlarge and diminish.
 #[derive(Clone, Debug)]
 pub struct SitterPart {
-    /// What the user calls it.
+    /// The user's name for it.
     pub name: String,
     /// χ01, N values.
     pub painted: Arc<[f32]>,
 }
 
-/// The largest share of triangles that a variant may fold, and what is aimed at.
+/// The largest share of triangles that a variant may fold, and the share aimed at.
 pub const MOST_FOLDS: f64 = 0.005;
 const AIM: f64 = 0.0015;
 /// Vertices at which variants are compared.
@@ -74,7 +74,7 @@ struct Probes {
 /// A variant on its sitter.
 #[derive(Clone, Debug)]
 pub struct Portrait {
-    /// What it becomes in a project, lowest first.
+    /// The layers that it becomes in a project, lowest first.
     pub layers: Vec<Layer>,
     /// The vertices of the result, N, working frame, to the precision of pictures.
     pub positions: Vec<[f32; 3]>,
@@ -163,7 +163,7 @@ impl Sitter {
     /// [All](Self::portray) where there is one.
     ///
     /// # Errors
-    /// What the synthesizer refuses.
+    /// Errors of the synthesizer.
     pub fn portray_one(&self, variant: &Variant) -> Result<Portrait, CaricatureError> {
         let portrait = self.portray(&[variant])?.pop();
         portrait.ok_or_else(|| CaricatureError::Gallery("there are no variants".into()))
@@ -173,7 +173,7 @@ impl Sitter {
     /// them together, a few times.
     ///
     /// # Errors
-    /// What the synthesizer refuses.
+    /// Errors of the synthesizer.
     pub fn portray(&self, variants: &[&Variant]) -> Result<Vec<Portrait>, CaricatureError> {
         const ROUNDS: usize = 4;
         let mut doses: Vec<Dose> = variants.par_iter().map(|variant| self.dose(variant)).collect();
@@ -243,7 +243,7 @@ impl Sitter {
         Dose { mu, grow: GROW * stir, shrink: SHRINK * stir }
     }
 
-    /// What `variant` is compared with.
+    /// The template of `variant`.
     pub(super) fn template_of(&self, variant: &Variant) -> &Template {
         &self.against(variant).template
     }

@@ -1,4 +1,4 @@
-//! What a caricature of the gallery is called.
+//! Titles of the gallery's caricatures.
 
 use super::sitter::Sitter;
 use super::variant::{Group, Variant};
@@ -6,7 +6,7 @@ use super::weights::STIR;
 use crate::Template;
 
 impl Sitter {
-    /// What `variant` does, in a few words.
+    /// The effect of `variant`, in a few words.
     pub fn title(&self, variant: &Variant) -> String {
         let numbers = variant.genes(Group::Parts);
         let named = |wanted: fn(f32) -> bool| -> Vec<&str> {
@@ -31,7 +31,7 @@ impl Sitter {
     }
 }
 
-/// What a template is called in a title.
+/// A template's name in a title.
 fn in_words(template: &Template) -> String {
     match template {
         Template::File(path) => path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),

@@ -22,7 +22,7 @@ use search::{STEPS, Search};
 /// Triangles per task.
 const PIECE: usize = 4096;
 
-/// What is prepared for a shape when it is first needed, and shared by all requests.
+/// The keeper of a shape, prepared when first needed and shared by all requests.
 #[derive(Debug)]
 pub(crate) struct SharedKeeper {
     surface: Arc<Surface>,

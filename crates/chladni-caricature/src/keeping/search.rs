@@ -40,23 +40,25 @@ const ATTEMPTS: [Attempt; 4] = [
     Attempt { smooth: 16, levelings: 6, enough: 0.0 },
 ];
 
-/// How many rounds hold back at most, by how much each does, and how far around the places that need it.
+/// Rounds of holding back at most; the share that each takes off; √t of the heat around the bad places in the first
+/// round, in the working frame; and the factor by which it grows each round.
 const ROUNDS: usize = 24;
 const HOLD: f64 = 0.3;
 const REACH: f64 = 0.05;
 const WIDER: f64 = 1.1;
-/// After this many rounds that did not help, no more are tried: neither of those that hold back, which are to leave a
-/// tenth less folded or crossing, nor of those that give back, which are to keep half a percent more.
+/// A search gives up after this many rounds without progress. Holding back progresses if a tenth fewer triangles fold
+/// or cross, giving back if [`GAIN`] more of the displacement is kept.
 const PATIENCE: usize = 8;
 const GAIN: f64 = 0.005;
 
-/// Where less than this share is kept, rounds give back what was held back in excess: each at most this much of what is
-/// missing, ever less around what that would spoil, and again more where it spoils nothing.
+/// If less than this share is kept, up to [`RETURNS`] rounds give back what was held back in excess. Each gives back
+/// at most the share [`GIVEN`] of what is missing; less around the triangles that this spoils, then [`AGAIN`] times
+/// more each time nothing is spoiled.
 const SCANT: f64 = 0.85;
 const RETURNS: usize = 24;
 const GIVEN: f32 = 0.2;
 const AGAIN: f32 = 1.5;
-/// √t of the heat around what a return would spoil, in the working frame.
+/// √t of the heat around triangles that a return would spoil, in the working frame.
 const CLOSE: f64 = 0.015;
 
 /// The heat steps of a search: one for each round that holds back, then these two.
@@ -64,7 +66,7 @@ const MAKES_ROOM: usize = ROUNDS;
 const GIVES_BACK: usize = ROUNDS + 1;
 pub(super) const STEPS: usize = ROUNDS + 2;
 
-/// What is searched for: the displacement nearest to one of `base` that keeps triangles.
+/// The search for the longest displacement near `unlimited`, from `base`, that keeps triangles.
 pub(super) struct Search<'a> {
     keeper: &'a Keeper,
     base: &'a Base,
@@ -84,14 +86,14 @@ impl<'a> Search<'a> {
         mask: Option<&'a [f32]>,
         task: &'a Task,
     ) -> Result<Self, CaricatureError> {
-        // What does not move crosses nothing new.
+        // A shape that does not move crosses nothing new.
         let moves = unlimited.iter().any(|u| *u != [0.0; 3]);
         let crossed = if moves { keeper.crossings.triangles(&base.positions, task)? } else { Vec::new() };
         Ok(Self { keeper, base, unlimited, mask, task, crossed })
     }
 
-    /// The best of [`ATTEMPTS`]: of those that leave next to nothing folded or crossing, the one that keeps most of the
-    /// displacement.
+    /// The best of [`ATTEMPTS`]: it leaves next to nothing folded or crossing and, among those that do, keeps the
+    /// most of the displacement.
     pub(super) fn best(&self) -> Result<Kept, CaricatureError> {
         if self.size(self.unlimited) == 0.0 {
             return Ok(self.kept(self.unlimited.to_vec(), (0, 0)));
@@ -114,7 +116,7 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// What one way keeps, and the displacement before anything of it was changed but its frames.
+    /// The displacement that one attempt keeps, and the unlimited one with only its frames turned.
     fn attempt(&self, attempt: &Attempt) -> Result<(Kept, Vec<Vec3>), CaricatureError> {
         let Keeper { surface, neighbors, pieces, .. } = self.keeper;
         let x = &self.base.positions;
@@ -156,8 +158,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Leads what is kept toward `wanted` wherever that spoils no triangle, if [little](SCANT) is kept and no more than a
-    /// few triangles are spoiled already. The longest displacement on the way there stays.
+    /// Moves `kept` toward `wanted` wherever that spoils no triangle, if it keeps [little](SCANT) and only a few
+    /// triangles are spoiled already. Ends with the largest share that it reached.
     fn give_back(&self, wanted: &[Vec3], kept: &mut Kept) -> Result<(), CaricatureError> {
         if kept.share >= SCANT || !self.are_few((kept.folded, kept.crossing)) {
             return Ok(());
@@ -205,7 +207,7 @@ impl<'a> Search<'a> {
         u.iter().zip(&self.base.basis().mass).map(|(u, a)| a * length(*u)).sum()
     }
 
-    /// Whether so many folded and crossing triangles are left alone.
+    /// Whether these counts of folded and crossing triangles are few enough to be left alone.
     fn are_few(&self, (folded, crossing): (usize, usize)) -> bool {
         folded.max(crossing) * LEFT <= self.keeper.surface.triangles.len()
     }

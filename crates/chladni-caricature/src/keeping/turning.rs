@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::{Base, Surface};
 
-/// What the first `harmonics` hold of `signal`, fading out over the finest of them.
+/// The part of `signal` in the first `harmonics`, fading out over the finest of them.
 fn smooth_part(basis: &Basis, harmonics: usize, signal: &[Vec3]) -> Vec<Vec3> {
     let mut low = basis.analyze(harmonics, |v| signal[v]);
     let last = low.len().max(1) as f64;
@@ -58,7 +58,7 @@ fn apply(m: &Matrix, v: Vec3) -> Vec3 {
 }
 
 impl Frame<'_> {
-    /// The rotation closest to what the ring around `v` undergoes; `None` where it has no area.
+    /// The rotation closest to the deformation of the ring around `v`; `None` where it has no area.
     fn rotation(&self, v: usize, ring: &[u32]) -> Option<Matrix> {
         let [n, m] = self.normals;
         if dot(n, n) == 0.0 || dot(m, m) == 0.0 {
@@ -107,7 +107,7 @@ mod tests {
     use chladni_mesh::surface::vertex_neighbors;
     use std::sync::Arc;
 
-    /// A rigid motion of what is smooth takes the detail along.
+    /// A rigid motion of the smooth part takes the detail along.
     #[test]
     fn detail_turns_with_what_carries_it() {
         let (body, surface) = bumpy_sphere();
@@ -117,7 +117,7 @@ mod tests {
         let smooth = smooth_part(&body.basis, harmonics, &body.positions);
         let (sin, cos) = 0.7_f64.sin_cos();
         let turn = |p: Vec3| [cos * p[0] - sin * p[1], sin * p[0] + cos * p[1], p[2]];
-        // Only what is smooth is turned; the detail stays behind, as the sum of a filtered signal leaves it.
+        // Only the smooth part is turned; the detail stays behind, as the sum of a filtered signal leaves it.
         let coefficients = body.basis.analyze(harmonics, |v| sub(turn(body.positions[v]), body.positions[v]));
         let displacement = body.basis.synthesize3(&coefficients);
         let result = turned(&base, &surface, &neighbors, harmonics, &displacement, None);

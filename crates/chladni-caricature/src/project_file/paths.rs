@@ -77,7 +77,7 @@ mod tests {
         assert_eq!(text("/a/self:scale=2", "/a"), "./self:scale=2");
     }
 
-    /// What stays of a path where nothing says in which folder the program runs, as in a page.
+    /// A path is only tidied where the program has no current folder, as in a page.
     #[test]
     fn a_path_that_cannot_be_made_whole_is_only_tidied() {
         for (written, tidied) in [

@@ -111,7 +111,7 @@ fn a_layer_is_compared_with_the_result_of_one_below() {
     assert!(largest(&evaluation.layers[2].base.positions, &evaluation.result.positions) < 1e-15);
     set(&mut project, second, Property::Enabled(true));
     set(&mut project, first, Property::Enabled(false));
-    // What a layer that is off leaves is the shape below it.
+    // The result of a layer that is off is the shape below it.
     assert!(largest(&stack.evaluate(&project).result.positions, &stack.original().positions) < 1e-12);
     assert!(stack.missing(&project).is_empty(), "it needs no match");
 }
@@ -132,7 +132,7 @@ fn a_change_recomputes_only_from_its_layer_up() {
     };
     assert!(shared(0) && !shared(1) && !shared(2));
     assert!(Arc::ptr_eq(&before.layers[1].base, &after.layers[1].base));
-    // What is remembered is what a fresh stack computes.
+    // The memo gives the same as a fresh stack.
     let fresh = self::stack().1.evaluate(&project);
     assert_eq!(fresh.result.positions, after.result.positions);
 }
@@ -210,7 +210,7 @@ fn a_change_of_the_model_takes_no_more_mu_along_than_is_usual() {
     assert_eq!(set(&mut project, Property::Model(Model::Distance)), (Model::Distance, 0.5));
 }
 
-/// The template lacks the end of the lump: the way to its edge is no feature.
+/// The template lacks the end of the lump: the distance to the template's edge is not a feature.
 #[test]
 fn what_a_match_is_not_trusted_at_is_filled_in_as_far_as_asked_and_no_longer_exaggerated() {
     let mesh = bodies::lump();

@@ -33,7 +33,7 @@ struct Component {
 /// All connected components.
 pub(super) struct Components(Vec<Component>);
 
-/// What is known of the spectrum before solving.
+/// Prior knowledge of the spectrum.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     /// A surface: each component has one eigenvalue 0, and Weyl's law says where the others are.
@@ -239,7 +239,7 @@ impl Bracket {
             }
             Some(high) => 0.5 * (low.0 + high.0),
             None => {
-                // In proportion to what is missing, and farther each time.
+                // In proportion to the missing pairs, and farther each time.
                 let ahead = self.reach * (target / low.1 - 1.0).clamp(0.02, 3.0);
                 self.reach *= 2.0;
                 (low.0 * (1.0 + ahead)).min(self.bound)

@@ -61,8 +61,8 @@ pub(super) fn solve(
 /// Eigenvalues and eigenvectors.
 type DensePairs = (Vec<f64>, Mat<f64>);
 
-/// All eigenpairs of `matrix`, of which a cancelled task does not wait: a large one is then left to a thread of its own,
-/// because the dense solver cannot be stopped.
+/// All eigenpairs of `matrix`. The dense solver cannot be stopped, so a large problem runs on a thread of its own,
+/// which a cancelled task leaves behind.
 fn interruptible(matrix: Mat<f64>, par: Par, task: &Task) -> Result<Option<DensePairs>, HarmonicsError> {
     if !HAS_THREADS || matrix.nrows() <= LONG {
         return Ok(symmetric_eigen(&matrix, par));

@@ -52,9 +52,9 @@ impl Join {
         }
     }
 
-    /// The same where the group of the K-th eigenvalue is too large to be found as a whole. `bottom` is a λ just
-    /// below the group and the number of eigenvalues below it, once known: none of those is missing then, and of
-    /// the group itself any pairs will do.
+    /// Like [`of`](Self::of), for a group of equal eigenvalues around the K-th that is too large to be found whole.
+    /// `bottom` is a λ just below the group and the number of eigenvalues below it, once known: of those none is
+    /// missing, and any pairs of the group itself will do.
     pub(super) fn within_group(
         slices: &[Found],
         zeros: usize,
@@ -100,7 +100,7 @@ fn value(entries: &[Entry], zeros: usize, index: usize) -> f64 {
     index.checked_sub(zeros).map_or(0.0, |i| entries[i].value)
 }
 
-/// The pairs above 0 that the counts at all shifts agree on, or what is wrong with them.
+/// The pairs above 0 that the counts at all shifts agree on, or the fault in them.
 fn joined(slices: &[Found], zeros: usize) -> Result<Vec<Entry>, Join> {
     let sides: Vec<(Vec<Entry>, Vec<Entry>)> =
         slices.iter().enumerate().map(|(s, found)| found.sides(s)).collect();

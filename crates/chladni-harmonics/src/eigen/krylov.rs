@@ -111,7 +111,7 @@ impl Krylov {
         locked: &[&[Row]],
         profile: &mut Profile,
     ) -> Option<Row> {
-        // The overlaps and what is subtracted, block by block.
+        // The overlaps and the terms subtracted, block by block.
         let products = |pairs: usize| (4 * problem.matrix.size() * BLOCK * BLOCK * pairs) as u64;
         let blocks = self.blocks;
         let mut basis: Vec<&mut [Row]> =

@@ -50,7 +50,7 @@ const COLUMNS: usize = 32;
 /// Two eigenvalues that agree to this relative tolerance count as one multiple eigenvalue.
 pub(crate) const CLUSTER: f64 = 1e-7;
 
-/// Eigenpairs and what must be reported about them.
+/// Eigenpairs and the facts that must be reported about them.
 pub(crate) struct Solved {
     pub basis: Basis,
     pub cuts_cluster: bool,
@@ -60,7 +60,7 @@ pub(crate) struct Solved {
     pub profile: SolveProfile,
 }
 
-/// What a part of a solve must return.
+/// The result that a part of a solve must return, and within which means.
 #[derive(Clone, Copy)]
 struct Wanted<'a> {
     harmonics: usize,

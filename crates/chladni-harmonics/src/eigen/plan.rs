@@ -82,8 +82,8 @@ pub(super) fn plan(
     Ok(at_a_jump(planned.collect()).into_iter().map(|slice| (slice, None)).collect())
 }
 
-/// The `slices`, but for those at a multiple eigenvalue that reaches through several of them: the slice below takes
-/// all of it, from a shift well below it.
+/// The `slices` without those that a multiple eigenvalue reaches through: the slice below takes all of it, from a
+/// shift well below it.
 fn at_a_jump(mut slices: Vec<Slice>) -> Vec<Slice> {
     let is_narrow = |slice: &Slice, from: f64| slice.high - from < NARROW * slice.high;
     let whole: usize = slices.iter().map(|slice| slice.expected).sum();
@@ -190,7 +190,7 @@ fn count(
             (1..=PROBES).map(|i| from + (top - from) * (i as f64 / PROBES as f64).powf(0.8)).collect();
         sample(problem, &probes, false, counting, profile)?;
         let (last, reached) = counting.0.last().copied().unwrap_or((top, n));
-        // In proportion to what is missing, within bounds.
+        // In proportion to the missing pairs, within bounds.
         let grow = ((wanted + 2.0) / reached.max(1.0)).clamp(1.02, 4.0);
         top = last * (1.0 + 1.3 * (grow - 1.0));
     }

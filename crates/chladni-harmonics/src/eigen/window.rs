@@ -1,4 +1,4 @@
-//! What one run must find around its shift, what it found, and why it stopped.
+//! One run around a shift: what it must find, what it found, and why it stopped.
 
 use chladni_task::Cancelled;
 

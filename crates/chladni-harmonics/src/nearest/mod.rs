@@ -14,11 +14,11 @@ use tree::PointTree;
 
 /// How many queries are answered in sequence.
 const CHUNK: usize = 256;
-/// Up to so many dimensions, a tree excludes most points whatever they are.
+/// The most dimensions in which a tree always excludes most points.
 const FEW: usize = 8;
-/// A tree is given up where it does not exclude all but this share of the points: to multiply all takes less then.
+/// A tree is given up where it leaves more than one in this many points: then multiplying with all is faster.
 const SHARE: usize = 16;
-/// After so many chunks in which it was given up, it is not tried again.
+/// After this many chunks in which the tree was given up, it is not tried again.
 const FUTILE: usize = 3;
 
 /// For each of `queries` the nearest of at least one of `points`, and the first of several at the same distance. Both

@@ -30,7 +30,7 @@ use petsc::ScaledOperator;
 
 /// The program that every rank runs.
 const WORKER: &str = include_str!("worker.py");
-/// Its two ways to solve, and what they share.
+/// Its two ways to solve, and their common part.
 const METHODS: [(&str, &str); 3] = [
     ("factored.py", include_str!("factored.py")),
     ("iterated.py", include_str!("iterated.py")),
@@ -55,7 +55,7 @@ pub enum InnerSolver {
         groups: usize,
     },
     /// With conjugate gradients and algebraic multigrid, for meshes whose factors do not fit on all ranks
-    /// together. Nothing is counted: a second search, orthogonal to what was found, takes its place.
+    /// together. Nothing is counted: a second search, orthogonal to the pairs found, takes its place.
     Iterated,
 }
 
@@ -69,7 +69,7 @@ pub struct Ranks {
     /// A host file of MPI; `None` for this machine alone.
     pub hosts: Option<PathBuf>,
     /// The folder for the operator and the vectors, which all hosts must see under this name; `None` for
-    /// the system's folder of temporary files. What is written there is private and removed afterwards.
+    /// the system's folder of temporary files. Files there are private and removed afterwards.
     pub scratch: Option<PathBuf>,
 }
 
@@ -103,7 +103,7 @@ pub struct RanksReport {
 pub struct RanksSeconds {
     /// Reading the operator from disk.
     pub read: f64,
-    /// Finding the bounds of the requested part of the spectrum, or searching again for what is missing.
+    /// Finding the bounds of the requested part of the spectrum, or searching again for missing pairs.
     pub count: f64,
     /// Krylov–Schur in all slices.
     pub solve: f64,
@@ -127,7 +127,7 @@ impl Ranks {
         Self { count, inner: InnerSolver::Factors { groups: 1 }, hosts: None, scratch: None }
     }
 
-    /// Checks, before any work, what can be checked.
+    /// Checks the settings before any work.
     ///
     /// # Errors
     /// [`HarmonicsError::NoRanks`] for no ranks or absurdly many, for groups that do not divide them, and

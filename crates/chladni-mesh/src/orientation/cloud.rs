@@ -16,7 +16,7 @@ pub(super) struct Cloud {
     pub vertices: Vec<Vec3>,
     /// The surface's area.
     pub area: f64,
-    /// What is missing of a closed surface, as a vector: its area times its outward normal.
+    /// The opening of a surface that is not closed, as a vector: its area times its outward normal.
     pub opening: Vec3,
     tree: ImmutableKdTree<f64, 3>,
 }

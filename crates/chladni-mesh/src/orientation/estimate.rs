@@ -43,7 +43,7 @@ impl Evidence {
     }
 }
 
-/// What is known of an orientation before the surface is examined.
+/// The part of an orientation that is known before the surface is examined.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Known {
     /// Where up is.
@@ -67,7 +67,7 @@ pub struct Estimate {
     pub orientation: Orientation,
     /// Another one is nearly as probable: a person should look.
     pub in_doubt: bool,
-    /// What spoke most for it.
+    /// The strongest evidence for it.
     pub evidence: Evidence,
     /// The plane in which the shape comes closest to its mirror image.
     pub mirror: Option<MirrorPlane>,
@@ -85,7 +85,7 @@ const SNAP_RAD: f64 = 10.0 * PI / 180.0;
 const LIKE: (f64, f64) = (0.038, 0.043);
 /// A candidate whose misfit is larger by this much no longer counts as head-like.
 const LESS_LIKE: f64 = 0.006;
-/// What the rules of a file's format count: more than details that differ a little between two sides.
+/// The weight of a file format's rules: more than details that differ a little between two sides.
 const USUAL: f64 = 1.0;
 /// Below this lead over another orientation a person should look.
 const CLEAR_LEAD: f64 = 0.5;
@@ -154,7 +154,7 @@ impl Estimate {
         };
         let rival = judged.iter().find(|(_, _, other)| orientation.angle_to(other) > 2.0 * SAME_RAD);
         let lead = rival.map_or(f64::INFINITY, |(sum, _, _)| best - sum);
-        // The evidence that distinguishes it from its rival, not what they share.
+        // The evidence that distinguishes it from its rival, without the evidence that they share.
         let apart = |i: usize| votes[i] - rival.map_or(0.0, |(_, votes, _)| votes[i]);
         let strongest = (0..votes.len()).max_by(|i, j| apart(*i).total_cmp(&apart(*j))).unwrap_or(CUSTOM);
         let in_doubt = lead < CLEAR_LEAD;
@@ -201,7 +201,7 @@ impl<'a> Witness<'a> {
         }
     }
 
-    /// What may be up and front.
+    /// The orientations to choose between.
     fn candidates(&self, known: Known) -> Vec<Orientation> {
         let axes = Axis::ALL.map(Axis::direction);
         let mut ups: Vec<Vec3> = Vec::new();
@@ -241,7 +241,7 @@ impl<'a> Witness<'a> {
             }
         }
         if candidates.is_empty() {
-            // What is known does not fit the mirror plane.
+            // The known axes do not fit the mirror plane.
             let mut all = axes.to_vec();
             all.extend(known.up.map(unit));
             all.extend(known.front.map(unit));

@@ -3,7 +3,7 @@
 use super::cloud::Cloud;
 use crate::surface::vec3::{Vec3, cross, dot, length, scaled, unit};
 
-/// What the shape rests on in one direction.
+/// The area on which the shape would rest in one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Base {
     /// Area that touches the ground, as a share of the shape's outline seen from there.
@@ -38,8 +38,8 @@ pub(super) fn base(cloud: &Cloud, down: Vec3) -> Base {
     }
 }
 
-/// Where a shape is open, as the outward direction and the share of its outline that is missing;
-/// `None` where it is closed but for slits and eyes.
+/// Where a shape is open, as the outward direction and the share of its outline that is missing; `None` where it is
+/// closed except for slits and eyes.
 pub(super) fn opening(cloud: &Cloud) -> Option<(Vec3, f64)> {
     let size = length(cloud.opening);
     let direction = unit(cloud.opening);
@@ -56,7 +56,7 @@ pub(super) fn is_shallow(cloud: &Cloud, direction: Vec3) -> bool {
 }
 
 /// How far toward `front` and `up` the detailed places lie, as shares of the shape's length in that
-/// direction. The edges of what the shape stands on are left out.
+/// direction. The edges of the base are left out.
 pub(super) fn detail(cloud: &Cloud, roughness: &[f64], up: Vec3, front: Vec3) -> (f64, f64) {
     let (bottom, top) = cloud.span(up);
     let ground = bottom + 0.1 * (top - bottom);

@@ -68,7 +68,7 @@ impl FromStr for Axis {
     }
 }
 
-/// How a shape stands: what is up and what is front, in the axes of its file (and of the working
+/// How a shape stands: its up and front directions, in the axes of its file (and of the working
 /// frame, which are the same). Pictures are turned by it, and which half is the left one: files are read and written as they
 /// are.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -67,7 +67,7 @@ impl Draft {
         }
     }
 
-    /// Ends a face, which consists of what was pushed to `corners` (and `corner_uvs`) since the last end. A
+    /// Ends a face, which consists of the entries pushed to `corners` (and `corner_uvs`) since the last end. A
     /// face of one or two corners is dropped. Returns whether it was kept.
     pub fn end_face(&mut self) -> bool {
         let start = self.ends.last().map_or(0, |&end| end as usize);

@@ -1,4 +1,4 @@
-//! What a glTF file is made of, binary or not.
+//! The JSON and the binary chunk of a glTF file, binary or not.
 
 use crate::Format;
 use crate::error::Fault;

@@ -26,12 +26,12 @@ use beside::{Beside, read_within};
 use crate::error::Fault;
 use crate::{Format, HealthReport, MeshError, TriMesh};
 
-/// A mesh and what had to be mended to get it.
+/// A mesh, and the repairs that its file needed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loaded {
     /// The mesh.
     pub mesh: TriMesh,
-    /// What was wrong with the file, and what was done about it.
+    /// Faults of the file, and how each was mended.
     pub mended: Vec<Mended>,
     /// glTF only, where nodes move their meshes: the positions before that.
     pub stored_positions: Option<Vec<[f64; 3]>>,
@@ -60,7 +60,7 @@ pub enum Mended {
     ShortFaces(usize),
     /// This many texture coordinates were not numbers, or out of range, and were left out.
     Uvs(usize),
-    /// Bytes after the end of what the header promises were ignored.
+    /// Bytes after the end that the header promises were ignored.
     TrailingBytes(usize),
     /// A part of the file that was left out, and why.
     LeftOut(String),

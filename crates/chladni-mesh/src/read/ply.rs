@@ -139,7 +139,7 @@ struct Ply<'a> {
     long_rows: usize,
 }
 
-/// What a vertex property means.
+/// The meaning of a vertex property.
 #[derive(Clone, Copy)]
 enum Role {
     Position(usize),

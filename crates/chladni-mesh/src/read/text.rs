@@ -2,7 +2,7 @@
 
 use crate::error::Fault;
 
-/// The nonempty lines of a text file, each with its number from 1. What follows `comment` on a line is
+/// The nonempty lines of a text file, each with its number from 1. Text after `comment` on a line is
 /// dropped; a backslash at the end joins the next line where `joins`.
 pub(crate) struct Lines<'a> {
     rest: &'a [u8],
@@ -121,7 +121,7 @@ impl<'a> Words<'a> {
         Some(word)
     }
 
-    /// Drops what is left of the line; returns whether that was a word or more.
+    /// Drops the rest of the line; returns whether that was a word or more.
     pub fn end_line(&mut self) -> bool {
         let end = self.rest.iter().position(|&b| b == b'\n').unwrap_or(self.rest.len());
         let (line, rest) = self.rest.split_at(end);

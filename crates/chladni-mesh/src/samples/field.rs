@@ -33,7 +33,7 @@ pub(crate) fn carve(a: f64, b: f64, k: f64) -> f64 {
     -join(-a, b, k)
 }
 
-/// What lies in both solids, with the edge rounded over a width of about `k`.
+/// The intersection of two solids, with its edge rounded over a width of about `k`.
 pub(crate) fn common(a: f64, b: f64, k: f64) -> f64 {
     -join(-a, -b, k)
 }

@@ -5,7 +5,7 @@ use super::surface_nets::{Grid, surface};
 use crate::TriMesh;
 use crate::surface::vec3::Vec3;
 
-/// What tells one face from another. Lengths in units of half a head's height.
+/// The features that tell one face from another. Lengths in units of half a head's height.
 struct Features {
     /// How far the tip of the nose stands out, and its radius.
     nose: f64,
@@ -85,7 +85,7 @@ fn modeled(features: &Features, cell: f64) -> TriMesh {
     surface(|p| solid(p, features), &grid)
 }
 
-/// What [`part_of`] tells apart.
+/// The parts that [`part_of`] distinguishes.
 pub(crate) const PARTS: [&str; 10] =
     ["nose", "brow", "eyes", "mouth", "chin", "jaw", "cheeks", "ears", "crown", "neck"];
 
@@ -111,7 +111,7 @@ fn part_of(p: Vec3, f: &Features) -> u8 {
     if let Some((part, ..)) = features.into_iter().find(|(_, distance, near)| distance < near) {
         return part;
     }
-    // What joins two forms lies off both: the smaller ones reach out for it.
+    // Places that join two forms lie off both: the smaller forms reach out for them.
     let forms = [
         (jaw_part, jaw),
         (cheeks, face.min(bone).min(flesh)),
@@ -204,7 +204,7 @@ fn nose_of(p: Vec3, f: &Features) -> f64 {
     let middle = [0.0, -0.06, 0.735 + 0.45 * f.nose + f.hump];
     let upper = rod(p, [0.0, 0.16, 0.66], middle, 0.072, 0.082);
     let lower = rod(p, middle, tip, 0.082, r);
-    // What lies between the ridge and the face.
+    // The form between the ridge and the face.
     let body = rod(p, [0.0, -0.02, 0.58], [0.0, tip[1] + 0.03, 0.66 + 0.45 * f.nose], 0.12, 0.9 * r + 0.03);
     let wing = ellipsoid(
         p,

@@ -77,7 +77,7 @@ pub(crate) fn drum() -> TriMesh {
     )
 }
 
-/// Ten rods around the drum's shell, joined to what is there at distance `d`.
+/// Ten rods around the drum's shell, joined to the form at distance `d`.
 fn lugs(p: Vec3, d: f64) -> f64 {
     let sector = std::f64::consts::TAU / 10.0;
     // One in front: the circle is folded onto a sector around it.

@@ -11,7 +11,7 @@ use crate::surface::components;
 use crate::surface::vec3::Vec3;
 use crate::{MeshError, TriMesh};
 
-/// The sliders by name, and what they do; each goes from −1 to 1, and 0 is a plain head.
+/// The sliders by name, and their effects; each goes from −1 to 1, and 0 is a plain head.
 pub const SLIDERS: [(&str, &str); 17] = [
     ("width", "narrow to broad"),
     ("length", "a short face to a long one"),
@@ -32,7 +32,7 @@ pub const SLIDERS: [(&str, &str); 17] = [
     ("neck", "thin to thick"),
 ];
 
-/// What the head is called among the samples; its sliders follow a question mark.
+/// Name of the head among the samples; its sliders follow a question mark.
 const NAME: &str = "portrait";
 
 /// The values of the sliders that a sample's name gives, in the order of [`SLIDERS`]; `None` of other samples. The error is
@@ -69,7 +69,7 @@ fn parse(sample: &str, text: &str) -> Result<[f64; SLIDERS.len()], MeshError> {
     Ok(values)
 }
 
-/// What the sliders make of a plain head: lengths in units of half a head's height are functions of these.
+/// Values of the sliders, from which the lengths of a plain head follow, in units of half a head's height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Face {
     width: f64,
@@ -274,7 +274,7 @@ impl Face {
             return part;
         }
         let form = self.forms(p);
-        // What joins two forms lies off both: the smaller ones reach out for it.
+        // Places that join two forms lie off both: the smaller forms reach out for them.
         let forms = [
             (jaw, form.jaw),
             (cheeks, form.face.min(form.bone).min(form.flesh)),

@@ -24,7 +24,7 @@ fn plus(a: Tensor, b: Tensor) -> Tensor {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-/// What a [`Tensor`] does in the plane at right angles to a normal.
+/// The principal values and directions of a [`Tensor`] in the plane at right angles to a normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Principal {
     /// Its values, the greater first: the principal curvatures κ₁ ≥ κ₂ of a curvature tensor.
@@ -34,7 +34,7 @@ pub struct Principal {
 }
 
 impl Principal {
-    /// Of `tensor` at right angles to `normal`, which is unit or zero.
+    /// The values and directions of `tensor` at right angles to `normal`, which is unit or zero.
     pub fn of(tensor: Tensor, normal: Vec3) -> Self {
         let least = (0..3).min_by(|i, j| normal[*i].abs().total_cmp(&normal[*j].abs())).unwrap_or(0);
         let u = unit(cross(normal, std::array::from_fn(|i| f64::from(u8::from(i == least)))));

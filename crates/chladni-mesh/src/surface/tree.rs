@@ -1,4 +1,4 @@
-//! Trees of boxes: they find what is near a point, on a ray, or crossing a triangle.
+//! Trees of boxes: they find triangles near a point, on a ray, or crossing another one.
 
 use super::vec3::{Vec3, add, dot, sub};
 use super::{SurfacePoint, closest_on_triangle};

@@ -5,8 +5,7 @@ use super::adjacency::sorted_half_edges;
 use super::normals::corners;
 use super::vec3::{Vec3, dot, length, scaled, sub};
 
-/// The most edges that one walk passes: around a corner where many triangles meet it may come to lie before the
-/// end of its way.
+/// The most edges that one walk crosses: around a corner of many triangles it may stop short of its length.
 const MOST_EDGES: usize = 64;
 
 /// Changes of a weight below this count as none, so that a walk along a border does not press against it.
@@ -15,8 +14,8 @@ const STILL: f64 = 1e-12;
 /// A surface made ready for walking on it. Directions and slopes on a triangle have two coordinates in its own
 /// plane: x from its first corner to its second, y toward its third.
 ///
-/// Edges of one triangle, of more than two, and those of triangles without area are borders. Who comes to a
-/// border goes on along it.
+/// Edges of one triangle, of more than two, and those of triangles without area are borders. A walk that reaches a
+/// border follows it.
 #[derive(Clone, Debug, Default)]
 pub struct Ground {
     tiles: Vec<Tile>,
@@ -28,7 +27,7 @@ pub struct Ground {
 struct Tile {
     /// Gradients of the three barycentric weights.
     gradients: [[f64; 2]; 3],
-    /// What lies beyond the edge opposite each corner.
+    /// The ways over the edges opposite each corner.
     gates: [Option<Gate>; 3],
 }
 
@@ -97,7 +96,7 @@ impl Ground {
         Some(SurfacePoint { triangle: triangle as u32, weights })
     }
 
-    /// The gradient of what has `values` at the corners of a triangle and is linear between them.
+    /// The gradient of the linear function with these `values` at the corners of a triangle.
     ///
     /// # Panics
     /// If there is no such triangle.
@@ -205,7 +204,8 @@ impl Gate {
         let (first, second) = (place(one)?, place(two)?);
         let [along, inward] = here.edge(one, two, opposite);
         let [along_there, inward_there] = there.edge(first, second, beyond);
-        // What runs out of one triangle runs into the other, also where they do not look to the same side.
+        // Unfolds the neighbor into this triangle's plane: a direction leaving one triangle enters the other, even
+        // where their normals point to opposite sides.
         let turn = [0, 1].map(|i| [0, 1].map(|j| along_there[i] * along[j] - inward_there[i] * inward[j]));
         Some((opposite, Self { triangle, corners: [first as u8, second as u8], turn }))
     }

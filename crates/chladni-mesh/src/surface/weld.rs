@@ -19,7 +19,7 @@ pub struct Weld {
     pub operator_vertex: Vec<Option<u32>>,
 }
 
-/// Merges exactly equal positions of `mesh` (0 equals −0) and drops what no triangle uses.
+/// Merges exactly equal positions of `mesh` (0 equals −0) and drops unused vertices.
 ///
 /// A mesh without duplicate, unreferenced or collapsed parts comes back as it is, in its order.
 pub fn weld(mesh: &TriMesh) -> Weld {

@@ -12,7 +12,7 @@ pub struct EdgePoint {
 }
 
 impl EdgePoint {
-    /// What vertices have, there: `at` is linear along the edge.
+    /// A quantity of the vertices at this point, interpolated linearly along the edge.
     pub fn mixed(&self, at: impl Fn(u32) -> Vec3) -> Vec3 {
         let [a, b] = self.ends.map(at);
         add(scaled(a, 1.0 - self.along), scaled(b, self.along))
@@ -69,7 +69,7 @@ pub fn chained(segments: &[[EdgePoint; 2]]) -> Vec<Vec<EdgePoint>> {
     let mut used = vec![false; segments.len()];
     let mut lines = Vec::new();
     let open = (0..across.len() as u32).filter(|end| across[*end as usize].is_none());
-    // First the lines that have an end, from it; what is left is closed.
+    // First the lines that have an end, from it; the rest are closed.
     for start in open.chain((0..segments.len() as u32).map(|s| 2 * s)) {
         let mut line = Vec::new();
         let mut next = Some(start);

@@ -12,7 +12,7 @@ use crate::{CornerUvs, Format, MeshError, TriMesh};
 /// A named deformation that viewers offer as a slider from 0 (rest) to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MorphTarget {
-    /// What the slider is called.
+    /// Name of the slider.
     pub name: String,
     /// Displacement of each of the mesh's n vertices at 1, in file units.
     pub displacements: Vec<[f64; 3]>,
@@ -21,7 +21,7 @@ pub struct MorphTarget {
 /// How the weights of morph targets change over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MorphAnimation<'a> {
-    /// What the animation is called.
+    /// Name of the animation.
     pub name: &'a str,
     /// When the keys are, in seconds, ascending.
     pub times_secs: &'a [f32],

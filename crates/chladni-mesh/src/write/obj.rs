@@ -55,7 +55,7 @@ pub(crate) fn write(mesh: &TriMesh, library: &str) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// What materials are called in the file.
+/// Names of materials in the file.
 struct Names {
     materials: Vec<String>,
     /// For faces without a material after faces with one: OBJ cannot take a material back.
@@ -98,7 +98,7 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
 /// Writes the OBJ file, `STEM.mtl` and the pictures beside it, the OBJ last.
 pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
     let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
-    // What follows it on a line would be a comment.
+    // After a # the rest of a line would be a comment.
     let stem = stem.replace('#', "_");
     let library = format!("{stem}.mtl");
     let mut text = String::new();
@@ -137,7 +137,7 @@ fn push_material(text: &mut String, name: &str, material: &Material, picture: Op
 
 /// Puts a picture beside `path` unless an identical one is there already; returns its name.
 fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<String, MeshError> {
-    // What follows a # in a library is a comment.
+    // In a library, too, text after a # is a comment.
     let own = Path::new(&name.replace('\\', "/").replace('#', "_"))
         .file_name()
         .map(|name| name.to_string_lossy().into_owned());

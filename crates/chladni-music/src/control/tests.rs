@@ -213,7 +213,7 @@ fn a_fader_that_is_moved_fast_keeps_its_target_and_is_not_driven_against_the_han
     let standing = |target: Target, number| target.standing(number, &parameters);
     sent.extend(bindings.feedback(&standing, &|_| true));
     assert_eq!(sent, [], "the fader shows its position already");
-    // What moves the target otherwise is shown, and takes it from the hand.
+    // Another change of the target is shown, and takes it from the hand.
     let mut parameters = parameters.clone();
     parameters.set(Parameter::StereoMu, 0.1).unwrap();
     let standing = |target: Target, number| target.standing(number, &parameters);

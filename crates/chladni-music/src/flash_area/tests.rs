@@ -1,4 +1,4 @@
-//! Shows made to get past the guard. What is left of them is counted on the pixels that are shown.
+//! Shows made to get past the guard. Their remaining flashes are counted on the pixels that are shown.
 
 use proptest::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::{FlashArea, FlashCount, FlashGuard, Histogram, MAX_FLASHES, Veil};
 const SIZE: [u32; 2] = [96, 64];
 const RATE: u32 = 30;
 
-/// What was seen: flashes in the worst second, how many pictures were veiled, and the last veil.
+/// The outcome of a sequence: flashes in the worst second, how many pictures were veiled, and the last veil.
 #[derive(Debug)]
 struct Seen {
     flashes: usize,

@@ -2,24 +2,24 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a dance looks like, by names: a whole scene, and what takes the place of its parts. Empty names are the
-/// scene's own parts, and the plain scene.
+/// The look of a dance, by names: a whole scene, and replacements for its parts. An empty name keeps the scene's own
+/// part; an empty `look` is the plain scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Looks {
     /// The whole scene.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub look: String,
-    /// What colors the movement.
+    /// The colors of the movement.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub palette: String,
-    /// Of the shapes.
+    /// The material of the shapes.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub material: String,
-    /// On them.
+    /// The lights on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub lights: String,
-    /// Behind them.
+    /// The background.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub background: String,
     /// The file of a picture that stands behind them.
@@ -28,7 +28,7 @@ pub struct Looks {
     /// The file of a panorama that shines on them.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub panorama: String,
-    /// How soft is what is not in focus, percent of the most; the scene's own where there is none.
+    /// Depth of field: softness out of focus, in percent of the most; `None` is the scene's own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blur_percent: Option<u8>,
 }

@@ -1,4 +1,4 @@
-//! The files of a show, and what was heard of its songs.
+//! The files of a show, and the stretches of its songs that were heard.
 
 use serde::{Deserialize, Serialize};
 
@@ -86,7 +86,7 @@ pub struct Stretch {
     pub song_secs: f64,
     /// False: it is paused.
     pub playing: bool,
-    /// How long what was heard before fades into this, from half of it before `at_secs` to half after it.
+    /// How long the stretch before fades into this one, from half of it before `at_secs` to half after it.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub crossfade_secs: f64,
 }

@@ -2,9 +2,8 @@
 
 use super::*;
 
-/// Of every band alone at full scale: the share of what the calibration allows that the farthest vertex
-/// goes, or that the surface steepens by but for one triangle in 50, whichever is larger. Of the band that
-/// does most.
+/// How much of its calibration each band uses, alone at full scale: by the path of the farthest vertex, or by the
+/// steepness of all but one triangle in 50, whichever is larger. Returns the largest of all bands.
 pub fn calibrated_share(ready: &Ready, mapping: &Mapping) -> f64 {
     let playing = Playing::default();
     let of_band = |band: usize| {

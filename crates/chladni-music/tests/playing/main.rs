@@ -101,7 +101,7 @@ fn energies(ready: &Ready, form: Form, tone_hz: f32, left: f32, right: f32) -> [
     let d = displacements(ready, &mapping, &bands, Playing { form, ..Playing::default() });
     let mut energy = [0.0; 2];
     for ((d, x), a) in d.iter().zip(&ready.body.positions).zip(&ready.body.basis.mass) {
-        // What lies in the middle belongs to both halves.
+        // Vertices in the middle belong to both halves.
         let share = if x[0].abs() < 1e-6 { 0.5 } else { f64::from(u8::from(x[0] > 0.0)) };
         let own = a * d.iter().map(|c| c * c).sum::<f64>();
         energy = [energy[0] + (1.0 - share) * own, energy[1] + share * own];

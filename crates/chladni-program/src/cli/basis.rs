@@ -112,7 +112,7 @@ impl RankOptions {
     }
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct Summary {
     laplacian: Laplacian,
@@ -130,7 +130,7 @@ struct Summary {
     ranks: Option<RanksReport>,
 }
 
-/// Who solved, where SLEPc did.
+/// The solver on ranks, in words.
 fn by_ranks(of: &RanksReport) -> String {
     let how = match of.counted_by {
         Some(program) => format!("counted by {program}"),
@@ -150,7 +150,7 @@ fn gigabytes(text: &str) -> Result<f64, Error> {
 }
 
 impl Args {
-    /// Solves, writes what was asked for, and reports.
+    /// Solves, writes the files asked for, and reports.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = self.output.as_deref().filter(|path| is_folder(path));
         let files = [self.output.as_ref().filter(|_| folder.is_none()), self.operator.as_ref()];

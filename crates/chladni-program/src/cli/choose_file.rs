@@ -7,7 +7,7 @@ use crate::work::Error;
 /// Ask for a file in a small window and print the answer as JSON.
 #[derive(clap::Args)]
 pub struct ChooseFile {
-    /// What is asked for, as JSON.
+    /// The request, as JSON.
     request: String,
 }
 

@@ -1,4 +1,4 @@
-//! `chladni controls`: what can be learned by a controller or addressed over OSC.
+//! `chladni controls`: the targets that a controller can learn or OSC can address.
 
 use clap::Args;
 

@@ -1,4 +1,4 @@
-//! `chladni dance MESH SONG`: what can be asked for, and the film that is meant by it.
+//! `chladni dance MESH SONG`: its arguments, and the film that they ask for.
 
 mod changes;
 
@@ -233,14 +233,14 @@ impl Dance {
         if let Some(yaw) = self.yaw {
             film.viewpoint.yaw_rad = yaw.to_radians();
         }
-        // Whoever names a form wants to see it, and the autopilot changes what sand needs.
+        // A form that is named should be seen, and the autopilot changes what sand needs, so both turn sand off.
         let moves_itself = self.form.is_some() || self.paper || self.autopilot;
         film.beginning.sand = (self.sand || moves_itself).then_some(self.sand);
         film.beginning.changes = changes;
         Ok(film)
     }
 
-    /// What is to be written, and how.
+    /// The files to write, and how.
     fn output(&self, terminal: &Terminal) -> Result<Output, Error> {
         let (pipe, file) = match self.output.clone() {
             Some(path) if path == Path::new("-") => (Some(self.format.unwrap_or_default()), None),
@@ -333,7 +333,7 @@ impl Dance {
         self.material.is_some() || self.lights.is_some() || self.background.is_some()
     }
 
-    /// A look with what the arguments change of it.
+    /// A look, changed as the arguments say.
     fn look(&self, of_show: Look) -> Look {
         // Parts alone are those of the plain look.
         let whole = if self.chooses_parts() && self.show.is_none() { Look::PLAIN } else { of_show };

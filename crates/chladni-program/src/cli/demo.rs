@@ -35,7 +35,7 @@ const CLIP: Clip = Clip { file: "dance.gif", size: [480, 360], fps: 15, secs: 4.
 const FILM: Clip = Clip { file: "dance.mp4", size: [640, 480], fps: 24, secs: 6.0 };
 
 impl Demo {
-    /// Makes everything and says what it made, and how a user would.
+    /// Makes everything, and prints the files and the commands for them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = &self.output;
         std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;

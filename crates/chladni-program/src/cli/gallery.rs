@@ -60,7 +60,7 @@ impl GalleryOptions {
     /// The layers of the one that is asked for.
     ///
     /// # Errors
-    /// What the gallery refuses.
+    /// Errors of the gallery.
     pub fn single(&self, sitter: &Sitter, seed: u64, terminal: &Terminal) -> Result<Vec<Layer>, Error> {
         let (variant, drawn) = match self.variant {
             None => surprise(seed, sitter)?,
@@ -78,7 +78,7 @@ impl GalleryOptions {
     /// Draws all twelve and prints what each is.
     ///
     /// # Errors
-    /// What the gallery or the renderer refuses.
+    /// Errors of the gallery or the renderer.
     pub fn sheet(
         &self,
         sitter: &Sitter,

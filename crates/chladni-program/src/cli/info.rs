@@ -18,7 +18,7 @@ pub struct Info {
     json: bool,
 }
 
-/// What `--json` prints: the report and what had to be mended.
+/// The output of `--json`: the report and what had to be mended.
 #[derive(Serialize)]
 struct Printed {
     #[serde(flatten)]

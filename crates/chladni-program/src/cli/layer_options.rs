@@ -60,7 +60,7 @@ pub struct LayerOptions {
     infill: Option<f64>,
 }
 
-/// What `--rigid` says.
+/// The scaling that `--rigid` asks for.
 pub fn scaling(rigid: bool) -> Scaling {
     if rigid { Scaling::Rigid } else { Scaling::Free }
 }
@@ -74,14 +74,14 @@ fn cutoff(text: &str) -> Result<f64, Error> {
 
 fn roll_off(text: &str) -> Result<RollOff, Error> {
     match text {
-        // What older command lines say.
+        // Names from older command lines.
         "heat" | "gaussian" => Ok(RollOff::Heat),
         "sharp" => Ok(RollOff::Sharp),
         _ => Err(Error::input("must be heat or sharp")),
     }
 }
 
-/// What `--match` says.
+/// The method that `--match` names.
 pub fn method(text: &str) -> Result<Method, Error> {
     serde_json::from_value(serde_json::Value::String(text.to_owned()))
         .map_err(|error| Error::input(error.to_string().replace("variant", "method")))

@@ -14,7 +14,7 @@ use crate::work::{Error, Watcher, body};
 /// A trunk in the picture, linear light.
 const TRUNK: [f32; 4] = [0.62, 0.66, 0.70, 1.0];
 
-/// What is printed of a part.
+/// A part as it is printed.
 #[derive(Serialize)]
 struct Printed {
     part: usize,

@@ -53,7 +53,7 @@ pub struct MatchShapes {
     render: Option<PathBuf>,
 }
 
-/// What `--method` says.
+/// The choice that `--method` makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum How {
     Mesh(Method),
@@ -94,7 +94,7 @@ impl FromStr for How {
     }
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 struct Printed<'a> {
     #[serde(flatten)]
@@ -103,7 +103,7 @@ struct Printed<'a> {
 }
 
 impl MatchShapes {
-    /// Matches, writes what was asked for and prints the report.
+    /// Matches, writes the files asked for and prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.check()?;
         let shape = source::mesh(&self.shape, terminal)?;

@@ -122,7 +122,7 @@ pub fn exit_code(error: &Error) -> u8 {
     if error.is_of_input() { 2 } else { 1 }
 }
 
-/// What is wrong with the arguments and what was perhaps meant, without the usage that follows.
+/// The error in the arguments and clap's suggestion, without the usage that follows.
 fn in_one_line(error: &clap::Error) -> String {
     if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return "a subcommand is missing (--help lists what there is)".into();

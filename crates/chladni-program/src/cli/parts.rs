@@ -39,7 +39,7 @@ pub fn level(text: &str) -> Result<f64, Error> {
     parsed.ok_or_else(|| Error::input("must be a number from 0 to 1"))
 }
 
-/// What is printed of a part.
+/// A part as it is printed.
 #[derive(Serialize)]
 struct Printed {
     name: &'static str,

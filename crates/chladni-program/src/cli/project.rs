@@ -55,7 +55,7 @@ pub struct New {
 pub struct AddLayer {
     /// The project file.
     project: PathBuf,
-    /// What the shape is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
+    /// The template, to compare the shape with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 (magnifies all),
     /// self:lowpass=20, self:original (magnifies the layers below) or self:layer=2 (the shape after the second layer from
     /// below: magnifies those above it).
@@ -81,7 +81,7 @@ pub struct Show {
 }
 
 impl ProjectCommand {
-    /// Does what was asked for.
+    /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         match self {
             Self::New(new) => new.run(terminal),
@@ -149,7 +149,7 @@ fn own_name(template: &Template) -> String {
     }
 }
 
-/// What `show --json` prints.
+/// The output of `show --json`.
 #[derive(Serialize)]
 struct Shown {
     format_version: i64,

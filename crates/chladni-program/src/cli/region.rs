@@ -1,4 +1,4 @@
-//! Where a layer acts: the ways in which commands say it.
+//! The region of a layer, as commands take it.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use chladni_mesh::{TriMesh, weld};
 use super::{Terminal, limbs, parts};
 use crate::work::{Error, Subject, mask};
 
-/// A region, said in one of several ways; none of them is everywhere.
+/// A region, given in one of several ways; without any it is everywhere.
 #[derive(clap::Args, Clone, Debug)]
 pub struct RegionOptions {
     /// Act only within this ball, x,y,z,radius in the shape's own units; may be repeated.

@@ -14,7 +14,7 @@ pub struct ResolutionOptions {
 }
 
 impl ResolutionOptions {
-    /// What is asked for; where nothing is, all vertices if they are needed.
+    /// The resolution asked for; by default, all vertices if they are needed.
     pub fn or_all(&self, are_needed: bool) -> Resolution {
         match self.wanted() {
             Resolution::Usual if are_needed => Resolution::Whole,
@@ -22,7 +22,7 @@ impl ResolutionOptions {
         }
     }
 
-    /// What is asked for.
+    /// The resolution asked for.
     pub fn wanted(&self) -> Resolution {
         match self.proxy {
             None => Resolution::Usual,

@@ -19,7 +19,7 @@ pub struct SheetOptions {
     pub sweep: Vec<f64>,
 }
 
-/// What a panel shows.
+/// The content of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Panel {
     /// The shape.

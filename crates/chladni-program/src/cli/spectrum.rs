@@ -1,4 +1,4 @@
-//! `chladni spectrum`: what the shape will dance to, as numbers or as a picture.
+//! `chladni spectrum`: the bands that the shape will dance to, as numbers or as a picture.
 
 use std::path::PathBuf;
 
@@ -34,7 +34,7 @@ pub struct Spectrum {
     /// How much of the spectrum of 50 ms ago is left, in [0, 1).
     #[arg(long, default_value_t = 0.0)]
     decay: f32,
-    /// What the side is multiplied by.
+    /// Factor on the side.
     #[arg(long, default_value_t = 10.0)]
     side_gain: f32,
     /// Amplitudes as they are in the file, instead of following its level.

@@ -37,7 +37,7 @@ pub struct SymmetryCommand {
     render: Option<PathBuf>,
 }
 
-/// What `--json` prints. Vertices are those of the file, from zero.
+/// The output of `--json`. Vertices are those of the file, from zero.
 #[derive(Serialize)]
 struct Printed {
     /// 1 symmetric, −1 antisymmetric, 0 undecided.

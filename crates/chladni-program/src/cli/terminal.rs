@@ -20,11 +20,11 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Terminal {
     quiet: bool,
     task: Task,
-    /// Who is asked to draw.
+    /// The choice of the device that draws.
     draw: Draw,
 }
 
-/// What Ctrl-C cancels, or a signal to end: the task of the command that runs.
+/// The task of the running command, which Ctrl-C or a signal to end cancels.
 static RUNNING: Mutex<Option<Task>> = Mutex::new(None);
 
 impl Terminal {
@@ -52,12 +52,12 @@ impl Terminal {
         Self { draw, ..self }
     }
 
-    /// Who is asked to draw.
+    /// The choice of the device that draws.
     pub fn draw(&self) -> Draw {
         self.draw
     }
 
-    /// Who draws the command's pictures.
+    /// The device that draws the command's pictures.
     pub fn device(&self) -> Result<Device, Error> {
         Ok(Device::open(self.draw)?)
     }

@@ -1,6 +1,6 @@
 //! Names of controls for programs, which stay the same when labels are reworded or translated.
 
-/// What can be given one.
+/// An element that can be given an id.
 pub trait AuthorId {
     /// Gives it the name `id`, by which tests and assistive programs find it. It is never shown.
     fn author_id(self, id: impl Into<String>) -> Self;

@@ -8,7 +8,8 @@ use super::theme;
 /// Height of the name below a picture.
 const NAME: f32 = 30.0;
 
-/// Draws a card of `size`, with `mark` where there is no picture. Screen readers say what a click `does`, then `name`.
+/// Draws a card of `size`, with `mark` where there is no picture. Screen readers say the effect of a click (`does`),
+/// then `name`.
 pub fn card(
     ui: &mut Ui,
     size: Vec2,

@@ -24,10 +24,10 @@ pub trait Chooser {
     /// Begins to ask while the window goes on; false where something is being asked already.
     fn begin(&mut self, request: Request) -> bool;
 
-    /// The answer to what was [begun](Self::begin), once: no files if the user cancels.
+    /// The answer to the request that was [begun](Self::begin), once: no files if the user cancels.
     fn answer(&mut self) -> Option<Vec<PathBuf>>;
 
-    /// What went wrong since the last call: no dialog may have come up at all.
+    /// The error since the last call: no dialog may have come up at all.
     fn trouble(&mut self) -> Option<String> {
         None
     }
@@ -68,11 +68,11 @@ pub struct SystemDialogs {
     /// The folder of the file that was chosen last.
     folder: PathBuf,
     trouble: Option<String>,
-    /// What is asked for in the background, and where the answer will be.
+    /// The request that waits in the background, and the channel of its answer.
     asking: Option<(Request, Receiver<Asked>)>,
 }
 
-/// What came of a dialog.
+/// The outcome of a dialog.
 #[derive(Debug)]
 struct Asked {
     files: Vec<PathBuf>,
@@ -131,7 +131,7 @@ fn ask_the_system(request: &Request) -> Vec<PathBuf> {
 }
 
 /// The request to make again where a file to be saved was named without an extension, and is there with it: the dialog,
-/// which alone asks about what is there, did not know that name. Else the extension is added.
+/// which alone asks before it replaces a file, did not know that name. Else the extension is added.
 fn completed(request: &Request, files: &mut [PathBuf]) -> Option<Request> {
     let extension = request.kinds.first().and_then(|(_, extensions)| extensions.first());
     let (Purpose::Save, Some(file), Some(extension)) = (request.purpose, files.first_mut(), extension) else {

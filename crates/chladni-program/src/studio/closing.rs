@@ -18,7 +18,7 @@ pub enum Closing {
     No,
     /// Asked about unsaved work.
     Asked,
-    /// All is saved; it closes once what is being made is done.
+    /// All is saved; it closes once the work in the background is done.
     Waiting,
     /// Decided; the window is about to go.
     Yes,
@@ -57,7 +57,7 @@ impl Studio {
         }
         match self.closing {
             Closing::No | Closing::Yes => {}
-            // What was being made is done meanwhile.
+            // The work in the background ended meanwhile.
             Closing::Asked if unsaved.is_empty() => self.leave(ctx),
             Closing::Asked => self.ask_to_save(ctx, &unsaved),
             Closing::Waiting if being_made.is_empty() => self.leave(ctx),

@@ -1,6 +1,6 @@
-//! What the window requires of a graphics device.
+//! Requirements on a graphics device.
 
-/// eframe asks for default limits only; a basis of a large shape needs what the adapter has.
+/// eframe asks for default limits only; a basis of a large shape needs the adapter's own.
 pub fn wgpu_options() -> eframe::egui_wgpu::WgpuConfiguration {
     use eframe::{egui_wgpu, wgpu};
     let mut options = egui_wgpu::WgpuConfiguration::default();

@@ -15,7 +15,7 @@ const LONG_SECS: f64 = 2.0;
 /// After this time without late frames a higher quality is tried; the time doubles after each failed attempt.
 const PATIENCE_SECS: f64 = 6.0;
 
-/// What is drawn on a graphics card, from the best: effects on the finished picture go first.
+/// Qualities on a graphics card, from the best: effects on the finished picture are dropped first.
 const CARD: [Quality; 5] = [
     Quality { samples: Samples::Four, percent: 100, glow: true },
     Quality { samples: Samples::Four, percent: 100, glow: false },
@@ -32,14 +32,14 @@ const PROCESSOR: [Quality; 4] =
 pub struct Quality {
     /// Samples a pixel.
     pub samples: Samples,
-    /// Width and height in percent of what is shown.
+    /// Width and height in percent of the area shown.
     pub percent: u32,
-    /// Whether what is bright glows and leaves trails.
+    /// Whether bright places glow and leave trails.
     pub glow: bool,
 }
 
 impl Quality {
-    /// That of pictures that do not move.
+    /// The quality of pictures that do not move.
     pub const STILL: Self = CARD[0];
 }
 

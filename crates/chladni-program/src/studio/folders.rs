@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub struct Folders {
     /// The file of preferences and recent files.
     pub settings: Option<PathBuf>,
-    /// The folder of recovery copies, one for each running session.
+    /// The folder of recovery copies, one for each running program.
     pub recovery: Option<PathBuf>,
     /// The folder of small pictures of recent files.
     pub pictures: Option<PathBuf>,

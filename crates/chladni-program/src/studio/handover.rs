@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::Studio;
 use super::room::Room;
 
-/// What a window hands over to the next one.
+/// The state that a window hands over to the next one.
 pub struct Left {
     /// The rooms, with all that is open in them.
     pub rooms: Vec<Box<dyn Room>>,
@@ -41,7 +41,7 @@ impl Handover {
 }
 
 impl Studio {
-    /// Once the device is lost: leaves what is open to the next window, and closes. True from then on.
+    /// Once the device is lost: leaves the rooms to the next window, and closes. True from then on.
     pub(super) fn hand_over(&mut self, ctx: &egui::Context) -> bool {
         let Some(why) = self.loss.reason().map(str::to_owned) else { return false };
         // The next window reads them.

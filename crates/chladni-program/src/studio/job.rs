@@ -7,7 +7,7 @@ use chladni_task::{Progress, Task};
 
 use crate::work::Error;
 
-/// How long a window that closes waits for what it cancels.
+/// How long a closing window waits for work that it cancels.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// One piece of work on its own thread.
@@ -47,7 +47,7 @@ impl<T: Send + 'static> Job<T> {
 }
 
 impl<T> Job<T> {
-    /// What the work is called in the window.
+    /// The work's name in the window.
     pub fn label(&self) -> &str {
         &self.label
     }

@@ -3,7 +3,7 @@
 use super::shortcut::Shortcut;
 use super::{keys, theme};
 
-/// What the mouse does in every 3D view.
+/// Mouse gestures in every 3D view.
 const MOUSE: [(&str, &str); 5] = [
     ("Left drag", "Turn, or use the tool"),
     ("Middle or right drag", "Turn"),
@@ -15,10 +15,10 @@ const MOUSE: [(&str, &str); 5] = [
 /// Lines of a column.
 const COLUMN: usize = 17;
 
-/// A key, or what is done with the mouse, and what that does.
+/// A key or a mouse gesture, and its effect.
 type Line = (String, &'static str);
 
-/// Draws the sheet: what holds everywhere, then the `keys` of the room called `room`.
+/// Draws the sheet: keys that work everywhere, then the `keys` of the room called `room`.
 pub fn show(ctx: &egui::Context, open: &mut bool, room: &'static str, keys: &'static [Shortcut]) {
     let lines = |keys: &'static [Shortcut]| keys.iter().map(|key| (key.text(ctx), key.action));
     let gap = || std::iter::once((String::new(), ""));

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-/// Waits for the first picture of what is opened.
+/// Waits for the first picture of the opened files.
 #[derive(Debug)]
 pub struct FirstPicture {
     began: Instant,
@@ -50,7 +50,7 @@ pub struct Measure {
     left_out: Option<u64>,
 }
 
-/// What dances.
+/// Size of the dance on stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct OnStage {
     /// Deformed shapes.
@@ -83,7 +83,7 @@ pub struct FrameReport {
     /// Pictures that a recording left out, where there was one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<u64>,
-    /// What danced.
+    /// Size of the dance, if there was one.
     pub stage: Option<OnStage>,
 }
 
@@ -109,7 +109,7 @@ impl Measure {
         at >= self.secs
     }
 
-    /// Notes what dances.
+    /// Notes the size of the dance.
     pub fn shows(&mut self, stage: Option<OnStage>) {
         self.stage = stage.or(self.stage);
     }
@@ -173,7 +173,7 @@ mod tests {
             assert!(!measure.frame(at(ms), Some((position_secs, 1))));
         }
         assert!(measure.frame(at(1100), Some((6.0, 2))));
-        // The window closes; what it draws until then does not count.
+        // The window closes; frames until then do not count.
         assert!(measure.frame(at(1200), None));
         let report = measure.report().unwrap();
         assert_eq!((report.frames, report.underruns), (5, 2));

@@ -1,4 +1,4 @@
-//! The window: a bar to switch between its rooms, and what the rooms share.
+//! The window: a bar to switch between its rooms, and the parts that rooms share.
 //!
 //! Rooms read their engines' state and emit actions; only the engines change state.
 

@@ -1,4 +1,4 @@
-//! Short messages in the corner: what was done, what went wrong. Errors stay until they are read.
+//! Short messages in the corner: successes, warnings and errors. Errors stay until they are read.
 
 use std::fmt::Display;
 use std::time::{Duration, Instant};
@@ -27,7 +27,7 @@ struct Notice {
     text: String,
     /// When it was seen first.
     since: Option<Instant>,
-    /// What it is about, where there is one message on that at a time.
+    /// The topic; a new notice on the same topic replaces this one.
     matter: Option<&'static str>,
 }
 

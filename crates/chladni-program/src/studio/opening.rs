@@ -1,4 +1,4 @@
-//! Opening the window: what it opens with, and how it continues after losing its graphics device.
+//! Opening the window: its settings, and how it continues after losing its graphics device.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -30,11 +30,10 @@ pub(super) const SMALLEST: [f32; 2] = [900.0, 600.0];
 /// If a device is lost sooner than this after its window has opened, give up.
 const SHORTEST: Duration = Duration::from_secs(10);
 
-/// Opens the window on the start screen, or on `files` where some are given, and returns when
-/// it is closed. With a measure it closes by itself when all is counted.
-/// It closes, too, once `ends` is cancelled. With a first picture it closes as soon as that is shown. The set goes to
-/// `output` from its first picture on. Where the processor draws it paints the window, too; where the graphics device is
-/// lost, another window goes on with what was open.
+/// Opens the window on the start screen, or on `files` where some are given, and returns when it is closed. With a
+/// measure it closes by itself when all is counted, and with a first picture as soon as that is shown; it closes,
+/// too, once `ends` is cancelled. The set goes to `output` from its first picture on. Where the processor draws, it paints the window, too. If the graphics device is
+/// lost, another window goes on with the same rooms.
 pub fn open(
     mut files: Vec<PathBuf>,
     measure: Option<Rc<RefCell<Measure>>>,
@@ -107,7 +106,7 @@ pub enum SetTarget {
     Frames(RawFormat),
 }
 
-/// What the music room played, frame after frame: for those who compare it with a film.
+/// The frames that the music room played, for comparison with a film.
 pub type Trace = Rc<RefCell<Vec<PlayedFrame>>>;
 
 /// One frame of the music room.
@@ -119,15 +118,15 @@ pub struct PlayedFrame {
     pub is_known: bool,
     /// Something is on stage.
     pub on_stage: bool,
-    /// Of the mapping's first term, of the first item.
+    /// Coefficients of the mapping's first term, of the first item.
     pub coefficients: Vec<f32>,
 }
 
-/// What a window opens with.
+/// The contents and settings that a window opens with.
 pub struct Opening {
     /// Where it keeps its persistent files; nowhere by default.
     pub folders: Folders,
-    /// Who is asked for files: by default the system's dialogs.
+    /// The file dialogs: by default the system's.
     pub chooser: Box<dyn Chooser>,
     /// Files to open at once.
     pub files: Vec<PathBuf>,
@@ -135,17 +134,17 @@ pub struct Opening {
     pub measure: Option<Rc<RefCell<Measure>>>,
     /// Hears of the first picture, and closes the window.
     pub first_picture: Option<Rc<FirstPicture>>,
-    /// What the music room listens to at once, instead of a song.
+    /// The live input that the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
-    /// Hears what the music room plays in each frame.
+    /// Records the music room's items in each frame.
     pub trace: Option<Trace>,
     /// Where the set goes.
     pub output: Option<SetOutput>,
-    /// What a window before it has left, and where it leaves what is open should its device be lost.
+    /// The rooms that an earlier window left to resume from, and where this one leaves its own if its device is lost.
     pub handover: Handover,
-    /// Who draws the 3D views.
+    /// The choice of the device that draws the 3D views.
     pub draw: Draw,
-    /// Cancelled by whoever asks the program to end: the window then closes without a question.
+    /// Cancelled to end the program: the window then closes without a question.
     pub ends: Option<Task>,
     /// The clock that measures how long work takes, to reduce quality on a slow machine. Tests pass their own
     /// clock, so that they behave the same on every machine.

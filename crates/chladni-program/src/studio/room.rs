@@ -1,4 +1,4 @@
-//! A room of the window, and what all of them share.
+//! A room of the window, and the parts that rooms share.
 
 use std::path::{Path, PathBuf};
 
@@ -20,10 +20,10 @@ pub trait Room {
     /// Its icon in the switch.
     fn icon(&self) -> Icon;
 
-    /// One sentence on the start screen that says what can be done here.
+    /// One sentence on the start screen about the purpose of the room.
     fn invitation(&self) -> &'static str;
 
-    /// What the keyboard does here.
+    /// The keys of this room.
     fn shortcuts(&self) -> &'static [Shortcut];
 
     /// Draws the room below the top bar and handles its input.
@@ -40,7 +40,7 @@ pub trait Room {
         false
     }
 
-    /// Draws what must be seen whichever room is on screen, such as an offer to recover work;
+    /// Draws anything that must be seen whichever room is on screen, such as an offer to recover work;
     /// true asks for the room to be shown.
     fn show_over(&mut self, _shared: &mut Shared<'_>) -> bool {
         false
@@ -56,7 +56,7 @@ pub trait Room {
         None
     }
 
-    /// What dances; `None` where nothing does.
+    /// Size of the dance; `None` where nothing dances.
     fn stage(&self) -> Option<OnStage> {
         None
     }
@@ -71,7 +71,7 @@ pub trait Room {
         None
     }
 
-    /// What it is making in the background that closing would stop, as its progress calls it.
+    /// Name of the work in the background that closing would stop, as in its progress.
     fn being_made(&self) -> Option<&str> {
         None
     }
@@ -82,21 +82,21 @@ pub trait Room {
         true
     }
 
-    /// Puts what it shows on the device of another window: its own was lost, with all that was on it.
+    /// Puts its pictures on the device of another window: its own was lost, with all that was on it.
     fn change_device(&mut self, shared: &mut Shared<'_>);
 
-    /// The program must end: keeps what is not saved for the next time, without a question.
+    /// The program must end: keeps unsaved work for the next time, without a question.
     fn interrupt(&mut self, _shared: &mut Shared<'_>) {}
 
     /// The window closes, and all that matters is saved or given up.
     fn leave(&mut self) {}
 }
 
-/// What rooms may use of the window around them.
+/// The parts of the window that rooms may use.
 pub struct Shared<'a> {
     /// The context, to start jobs and ask for repaints.
     pub ctx: egui::Context,
-    /// Who draws, and how pictures are shown.
+    /// The device that draws, and how pictures are shown.
     pub screen: &'a Screen,
     /// Messages to the user.
     pub notices: &'a mut Notices,

@@ -1,4 +1,4 @@
-//! Who draws the window's 3D views, and how a finished picture comes to be shown.
+//! The device that draws the window's 3D views, and the transfer of finished pictures to the screen.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use winit::window::Window;
 
 use super::error::NoDevice;
 
-/// The device of all views, and the way from it to the window. Clones share both.
+/// The device of all views, and the transfer from it to the window. Clones share both.
 #[derive(Clone)]
 pub struct Screen {
     device: Device,
@@ -22,7 +22,7 @@ pub struct Screen {
 
 #[derive(Clone)]
 enum Way {
-    /// What paints the window shows the device's textures as they are.
+    /// The window's painter shows the device's textures as they are.
     Textures(RenderState),
     /// Pixels are handed to what paints the window, whatever that is.
     Pixels(egui::Context),
@@ -59,7 +59,7 @@ impl Screen {
         Self { device: device.clone(), way: Way::Pixels(egui::Context::default()), window: None }
     }
 
-    /// Who draws.
+    /// The device that draws.
     pub fn device(&self) -> &Device {
         &self.device
     }
@@ -123,7 +123,7 @@ impl Shown {
         }
     }
 
-    /// Shows what is on `canvas` now.
+    /// Shows the current picture of `canvas`.
     pub fn refresh(&mut self, canvas: &Canvas) {
         let Self::Pixels { handle, images } = self else { return };
         let Some(pixels) = canvas.pixels() else { return };

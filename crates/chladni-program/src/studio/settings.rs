@@ -1,4 +1,4 @@
-//! What the window remembers between runs.
+//! Settings of the window, kept between runs.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::work::HARMONICS;
 
-/// Of a file of preferences, in bytes.
+/// The largest file of preferences, in bytes.
 const LARGEST: u64 = 1 << 20;
 
 /// Recent files that the start screen shows at most.
@@ -55,7 +55,7 @@ impl Settings {
         Ok(settings.bounded())
     }
 
-    /// Keeps what could not be read beside `path`, where the next preferences do not replace it; returns where.
+    /// Keeps a file that could not be read beside `path`, where the next preferences do not replace it; returns where.
     pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
         let aside = path.with_extension("toml.unread");
         chladni_task::write_atomic(&aside, &read_file(path, LARGEST)?)?;

@@ -1,4 +1,4 @@
-//! A key and what it does.
+//! A key and its action.
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
@@ -7,7 +7,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 pub struct Shortcut {
     /// The key with its modifiers.
     pub keys: KeyboardShortcut,
-    /// What it does.
+    /// Its action, in words.
     pub action: &'static str,
 }
 
@@ -69,10 +69,10 @@ impl Shortcut {
     }
 }
 
-/// What edits text together with Ctrl.
+/// Keys that edit text together with Ctrl.
 const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
 
-/// Whether what has the focus wants `key` for itself: a text field all of them, another control those
+/// Whether the control with the focus wants `key` for itself: a text field all of them, another control those
 /// that click it, change it or lead to the next one.
 fn is_taken(ctx: &egui::Context, key: Key) -> bool {
     let controls = matches!(

@@ -19,7 +19,7 @@ const CARD: Vec2 = vec2(164.0, 138.0);
 /// The card of a sample: six stand in a row.
 const SAMPLE_CARD: Vec2 = vec2(104.0, 98.0);
 
-/// What was clicked: a room, and what to open in it.
+/// The choice by a click: a room, and the files to open in it.
 type Choice = (usize, Vec<PathBuf>);
 
 impl Studio {

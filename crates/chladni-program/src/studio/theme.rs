@@ -134,7 +134,7 @@ pub fn wide_row<R>(
     .inner
 }
 
-/// A slider that leaves its value as it is until it is moved: egui's own rounds and bounds what it only
+/// A slider that leaves its value as it is until it is moved: egui's own rounds and bounds a value that it only
 /// shows, and says that it has changed.
 pub fn slider<N: egui::emath::Numeric>(
     value: &mut N,

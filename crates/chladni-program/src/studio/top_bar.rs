@@ -1,4 +1,4 @@
-//! The bar at the top: the way to the start screen and to the rooms, and what holds everywhere.
+//! The bar at the top: the way to the start screen and to the rooms, and controls for the whole window.
 
 use super::icon::{self, Icon};
 use super::keys::window::HELP;

@@ -33,7 +33,7 @@ impl Question {
     pub const OPENING: Self =
         Self { title: "Save before opening another?", save: ("Save", "save-first"), discard: "Lose changes" };
 
-    /// Asks, in each frame until there is an answer; `lines` say what is not saved.
+    /// Asks, in each frame until there is an answer; `lines` list the unsaved work.
     pub fn ask(self, ctx: &egui::Context, lines: &[String]) -> Option<Answer> {
         let mut answer = None;
         let ((), dismissed) = theme::modal(ctx, self.title, 420.0, |ui| {
@@ -60,7 +60,7 @@ impl Question {
     }
 }
 
-/// While a window that is to close waits for what is `being_made`: whether it is to stay, or to close at once.
+/// Asks, while a closing window waits for work that is `being_made`, whether to stay or to close at once.
 pub fn ask_to_wait(ctx: &egui::Context, being_made: &[String]) -> Option<Answer> {
     let mut answer = None;
     let ((), dismissed) = theme::modal(ctx, "Closing when this is done", 420.0, |ui| {

@@ -36,9 +36,9 @@ pub struct Viewport {
     /// Pixels of the window that the picture fills.
     shown: Rect,
     effort: Effort,
-    /// What is done to finished pictures, and the time of the next one.
+    /// Effects on finished pictures, and the time of the next one.
     finish: (Finish, f64),
-    /// Which pictures stand around what is drawn.
+    /// The version of the pictures around the scene.
     surrounded: u64,
     surroundings: Surroundings,
     /// Which picture of a film stands behind; 0 is that of the surroundings.
@@ -221,12 +221,12 @@ impl Viewport {
         self.kept.as_ref().map(|(_, shown)| shown.id())
     }
 
-    /// What was kept last; `None` before the first picture that was kept.
+    /// The canvas that was kept last; `None` before the first picture that was kept.
     pub fn kept_canvas(&self) -> Option<&Canvas> {
         self.kept.as_ref().map(|(canvas, _)| canvas)
     }
 
-    /// What was drawn on last; `None` before the first picture.
+    /// The canvas that was drawn on last; `None` before the first picture.
     pub fn canvas(&self) -> Option<&Canvas> {
         self.canvas.as_ref().map(|(canvas, _)| canvas)
     }

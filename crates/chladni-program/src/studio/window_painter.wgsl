@@ -1,4 +1,4 @@
-// egui's triangles. Colours are sRGB-encoded numbers times their opacity, in and out.
+// egui's triangles. Colors are sRGB-encoded numbers times their opacity, in and out.
 
 struct Corner {
     @builtin(position) clip: vec4f,
@@ -21,7 +21,7 @@ fn vertex(@location(0) at: vec2f, @location(1) at_image: vec2f, @location(2) col
 fn fragment(in: Corner) -> @location(0) vec4f {
     let color = in.color * textureSample(image, image_sampler, in.at_image);
     // Jimenez' interleaved gradient noise ("Next Generation Post-Processing in Call of Duty", 2014), as
-    // egui's: less than half a step of eight bits, so that even colours stay even.
+    // egui's: less than half a step of eight bits, so that even colors stay even.
     let noise = fract(52.9829189 * fract(dot(in.clip.xy, vec2f(0.06711056, 0.00583715))));
     return vec4f(color.rgb + 0.95 * (noise - 0.5) / 255.0, color.a);
 }

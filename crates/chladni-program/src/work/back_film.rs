@@ -24,7 +24,7 @@ pub fn is_film(name: &str) -> bool {
     ending.is_some_and(|ending| FILMS.iter().any(|known| known.eq_ignore_ascii_case(ending)))
 }
 
-/// A film in a loop, of which one picture at a time is held.
+/// A film in a loop. It holds one picture at a time.
 pub struct BackFilm {
     path: PathBuf,
     longest_side: usize,
@@ -52,7 +52,7 @@ impl BackFilm {
         Ok(Self { path, longest_side, decoder, decoded: 1, picture, length: None })
     }
 
-    /// The first picture, or that which was asked for last.
+    /// The first picture, or the one that was asked for last.
     pub fn picture(&self) -> &Picture {
         &self.picture
     }
@@ -60,7 +60,7 @@ impl BackFilm {
     /// Goes to the picture at a time of the show; returns whether it is a different one.
     ///
     /// # Errors
-    /// What ffmpeg writes cannot be read.
+    /// Output of ffmpeg that cannot be read.
     pub fn go_to(&mut self, at_secs: f64) -> Result<bool, Error> {
         let index = (at_secs.max(0.0) * RATE_HZ + 1e-6) as u64;
         let mut wanted = 1 + self.length.map_or(index, |length| index % length);
@@ -154,7 +154,7 @@ impl Decoder {
     fn complaint(&mut self) -> String {
         let mut said = String::new();
         if let Some(errors) = self.child.stderr.take() {
-            // What it says only explains; without it the file is as unreadable.
+            // Its message only explains; without it the file is still unreadable.
             let _ = errors.take(4096).read_to_string(&mut said);
         }
         let line = said.lines().map(str::trim).find(|line| !line.is_empty());
@@ -192,7 +192,7 @@ mod tests {
         assert!(seen[..10].is_sorted() && seen[9] > seen[0] + 100, "{seen:?}");
         assert_eq!((&seen[10..20], &seen[20..]), (&seen[..10], &seen[..10]));
         assert!(!film.go_to(29.5 / 25.0).unwrap());
-        // Whoever begins in the middle sees the same.
+        // A film opened in the middle shows the same.
         let mut later = BackFilm::open(&name, LONGEST_SIDE).unwrap();
         for frame in [27, 3, 14] {
             later.go_to(f64::from(frame) / 25.0).unwrap();

@@ -1,4 +1,4 @@
-//! Who dances: a shape, or a caricature whose layers are voices.
+//! The dancing body: a shape, or a caricature whose layers are voices.
 
 use std::path::Path;
 use std::sync::Arc;

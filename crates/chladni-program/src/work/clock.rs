@@ -9,7 +9,7 @@ const STILL_SECS: f64 = 0.1;
 /// A song that stands still this near its end has ended: its silence continues.
 const END_SECS: f64 = 0.05;
 
-/// What plays at one moment, as a player tells it.
+/// The player's position at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playing {
     /// Which of the show's songs; `None` is live input.
@@ -18,7 +18,7 @@ pub struct Playing {
     pub position_secs: f64,
     /// How long it is, where that is known.
     pub duration_secs: Option<f64>,
-    /// The length of the crossfade with which it began, in the middle of which it became what plays.
+    /// The length of the crossfade in which this song began; it became the current song at the middle of it.
     pub crossfade_secs: f64,
 }
 
@@ -43,7 +43,7 @@ impl ShowClock {
         self.at_secs
     }
 
-    /// Advances to what plays at `now_secs` by any steadily running clock; returns the stretch that begins
+    /// Advances to the player's position at `now_secs` of any steadily running clock; returns the stretch that begins
     /// there, if one does.
     pub fn follow(&mut self, now_secs: f64, playing: Playing) -> Option<Stretch> {
         let dt_secs = (now_secs - self.now_secs.unwrap_or(now_secs)).max(0.0);
@@ -63,7 +63,7 @@ impl ShowClock {
         // A song that already played, as behind live input, has no crossfade.
         let crossfade_secs = if position <= playing.crossfade_secs { playing.crossfade_secs } else { 0.0 };
         let leap = |clock: &mut Self| {
-            // What was done at the last moment was done before the leap, even if no time has gone by since.
+            // Actions of the last moment were done before the leap, even if no time has passed since.
             let is_first = clock.stretch.is_none() && clock.at_secs == 0.0;
             let after_secs = if is_first { 0.0 } else { clock.at_secs.next_up() };
             clock.at_secs = (clock.at_secs + dt_secs).max(after_secs);

@@ -7,10 +7,10 @@ use chladni_view::Picture;
 
 /// Pixels of the longer side of a cover: those of the largest place where it is shown, on a large screen.
 const SIDE: u32 = 256;
-/// What pictures beside songs are usually called, without their ending.
+/// Usual names of pictures beside songs, without their ending.
 const NAMES: [&str; 4] = ["cover", "folder", "front", "album"];
 const ENDINGS: [&str; 3] = ["jpg", "jpeg", "png"];
-/// A larger file is no cover.
+/// Larger files are not taken for covers.
 const MOST_BYTES: u64 = 32 << 20;
 
 /// The cover of the song at `path`, which `reader` reads: the picture in its tags, else a file such as

@@ -23,7 +23,7 @@ pub struct Dancing {
     pub body: Body,
     /// Its harmonics' classes.
     pub symmetry: Symmetry,
-    /// What players need of it.
+    /// The data that players need.
     pub dancer: Arc<Dancer>,
 }
 

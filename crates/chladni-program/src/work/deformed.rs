@@ -1,4 +1,4 @@
-//! What deforms the shapes of a window or a film, on the processor or on the drawing device.
+//! Deforms the shapes of a window or a film, on the processor or on the drawing device.
 
 use std::time::Instant;
 
@@ -90,7 +90,7 @@ impl Deformed {
         }
     }
 
-    /// That the processor has taken over: `Some` once after it has.
+    /// The report that the processor has taken over: `Some` once after it has.
     pub fn take_fallback(&mut self) -> Option<Fallback> {
         match &mut self.by {
             Deformer::Beside(synthesizer) => synthesizer.take_fallback(),

@@ -1,4 +1,4 @@
-//! An ear that knows only what was heard so far: for live input, and for a song that is still being read.
+//! An ear that knows only the past: for live input, and for a song that is still being read.
 
 use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, Timbre};
 use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings};
@@ -6,7 +6,7 @@ use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyz
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
 
-/// Seed of the shots of what is not known as a whole.
+/// Seed of the shots of sound that is not known as a whole.
 pub const LIVE_SEED: u64 = 1;
 
 /// An analyzer, a beat tracker, the resonators that they strike, and the chords.
@@ -22,7 +22,7 @@ pub struct Ear {
     harmony: Harmony,
 }
 
-/// The number of beats so far. A tracker sometimes corrects its phase backward, but what moves with the beat
+/// The number of beats so far. A tracker sometimes corrects its phase backward, but things that move with the beat
 /// must not jump back.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeatCount {
@@ -55,12 +55,12 @@ impl Ear {
         })
     }
 
-    /// Of the sound that it is tuned to.
+    /// The rate of the sound that it is tuned to.
     pub fn rate_hz(&self) -> u32 {
         self.analyzer.settings().rate_hz
     }
 
-    /// What hears the sound.
+    /// The analyzer of the sound.
     pub fn analyzer(&self) -> &SpectrumAnalyzer {
         &self.analyzer
     }
@@ -97,8 +97,7 @@ impl Ear {
         Beat { count: self.beats.at(moment.phase), confidence: moment.confidence as f32 }
     }
 
-    /// What is heard in a window of the sound ([`SpectrumAnalyzer::window_frames`]), which ends `dt_secs` after the
-    /// last one.
+    /// Analyzes a window of the sound ([`SpectrumAnalyzer::window_frames`]) that ends `dt_secs` after the last one.
     pub fn hear(
         &mut self,
         (left, right): (&[f32], &[f32]),
@@ -117,7 +116,7 @@ impl Ear {
         (Bands { ringing, ..bands_of(spectrum) }, self.harmony)
     }
 
-    /// What it heard last, for [`Hearing::fade_from`](super::Hearing::fade_from).
+    /// The last result, for [`Hearing::fade_from`](super::Hearing::fade_from).
     pub fn heard(&self) -> (Spectrum, Ringing, Harmony) {
         let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
         (self.analyzer.spectrum().clone(), ringing, self.harmony)

@@ -13,7 +13,7 @@ use chladni_synth::SynthError;
 use chladni_task::Cancelled;
 use chladni_view::ViewError;
 
-/// What an error of another library comes as.
+/// An error of another library.
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
 /// Why work was not done. Its line says what, where and why.
@@ -22,15 +22,15 @@ pub enum Error {
     /// It was cancelled.
     #[error("cancelled; no unfinished file is left")]
     Cancelled,
-    /// What was asked for cannot be, for the reason given.
+    /// A request that cannot be met, for the reason given.
     #[error("{0}")]
     Input(String),
-    /// An error of what is called `name`, which the error itself does not say.
+    /// An error about `name`, which the error itself does not mention.
     #[error("{name}: {error}")]
     Of {
         /// A file, a sample, a pair of them.
         name: String,
-        /// What is wrong with it.
+        /// The error in it.
         error: Box<Self>,
     },
     /// A file could not be written; the error says which.
@@ -77,7 +77,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What was asked for cannot be, and `why`.
+    /// A request that cannot be met because of `why`.
     pub fn input(why: impl Display) -> Self {
         Self::Input(why.to_string())
     }
@@ -166,7 +166,7 @@ from_engines! {
 pub enum Warning {
     /// The shape called `name` has too few vertices for the harmonics that were `asked` for.
     FewerHarmonics {
-        /// Of the shape.
+        /// Name of the shape.
         name: String,
         /// Usable vertices, which is also the number of harmonics.
         vertices: usize,
@@ -184,24 +184,24 @@ pub enum Warning {
     },
     /// It could not be found out how a shape stands.
     InDoubt {
-        /// Of the shape.
+        /// Name of the shape.
         name: String,
         /// How it is drawn.
         stands: Orientation,
     },
-    /// What an engine or a file has to say of what is called `name`.
+    /// A warning of an engine or a file about `name`.
     Of {
         /// A file, a sample, a template.
         name: String,
         /// A sentence.
         message: String,
     },
-    /// What concerns all of the work.
+    /// A warning about all of the work.
     Plain(String),
 }
 
 impl Warning {
-    /// Of what is called `name`.
+    /// A warning about `name`.
     pub fn of(name: impl Display, message: impl Display) -> Self {
         Self::Of { name: name.to_string(), message: message.to_string() }
     }

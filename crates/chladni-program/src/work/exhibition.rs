@@ -1,4 +1,4 @@
-//! Twelve caricatures of one shape, to be chosen from and bred: what the window and the page hang.
+//! Twelve caricatures of one shape, to be chosen from and bred, as the window and the page show them.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub struct Exhibition {
     pub portraits: Vec<Portrait>,
 }
 
-/// What is done to a gallery.
+/// A step that changes a gallery.
 #[derive(Clone, Copy, Debug)]
 pub enum Step {
     /// Children of those that are chosen.
@@ -64,7 +64,7 @@ impl Exhibition {
     /// The same after a step.
     ///
     /// # Errors
-    /// What the gallery refuses.
+    /// Errors of the gallery.
     pub fn after(mut self, step: Step) -> Result<Self, Error> {
         match step {
             Step::Breed => self.gallery.breed(&self.sitter)?,
@@ -86,7 +86,8 @@ impl Exhibition {
     }
 }
 
-/// What puts `layers` on top of a project and hides those that are there: the gallery shows its variants without them.
+/// Actions that put `layers` on top of a project and hide those that are there: the gallery shows its variants
+/// without them.
 pub fn hung(project: &Project, layers: Vec<Layer>) -> Vec<Action> {
     let seen = || project.layers().iter().filter(|(_, layer)| layer.enabled);
     let hide = seen().map(|(id, _)| Action::Set { layer: *id, to: Property::Enabled(false) });

@@ -54,7 +54,7 @@ pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option
     Ok((found, warning))
 }
 
-/// In hexadecimal digits; `None` of what cannot be read.
+/// In hexadecimal digits; `None` if it cannot be read.
 fn hash(path: &Path) -> Option<String> {
     let file = std::fs::File::open(path).ok().filter(|file| file.metadata().is_ok_and(|m| m.is_file()))?;
     let mut hasher = blake3::Hasher::new();

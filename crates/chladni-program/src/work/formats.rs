@@ -14,7 +14,7 @@ pub const TEXT: &str = "toml";
 /// Lists of songs.
 pub const LISTS: [&str; 2] = ["m3u", "m3u8"];
 
-/// What a file is, by its ending.
+/// The kind of a file, by its ending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A caricature project.
@@ -29,7 +29,7 @@ pub enum Kind {
     Mesh,
 }
 
-/// What `path` is.
+/// The kind of `path`.
 pub fn kind(path: &Path) -> Kind {
     let ending = path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
     match ending.as_str() {

@@ -6,7 +6,7 @@ use chladni_view::Picture;
 /// The approximate number of pixels of a frame that are examined.
 const PIXELS: usize = 100_000;
 
-/// Keeps flashes and stripes of the frames within what is safe.
+/// Keeps flashes and stripes of the frames within safe limits.
 pub struct FrameGuard {
     guard: Option<FlashGuard>,
     histogram: Histogram,
@@ -67,7 +67,7 @@ impl FrameGuard {
         self.damped
     }
 
-    /// Flashes in the worst second of what was shown.
+    /// Flashes in the worst second shown.
     pub fn most_flashes(&self) -> usize {
         self.shown.most_per_second()
     }

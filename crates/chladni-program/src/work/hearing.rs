@@ -1,4 +1,4 @@
-//! What is heard at any time of a show: sound bands and beat, a function of the show alone.
+//! Sound bands and beat at any time of a show: a function of the show alone.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ pub struct KnownSong {
 }
 
 impl KnownSong {
-    /// Of its samples, which are heard once to know how loud they get.
+    /// A song known by its samples, which are read once to find how loud they get.
     ///
     /// # Errors
     /// [`SoundError::Setting`] where their rate is out of range.
@@ -48,7 +48,7 @@ impl KnownSong {
     }
 }
 
-/// What is heard at one moment.
+/// The sound and the beat at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Heard<'a> {
     /// Since the show began.
@@ -72,7 +72,7 @@ pub struct Hearing {
     songs: BTreeMap<usize, KnownSong>,
     /// Each with the whole beats to be added to those of its song.
     stretches: Vec<(Stretch, f64)>,
-    /// Who films each song, by its seed.
+    /// The director of each song, with its seed.
     directors: BTreeMap<usize, (u64, Director)>,
     /// An outer clock that was followed in place of the songs' beats.
     clocked: Clocked,
@@ -83,7 +83,7 @@ pub struct Hearing {
     ear: Option<SongSpectrum>,
     fade: Option<Fade>,
     now: Spectrum,
-    /// What the resonators do now, where there are any.
+    /// The state of the resonators, where there are any.
     ringing: Ringing,
     /// Which chords it is of.
     harmony: Harmony,
@@ -112,7 +112,7 @@ pub fn bands_of(spectrum: &Spectrum) -> Bands<'_> {
 }
 
 impl Hearing {
-    /// Of which nothing before `begins_secs` will be asked.
+    /// A hearing that will be asked for nothing before `begins_secs`.
     pub fn from(begins_secs: f64) -> Self {
         Self { begins_secs, ..Self::default() }
     }
@@ -136,7 +136,7 @@ impl Hearing {
         self.count_again();
     }
 
-    /// What is known of a song.
+    /// A song, if it is known.
     pub fn song(&self, number: usize) -> Option<&KnownSong> {
         self.songs.get(&number)
     }
@@ -158,8 +158,8 @@ impl Hearing {
         self.stretches.iter().map(|(stretch, _)| *stretch)
     }
 
-    /// Of a show that goes on at `at_secs`: the stretches heard before, in order, and the clock that was followed. A clock
-    /// of now is another one.
+    /// A hearing of a show that goes on at `at_secs`, with the stretches heard before, in order, and the clock that
+    /// was followed. A clock that is followed now counts as another one.
     pub fn continued(stretches: &[Stretch], clock: ClockTrack, at_secs: f64) -> Self {
         let mut hearing = Self::default();
         hearing.go_on(stretches, clock);
@@ -217,7 +217,7 @@ impl Hearing {
         self.fade = Some(Fade { from, ringing, harmony, beat, since_secs: at_secs });
     }
 
-    /// What is heard at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
+    /// The sound at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
     pub fn hear(&mut self, at_secs: f64) -> Result<Option<Heard<'_>>, SoundError> {
         if !self.listen(at_secs)? {
             return Ok(None);
@@ -252,7 +252,7 @@ impl Hearing {
         self.harmony
     }
 
-    /// Listens to `at_secs`; false where nothing is known of what plays there.
+    /// Listens to `at_secs`; false where nothing is known of the sound there.
     fn listen(&mut self, at_secs: f64) -> Result<bool, SoundError> {
         let (Some(stretch), Some(tuning)) = (self.stretch(), self.tuning) else { return Ok(false) };
         let Some(number) = stretch.song else {

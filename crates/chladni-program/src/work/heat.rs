@@ -1,4 +1,4 @@
-//! What a heat map shows: a quantity of the caricature for each vertex.
+//! Heat maps: a quantity of the caricature for each vertex.
 
 use chladni_caricature::{EvaluatedLayer, Evaluation, LayerId, MatchRequest, Matched, Project, Stack};
 use chladni_view::{ColorMap, Scale};
@@ -53,7 +53,7 @@ impl Quantity {
     ];
 }
 
-/// What gives a shape its color.
+/// The source of a shape's color.
 #[derive(Clone, Debug)]
 pub enum Coating {
     /// The material alone.
@@ -70,14 +70,14 @@ pub enum Coating {
     Colors(Vec<[u8; 4]>),
 }
 
-/// What quantities are read from.
+/// The data from which quantities are computed.
 #[derive(Clone, Copy)]
 pub struct Seen<'a> {
     /// The document.
     pub project: &'a Project,
-    /// What evaluates it.
+    /// The stack that evaluates it.
     pub stack: &'a Stack,
-    /// What it looks like.
+    /// Its result.
     pub evaluation: &'a Evaluation,
     /// The layer that quantities of one layer belong to.
     pub selected: Option<LayerId>,

@@ -1,4 +1,4 @@
-//! Shapes as drawings in ink: how the window and the page draw them live, and what they save.
+//! Shapes as drawings in ink: how the window and the page draw them live, and the files that they save.
 
 use chladni_view::ink::{Drawing, Ink, Plate};
 use chladni_view::{Camera, Rect, ViewError};

@@ -2,19 +2,19 @@
 
 use chladni_synth::{Coefficients, Item};
 
-/// What a shape lags behind itself is forgotten over this time, to a third.
+/// Time in which the lag of a resting shape falls to a third.
 const MEMORY_SECS: f64 = 0.08;
 /// After a pause or a jump of this length nothing is known of the past.
 const LONGEST_SECS: f64 = 0.5;
 /// Smaller coefficients (the shape's area is one) are rest.
 const REST: f32 = 1e-6;
 
-/// Remembers items from frame to frame. With x the coefficients and y what follows them by ẏ = (x − y)/τ, the lag is
+/// Remembers items from frame to frame. With x the coefficients and y their followers by ẏ = (x − y)/τ, the lag is
 /// x − y: the speed times τ where the movement is even, and never more than the movement itself. Between two frames
 /// x is taken for a straight line, for which the step is exact, so the frame rate does not matter.
 #[derive(Clone, Debug, Default)]
 pub struct Lag {
-    /// What was there last, and what it lagged: as many.
+    /// The last items and their lags, in the same order.
     last: Vec<Item>,
     lags: Vec<Item>,
     /// When that was.
@@ -29,7 +29,7 @@ impl Lag {
             self.last.clear();
             return self.lags.clear();
         }
-        // Who comes or goes in a gallery shifts all others.
+        // An item that comes or goes in a gallery shifts all others.
         if self.last.len() != items.len() {
             self.lags.clear();
             self.lags.resize_with(items.len(), Item::default);
@@ -131,7 +131,7 @@ mod tests {
         c[1]
     }
 
-    /// What swings at 1 Hz, at the end of two seconds at a frame rate.
+    /// The lag of a swing at 1 Hz after two seconds at a frame rate.
     fn swung(fps: u32) -> f32 {
         let mut lag = Lag::default();
         let mut last = 0.0;

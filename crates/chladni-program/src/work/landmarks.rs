@@ -1,4 +1,4 @@
-//! Landmarks picked on a shape and its template, side by side: what a press does, and what both shapes look like.
+//! Landmarks picked on a shape and its template, side by side: the effect of a press, and the look of both shapes.
 
 use chladni_match::Landmark;
 use chladni_mesh::surface::SurfacePoint;
@@ -29,9 +29,9 @@ pub fn color(index: usize) -> [u8; 3] {
 /// Which of the two shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
-    /// That which is exaggerated.
+    /// The shape that is exaggerated.
     Shape,
-    /// That which it is compared with.
+    /// The shape that it is compared with.
     Template,
 }
 
@@ -52,14 +52,14 @@ impl Which {
     }
 }
 
-/// What is done on one of the shapes.
+/// A gesture on one of the shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Gesture {
     /// A vertex is pressed, where no landmark is.
     Pick(u32),
     /// A landmark is held over a vertex.
     Hold(usize, u32),
-    /// What is held is let go.
+    /// The landmark that is held is let go.
     Drop,
     /// A landmark is taken away.
     Remove(usize),
@@ -90,7 +90,7 @@ impl Picks {
         self.pending.take().is_some()
     }
 
-    /// What `landmarks` become by a gesture; `None` where they stay as they are.
+    /// `landmarks` after a gesture; `None` where they do not change.
     ///
     /// # Errors
     /// [`Error::Input`] where a vertex of the shape would have two, which no file could hold.
@@ -153,7 +153,7 @@ impl Picks {
         ends
     }
 
-    /// What to do next, where there are so many landmarks.
+    /// Hint at the next step when there are `count` landmarks.
     pub fn hint(&self, count: usize) -> String {
         match (self.pending(), count) {
             (Some(Which::Shape), _) => "Now click the same place on the template.".to_owned(),
@@ -244,7 +244,7 @@ impl Side {
         self.positions.get(vertex as usize).copied()
     }
 
-    /// The vertex nearest to what lies under the pixel (x, y).
+    /// The vertex nearest to the place under the pixel (x, y).
     pub fn vertex_at(&self, x: f32, y: f32, cell: Rect) -> Option<u32> {
         let ray = self.camera.ray(x, y, cell);
         let hit = self.tree.pick(&ray, &self.positions, &self.triangles)?;
@@ -299,7 +299,7 @@ impl Side {
     }
 }
 
-/// Where a match puts what lies at `vertex` of one side on the other: the shape's vertices lie `on_template`.
+/// Where a match puts `vertex` of one side on the other: the shape's vertices lie `on_template`.
 pub fn counterpart(
     which: Which,
     vertex: u32,

@@ -37,7 +37,7 @@ impl Lettering {
         for letter in text.chars().take(LONGEST) {
             let Some(glyph) = letters.map(letter).or_else(|| letters.map('?')) else { continue };
             if let Some(outline) = outlines.get(glyph) {
-                // What the font says of a letter that it cannot draw is a gap.
+                // A letter that the font cannot draw leaves a gap.
                 drop(outline.draw(DrawSettings::unhinted(size, place), &mut pen));
             }
             pen.at[0] += advances.advance_width(glyph).unwrap_or(0.0);
@@ -120,7 +120,7 @@ impl OutlinePen for Pen {
     }
 }
 
-/// How much of each pixel lies within the edges: exact along rows, of which each pixel has four.
+/// The share of each pixel within the edges: exact along rows, four of which sample each pixel.
 fn filled(edges: &[[[f32; 2]; 2]], width: usize, height: usize) -> Vec<f32> {
     let mut covered = vec![0.0; width * height];
     let mut crossings: Vec<(f32, i32)> = Vec::new();

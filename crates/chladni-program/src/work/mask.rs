@@ -11,12 +11,12 @@ use chladni_mesh::{
 
 use super::{Error, Subject};
 
-/// What masks are called in archives and meshes where nothing else is said.
+/// The default name of masks in archives and meshes.
 pub const MASK: &str = "mask";
 
-/// What masks are read from, by ending.
+/// Endings of the files that masks are read from.
 pub const READ: [&str; 6] = ["npy", "npz", "ply", "obj", "off", "glb"];
-/// What they are written as.
+/// Endings of the files that masks are written to.
 pub const WRITTEN: [&str; 5] = ["npy", "npz", "ply", "obj", "glb"];
 
 /// How much of a shape a mask takes.

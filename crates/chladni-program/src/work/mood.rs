@@ -1,4 +1,4 @@
-//! What is heard, as numbers that a look answers to.
+//! The sound as numbers that a look answers to.
 
 use chladni_music::{Bands, Beat};
 use chladni_view::Mood;
@@ -14,7 +14,7 @@ const RISE: f64 = 0.08;
 const FALL: f64 = 0.3;
 
 impl Heard<'_> {
-    /// What a look answers to.
+    /// The mood that a look answers to.
     pub fn mood(&self) -> Mood {
         let Bands { mid, left, right, .. } = self.bands;
         let total: f32 = mid.iter().sum();

@@ -1,4 +1,4 @@
-//! How a sample looks when it is shown first: what it seems to be made of, and from where it is seen.
+//! How a sample looks when it is shown first: its material, and from where it is seen.
 
 use std::path::Path;
 

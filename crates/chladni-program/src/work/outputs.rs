@@ -104,7 +104,7 @@ pub fn mesh_format(path: &Path) -> Result<Format, Error> {
     }
 }
 
-/// Checks that what is written at `path` replaces none of `inputs`.
+/// Checks that a file written to `path` replaces none of `inputs`.
 ///
 /// # Errors
 /// [`Error::Input`], with the path.

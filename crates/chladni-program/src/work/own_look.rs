@@ -22,7 +22,7 @@ pub enum OwnLook {
 
 impl OwnLook {
     /// The look of `mesh`, which is called `name` and from which `body` was built; `None` where the file has
-    /// none. Warns of what cannot be shown.
+    /// none. Warns of parts that cannot be shown.
     pub fn of(name: &str, mesh: &TriMesh, body: &Body, watcher: &impl Watcher) -> Option<Self> {
         let textures = mesh.appearance.materials.iter().filter(|m| m.base_color_texture.is_some()).count();
         if let (Some(texture), Some(uvs)) = (mesh.base_color_texture(), mesh.triangle_uvs())

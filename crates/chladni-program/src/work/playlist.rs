@@ -9,15 +9,15 @@ use super::formats::{self, Kind};
 const DEEPEST: usize = 8;
 /// At most this many are taken.
 const MOST_SONGS: usize = 5000;
-/// A list is no longer than this.
+/// The most bytes in the file of a list.
 const MOST_BYTES: u64 = 4 << 20;
 
-/// What was found.
+/// The songs found in files and folders.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Songs {
     /// In order: that of the list, or of the names within each folder.
     pub songs: Vec<PathBuf>,
-    /// What was left out, in words.
+    /// The files left out, in words.
     pub warning: Option<String>,
 }
 

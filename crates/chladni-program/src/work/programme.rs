@@ -8,13 +8,13 @@ use chladni_view::Look;
 
 use super::Error;
 
-/// What is danced while nobody chooses.
+/// The dances while nobody chooses.
 pub struct Programme {
     autopilot: Autopilot,
     dances: Vec<Preset>,
     /// Names of [`Look::PRESETS`]; none where the look stays.
     looks: Vec<&'static str>,
-    /// What the gain of each turn is multiplied by.
+    /// Factor on the gain of each turn.
     gain: f32,
     /// Bars up to then were heard.
     heard_secs: f64,
@@ -79,17 +79,17 @@ impl Programme {
         self.heard_secs
     }
 
-    /// Whether it stays with what is shown.
+    /// Whether it keeps the current dance and look.
     pub fn holds(&self) -> bool {
         self.autopilot.holds()
     }
 
-    /// Stays with what is shown, or goes on.
+    /// Keeps the current dance and look, or goes on.
     pub fn hold(&mut self, on: bool) {
         self.autopilot.hold(on);
     }
 
-    /// Hears the bars that begin up to `at_secs`; what is to be done, and when.
+    /// Hears the bars that begin up to `at_secs`; returns the actions to do, and when.
     pub fn hear(&mut self, bars: &[BarLine], at_secs: f64, instrument: &Instrument) -> Vec<(f64, Action)> {
         self.heard_secs = at_secs;
         let mut actions = Vec::new();
@@ -101,13 +101,14 @@ impl Programme {
         actions
     }
 
-    /// The next dance at once, or the one before: what is to be done.
+    /// The actions that bring the next dance on at once, or the one before.
     pub fn step(&mut self, at_secs: f64, forward: bool, instrument: &Instrument) -> Vec<Action> {
         let turn = self.autopilot.step(at_secs, forward);
         turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()
     }
 
-    /// What ends it, once the stage is left or another's: gallery and knobs are as they were when it began.
+    /// Actions that end the programme, once the stage is left or shows another dance: gallery and knobs return to
+    /// where they were when it began.
     pub fn end(&self, instrument: &Instrument) -> Vec<Action> {
         let (before, generation) = (&self.before.0, self.before.1);
         let now = instrument.parameters().of_a_dance();

@@ -1,12 +1,12 @@
-//! What a region looks like on the shape while it is chosen.
+//! The look of a region on the shape while it is chosen.
 
 use chladni_view::Material;
 
 /// Color of painted places, sRGB: distinct from clay with any color vision.
 pub const PAINTED: [u8; 3] = [52, 122, 190];
-/// What the brush's ring looks like, sRGB.
+/// Color of the brush's ring, sRGB.
 pub const RING: [u8; 3] = [236, 170, 70];
-/// What marked places look like, sRGB.
+/// Color of marked places, sRGB.
 pub const MARKED: [u8; 3] = [214, 40, 30];
 
 /// The material's color where `values` are 0, `tint` where they are 1; linear light.

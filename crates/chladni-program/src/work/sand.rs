@@ -10,14 +10,14 @@ use rayon::prelude::*;
 
 use super::{Error, Hearing};
 
-/// Of the grains, sRGB.
+/// Color of the grains, sRGB.
 const COLOR: [u8; 3] = [240, 220, 178];
-/// A film that begins in the middle of a show begins with sand that has lain for so long.
+/// A film that begins in the middle of a show begins with sand poured this long before.
 const BEFORE_SECS: f64 = 5.0;
-/// Who was kept waiting for longer goes on from now.
+/// The most steps that are caught up; after a longer wait the sand goes on from now.
 const MOST_STEPS: i64 = 120;
 
-/// A shape on which sand may lie. It steps at fixed times of the show, by what is heard then, so that window
+/// A shape on which sand may lie. It steps at fixed times of the show, by the sound of that time, so that window
 /// and film show the same grains at any frame rate.
 pub struct SandTable {
     body: Body,
@@ -29,13 +29,13 @@ pub struct SandTable {
     sweeps: u32,
     /// The next step, counted from the beginning of the show.
     next: i64,
-    /// What is drawn of each, and how large it is.
+    /// The grains to draw on each item, and their size.
     grains: Vec<Vec<Grain>>,
     radius: f32,
 }
 
 impl SandTable {
-    /// A shape without sand, for a show of which nothing before `begins_secs` is seen.
+    /// A shape without sand, for a show that is seen from `begins_secs` on.
     pub fn new(body: Body, begins_secs: f64) -> Self {
         let next = ((begins_secs - BEFORE_SECS).max(0.0) / SAND_STEP_SECS).ceil() as i64;
         Self { body, tray: None, sands: Vec::new(), sweeps: 0, next, grains: Vec::new(), radius: 0.0 }
@@ -100,7 +100,7 @@ impl SandTable {
         self.sands.par_iter_mut().zip(items).for_each(|(sand, item)| sand.step(item, full));
     }
 
-    /// What is drawn of it now, of each item; nothing where there is none.
+    /// The grains to draw now on each item; empty where there is no sand.
     pub fn drawn(&mut self) -> Vec<Grains<'_>> {
         let grain = |grain: chladni_music::Grain| {
             let chladni_music::Grain { corners, weights, lift } = grain;
@@ -114,7 +114,7 @@ impl SandTable {
         self.grains.iter().map(|grains| of(&grains[..])).collect()
     }
 
-    /// A number that changes whenever what is drawn does.
+    /// A number that changes whenever the grains do.
     pub fn version(&self) -> u64 {
         let mixed = |all: u64, sand: &Sand| all.rotate_left(5) ^ sand.version();
         let radius = u64::from(self.radius.to_bits()) << 32;

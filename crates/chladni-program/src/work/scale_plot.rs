@@ -1,5 +1,5 @@
 //! How a scale curve is drawn, in the window and in the page: where wavelengths and gains lie in its plot, how a hand draws
-//! it, and what the active model exaggerates behind it. Places in the plot go from 0 to 1, to the right and up.
+//! it, and the spectrum that the active model exaggerates behind it. Places in the plot go from 0 to 1, to the right and up.
 
 use chladni_caricature::{Difference, Model, ScaleCurve, wavelengths};
 use chladni_harmonics::Basis;
@@ -9,7 +9,7 @@ pub const GAINS: [f64; 4] = [0.0, 1.0, 2.0, ScaleCurve::MAX_GAIN];
 /// A step of a free hand, as a share of the axis: with fewer points the curve can still be edited by them.
 const STEP: f64 = 1.0 / 48.0;
 
-/// What the active model exaggerates, before the curve.
+/// The spectrum that the active model exaggerates, before the curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
     /// Wavelength, as a share of the size, and amplitude of each harmonic, from broad to fine; empty until
@@ -20,7 +20,7 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// Of a difference on a shape with the harmonics of `basis`.
+    /// The spectrum of a difference on a shape with the harmonics of `basis`.
     pub fn of(difference: &Difference, model: Model, basis: &Basis) -> Self {
         let bars = difference.amplitudes(model);
         let waves = wavelengths(basis).into_iter().zip(bars.harmonics);
@@ -92,7 +92,7 @@ pub fn percent(wavelength: f64) -> String {
     if percent < 10.0 { format!("{percent:.1} %") } else { format!("{percent:.0} %") }
 }
 
-/// What a curve does at a place, in words.
+/// The gain of a curve at one wavelength, in words.
 pub fn gain_in_words([wavelength, gain]: [f64; 2]) -> String {
     format!("Waves of {} of its size: ×{gain:.2}", percent(wavelength))
 }

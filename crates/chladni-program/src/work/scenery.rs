@@ -16,10 +16,10 @@ pub const PANORAMAS: [&str; 4] = ["hdr", "png", "jpg", "jpeg"];
 /// No such file is larger.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// What was read of them.
+/// The pictures and films read from these files.
 #[derive(Clone, Debug, Default)]
 pub struct Scenery {
-    /// Of a film, its first picture.
+    /// The picture behind; the first one if it is a film.
     behind: Option<Picture>,
     /// The film's name.
     film: Option<String>,
@@ -31,7 +31,7 @@ impl Scenery {
     /// none.
     ///
     /// # Errors
-    /// A file that cannot be read, or is no such picture; a film without ffmpeg.
+    /// A file that cannot be read, or is not a picture of this kind; a film without ffmpeg.
     pub fn open(picture: &str, panorama: &str) -> Result<Self, Error> {
         let film = is_film(picture).then(|| picture.to_owned());
         let behind = match &film {

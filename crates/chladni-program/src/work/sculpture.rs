@@ -22,7 +22,7 @@ pub struct Sculpture {
     pub subject: Subject,
     /// With its harmonics.
     pub body: Arc<Body>,
-    /// Of all layers.
+    /// The evaluation of all layers.
     pub evaluation: Evaluation,
 }
 
@@ -117,10 +117,11 @@ impl Sculpture {
         save_mesh(&self.result(), path).map(|()| None).map_err(Error::unsaved)
     }
 
-    /// The same in memory, as a file of `format`. `file` is what the shape was read from, where it comes from a file.
+    /// The same in memory, as a file of `format`. `file` holds the bytes of the shape's file, where it comes from
+    /// one.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for what the format cannot hold.
+    /// [`Error::Mesh`] for properties that the format cannot hold.
     pub fn to_bytes(&self, format: Format, file: Option<&[u8]>) -> Result<(Vec<u8>, Option<Warning>), Error> {
         if format == Format::Glb {
             return Ok(self.glb(file)?);
@@ -128,7 +129,7 @@ impl Sculpture {
         Ok((write_mesh(&self.result(), format)?, None))
     }
 
-    /// All of the shape, with what the body's displacements make of it.
+    /// All of the shape, moved by the body's displacements.
     fn result(&self) -> TriMesh {
         let whole = self.subject.whole();
         let positions = match &self.subject.proxy {
@@ -161,7 +162,7 @@ impl Sculpture {
         targets.into_iter().map(target).collect()
     }
 
-    /// `file` is what the shape was read from, where that is in memory.
+    /// `file` holds the bytes of the shape's file, where these are in memory.
     fn glb(&self, file: Option<&[u8]>) -> Result<(Vec<u8>, Option<Warning>), MeshError> {
         let (whole, targets) = (self.subject.whole(), self.morph_targets());
         let mut warning = None;

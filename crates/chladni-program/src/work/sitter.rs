@@ -56,8 +56,8 @@ pub fn sitter(
     Ok(Sitter::new(stack, &templates, parts)?)
 }
 
-/// The named parts of the head `mesh`, its match with the plain head and that one; `None` of what is no head. Takes
-/// seconds.
+/// The named parts of the head `mesh`, its match with the plain head, and the plain head; `None` if `mesh` is not a
+/// head. Takes seconds.
 ///
 /// # Errors
 /// A head that cannot be matched, [`Error::Cancelled`].
@@ -81,7 +81,7 @@ pub fn head_parts(
     Ok(Some((HeadParts::of_match(&found, &plain)?, found, plain)))
 }
 
-/// The named parts of a head; `None` of what is none.
+/// The named parts of a head; `None` if it is not a head.
 fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Option<Vec<SitterPart>>, Error> {
     let Some((parts, found, plain)) = head_parts(mesh, watcher)? else { return Ok(None) };
     let body = stack.body().clone();
@@ -99,7 +99,7 @@ fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Opt
     Ok(Some(parts?.into_iter().flatten().collect()))
 }
 
-/// What stands out of any shape, mirror images together, the largest first.
+/// The limbs of any shape, mirror images together, the largest first.
 fn limbs(stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
     let body = stack.body();
     let found = Limbs::of(body, Limbs::USUAL_LEVEL);

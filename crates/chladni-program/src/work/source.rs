@@ -12,7 +12,7 @@ use super::{Error, Warning, Watcher};
 /// The name of the sample tune.
 pub const TUNE: &str = "sample:tune";
 
-/// What users call the sample shape `name`.
+/// The users' name for the sample shape `name`.
 pub fn sample_path(name: &str) -> PathBuf {
     ShapeSource::Sample(name.to_owned()).to_string().into()
 }
@@ -24,7 +24,7 @@ pub fn from_anywhere(path: &Path) -> PathBuf {
     absolute.unwrap_or_else(|| path.to_owned())
 }
 
-/// Reads a mesh file, or makes a sample; warns of what was mended.
+/// Reads a mesh file, or makes a sample; warns of repairs.
 ///
 /// # Errors
 /// [`Error::Mesh`], which names it.
@@ -33,7 +33,7 @@ pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Er
     Ok(mended(source, loaded, watcher))
 }
 
-/// The mesh in the `bytes` of a file called `name`; warns of what was mended. Files that it names are not there.
+/// The mesh in the `bytes` of a file called `name`; warns of repairs. Files that it names are not there.
 ///
 /// # Errors
 /// [`Error::Mesh`] with the name.
@@ -50,7 +50,7 @@ fn mended(name: impl Display, loaded: Loaded, watcher: &impl Watcher) -> TriMesh
     loaded.mesh
 }
 
-/// The mesh that users call `name`; warns of what was mended.
+/// The mesh that users call `name`; warns of repairs.
 ///
 /// # Errors
 /// As [`shape`] does.

@@ -4,7 +4,7 @@ use chladni_mesh::{Axis, Estimate, Known, Orientation, ShapeSource, TriMesh};
 
 use super::{Error, Warning, Watcher};
 
-/// Up and front as given by the user; what is not given is estimated.
+/// Up and front as given by the user; missing ones are estimated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stance {
     /// The axis of the file that points up.
@@ -36,7 +36,7 @@ impl Stance {
         }
     }
 
-    /// What is given here and, where that leaves it open, what is known of the source.
+    /// The axes given here, completed by those known of the source.
     fn known(&self, source: &ShapeSource) -> Known {
         let given = Known {
             up: self.up.map(Axis::direction),
@@ -53,9 +53,9 @@ impl Stance {
         }
     }
 
-    /// How the mesh called `name` stands: as given here, else as `kept`, else, of a sample, as it was modeled,
-    /// else as estimated from its surface, or, if that is in doubt, as the template that it was `matched` with.
-    /// Warns if it stays in doubt.
+    /// The orientation of the mesh called `name`: as given here; else as `kept`; else, for a sample, as modeled; else
+    /// as estimated from its surface; or, if the estimate is in doubt, that of the template that it was `matched`
+    /// with. Warns if the doubt remains.
     ///
     /// # Errors
     /// As [`check`](Self::check) does, and [`Error::Cancelled`].

@@ -9,11 +9,11 @@ use chladni_mesh::ShapeSource;
 /// A template that needs no file.
 #[derive(Clone, Copy, Debug)]
 pub struct StartingPoint {
-    /// What it is known by, whatever it is called.
+    /// A lasting identifier; the name may change.
     pub id: &'static str,
-    /// What it is called, and its layers, with a number.
+    /// Its name, which its layers get, too, with a number.
     pub name: &'static str,
-    /// What it compares the shape with.
+    /// The comparison that it makes, for a tooltip.
     pub tip: &'static str,
     template: fn() -> Template,
 }

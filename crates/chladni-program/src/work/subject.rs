@@ -11,7 +11,7 @@ use super::{Error, Warning, Watcher, source};
 
 /// Shapes with more vertices than this are worked on through a proxy, where nobody says otherwise.
 const MOST_VERTICES: usize = 400_000;
-/// What such a proxy has.
+/// Vertices of such a proxy.
 const PROXY_VERTICES: usize = 150_000;
 
 /// A shape as it is worked on. Everything is computed on `mesh`; files are written with all of the shape.
@@ -19,7 +19,7 @@ const PROXY_VERTICES: usize = 150_000;
 pub struct Subject {
     /// The shape as its file holds it, or fewer of its vertices.
     pub mesh: Arc<TriMesh>,
-    /// The way from `mesh` to the whole shape, where `mesh` is less.
+    /// Carries displacements of `mesh` to the whole shape, where `mesh` has fewer vertices.
     pub proxy: Option<Arc<Proxy>>,
 }
 
@@ -172,13 +172,13 @@ fn proxy(mesh: &Arc<TriMesh>, vertices: usize) -> Option<Proxy> {
     Proxy::of(mesh, vertices)
 }
 
-/// The simplifier's C++ has no compiler where there is no desktop.
+/// The simplifier is C++, and a build without desktop has no compiler for it.
 #[cfg(not(feature = "desktop"))]
 fn proxy(_: &Arc<TriMesh>, _: usize) -> Option<Proxy> {
     None
 }
 
-/// Of which vertices it has and how they are joined.
+/// A hash of the proxy's vertices and triangles.
 fn fingerprint(proxy: &Proxy) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(bytemuck::cast_slice(proxy.whole_vertex()));

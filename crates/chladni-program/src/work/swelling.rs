@@ -1,4 +1,4 @@
-//! Caricatures that swell out of their shape and back, all together: what the galleries of the window and of the page show.
+//! Caricatures that swell out of their shape and back, all together, for the galleries of the window and of the page.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ pub struct Swelling {
 }
 
 impl Swelling {
-    /// Of the shape that `model` is made of; nothing swells yet.
+    /// Caricatures of the shape in `model`; nothing swells yet.
     pub fn new(model: SynthModel) -> Self {
         Self { synthesizer: CpuSynthesizer::new(model), items: Vec::new(), swollen: None }
     }
@@ -65,7 +65,7 @@ impl Swelling {
     /// Swells all of them to a share, in one frame of the synthesizer; none where they have swollen as far already.
     ///
     /// # Errors
-    /// What the synthesizer refuses.
+    /// Errors of the synthesizer.
     pub fn swell(&mut self, share: f32) -> Result<Option<&CpuSynthesizer>, Error> {
         if self.swollen == Some(share) {
             return Ok(None);

@@ -14,8 +14,8 @@ pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Opti
     template.mesh().map(|source| source::shape(&source, watcher)).transpose()
 }
 
-/// Matches the shape `mesh`, which `body` was built from, as `request` says, and warns of what is wrong
-/// with the match.
+/// Matches the shape `mesh`, which `body` was built from, as `request` says, and warns of faults
+/// of the match.
 ///
 /// # Errors
 /// Whatever keeps the layer from acting, in the words that the layer is shown with.

@@ -1,9 +1,9 @@
-//! What a template is called in the window and on the web page.
+//! Names of templates in the window and on the web page.
 
 use chladni_caricature::{Project, Template};
 use chladni_mesh::samples::portrait_sliders;
 
-/// What a template of a layer of `project` is called where it is shown.
+/// The name under which a template of a layer of `project` is shown.
 pub fn template_name(template: &Template, project: &Project) -> String {
     match template {
         Template::File(path) => path

@@ -1,4 +1,4 @@
-//! How a dance looks at one moment: camera, lights and cells, from what the beat does and where the viewer
+//! How a dance looks at one moment: camera, lights and cells, from the beat and from where the viewer
 //! stands.
 
 use std::sync::Arc;
@@ -42,7 +42,7 @@ pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
     positions.step_by(step).map(dot).collect()
 }
 
-/// What the beat does to the picture; while a jump in the song fades, so does its effect.
+/// The effect of the beat on the picture; it fades together with a jump in the song.
 pub fn reaction(instrument: &Instrument, beat: Beat, fading: Option<(Beat, f32)>) -> Reaction {
     let of = |beat| react(beat, instrument.seed(), instrument.parameters());
     let to = of(beat);
@@ -62,7 +62,7 @@ pub fn chooses_shots(instrument: &Instrument, beat: Beat) -> bool {
 }
 
 impl Heard<'_> {
-    /// What the beat does to the picture.
+    /// The effect of the beat on the picture.
     pub fn reaction(&self, instrument: &Instrument) -> Reaction {
         reaction(instrument, self.beat, self.fading)
     }
@@ -104,7 +104,7 @@ pub struct Staging {
     stands: Orientation,
     /// Whether the body is a sheet.
     flat: bool,
-    /// The limit of displacement, and what has to fit into a cell for it.
+    /// The limit of displacement, and the points that have to fit into a cell for it.
     room: (f32, Vec<[f32; 3]>),
     /// Points of the surface, and from how far they fill a picture.
     surface: Vec<[f32; 3]>,
@@ -126,9 +126,9 @@ const LIMIT_STEP: f32 = 0.08;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Staged {
     area: Rect,
-    /// Who looks.
+    /// The viewer's camera.
     pub camera: Camera,
-    /// What shapes and light are like, at this moment.
+    /// The look of shapes and light at this moment.
     pub look: Look,
     /// Where each item stands.
     pub viewports: Vec<Rect>,
@@ -137,7 +137,7 @@ pub struct Staged {
 }
 
 impl Staging {
-    /// For a body at rest, its triangles, what is [`along`] it, and how it stands.
+    /// For a body at rest, its triangles, the numbers [`along`] it, and how it stands.
     pub fn new(
         dancer: Arc<Dancer>,
         rest: Vec<[f32; 3]>,
@@ -264,7 +264,7 @@ impl Staging {
     }
 }
 
-/// Right, up and front of what stands so.
+/// Right, up and front in this orientation.
 fn axes(stands: Orientation) -> [[f32; 3]; 3] {
     [stands.right(), stands.up(), stands.front()].map(|axis| axis.map(|c| c as f32))
 }

@@ -10,7 +10,7 @@ pub(super) struct Tuning {
     pub decay: f32,
     pub side_gain: f32,
     pub front_end: FrontEnd,
-    /// Of the resonators: none where they are off.
+    /// The timbre of the resonators; none where they are off.
     pub timbre: Option<Timbre>,
 }
 

@@ -8,7 +8,7 @@ use super::Warning;
 
 /// Observes work, and may stop it.
 pub trait Watcher {
-    /// What long work reports to; cancelling it stops the work.
+    /// The task that long work reports to; cancelling it stops the work.
     fn task(&self) -> &Task;
 
     /// Work continues, but not quite as asked.

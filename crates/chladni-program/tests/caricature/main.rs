@@ -317,7 +317,7 @@ fn paper_mode_takes_the_plain_laplacian_and_the_papers_settings() {
     desk.ok(&format!("{line} --paper -o paper.ply"));
     desk.ok(&format!("{line} -o usual.ply"));
     assert!(largest(&desk.mesh("paper.ply").positions, &desk.mesh("usual.ply").positions) > 1e-3);
-    // What cannot have it is refused at once, with the place.
+    // A mesh that has no plain cotangent Laplacian is refused at once, with the place.
     let fan = TriMesh {
         positions: vec![[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 0.5], [-0.5, 0.8, 0.5], [-0.5, -0.8, 0.5]],
         triangles: vec![[0, 1, 2], [0, 1, 3], [0, 1, 4]],

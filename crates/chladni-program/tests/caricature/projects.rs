@@ -48,8 +48,8 @@ fn the_result_of_a_layer_is_the_template_of_another() {
     assert!(largest(&one, &three) < 1e-5 && largest(&one, &desk.mesh("shape.obj").positions) > 0.01);
 }
 
-/// A template is named from where the person stands, and kept relative to the project: whoever
-/// reads the project, from wherever, and after its folder has moved, finds the same file.
+/// A template is named relative to the current folder and kept relative to the project, so that the project finds the
+/// same file from any folder, and after its own folder has moved.
 #[test]
 fn a_project_finds_its_files_from_anywhere_and_after_a_move() {
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! What a machine may lack: a graphics driver, a desktop, a display, MPI.
+//! Machines that lack a graphics driver, a desktop, a display or MPI.
 
 use std::process::Command;
 

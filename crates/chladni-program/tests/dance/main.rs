@@ -162,7 +162,7 @@ fn pieces_of_a_film_are_the_film_bit_for_bit() {
     assert!(
         std::fs::read(whole.join("sound.wav")).unwrap() == std::fs::read(pieces.join("sound.wav")).unwrap()
     );
-    // What is there stays, what is missing comes.
+    // Existing frames stay, missing ones are made.
     std::fs::write(pieces.join("frame-00033.png"), "kept").unwrap();
     std::fs::remove_file(pieces.join("frame-00034.png")).unwrap();
     frames("pieces", &["--piece", "3/3", "--resume"]);
@@ -253,7 +253,7 @@ fn the_layers_of_a_caricature_dance_along() {
     let largest = differences.fold(0.0, f32::max);
     assert!(largest > 0.03, "the layer changes the picture by {largest}");
 
-    // What is recorded is the mapping's own movement, with layers or without.
+    // The recording holds the mapping's own movement, with layers or without.
     for form in ["filter", "modal", "half-mask"] {
         let record = |name: &str, mesh: &str| {
             let out = folder.path().join(name);
@@ -298,7 +298,7 @@ fn films_deformed_on_cpu_and_gpu_agree() {
             .output()
             .unwrap();
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
-        // Who deformed: a GPU that gave up would be compared with the processor in vain.
+        // The device that deformed: a GPU that gave up would be compared with the processor in vain.
         let report: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
         let by = report["synthesis"].as_str().unwrap();
         assert_eq!(by.starts_with(&device), synthesis == "gpu", "{by}");

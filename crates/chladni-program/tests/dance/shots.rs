@@ -40,8 +40,8 @@ fn a_figure_stays_in_the_picture() {
                 most(edge)
             );
         }
-        // From near, what does not fit is cut off below. Seen as a whole, all of the figure is in the picture but for
-        // what sinks farther than there is room for, as the tip of the bell's clapper does.
+        // From near, whatever does not fit is cut off below. Seen as a whole, all of the figure is in the picture,
+        // except parts that sink farther than there is room for, as the tip of the bell's clapper does.
         let below = shares.iter().filter(|shares| shares[1] > TIP).count();
         assert!(below * 10 <= 4 * pictures.len(), "{name}: cut off below in {below} of {}", pictures.len());
     }

@@ -24,7 +24,7 @@ use painted::Painted;
 /// The window and what is on it.
 pub type Window = Harness<'static, Studio>;
 
-/// What the person will answer when asked for files, in turn, and what was offered last.
+/// The person's answers to file dialogs, in turn, and the last name that was offered.
 #[derive(Clone, Default)]
 pub struct Answers(
     Rc<RefCell<VecDeque<PathBuf>>>,

@@ -1,4 +1,4 @@
-//! What a screen reader says of the controls on screen.
+//! Names of the controls on screen, as a screen reader says them.
 
 use std::collections::HashSet;
 
@@ -35,7 +35,7 @@ fn name(node: &AccessKitNode<'_>) -> String {
     node.label().or_else(hint).unwrap_or_default()
 }
 
-/// What lies around a control and has a name.
+/// Name of the nearest group around a control that has one.
 fn group(node: &AccessKitNode<'_>) -> String {
     let around = std::iter::successors(node.parent(), AccessKitNode::parent);
     around.filter_map(|node| node.label()).next().unwrap_or_default()

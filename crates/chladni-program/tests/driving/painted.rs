@@ -1,4 +1,4 @@
-//! What the window shows where there is no graphics card, as a picture.
+//! The window as a picture where there is no graphics card.
 
 use chladni_program::studio::Painter;
 use egui::{Context, FullOutput, TexturesDelta};

@@ -71,7 +71,7 @@ fn lump_of(mut mesh: TriMesh, size: f64) -> TriMesh {
     mesh
 }
 
-/// The window and whoever sits before it.
+/// The window and the person in front of it.
 pub struct Person(pub Window);
 
 impl Person {

@@ -1,4 +1,4 @@
-//! What is opened, refused and remembered.
+//! Files that are opened, refused and remembered.
 
 use super::*;
 
@@ -305,7 +305,7 @@ fn a_show_survives_a_crash_and_a_request_to_end() {
     point_at(&mut window, "dance/5");
     window.key_press(Key::F);
     window.run_steps(2);
-    // What was done since the last copy is kept, too.
+    // Actions since the last copy are kept, too.
     ends.cancel();
     window.run_steps(1);
     assert!(closes(&window));

@@ -8,7 +8,7 @@ fn a_paused_song_lets_the_gallery_rest() {
     let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
     wait(&mut window, "the dance", |w| pause(w).is_zero());
     window.key_press(Key::Space);
-    // What was under way when it was paused, such as a picture's brightness, may still arrive.
+    // Work that was under way when it was paused, such as measuring a picture's brightness, may still arrive.
     let resting = std::cell::Cell::new(0);
     wait(&mut window, "rest", |w| {
         resting.set(if pause(w) >= std::time::Duration::from_millis(20) { resting.get() + 1 } else { 0 });
@@ -39,7 +39,7 @@ fn gallery_breed_twice_name_draw_stage_keep_and_reopen() {
     click(&mut window, "file/save-show");
     drop(window);
 
-    // What was done in the window is a film, the same one each time.
+    // A film repeats the actions in the window, the same way each time.
     let film = |name: &str| {
         let coefficients = folder.path().join(name);
         let [session, out] = [&session, &coefficients].map(|path| path.to_str().unwrap());
@@ -152,7 +152,7 @@ fn go_on_stage_and_back(window: &mut Window) {
     assert!(shows(window, "12 items"));
 }
 
-/// What the shelf keeps is tried out where the gallery was.
+/// A dance from the shelf is tried out where the gallery was.
 fn resize_and_take_from_the_shelf(window: &mut Window) {
     window.get_by_role_and_label(Role::CheckBox, "Squid");
     for (size, next) in [(12, 16), (16, 9), (9, 6)] {
@@ -241,7 +241,7 @@ fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts(
     click(&mut window, "breed");
     wait(&mut window, "children", |w| shows(w, "2 / 2"));
     assert!((1..=12).all(|n| !is_chosen(&window, &format!("dance/{n}"))), "a new generation");
-    // What is chosen as soon as they were asked for is a wish, too: judging begins again, and ends.
+    // A choice made right after the request counts, too: judging begins again, and ends.
     click(&mut window, "dance/3");
     control(&window, "breed").click();
     window.run_steps(1);

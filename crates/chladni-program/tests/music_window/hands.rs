@@ -167,7 +167,7 @@ fn a_flood_of_messages_stalls_nothing() {
         frames += 1;
     }
     assert!(frames > 0);
-    // What comes while the queue is still full is lost, as it would be on a network.
+    // Messages that arrive while the queue is full are lost, as they would be on a network.
     assert!((0..50).any(|_| {
         desk.touch("volume", 0.125);
         desk.settings().contains("volume = 0.125")

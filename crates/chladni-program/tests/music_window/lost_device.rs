@@ -34,7 +34,7 @@ fn the_dance_goes_on_in_another_window_when_the_device_is_lost() {
     wait(&mut window, "the dance", |w| pause(w).is_zero());
 }
 
-/// What a person has done: how many generations there are, the last on screen, and who is chosen of it.
+/// A person's work: how many generations there are, the last on screen, and who is chosen of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Done {
     generation: u64,

@@ -162,7 +162,7 @@ fn recorded(folder: &Path, trace: &Trace) -> (Window, Answers) {
 fn run_for(window: &mut Window, secs: f64) {
     let (start, from_secs) = (std::time::Instant::now(), window.ctx.input(|input| input.time));
     let mut steps = 0.0;
-    // What takes frames, such as a wheel that runs out, needs its share of them however late they come.
+    // Effects that take frames, such as a wheel that runs out, need their number of frames however late these come.
     while start.elapsed().as_secs_f64() < secs || steps < 20.0 * secs {
         std::thread::sleep(std::time::Duration::from_millis(20));
         window.input_mut().time = Some(from_secs + start.elapsed().as_secs_f64());

@@ -14,7 +14,7 @@ macro_rules! recorded {
     };
 }
 
-/// What a change of the house must leave as it is.
+/// Commands whose output a mere restructuring must not change.
 pub const COMMANDS: &[Recorded] = recorded! {
     "info-head": "info sample:head --json";
     "info-template": "info sample:template";

@@ -1,5 +1,5 @@
-//! What a list of commands gave when it was last looked at, kept beside this file: a change of the
-//! house must change none of it, and a change of behavior is seen here and recorded anew with
+//! The recorded output of a list of commands, kept beside this file: a restructuring must change none of it, and a
+//! change of behavior shows here and is recorded anew with
 //! `CHLADNI_RECORD=1 cargo test --release --test recorded`.
 //!
 //! Numbers are compared to a tolerance, since processors round differently.

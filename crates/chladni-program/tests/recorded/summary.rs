@@ -1,4 +1,4 @@
-//! What a command printed and wrote, in few numbers.
+//! The output and files of a command, summarized in few numbers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -168,7 +168,7 @@ impl Summary {
         Self { entries: serde_json::from_str(text).unwrap() }
     }
 
-    /// What is not the same in `now`, a line each.
+    /// The entries that differ in `now`, one per line.
     pub fn differences(&self, now: &Self) -> Vec<String> {
         let mut lines = Vec::new();
         for (key, before) in &self.entries {

@@ -97,7 +97,7 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
         person.press_with(CTRL, Key::O);
         person.0.run_steps(4);
     };
-    // What cannot be opened leaves the open shape as it is.
+    // A file that cannot be opened leaves the open shape as it is.
     choose(&mut person, &["missing.obj", "template.obj"]);
     person.wait_to_see("missing.obj");
     person.wait_until_gone("Opening missing.obj");

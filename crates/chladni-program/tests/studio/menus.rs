@@ -1,4 +1,4 @@
-//! What opens on a click, and how far the keyboard reaches.
+//! Menus that open on a click, and how far the keyboard reaches.
 
 use egui::Key;
 use egui::accessibility::is_input;

@@ -70,7 +70,7 @@ fn all_inside(person: &Person, size: [f32; 2], screen: &str) {
     let window = egui::Rect::from_min_size(pos2(0.0, 0.0), size.into()).expand(0.5);
     for button in person.0.get_all_by_role(egui::accesskit::Role::Button) {
         let (rect, label) = (button.rect(), button.accesskit_node().label().unwrap_or_default());
-        // What is scrolled away can be scrolled to.
+        // Controls beyond the edge can be scrolled to.
         let scrolled = rect.top() > size[1] - 60.0 && size[1] < 700.0;
         assert!(scrolled || window.contains_rect(rect), "{screen}: “{label}” at {rect:?}");
     }

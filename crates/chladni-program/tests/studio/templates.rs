@@ -1,4 +1,4 @@
-//! What a layer compares with, by hand: templates without a mesh, and matches that are not trusted everywhere.
+//! Templates set by hand: those without a mesh, and matches that are not trusted everywhere.
 
 use chladni_caricature::{LayerId, Project, ScaleCurve, Template};
 use chladni_match::Scaling;
@@ -145,7 +145,7 @@ fn the_place_under_the_pointer_is_marked_on_the_template_beside_the_shape_and_ba
     let stage = person.place_of("view");
     person.press(Key::Home);
     let middle = stage.center().x;
-    // What changes in the other half of the picture, where there is no pointer: the middle of the mark.
+    // The pixels that change in the half of the picture without the pointer: their middle is that of the mark.
     let halves = [stage.with_max_x(middle - 1.0), stage.with_min_x(middle)];
     let mut opposite = |at: Pos2| {
         let mark = person.what_changes(halves[usize::from(at.x < middle)], pos2(middle, 20.0), at);

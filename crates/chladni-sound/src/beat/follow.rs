@@ -5,7 +5,7 @@ use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::SoundError;
 use crate::structure::{BarFollower, HeardBar};
 
-/// What is known about the beat at some time.
+/// The beat as known at some time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BeatMoment {
     /// Beats per minute; 0 before anything was heard.

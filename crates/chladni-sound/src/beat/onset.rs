@@ -102,7 +102,7 @@ impl OnsetDetector {
         }
     }
 
-    /// The rise of the newest magnitudes, of which `loudest` is the greatest.
+    /// The rise of the newest magnitudes; `loudest` is the greatest of them.
     fn onset(&mut self, loudest: f32) -> Onset {
         let fade = (-1.0 / (LEVEL_SECS * ONSET_RATE_HZ)).exp() as f32;
         self.level = loudest.max(self.level * fade).max(FLOOR);

@@ -1,4 +1,4 @@
-//! Capture: records a microphone, or what the machine itself or one of its programs plays.
+//! Capture: records a microphone, or the sound of the machine or of one of its programs.
 //!
 //! Windows (WASAPI) and macOS (14.6 and later) let an output device be recorded directly. Linux sound
 //! servers offer the monitor of each sink as a source, but ALSA cannot name it; there the server's own
@@ -22,7 +22,7 @@ const RING_FRAMES: usize = 1 << 16;
 /// The meter's peak falls by 20 dB in this time.
 const METER_FALL_SECS: f32 = 1.0;
 
-/// The loudness of what is captured.
+/// The loudness of the captured sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CaptureLevel {
     /// Largest amplitude; it falls by 20 dB per second.

@@ -1,4 +1,4 @@
-//! Captures what a PulseAudio or PipeWire server plays, all of it or one program's, with its own recorder.
+//! Captures the output of a PulseAudio or PipeWire server, all of it or one program's, with its own recorder.
 
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -25,17 +25,17 @@ pub(super) fn monitors() -> Vec<String> {
         .collect()
 }
 
-/// What a server can let be recorded.
+/// An output of a sound server that can be recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Played {
     /// A sink's monitor, by name.
     Monitor(String),
-    /// What a program of this name plays.
+    /// The output of the program of this name.
     Program(String),
 }
 
 impl Played {
-    /// What `parec` is to record.
+    /// The argument that makes `parec` record it.
     fn argument(&self) -> Option<String> {
         match self {
             Self::Monitor(name) => Some(format!("--device={name}")),

@@ -12,7 +12,7 @@ use super::server::{self, Played};
 use crate::SoundError;
 use crate::converters::is_converter;
 
-/// What a source captures.
+/// The kind of sound that a source captures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaptureKind {
     /// The room: a microphone or a line input.
@@ -32,7 +32,7 @@ pub struct CaptureSource {
     pub kind: CaptureKind,
     /// The id of the device within the audio host.
     pub(super) device: Option<String>,
-    /// What a sound server plays.
+    /// The output of a sound server that is captured, if it is one.
     pub(super) played: Option<Played>,
 }
 

@@ -176,7 +176,7 @@ impl SongReader {
         self.audible.frames.or(self.declared_frames)
     }
 
-    /// A description of what is missing from the sound so far; `None` if nothing is.
+    /// A description of the parts missing from the sound so far; `None` if nothing is.
     pub fn damage(&self) -> Option<String> {
         let packets = match self.damaged_packets {
             0 => None,
@@ -323,7 +323,7 @@ impl SongReader {
         }
         let frames = self.interleaved.len() / channels.count();
         if let Some(target) = self.sought.take() {
-            // The decoder has already removed what the packet says to trim.
+            // The decoder has already trimmed the samples that the packet names.
             let start = packet.pts.get().saturating_add_unsigned(packet.trim_start.get()).max(0);
             let landed = self.frame_of(start);
             self.skip = target.saturating_sub(landed);

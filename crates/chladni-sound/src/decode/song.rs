@@ -47,7 +47,7 @@ impl Song {
         Self::read(&mut SongReader::open(path)?, &SongOptions::default(), &Task::new())
     }
 
-    /// Reads the part given by `options` from `reader`; afterwards [`SongReader::damage`] reports what was
+    /// Reads the part given by `options` from `reader`; afterwards [`SongReader::damage`] reports which parts were
     /// missing in the file.
     ///
     /// # Errors

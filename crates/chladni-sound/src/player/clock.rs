@@ -96,7 +96,7 @@ impl Clock {
         self.consumed.load(Ordering::Acquire)
     }
 
-    /// Called by the engine: drop what was written before `frame`.
+    /// Called by the engine: drop all samples written before `frame`.
     pub fn flush_before(&self, frame: u64) {
         self.flush_before.store(frame, Ordering::Release);
     }

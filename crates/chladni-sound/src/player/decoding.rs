@@ -56,7 +56,8 @@ impl Decoding {
         self.ready.pop_front()
     }
 
-    /// What is left of it once [`next`](Self::next) has none, and why it could not be decoded to its end, if so.
+    /// The remaining frames once [`next`](Self::next) returns `None`, and the error that ended decoding early, if
+    /// any.
     pub(super) fn rest(self) -> (Tail, Result<(), SoundError>) {
         (Tail::of(self.ready.into_iter()), self.ended.unwrap_or(Ok(())))
     }

@@ -40,7 +40,7 @@ pub enum PlayerEvent {
     SongDamaged {
         /// Its index in the playlist.
         song: usize,
-        /// What is missing.
+        /// The missing part.
         what: String,
     },
     /// The last song has ended.
@@ -75,7 +75,7 @@ pub(super) struct Engine {
     output: Output,
     list: Playlist,
     song: Option<Decoding>,
-    /// Of the song before it.
+    /// The rest of the song before it.
     tail: Tail,
     crossfade_secs: f64,
     /// Frames on their way to the ring.

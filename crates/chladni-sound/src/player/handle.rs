@@ -63,7 +63,7 @@ pub struct PlayerStatus {
     pub underruns: u64,
 }
 
-/// What the engine and its handles share. The audio callback uses only the clock and never waits.
+/// State that the engine and its handles share. The audio callback uses only the clock and never waits.
 pub(super) struct Shared {
     pub clock: Arc<Clock>,
     pub timeline: Mutex<Timeline>,
@@ -180,7 +180,7 @@ impl Player {
 
     /// Sets how long the end of a song is heard under the beginning of the next, in seconds up to
     /// [`LONGEST_CROSSFADE_SECS`]. With 0, the start, one follows the other without a gap. At most half of what
-    /// was heard of a song fades out; what is started by hand begins at once.
+    /// was heard of a song fades out; a song started by hand begins at once.
     pub fn set_crossfade_secs(&self, secs: f64) {
         let secs = if secs.is_finite() { secs.clamp(0.0, LONGEST_CROSSFADE_SECS) } else { 0.0 };
         self.send(Command::Crossfade(secs));

@@ -5,11 +5,11 @@ use std::collections::VecDeque;
 use crate::crossfade::crossfade_gain;
 use crate::history::Frame;
 
-/// What is left of a song that has ended.
+/// The remaining frames of a song that has ended.
 #[derive(Default)]
 pub(super) struct Tail {
     frames: VecDeque<Frame>,
-    /// Of the whole crossfade.
+    /// Frames of the whole crossfade.
     length: usize,
 }
 
@@ -24,7 +24,7 @@ impl Tail {
         self.length
     }
 
-    /// With what is left of the song before it.
+    /// Mixed with the rest of the song before it.
     pub fn over(mut self, mut before: Self) -> Self {
         let longer = self.frames.len().max(before.frames.len());
         Self::of((0..longer).map(|_| {

@@ -3,7 +3,7 @@
 use realfft::num_complex::Complex;
 
 use super::bands::{Bands, FrontEnd};
-use super::level::{Level, Leveller};
+use super::level::{Level, Leveler};
 use crate::SoundError;
 use crate::windowed::WindowedFft;
 
@@ -87,14 +87,14 @@ impl SpectrumSettings {
 /// is the louder channel of the loudest band of the last two seconds of a loud passage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spectrum {
-    /// Of (left + right) / 2, one per band.
+    /// Amplitudes of (left + right) / 2, one per band.
     pub mid: Vec<f32>,
-    /// Of (left − right) / 2, times the side's gain, one per band.
+    /// Amplitudes of (left − right) / 2, times the side's gain, one per band.
     pub side: Vec<f32>,
-    /// Of the left channel, one per band. (The magnitudes of mid and side alone do not distinguish left
+    /// Amplitudes of the left channel, one per band. (The magnitudes of mid and side alone do not distinguish left
     /// from right.)
     pub left: Vec<f32>,
-    /// Of the right channel, one per band.
+    /// Amplitudes of the right channel, one per band.
     pub right: Vec<f32>,
     /// The gain by which `side` was multiplied.
     pub side_gain: f32,
@@ -184,7 +184,7 @@ pub struct SpectrumAnalyzer {
     fresh: Spectrum,
     followed: Vec<Followed>,
     spectrum: Spectrum,
-    leveller: Leveller,
+    leveler: Leveler,
     /// The gain of each band.
     gains: Vec<f32>,
     lag_secs: f64,
@@ -217,7 +217,7 @@ impl SpectrumAnalyzer {
             fresh: silence.clone(),
             followed: vec![Followed::default(); settings.bands],
             spectrum: silence,
-            leveller: Leveller::new(settings.bands, settings.loud),
+            leveler: Leveler::new(settings.bands, settings.loud),
             gains: vec![0.0; settings.bands],
             lag_secs: lag_secs(&settings),
             settings,
@@ -248,7 +248,7 @@ impl SpectrumAnalyzer {
     pub fn reset(&mut self) {
         self.spectrum = Spectrum::silent(self.settings.bands);
         self.followed.fill(Followed::default());
-        self.leveller = Leveller::new(self.settings.bands, self.settings.loud);
+        self.leveler = Leveler::new(self.settings.bands, self.settings.loud);
     }
 
     /// The delay, in seconds, from a click to the peak of its spectrum, caused by the decay. A window
@@ -300,16 +300,16 @@ impl SpectrumAnalyzer {
 
     /// Computes the gain of each band into `gains`. Returns the gain of the side.
     fn level(&mut self, dt_secs: f64) -> f32 {
-        let Self { fresh, gains, leveller, settings, .. } = self;
+        let Self { fresh, gains, leveler, settings, .. } = self;
         if let Level::Fixed(gain) = settings.level {
             gains.fill(gain);
             return settings.side_gain;
         }
         let louder = fresh.left.iter().zip(&fresh.right).map(|(l, r)| l.max(*r));
         gains.iter_mut().zip(louder).for_each(|(gain, amplitude)| *gain = amplitude);
-        leveller.follow(gains, dt_secs);
+        leveler.follow(gains, dt_secs);
         let side = fresh.side.iter().zip(&*gains).fold(0.0f32, |most, (u, gain)| most.max(u * gain));
-        leveller.side_gain(side, settings.side_gain, dt_secs)
+        leveler.side_gain(side, settings.side_gain, dt_secs)
     }
 }
 

@@ -28,7 +28,7 @@ const LIFT: f32 = 0.8;
 const SOFTEST: f32 = 1e-3;
 /// A band's level rises at once, and falls with this time constant, in decibels.
 const BAND_RELEASE_SECS: f64 = 4.0;
-/// Leveled amplitudes are raised to this power: what is 10 dB softer than the level of its band appears 7
+/// Leveled amplitudes are raised to this power: a sound 10 dB softer than the level of its band appears 7
 /// dB softer.
 const COMPRESSION: f32 = 0.7;
 
@@ -40,7 +40,7 @@ const DYNAMICS: f32 = 0.5;
 const LOUD_RELEASE_SECS: f64 = 15.0;
 
 /// The gain of each band and of the side.
-pub(super) struct Leveller {
+pub(super) struct Leveler {
     whole: LevelFollower,
     /// The level of loud passages, known or learned.
     loud: f32,
@@ -52,7 +52,7 @@ pub(super) struct Leveller {
     bands: Vec<f32>,
 }
 
-impl Leveller {
+impl Leveler {
     /// A leveler for `bands` bands. `loud` is the level of the song's loud passages, if it is known.
     pub fn new(bands: usize, loud: Option<f32>) -> Self {
         let loud = loud.filter(|loud| *loud > FLOOR && loud.is_finite());
@@ -79,9 +79,9 @@ impl Leveller {
         for (own, amplitude) in self.bands.iter_mut().zip(amplitudes) {
             let now = (*amplitude / level).clamp(SOFTEST, 1.0);
             *own = followed(*own, now, keep);
-            let levelled = *amplitude / (level * own.powf(LIFT));
-            let gain = self.softness * levelled.powf(COMPRESSION) / *amplitude;
-            *amplitude = if levelled > 0.0 { gain } else { 0.0 };
+            let leveled = *amplitude / (level * own.powf(LIFT));
+            let gain = self.softness * leveled.powf(COMPRESSION) / *amplitude;
+            *amplitude = if leveled > 0.0 { gain } else { 0.0 };
         }
     }
 

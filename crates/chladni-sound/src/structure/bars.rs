@@ -103,8 +103,8 @@ fn beginning() -> [f32; STATES] {
     std::array::from_fn(|state| (COMMON[place(state).0] / METERS[place(state).0] as f32).ln())
 }
 
-/// The most probable paths through `heard` beats (Viterbi), of which the first `judged` are judged: the score of each
-/// state at the last beat, and where each came from.
+/// The most probable paths through `heard` beats (Viterbi), the first `judged` of them weighted by their signs: the
+/// score of each state at the last beat, and where each came from.
 fn paths(heard: &[BeatFeatures], judged: usize) -> ([f32; STATES], Vec<[u8; STATES]>) {
     let signs: Vec<[f32; 4]> = (0..heard.len()).map(|i| signs_at(heard, i)).collect();
     let mut judge = Judge::new();

@@ -1,4 +1,4 @@
-//! What one beat sounds like, and the signs that a bar begins with it.
+//! The sound of one beat, and the signs that a bar begins with it.
 
 use super::frame::{CLASSES, FRAME_RATE_HZ, Frame, OCTAVES};
 use crate::{ONSET_RATE_HZ, Onset};

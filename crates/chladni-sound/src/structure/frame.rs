@@ -70,7 +70,7 @@ impl FrameReader {
 }
 
 impl Frame {
-    /// Adds what one channel sounds, by the bins of its transform.
+    /// Adds the sound of one channel, by the bins of its transform.
     fn add(&mut self, bins: &[Complex<f32>], per_bin_hz: f64) {
         for (k, bin) in bins.iter().enumerate().skip(2) {
             let (hz, power) = (k as f64 * per_bin_hz, bin.norm_sqr());

@@ -1,4 +1,4 @@
-//! What beats group into (bars and sections), and the energy of the music.
+//! Structure of music: the bars and sections that beats form, and the energy.
 
 mod bars;
 mod beat_features;
@@ -37,7 +37,7 @@ pub struct Section {
     pub energy: f32,
 }
 
-/// What the beats of a song group into.
+/// The bars and sections of a song.
 pub(crate) struct Structure {
     pub bars: Vec<Bar>,
     pub sections: Vec<Section>,

@@ -25,14 +25,14 @@ const TAIL_SECS: f64 = 1.2;
 /// MIDI notes of the chord of each bar: A minor, F, C, G, twice.
 const CHORDS: [[u8; 3]; 4] = [[57, 60, 64], [53, 57, 60], [55, 60, 64], [55, 59, 62]];
 const ROOTS: [u8; 4] = [33, 29, 36, 31];
-/// (beat within two bars, MIDI note, length in beats): what the left voice calls …
+/// (beat within two bars, MIDI note, length in beats): the calls of the left voice …
 const CALLS: [&[(f64, u8, f64)]; 4] = [
     &[(0.0, 76, 0.5), (0.5, 74, 0.5), (1.0, 72, 0.75), (2.0, 69, 0.5), (2.5, 72, 0.5), (3.0, 74, 1.0)],
     &[(0.0, 76, 0.5), (0.75, 79, 0.5), (1.5, 76, 0.5), (2.0, 74, 0.5), (3.0, 72, 0.5), (3.5, 74, 0.5)],
     &[(0.0, 81, 0.5), (0.5, 79, 0.5), (1.0, 76, 0.75), (2.0, 72, 0.5), (2.5, 74, 0.5), (3.0, 76, 1.0)],
     &[(0.0, 79, 0.5), (0.75, 81, 0.5), (1.5, 79, 0.5), (2.0, 76, 1.0), (3.0, 74, 0.5), (3.5, 72, 0.5)],
 ];
-/// … and what the right voice answers.
+/// … and the answers of the right voice.
 const ANSWERS: [&[(f64, u8, f64)]; 4] = [
     &[(0.0, 84, 1.0), (1.5, 81, 0.5), (2.0, 77, 1.0), (3.0, 81, 0.5), (3.5, 84, 0.5)],
     &[(0.0, 83, 1.0), (1.0, 86, 0.5), (2.0, 79, 0.75), (3.0, 83, 1.0)],

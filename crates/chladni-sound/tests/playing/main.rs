@@ -144,7 +144,7 @@ fn one_song_fades_into_the_next() {
     player.take_heard(&mut from, &mut left, &mut right);
     fades.dedup();
     assert!(fades.ends_with(&[(0, 0.0), (1, 1.0)]), "{fades:?}");
-    // What was heard before the first look is missing.
+    // Sound before the first look is missing.
     assert!((3.0..=3.5).contains(&(left.len() as f64 / 48_000.0)), "{}", left.len());
     let power = left.iter().zip(&right).map(|(l, r)| l * l + r * r);
     let worst = power.map(|power| (power - 0.25).abs()).fold(0.0, f32::max);

@@ -229,7 +229,7 @@ const TURN: [u8; 4] = [0, 5, 3, 7];
 const OTHER: [u8; 4] = [9, 2, 10, 4];
 const STILL: [u8; 4] = [0, 0, 5, 0];
 
-/// Songs with a form: 4/4, 3/4, changes of metre, breaks, AABA, an upbeat, a bar that is cut short.
+/// Songs with a form: 4/4, 3/4, changes of meter, breaks, AABA, an upbeat, a bar that is cut short.
 pub fn formed() -> Vec<Formed> {
     let list: [(&str, f64, Tempo, usize, &[Part]); 14] = [
         (

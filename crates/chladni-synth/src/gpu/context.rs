@@ -1,4 +1,4 @@
-//! What all synthesizers on one device share: the pipelines, and whether the device was lost.
+//! State that all synthesizers on one device share: the pipelines, and whether the device was lost.
 
 use std::sync::{Arc, OnceLock};
 

@@ -2,7 +2,7 @@
 
 use crate::packed_basis::PANEL;
 
-/// What one thread sums in registers: some columns of a few neighboring vertices.
+/// The sums that one thread keeps in registers: some columns of a few neighboring vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tile {
     /// A multiple of four.

@@ -19,7 +19,7 @@ enum Call {
     SyncFolder,
 }
 
-/// What happens instead of a call.
+/// The fault that replaces a call.
 #[derive(Clone, Copy, Debug)]
 enum Fault {
     Error(ErrorKind),
@@ -34,7 +34,7 @@ struct Faulty {
     /// The number of the call that fails, and how.
     fails: Option<(usize, Fault)>,
     calls: RefCell<Vec<Call>>,
-    /// What a reader finds at `path` before each call, which is what a crash at that moment leaves.
+    /// The file's content at `path` before each call: what a crash at that moment would leave.
     left: RefCell<Vec<Option<Vec<u8>>>>,
 }
 

@@ -11,8 +11,8 @@ use std::time::Duration;
 pub(super) const PREFIX: &str = ".chladni-";
 pub(super) const RANDOM: usize = 6;
 
-/// What was written to within this time stays: a file is made and locked in two steps, and some file systems know only the
-/// locks of their own machine.
+/// Files written to within this time stay: a file is created and locked in two steps, and some file systems know only
+/// the locks of their own machine.
 const AT_WORK: Duration = Duration::from_secs(3600);
 
 /// Marks a temporary file as somebody's, until it is closed or its process ends. Without locks it is never removed as
@@ -32,7 +32,7 @@ pub(super) fn sweep_once(folder: &Path) {
     }
 }
 
-/// What cannot be read or removed stays: it is not what was to be saved.
+/// Files that cannot be read or removed stay: a failure here must not fail the save.
 fn sweep(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         if is_ours(&entry.file_name().to_string_lossy()) {

@@ -1,4 +1,4 @@
-//! What the measuring examples draw, and what it costs.
+//! The shapes of the measuring examples, and the cost of drawing them.
 
 /// A closed sphere with waves, of about `vertices` vertices, wound outwards.
 pub fn bumpy(vertices: usize) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {

@@ -39,7 +39,7 @@ impl Skin {
         Self::of_levels(&device, levels)
     }
 
-    /// Of levels each of which has half the size of the one before.
+    /// A skin of levels, each half the size of the one before.
     pub(crate) fn of_levels(device: &Device, levels: Vec<image::RgbaImage>) -> Result<Self, ViewError> {
         let Some((width, height)) = levels.first().map(image::RgbaImage::dimensions) else {
             return Err(ViewError::Shape("an image without levels".into()));

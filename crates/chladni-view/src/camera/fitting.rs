@@ -94,7 +94,7 @@ impl Camera {
     }
 
     /// Looks higher until no point, raised by `rises` in the picture, is more than `top` of half a picture above its
-    /// middle; what does not fit is then cut off below.
+    /// middle; parts that do not fit are then cut off below.
     pub fn keep_below(&mut self, points: impl IntoIterator<Item = [f32; 3]>, rises: f32, top: f32) {
         let [_, up, back] = self.axes();
         let target = Vec3::from(self.target);

@@ -1,4 +1,4 @@
-//! What is behind the figures of a cell, painted once and kept.
+//! The background of a cell, painted once and kept.
 
 use std::sync::Arc;
 

@@ -8,7 +8,7 @@ use super::instructions::Kernel;
 use super::shade::{self, rgb};
 use crate::uniforms::{CellUniform, FigureUniform};
 
-/// Places in a batch: what is computed of them fits the first cache.
+/// Places in a batch: their data fits the first-level cache.
 pub(super) const PLACES: usize = 128;
 
 type Places = [f32; PLACES];
@@ -42,14 +42,14 @@ pub(super) struct Batch {
     pub(super) keyed: Places,
     /// Share of the key light.
     pub(super) key: Places,
-    /// In a panorama: light from all around, and what is mirrored.
+    /// In a panorama: light from all around, and the mirrored light.
     ambient: [Places; 3],
     mirror: [Places; 3],
     /// Own light, as a share of the color.
     pub(super) glow: Places,
     /// Linear light; then sRGB-encoded.
     pub(super) color: [Places; 3],
-    /// What is added to the pixel.
+    /// The colors to be added to the pixels.
     pub(super) packed: [[u8; 4]; PLACES],
 }
 
@@ -81,7 +81,7 @@ impl Batch {
         })
     }
 
-    /// Looks up what a panorama sends to each place.
+    /// Looks up the light of a panorama at each place.
     pub(super) fn surround(&mut self, cell: &CellUniform, around: &Pyramid, roughness: f32) {
         for i in 0..self.count {
             let (n, v) = (at(&self.normal, i), at(&self.viewer, i));
@@ -108,7 +108,7 @@ fn set(places: &mut [Places; 3], i: usize, value: Vec3) {
     (places[0][i], places[1][i], places[2][i]) = (value.x, value.y, value.z);
 }
 
-/// What places of one figure share.
+/// Uniforms and matrices that all places of one figure share.
 pub(super) struct Setting<'a> {
     pub(super) cell: &'a CellUniform,
     pub(super) figure: &'a FigureUniform,
@@ -125,7 +125,7 @@ fn row(row: &[f32; 4], p: Vec3, w: f32) -> f32 {
     row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3] * w
 }
 
-/// Of a triangle's corners in clip space, at a place over w: the weight of each, and their sum.
+/// Weights of a triangle's corners in clip space at a place, each over w, and their sum.
 #[inline(always)]
 fn weights(clip: [[f32; 3]; 3], [sx, sy]: [f32; 2]) -> ([f32; 3], f32) {
     // From the place, so that small triangles lose no digits.
@@ -210,7 +210,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
                     row(&setting.map[2], normal, 0.0),
                 );
                 let on = on * scale + vec3(0.5 * size, 0.5 * size, 0.0);
-                // A disc around it stays in the map; what the camera cannot reach is beyond its edge.
+                // A disc around it stays in the map; places beyond the camera's reach are beyond its edge.
                 let on = vec3(clamp(on.x, 6.0, size - 6.0), clamp(on.y, 6.0, size - 6.0), on.z);
                 let length = max(turned.dot(turned).sqrt(), 1e-12);
                 let grazing = 1.0 - min(turned.dot(key).abs() / length, 1.0);
@@ -221,7 +221,7 @@ impl<const EDGES: bool> Kernel for Place<'_, '_, EDGES> {
     }
 }
 
-/// From what a palette answers with to colors, linear light.
+/// From a palette's answers to colors, linear light.
 pub(super) struct Answered<'a, 'b> {
     pub(super) figure: &'a FigureUniform,
     pub(super) map: &'a [[f32; 3]; 256],
@@ -302,7 +302,7 @@ impl Kernel for LightMap<'_, '_> {
     }
 }
 
-/// From colors to what is added to pixels.
+/// From colors to the bytes that are added to pixels.
 pub(super) struct Pack<'b> {
     pub(super) opacity: f32,
     pub(super) batch: &'b mut Batch,

@@ -7,8 +7,8 @@ pub(super) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// What `of` makes of each item. Within kernels, since an array's own `map` may be compiled to a call, without the kernel's
-/// instructions.
+/// Maps each item. An array's own `map` may be compiled to a call, without the kernel's instructions, so kernels use
+/// this.
 #[inline(always)]
 pub(super) fn each<T: Copy, U: Copy + Default, const N: usize>(items: [T; N], of: impl Fn(T) -> U) -> [U; N] {
     let mut all = [U::default(); N];
@@ -51,7 +51,7 @@ pub(super) fn whole(x: f32) -> i32 {
     ((x - 0.5) + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits()) as i32
 }
 
-/// 2ˣ, to 2 · 10⁻⁷ of it; x is held to what a normal number can be the result of.
+/// 2ˣ, to 2 · 10⁻⁷ of it; x is clamped so that the result is a normal number.
 #[inline(always)]
 pub(super) fn exp2(x: f32) -> f32 {
     let x = clamp(x, -126.0, 126.0);
@@ -104,7 +104,7 @@ pub(super) fn pow(x: f32, power: f32) -> f32 {
 pub(super) fn cos(angle: f32) -> f32 {
     let turns = angle * (0.5 * std::f32::consts::FRAC_1_PI);
     let part = (turns - ((turns + WHOLE) - WHOLE)).abs();
-    // The sine of what is left to a quarter turn, in [−π/2, π/2].
+    // The sine of the remainder to a quarter turn, in [−π/2, π/2].
     let s = (0.25 - part) * std::f32::consts::TAU;
     let s2 = s * s;
     let series = 2.755_731_9e-6;

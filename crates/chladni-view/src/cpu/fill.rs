@@ -23,7 +23,7 @@ pub(super) const MARGIN: usize = PIXELS;
 pub(super) struct Target<'a> {
     /// Depth of each sample; all samples of a pixel lie together.
     pub(super) depth: &'a mut [f32],
-    /// What is seen at each sample; empty where only depth counts.
+    /// The triangle visible at each sample; empty where only depth counts.
     pub(super) seen: &'a mut [u32],
     /// Pixels from row to row, [`MARGIN`] of them spare.
     pub(super) stride: usize,
@@ -50,14 +50,14 @@ pub(super) struct Triangles<'a> {
     pub(super) front: bool,
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) corners: &'a [Corner],
-    /// Added to a triangle's index for what is seen.
+    /// Added to a triangle's index in `seen`.
     pub(super) base: u32,
     pub(super) bias: Bias,
-    /// What is hidden already.
+    /// Depths behind which everything is hidden already.
     pub(super) farthest: &'a Farthest,
 }
 
-/// Fills `PER` samples a pixel, of depth and, where `SEEN`, of what is seen.
+/// Fills `PER` samples a pixel, with depths and, where `SEEN`, with visible triangles.
 pub(super) struct Fill<'a, 'b, const PER: usize, const SEEN: bool>(
     pub(super) &'b mut Target<'a>,
     pub(super) Triangles<'b>,

@@ -7,7 +7,7 @@ use super::instructions::{Instructions, Kernel};
 use crate::Finish;
 use crate::finish::{FinishUniform, SPREAD, step};
 
-/// What is kept from picture to picture.
+/// Buffers that are kept from picture to picture.
 #[derive(Debug, Default)]
 pub(super) struct Finishing {
     near: Small,
@@ -83,7 +83,7 @@ impl Small {
         self.pixels.resize(width * height, [0.0; 3]);
     }
 
-    /// What is brighter than the threshold in each square of a picture.
+    /// The light above the threshold in each square of a picture.
     fn brighten(&mut self, finish: &FinishUniform, picture: &[u8], [width, height]: [usize; 2]) {
         let (step, from) = (step(height as u32) as usize, finish.bloom[1]);
         self.resize(width.div_ceil(step), height.div_ceil(step));
@@ -248,7 +248,7 @@ impl<'a> Light<'a> {
         Self { above: row(above), below: row(below), share }
     }
 
-    /// Of channel `k`, from `x` on.
+    /// A block of channel `k`, from `x` on, above and below.
     #[inline(always)]
     fn part(&self, k: usize, x: usize) -> Option<[&[f32; BLOCK]; 2]> {
         let at = self.above.len() / 3 * k + x;
@@ -256,7 +256,7 @@ impl<'a> Light<'a> {
     }
 }
 
-/// What is left of the picture before on a row, and what it is made of.
+/// The part of the last picture that is still visible in a row, and buffers to compute it.
 #[derive(Default)]
 struct Beside {
     between: Vec<f32>,
@@ -284,7 +284,7 @@ impl Beside {
     }
 }
 
-/// Where in the picture before lies what is seen here, of one that grows from its middle.
+/// Where in the last picture to look up the coordinate `at`: the trail grows from the middle by 1 / `shrink`.
 #[inline(always)]
 fn grown(at: f32, size: f32, shrink: f32) -> f32 {
     (at / size - 0.5) * shrink * size + 0.5 * size

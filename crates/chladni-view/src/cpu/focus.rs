@@ -12,10 +12,10 @@ use super::finishing::neighbors;
 use super::instructions::Instructions;
 use crate::focus::{Spread, most};
 
-/// What is kept from picture to picture.
+/// Buffers that are kept from picture to picture.
 #[derive(Debug, Default)]
 pub(super) struct Focusing {
-    /// Of each pixel the radius of its circle of light, pixels of the small picture; below 0 before the focus.
+    /// The radius of each pixel's circle of light, in pixels of the small picture; below 0 before the focus.
     circles: Vec<f32>,
     small: Small,
     /// Light that has spread.
@@ -37,8 +37,8 @@ struct Small {
     numbers: Vec<f32>,
 }
 
-/// What spread at a pixel of the small picture: the four channels of what lies in the focus or behind it, of what lies
-/// before it, by how much it covers, and that.
+/// Channels of a pixel of the small picture after spreading: four colors of all in or behind the focus; from [`NEAR`]
+/// on four of all before the focus, times their cover; and that cover.
 const LAYERS: usize = 9;
 const NEAR: usize = 4;
 const COVER: usize = 8;
@@ -53,7 +53,7 @@ impl Focusing {
         &mut self.circles
     }
 
-    /// Spreads what is out of focus, by the circles that were written.
+    /// Spreads light that is out of focus, by the circles that were written.
     pub(super) fn lay(&mut self, with: Instructions, size: [u32; 2], pixels: &mut [u8]) {
         let spread = Spread::new(size);
         let [width, height] = size.map(|side| side as usize);
@@ -101,7 +101,8 @@ impl Small {
         self.stride() * (self.height + 2 * self.rim)
     }
 
-    /// Each square of a picture as one pixel: the circle of what is nearest, and the color of what has such a circle.
+    /// Each square of a picture as one pixel: the circle of the nearest thing in it, and the color of all pixels with
+    /// such a circle.
     fn shrink(
         &mut self,
         step: usize,

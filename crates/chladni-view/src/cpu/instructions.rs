@@ -12,7 +12,7 @@ pub(crate) enum Instructions {
     Avx512,
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// What every processor of the architecture has.
+    /// The instructions that every processor of the architecture has.
     Baseline,
 }
 
@@ -23,7 +23,7 @@ pub(super) trait Kernel {
 }
 
 impl Instructions {
-    /// What this processor has, fastest first.
+    /// The instruction sets of this processor, fastest first.
     pub(crate) fn available() -> &'static [Self] {
         static AVAILABLE: OnceLock<Vec<Instructions>> = OnceLock::new();
         AVAILABLE.get_or_init(|| {

@@ -6,7 +6,7 @@ use super::curves::{mix, smoothstep};
 use crate::Marker;
 use crate::uniforms::CellUniform;
 
-/// What shines through where a surface is before it.
+/// The opacity of a marker behind a surface.
 const HIDDEN: f32 = 0.22;
 
 /// A marker on the screen.

@@ -1,11 +1,11 @@
 //! Drawing on the processor, the twin of the graphics device: the same cells, figures and formulas.
 //!
 //! Vertices are projected onto a grid of sub-pixels and triangles sorted into tiles. A tile first finds
-//! what is seen at four samples of each pixel, and then shades that once a pixel, or once for each of
+//! the visible triangle at four samples of each pixel, and then shades once a pixel, or once for each of
 //! the surfaces that meet there. Tiles are drawn by whichever thread comes; every pixel is computed by
 //! one thread in one order, so that the number of threads changes no bit.
 //!
-//! One layer after the other lies over what is there: opaque figures together, sides of translucent
+//! Layers are drawn one over the other: opaque figures together, sides of translucent
 //! figures, brush rings, grains, markers. Depth of field and the rest of the finish come after these.
 
 mod backdrop;
@@ -60,7 +60,7 @@ impl Canvas {
     }
 }
 
-/// What is kept from picture to picture, so that a warm one allocates nothing of its size.
+/// Buffers that are kept from picture to picture, so that a warm one allocates nothing of its size.
 #[derive(Debug)]
 pub(crate) struct Renderer {
     instructions: Instructions,

@@ -56,7 +56,7 @@ impl Lens {
     fn corner(&self, [x, y, z, w]: [f32; 4]) -> Corner {
         let sx = self.offset[0] + self.scale[0] * (x / w);
         let sy = self.offset[1] + self.scale[1] * (y / w);
-        // No comparison with what is no number holds.
+        // Comparisons with NaN are false.
         let on = (z >= 0.0) & (w > 0.0) & (sx.abs() <= GUARD) & (sy.abs() <= GUARD);
         let whole = |s: f32| (s + 0.5).floor() as i32;
         Corner { x: if on { whole(sx) } else { OFF }, y: whole(sy), z: z / w }
@@ -169,7 +169,7 @@ impl Chunk {
     #[inline(always)]
     fn find(&mut self, grid: &Grid, corners: &[Corner; 3], reference: u32) {
         let [a, b, c] = corners;
-        // What has no area covers nothing.
+        // Triangles without area cover nothing.
         let area = area(corners);
         if area == 0 {
             return;
@@ -193,7 +193,7 @@ impl Chunk {
         }
     }
 
-    /// Sorts what was found by place, in the order in which it came.
+    /// Sorts the triangles found by place, in the order in which they came.
     fn count(&mut self, places: usize) {
         self.starts.clear();
         self.starts.resize(places + 1, 0);
@@ -244,7 +244,7 @@ impl Chunk {
     }
 }
 
-/// What is on the grid of a triangle, whose positions project to `corners`: the whole, or its parts.
+/// The parts on the grid of a triangle whose positions project to `corners`: the whole triangle, or pieces of it.
 pub(super) fn pieces(
     lens: &Lens,
     positions: [[f32; 3]; 3],
@@ -281,7 +281,7 @@ impl Clipped {
         all
     }
 
-    /// Keeps what is on the side where `distance` is not negative (Sutherland & Hodgman 1974).
+    /// Keeps the part on the side where `distance` is not negative (Sutherland & Hodgman 1974).
     fn cut(&mut self, distance: impl Fn([f32; 4]) -> f32) {
         let (before, count) = (self.corners, self.count);
         self.count = 0;

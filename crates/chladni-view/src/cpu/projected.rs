@@ -34,7 +34,7 @@ impl Projected {
         });
     }
 
-    /// What is on the grid of one triangle.
+    /// The parts of one triangle that lie on the grid.
     pub(super) fn pieces(
         &self,
         lens: &Lens,

@@ -21,7 +21,7 @@ fn mixed(a: Vec3, b: Vec3, share: f32) -> Vec3 {
     a * (1.0 - share) + b * share
 }
 
-/// `a` over its length; `otherwise` where that is no positive number.
+/// `a` over its length; `otherwise` where the length is not a positive number.
 #[inline(always)]
 pub(super) fn normalized(a: Vec3, otherwise: Vec3) -> Vec3 {
     let length = a.dot(a).sqrt();
@@ -81,7 +81,7 @@ fn curved(cell: &CellUniform, linear: Vec3) -> Vec3 {
 /// Half the width, of 2, in which the picture's left passes into its right.
 const WING: f32 = 0.3;
 
-/// What the sides make at `x`, -1 at the left edge of the picture and 1 at the right.
+/// The mix of left and right at `x`, which is -1 at the left edge of the picture and 1 at the right.
 #[inline(always)]
 pub(super) fn wing(left: f32, right: f32, x: f32) -> f32 {
     mix(left, right, smoothstep(-WING, WING, x))
@@ -109,7 +109,7 @@ fn studio(cell: &CellUniform, d: Vec3, roughness: f32) -> Vec3 {
     c
 }
 
-/// Towards what is mirrored to the viewer.
+/// The direction that is mirrored to the viewer.
 #[inline(always)]
 pub(super) fn reflected(n: Vec3, v: Vec3) -> Vec3 {
     n * (2.0 * n.dot(v)) - v
@@ -123,7 +123,8 @@ pub(super) fn panorama(cell: &CellUniform, around: &Pyramid, d: Vec3, level: f32
     Vec3::from(light.map(|c| c / (1.0 - c).max(1e-3))) * cell.ground[3]
 }
 
-/// The level of a panorama for what is chalk; mirrors see the first, what is as rough as chalk but shines the one before.
+/// The level of a panorama for chalk; mirrors use the first, and shining surfaces as rough as chalk the one before
+/// the last.
 pub(super) const CHALK: f32 = 4.0;
 
 #[inline(always)]
@@ -209,7 +210,7 @@ fn base_of(figure: &FigureUniform, color: Vec3, front: bool) -> Vec3 {
 }
 
 /// A surface of its own color under the lamps, sRGB-encoded. `FILM`: with the hues of thin films. `light`: share of
-/// the key light, own light, and in a panorama what comes from all around and what is mirrored.
+/// the key light, own light, and in a panorama the light from all around and the mirrored light.
 #[inline(always)]
 pub(super) fn modeled<const FILM: bool>(
     of: (&CellUniform, &FigureUniform),

@@ -23,7 +23,7 @@ use crate::uniforms::{
 };
 use crate::{Cell, Figure, Paint, Projection, Samples, Surroundings, VertexPaint, ViewError};
 
-/// What figures are made of, held still while they are drawn.
+/// Read locks on the data of all figures, held while they are drawn.
 pub(super) struct Locks<'a> {
     items: Vec<Lock<'a, HostItems>>,
     paints: Vec<Lock<'a, Vec<[u8; 4]>>>,
@@ -107,7 +107,7 @@ impl<'a> Locks<'a> {
     }
 }
 
-/// What a figure is made of.
+/// The data of one figure.
 pub(super) struct Subject<'a> {
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) uvs: &'a [[f32; 2]],
@@ -127,7 +127,7 @@ pub(super) enum Coat<'a> {
     Values(&'a [[u8; 4]]),
     Colors(&'a [[u8; 4]]),
     Skin(&'a Pyramid),
-    /// Where the vertices rest, and what they lag behind themselves, from there.
+    /// Per vertex: the rest position with its two palette numbers, and the lag behind itself, if known.
     Answer(&'a [[f32; 5]], Option<&'a [[f32; 3]]>),
 }
 
@@ -162,9 +162,9 @@ pub(super) struct StagedFigure {
     pub(super) view: [[f32; 4]; 3],
     pub(super) map: [[f32; 4]; 3],
     pub(super) projected: Projected,
-    /// Of each vertex the place of its palette and its own light, where it has one.
+    /// The palette position and the glow of each vertex, where it has them.
     pub(super) answers: Vec<[f32; 2]>,
-    /// Its ways outward from the rest and from where it was lately, where they are asked for.
+    /// Its outward displacement and its outward lag, where they are asked for.
     pub(super) outward: Vec<[f32; 2]>,
     shadow: Projected,
     pub(super) lens: Lens,
@@ -274,7 +274,7 @@ impl StagedCell {
 }
 
 impl StagedFigure {
-    /// What its palette makes of each vertex, as `answered` of `gpu/shader`.
+    /// Computes the palette position and the glow of each vertex, as `answered` of `gpu/shader` does.
     fn answer(&mut self, subject: &Subject<'_>) {
         let Coat::Answer(rest, lag) = subject.coat else { return };
         let [offset, span, swing, travel] = self.uniform.answer;
@@ -292,7 +292,7 @@ impl StagedFigure {
         if phase == 0.0 && haste == 0.0 && spark == 0.0 && self.uniform.lines[3] <= 0.0 {
             return;
         }
-        // Without a lag what is taken for it counts for nothing.
+        // Without a lag, this stand-in has no effect.
         let lag = vertices.zip(lag.unwrap_or(subject.positions)).zip(&mut self.answers);
         self.outward.extend(lag.map(|((((position, normal), [x, y, z, ..]), lagging), [place, own])| {
             let (rest, normal) = (Vec3::new(*x, *y, *z), Vec3::from(*normal));
@@ -319,7 +319,7 @@ impl StagedFigure {
             let map = matrix(&cell.uniform.shadow) * model;
             self.map = rows(map, [0, 1, 2]);
             let size = cell.uniform.shadow_map[1];
-            // What is translucent casts none.
+            // Translucent figures cast no shadows.
             self.shadow_lens = (figure.opacity >= 1.0).then(|| Lens::new(map, [0.0, 0.0, size, size]));
         }
     }

@@ -1,4 +1,4 @@
-//! A tile of a picture: what is seen in it, layer after layer, and its colors.
+//! A tile of a picture: the visible triangles, layer after layer, and their colors.
 
 mod circles;
 mod colors;
@@ -24,7 +24,7 @@ const STRIDE: usize = WIDTH + MARGIN;
 /// Samples a pixel.
 const SAMPLES: usize = 4;
 
-/// What one thread works with.
+/// Working memory of one thread.
 #[derive(Debug)]
 pub(super) struct Scratch {
     depth: Vec<f32>,
@@ -45,7 +45,7 @@ impl Scratch {
     }
 }
 
-/// What all tiles draw.
+/// Data that all tiles draw from.
 pub(super) struct Picture<'a> {
     pub(super) instructions: Instructions,
     pub(super) stage: &'a Stage,
@@ -53,13 +53,13 @@ pub(super) struct Picture<'a> {
     pub(super) maps: &'a [[[f32; 3]; 256]],
     /// The panorama that shines on all figures.
     pub(super) around: Option<&'a Pyramid>,
-    /// What each cell has in focus; none where everything is sharp.
+    /// Each cell's lens; none where everything is sharp.
     pub(super) circles: &'a [Circle],
     /// Pixels in a row of the canvas.
     pub(super) width: usize,
 }
 
-/// What is seen at once: its samples are found together and hide each other.
+/// Surfaces that are drawn in one pass: their samples are found together and hide each other.
 enum Layer {
     Opaque(Range<usize>),
     /// The fronts of a translucent figure, or its backs.
@@ -117,7 +117,7 @@ struct Tile<'a, 'p> {
     high: [i32; 2],
     /// The canvas's rows from the tile's first.
     pixels: &'p mut [u8],
-    /// Where what is drawn is out of focus: how depths say so, and where it is written.
+    /// The circles of light, where there is depth of field: from depths, and where they are written.
     circles: Option<(Circle, &'p mut [f32])>,
     scratch: &'p mut Scratch,
 }
@@ -203,7 +203,7 @@ impl Tile<'_, '_> {
             Layer::Ring(figure) => return self.ring(*figure),
         };
         self.scratch.farthest.forget();
-        // What fronts hide of the backs is not looked at twice.
+        // Parts of backs that fronts hide are not drawn again.
         for front in [true, false] {
             if side.is_none_or(|side| side == front) {
                 self.find(figures.clone(), front);

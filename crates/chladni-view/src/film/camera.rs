@@ -22,7 +22,7 @@ pub use syphon::HAS_SYPHON;
 
 /// Where Linux lists video devices without hardware.
 const VIRTUAL_DEVICES: &str = "/sys/devices/virtual/video4linux";
-/// What to install for a PipeWire camera if it is missing.
+/// Packages to install for a PipeWire camera if it is missing.
 const INSTALL: &str = "install gstreamer1.0-tools, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good and gstreamer1.0-pipewire";
 
 /// Which kind of camera other programs see.
@@ -64,7 +64,7 @@ pub struct LiveCamera {
     writes_out: bool,
 }
 
-/// What both threads know.
+/// State that both threads share.
 #[derive(Debug, Default)]
 struct Common {
     newest: Mutex<Newest>,

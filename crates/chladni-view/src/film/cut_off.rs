@@ -87,8 +87,8 @@ pub struct CutOff {
 }
 
 impl CutOff {
-    /// What [`LiveFilm::folder`](super::LiveFilm::folder) has left; `None` where it is gone, no such folder, or still
-    /// being recorded.
+    /// The unfinished film in a [`LiveFilm::folder`](super::LiveFilm::folder); `None` where the folder is gone, is
+    /// another kind of folder, or is still being recorded to.
     pub fn find(folder: &Path) -> Option<Self> {
         if !folder.file_name()?.to_str()?.starts_with(PREFIX) || !folder.symlink_metadata().ok()?.is_dir() {
             return None;

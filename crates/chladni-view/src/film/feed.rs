@@ -22,7 +22,7 @@ impl Feed {
         let complaints = child.stderr.take().map(|mut stderr| {
             std::thread::spawn(move || {
                 let mut text = Vec::new();
-                // What cannot be read cannot be reported; the exit status still is.
+                // A message that cannot be read cannot be reported; the exit status still is.
                 let _ = stderr.by_ref().take(MOST_COMPLAINTS).read_to_end(&mut text);
                 let _ = std::io::copy(&mut stderr, &mut std::io::sink());
                 String::from_utf8_lossy(&text).into_owned()
@@ -31,7 +31,7 @@ impl Feed {
         Ok(Self { child, input, complaints })
     }
 
-    /// Writes to it. The error is what the program said, if it takes no more.
+    /// Writes to it. If it takes no more, the error is the program's message.
     pub(super) fn write(&mut self, bytes: &[u8]) -> Result<(), String> {
         let Some(input) = &mut self.input else { return Err(self.complaint("it takes no more frames")) };
         let written = input.write_all(bytes);
@@ -58,7 +58,7 @@ impl Feed {
         let _ = self.child.wait();
     }
 
-    /// Ends it and returns what it said as one line, or `otherwise` if it said nothing.
+    /// Ends it and returns its message as one line, or `otherwise` if it said nothing.
     pub(super) fn complaint(&mut self, otherwise: &str) -> String {
         self.end();
         let text = self.complaints.take().and_then(|thread| thread.join().ok()).unwrap_or_default();

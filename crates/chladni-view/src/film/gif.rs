@@ -27,7 +27,7 @@ pub(super) struct Gif {
     writer: Option<Writer>,
 }
 
-/// What writes once the palette is there.
+/// The writer, which exists once the palette does.
 struct Writer {
     encoder: Encoder<BufWriter<File>>,
     palette: Palette,
@@ -89,7 +89,7 @@ impl Gif {
         for y in top..bottom {
             for x in left..right {
                 let at = y * usize::from(width) + x;
-                // What stays is clear: long runs compress well.
+                // Unchanged pixels are clear: long runs compress well.
                 let same = writer.shown.get(at) == Some(&indices[at]);
                 buffer.push(if same { Palette::CLEAR } else { indices[at] });
             }

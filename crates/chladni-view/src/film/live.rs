@@ -98,7 +98,7 @@ impl LiveFilm {
     }
 
     /// The folder in which it is made, beside its file. If the program ends before the film does, [`CutOff`](super::CutOff)
-    /// makes a film of what is there.
+    /// makes a film of the pieces there.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -128,7 +128,7 @@ impl LiveFilm {
         self.left_out += u64::from(!sent);
     }
 
-    /// Takes the sound up to `at_secs`; what is missing before it is silence.
+    /// Takes the sound up to `at_secs`; a gap before it is silence.
     pub fn sound(&mut self, at_secs: f64, left: &[f32], right: &[f32]) {
         let due = (at_secs.max(0.0) * f64::from(self.sound_hz)) as u64;
         let missing = due.saturating_sub(self.sounded + left.len() as u64);
@@ -138,7 +138,7 @@ impl LiveFilm {
         samples.extend(left.iter().zip(right).flat_map(|(left, right)| [*left, *right]));
         let frames = samples.len() as u64 / 2;
         let send = |sender: &SyncSender<Message>| sender.try_send(Message::Sound(samples)).is_ok();
-        // What finds no place is silence later.
+        // Sound that the queue does not take is silence in the film.
         if frames > 0 && self.sender.as_ref().is_some_and(send) {
             self.sounded += frames;
         }
@@ -193,7 +193,7 @@ impl Writer {
             // Dropped: nobody wants it.
             Ok(false) => Ok(0),
             Err(why) => {
-                // What there is of it can still become a film.
+                // The frames so far can still become a film.
                 drop(self.encoder);
                 self.folder.keep();
                 Err(why)

@@ -56,7 +56,7 @@ impl FrameRate {
     }
 }
 
-/// What kind of file a film becomes.
+/// The kind of file that a film becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilmFormat {
     /// H.264 and AAC through ffmpeg.
@@ -88,7 +88,7 @@ impl FilmFormat {
     }
 }
 
-/// Pixels without alpha: what is transparent becomes black. `memory` holds them where any is.
+/// Pixels without alpha, laid on black. `memory` holds them where any is.
 fn on_black<'a>(rgba: &'a [u8], memory: &'a mut Vec<u8>) -> &'a [u8] {
     let pixels = rgba.as_chunks::<4>().0;
     if pixels.iter().all(|pixel| pixel[3] == 255) {

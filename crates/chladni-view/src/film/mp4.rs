@@ -48,7 +48,7 @@ impl Mp4 {
         };
         let written = file.as_ref().map_or(path, |file| file.path());
         let mut command = Command::new("ffmpeg");
-        // H.264 with halved chroma needs even sides; BT.709 is what players take it for.
+        // H.264 with halved chroma needs even sides; players assume BT.709.
         let bt709 = [
             "-colorspace",
             "bt709",

@@ -63,7 +63,7 @@ impl<W: Write + Send> Encode for Raw<W> {
     }
 }
 
-/// Y, then U, then V of each pixel (ITU-R BT.709, 8 bits, 16 to 235 and 16 to 240); what is transparent becomes black.
+/// Y, then U, then V of each pixel (ITU-R BT.709, 8 bits, 16 to 235 and 16 to 240); transparent pixels become black.
 fn planes(rgba: &[u8], out: &mut Vec<u8>) {
     let pixels = rgba.as_chunks::<4>().0;
     out.clear();

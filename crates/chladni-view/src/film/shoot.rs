@@ -19,7 +19,7 @@ const IN_FLIGHT: usize = 3;
 pub struct Waits {
     /// For finished pictures, with fetching them.
     pub device_secs: f64,
-    /// For what is retouched and encoded beside it.
+    /// For retouching and encoding beside it.
     pub encoder_secs: f64,
 }
 

@@ -175,7 +175,7 @@ impl Readback {
         Self { buffer, width: canvas.width, height: canvas.height, stride, blue_first, copy: None }
     }
 
-    /// Queues the copy of what has been drawn so far; does not wait.
+    /// Queues the copy of the picture drawn so far; does not wait.
     pub(crate) fn start(&mut self, gpu: &Gpu, canvas: &Canvas) {
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(

@@ -1,5 +1,5 @@
-//! What vertex stages look up by its index: in storage, or, where a device lends them none (WebGL2), in textures that
-//! the same buffers are copied to before each picture.
+//! Data that vertex stages look up by index: in storage, or, where a device lends them none (WebGL2), in textures
+//! that the same buffers are copied to before each picture.
 
 use wgpu::{Buffer, TextureFormat};
 
@@ -18,7 +18,7 @@ pub(crate) enum Lookup {
 }
 
 impl Lookup {
-    /// Of the devices with these limits.
+    /// The look-up that suits devices with these limits.
     pub(crate) fn within(limits: &wgpu::Limits) -> Self {
         if limits.max_storage_buffers_per_shader_stage < 5 { Self::Textures } else { Self::Storage }
     }
@@ -89,12 +89,12 @@ impl Corners {
         self.lookup.shader()
     }
 
-    /// That of a figure, by its number in the picture.
+    /// The bind group of a figure, by its number in the picture.
     pub(crate) fn group(&self, figure: usize) -> Option<&wgpu::BindGroup> {
         self.groups.get(figure)?.as_ref()
     }
 
-    /// Makes ready what the figures of a picture look up.
+    /// Prepares the data that the figures of a picture look up.
     pub(crate) fn stage(
         &mut self,
         device: &wgpu::Device,
@@ -197,7 +197,7 @@ impl Corners {
     }
 }
 
-/// What a figure is painted with by vertex.
+/// The buffer of a figure's paint by vertex, if it has one.
 fn paint<'a>(figure: &Figure<'a>) -> Result<Option<&'a Buffer>, ViewError> {
     Ok(match figure.paint {
         Paint::Values(paint, _) | Paint::Colors(paint) => Some(paint.held.gpu()?),
@@ -225,7 +225,7 @@ impl Numbers {
 }
 
 impl Sheet {
-    /// Queues the copy: whole rows, then what is left.
+    /// Queues the copy: whole rows, then the rest.
     fn fill(&self, encoder: &mut wgpu::CommandEncoder) {
         let Numbers { buffer, format, start, count } = &self.source;
         let bytes = u64::from(format.block_copy_size(None).unwrap_or(4));

@@ -1,5 +1,5 @@
-//! Passes that leave nothing but depths: what the key light sees, and, where a device cannot read the samples of a
-//! picture's own depths, what the viewer sees.
+//! Passes that draw only depths: those that the key light sees, and, where a device cannot read the samples of a
+//! picture's own depths, those that the viewer sees.
 
 use super::focus::FINE;
 use super::pipelines::{Kind, Part};
@@ -33,7 +33,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What the viewer sees, [`FINE`].
+    /// The depths that the viewer sees, at [`FINE`] times the canvas's resolution.
     pub(super) fn draw_seen_depths(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -77,7 +77,7 @@ impl Renderer {
     }
 }
 
-/// Begins a pass over a whole target of depths, cleared to what is farthest.
+/// Begins a pass over a whole target of depths, cleared to the farthest depth.
 pub(super) fn depth_pass<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
     label: &str,

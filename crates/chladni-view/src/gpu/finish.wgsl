@@ -1,5 +1,5 @@
-// What is done to a finished picture. Colors are its own numbers, sRGB-encoded and premultiplied; light
-// spreads on small pictures of their squares.
+// Effects on a finished picture. Colors are its own numbers, sRGB-encoded and premultiplied; light spreads on small
+// pictures of their squares.
 
 struct Finish {
     // Pixels of the picture.
@@ -27,7 +27,7 @@ fn screen_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
     return vec4f(vec2f(f32((i << 1u) & 2u), f32(i & 2u)) * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// The mean of a square of pixels, of each what is beyond the threshold.
+// The mean, over a square of pixels, of each pixel's light above the threshold.
 @fragment
 fn bright_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let first = vec2u(clip.xy) * finish.step;

@@ -8,7 +8,7 @@ use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
 use crate::finish::{FinishUniform, step};
 use crate::{Finish, Gpu, ViewError};
 
-/// What light spreads on: more than eight bits, as little of it goes far.
+/// The format of the pictures in which light spreads: more than eight bits, because faint light is spread far.
 const SMALL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// All that finishes pictures of one size.
@@ -18,7 +18,7 @@ pub(crate) struct Finishing {
     uniform: wgpu::Buffer,
     bare: wgpu::TextureView,
     last: wgpu::Texture,
-    /// Each with its pipeline, what it reads and where it draws, in order.
+    /// Passes in order, each with its pipeline, inputs and target.
     spreading: Vec<(Pass, wgpu::BindGroup, wgpu::TextureView)>,
     finish: wgpu::BindGroup,
     /// When the picture that shows on was drawn.
@@ -75,7 +75,7 @@ impl Finishing {
             mapped_at_creation: false,
         });
         let group = |images: [&wgpu::TextureView; 4]| pipelines.group(device, &uniform, images);
-        // What is not read is bound to what is.
+        // A pass reads only its first image, so the same one fills all four slots.
         let one = |image: &wgpu::TextureView| group([image; 4]);
         let spreading = vec![
             (Pass::Bright, one(&bare), near.clone()),

@@ -14,7 +14,7 @@ use crate::{Cell, Finish, Gpu, Samples, ViewError};
 
 /// Light that spreads: more than eight bits, as these are squares.
 pub(super) const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Radii of circles, and how much of light lies before what is there.
+/// Radii of circles, and how much light before the focus covers.
 pub(super) const NUMBER: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
 /// All that softens pictures of one size.
@@ -28,7 +28,7 @@ pub(crate) struct Focusing {
     circles: wgpu::TextureView,
     /// Light and circles of the small picture.
     small: [wgpu::TextureView; 2],
-    /// Light that has spread: of what lies behind, of what lies before, and how much that covers.
+    /// Spread light: from behind the focus, from before it, and how much the latter covers.
     spread: [wgpu::TextureView; 3],
     /// The same, evened out: the first takes the place of the light that has not spread yet.
     even: [wgpu::TextureView; 3],
@@ -63,7 +63,7 @@ impl Depths {
 struct Pipelines {
     /// Which they read.
     depths: Depths,
-    /// Of one cell, of depths, and of images.
+    /// Layouts of one cell, of depths, and of images.
     cell: wgpu::BindGroupLayout,
     depth: wgpu::BindGroupLayout,
     images: wgpu::BindGroupLayout,
@@ -141,7 +141,7 @@ impl Focusing {
                     wgpu::BindingResource::Sampler(&pipelines.depth_sampler),
                 ],
             ),
-            // What is not read is bound to what is.
+            // Slots that a pass does not read are bound to some texture that it may read.
             shrink: images([&sharp, &circles, &sharp, &sharp, &sharp]),
             gather: images([&small[0], &small[1], &small[0], &small[0], &small[0]]),
             evening: images([&sharp, &small[1], &spread[0], &spread[1], &spread[2]]),

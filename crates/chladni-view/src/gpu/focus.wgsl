@@ -1,13 +1,13 @@
-// Depth of field: what is out of focus spreads on a small picture, which is laid over the sharp one. Colors are
-// the picture's own numbers, sRGB-encoded and premultiplied; light spreads as their squares.
+// Depth of field: light out of focus spreads on a small picture, which is laid over the sharp one. Colors are the
+// picture's own numbers, sRGB-encoded and premultiplied; light spreads as their squares.
 
-// What a cell has in focus.
+// The lens of a cell.
 struct Circle {
-    // Of a depth the way to it from the focus as a share of the whole way to it: at 0, and by a unit.
+    // From a depth to its distance beyond the focus, over its distance from the eye: the value at 0, and the slope.
     line: vec2f,
-    // Ways below this are none.
+    // Distances below this count as 0.
     sharp: f32,
-    // Radius by a unit of the way beyond, pixels of the small picture, and the largest one.
+    // Radius per unit of distance beyond that, in pixels of the small picture, and the largest radius.
     radius: f32,
     @size(16) most: f32,
 }
@@ -17,8 +17,8 @@ struct Spread {
     size: vec2f,
     // Pixels in one of the small picture.
     step: u32,
-    // Pixels to the right and below, how far that is, and the part of the disc that each stands for.
-    // 64 for even rows, and others for odd ones.
+    // Taps: offset right and down in whole pixels, its length, and the area that the tap stands for. 64 for even
+    // rows, and others for odd ones.
     taps: array<vec4f, 128>,
 }
 
@@ -27,7 +27,7 @@ struct Spread {
 @group(0) @binding(2) var picture: texture_2d<f32>;
 // Radius of each pixel's circle of light, pixels of the small picture; below 0 before the focus.
 @group(0) @binding(3) var circles: texture_2d<f32>;
-// What has spread, as `Layers` have it.
+// The spread light, as `Layers` has it.
 @group(0) @binding(4) var light: texture_2d<f32>;
 @group(0) @binding(5) var before: texture_2d<f32>;
 @group(0) @binding(6) var cover: texture_2d<f32>;
@@ -43,14 +43,14 @@ fn screen_vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
     return vec4f(vec2f(f32((i << 1u) & 2u), f32(i & 2u)) * 2.0 - 1.0, 0.0, 1.0);
 }
 
-// The radius of what lies at this depth. At depth 1 is what is behind all figures, as far away as can be.
+// The radius of the circle of light at this depth. Depth 1 is behind all figures, infinitely far away.
 fn circle_at(depth: f32) -> f32 {
     let way = select(circle.line.x + circle.line.y * depth, 1.0, depth >= 1.0);
     let radius = min(max(abs(way) - circle.sharp, 0.0) * circle.radius, circle.most);
     return select(radius, -radius, way < 0.0);
 }
 
-// The circle of what is nearest in a pixel.
+// The circle of the nearest depth in a pixel.
 @fragment
 fn circles_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     var nearest = 1.0;
@@ -82,7 +82,8 @@ fn fine_circle_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
 
 struct Small { @location(0) light: vec4f, @location(1) number: vec4f }
 
-// Each square of pixels as one: the circle of what is nearest, and the color of what has such a circle.
+// Each square of pixels as one: the circle of the nearest thing in it, and the color of all pixels with such a
+// circle.
 @fragment
 fn shrink_fragment(@builtin(position) clip: vec4f) -> Small {
     let first = vec2u(clip.xy) * spread.step;
@@ -110,19 +111,19 @@ fn shrink_fragment(@builtin(position) clip: vec4f) -> Small {
 // The part of a disc that a pixel is, where the whole is the square of its radius.
 const PIXEL = 0.31830987;
 
-// How far into what is sharp the colors beside it are continued.
+// How far the colors beside sharp places are continued into them.
 const CONTINUED = 2.0;
 
-// How much a color counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
-// through something before the focus, where `whole` is 1.
+// The weight of a neighbor's color. Sharp neighbors weigh little, so that they do not spread onto soft ones, except
+// for a pixel before the focus, where `whole` is 1 and all colors weigh the same.
 fn soft(radius: f32, whole: f32) -> f32 {
     return mix(min(abs(radius), 1.0) + 1.0 / 64.0, 1.0, whole);
 }
 
-// What is before the focus counts for so little behind itself.
+// Weight, in the far layer, of color before the focus: it counts there only where it covers all else.
 const HIDDEN = 1e-3;
 
-// What has spread: of what lies in the focus or behind it, of what lies before it by how much it covers, and that.
+// Light after spreading: from in or behind the focus; from before it, times its cover; and that cover.
 struct Layers { @location(0) far: vec4f, @location(1) near: vec4f, @location(2) cover: vec4f }
 
 // How much of the sharp picture goes where the circle has this radius.
@@ -141,7 +142,7 @@ fn gather_fragment(@builtin(position) clip: vec4f) -> Layers {
     let whole = softness(-middle);
     let reach = mix(max(own, CONTINUED * (1.0 - 2.0 * own)), own, whole);
     let mine = PIXEL / max(own * own, 1.0);
-    // What lies before the focus, and all else.
+    // Weights of light from before the focus, and of all other light.
     var before = mine * whole;
     var behind = mine * (1.0 - whole) * soft(middle, whole);
     var near = textureLoad(picture, p, 0) * before;
@@ -150,7 +151,8 @@ fn gather_fragment(@builtin(position) clip: vec4f) -> Layers {
         let tap = spread.taps[64 * (p.y & 1) + i];
         let at = clamp(p + vec2i(tap.xy), vec2i(0), end);
         let there = textureLoad(circles, at, 0).r;
-        // What lies behind is seen as far as what lies before it is spread, and is continued where that is sharp.
+        // A neighbor behind this pixel reaches as far as this pixel's own circle, and at least CONTINUED where the
+        // pixel is sharp. A neighbor before it reaches as far as the neighbor's circle.
         let size = select(abs(there), reach, there > middle);
         let share = clamp(size - tap.z + 0.5, 0.0, 1.0) * tap.w / max(size * size, 1.0);
         let nearer = share * softness(-there);
@@ -192,7 +194,7 @@ fn even_fragment(@builtin(position) clip: vec4f) -> Layers {
     return Layers(sum / all, near, vec4f(covered, 0.0, 0.0, 1.0));
 }
 
-// What has spread over the sharp picture.
+// Lays the spread light over the sharp picture.
 @fragment
 fn compose_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let p = vec2u(clip.xy);

@@ -40,7 +40,7 @@ impl Images {
         let map_sampler = sampler(clamp, 1, None);
         let skin_sampler = sampler(repeat, 4, None);
         let shadow_sampler = sampler(clamp, 1, Some(wgpu::CompareFunction::LessEqual));
-        // What is filtered along its slant is sharper than its level.
+        // Anisotropic filtering would be sharper than the level that the roughness chooses.
         let around_sampler = sampler(repeat, 1, None);
         let shadows = ShadowMaps::new(device, 1, 1, 1);
         let samplers = [&map_sampler, &skin_sampler, &shadow_sampler, &around_sampler];

@@ -9,7 +9,7 @@ use crate::Gpu;
 pub(crate) type Buffer = wgpu::Buffer;
 pub(crate) type Image = wgpu::TextureView;
 
-/// What a buffer is read as; all but triangles can be looked up, too.
+/// How draw calls read a buffer. Shaders can look up both kinds, except indices where look-ups go through textures.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Use {
     Vertices,

@@ -81,12 +81,12 @@ impl Gpu {
         pollster::block_on(Self::on_adapter(adapter))
     }
 
-    /// Opens an adapter that somebody else has chosen, where nobody may wait, as in a browser.
+    /// Opens an adapter that was chosen elsewhere, without blocking, as a browser requires.
     ///
     /// # Errors
     /// [`ViewError::NoDevice`] where it refuses.
     pub async fn on_adapter(adapter: &wgpu::Adapter) -> Result<Self, ViewError> {
-        // What the card allows: synthesis binds large buffers.
+        // All that the card allows: synthesis binds large buffers.
         Self::within(adapter, adapter.limits()).await
     }
 
@@ -156,7 +156,7 @@ impl Gpu {
         self.device.adapter_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Samples a pixel for what moves: four where there is a graphics card, one where the processor
+    /// Samples a pixel for moving pictures: four where there is a graphics card, one where the processor
     /// draws, which takes a third of the time. Still pictures can wait and have four everywhere.
     pub fn live_samples(&self) -> Samples {
         if self.is_software() { Samples::One } else { Samples::Four }

@@ -14,7 +14,7 @@ pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 /// Bytes of one marker: position, radius, color.
 pub(crate) const MARKER_BYTES: u64 = 20;
 
-/// One text of many parts, which use each other's names, and those of the part by which vertices are looked up.
+/// The shader, in parts that use each other's names and those of `gpu/corners.rs`, which look up the vertices.
 const SHADER: &str = concat!(
     include_str!("shader/scene.wgsl"),
     include_str!("shader/surface.wgsl"),
@@ -33,8 +33,7 @@ pub(crate) struct Layouts {
     pub(crate) images: BindGroupLayout,
 }
 
-/// What a pipeline draws. Each is compiled when it is needed first, so that a picture waits for its
-/// own pipelines only.
+/// The task of a pipeline. Each pipeline is compiled when first needed, so that a picture waits only for its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Kind {
     pub(crate) part: Part,
@@ -78,7 +77,7 @@ pub(crate) enum Coat {
     Corners,
 }
 
-/// One side of a surface. Opaque surfaces draw the front first, so that what lies behind it is never
+/// One side of a surface. Opaque surfaces draw the front first, so that surfaces behind it are never
 /// shaded; translucent ones the back first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Side {
@@ -145,7 +144,7 @@ impl Layouts {
     }
 }
 
-/// Of the picture whose edges are to be smoothed.
+/// The layout of the picture whose edges are to be smoothed.
 pub(crate) fn smooth_layout(device: &wgpu::Device) -> BindGroupLayout {
     layout(device, "smooth", &[(wgpu::ShaderStages::FRAGMENT, IMAGE)])
 }
@@ -178,7 +177,7 @@ pub(super) fn layout(
 /// The pipelines that were needed so far.
 pub(crate) struct Pipelines {
     module: wgpu::ShaderModule,
-    /// Of groups: the first two, three, all four, and that of [`Part::Smooth`].
+    /// Layouts of groups: the first two, three, all four, and that of [`Part::Smooth`].
     shadowed: wgpu::PipelineLayout,
     indexed: wgpu::PipelineLayout,
     cornered: wgpu::PipelineLayout,

@@ -204,7 +204,7 @@ impl Renderer {
                 first_marker = markers.end;
             }
         }
-        // wgpu's GL resolves samples within what is left of the last cell's scissors.
+        // wgpu's GL resolves samples only within the last cell's scissors.
         pass.set_scissor_rect(0, 0, canvas.width, canvas.height);
         Ok(())
     }
@@ -236,7 +236,7 @@ impl Renderer {
                 pass.set_vertex_buffer(2, rest.held.gpu()?.slice(..));
             }
             if coat == Coat::Figured {
-                // Without a lag what is bound there counts for nothing.
+                // Without a lag, the buffer bound there has no effect.
                 let lag = item_bytes(figure, figure.lag.unwrap_or(figure.item));
                 pass.set_vertex_buffer(3, buffers.positions.slice(lag));
             }
@@ -265,7 +265,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What wires, skins and grains look up.
+    /// Binds the data that wires, skins and grains look up.
     fn bind_corners(
         &self,
         pass: &mut wgpu::RenderPass<'_>,

@@ -65,7 +65,7 @@ impl ItemBuffers {
         Ok(Self { vertices, items, held: Held::Gpu(DeviceItems { positions, normals }) })
     }
 
-    /// Draws what a synthesizer has left on the device; nothing is copied. The synthesizer's next
+    /// Draws the frame that a synthesizer has left on the device; nothing is copied. The synthesizer's next
     /// frame shows in the same buffers as long as they need not grow: take its frame anew each time.
     ///
     /// # Errors

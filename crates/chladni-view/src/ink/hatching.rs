@@ -1,8 +1,8 @@
 //! Shade as evenly spaced strokes along the principal directions of curvature.
 //!
-//! What is seen is sampled on a grid of places. Light, and the two principal directions as they look on paper, are
-//! averaged there, and strokes run along them at even distances (Jobard & Lefer, "Creating evenly-spaced streamlines
-//! of arbitrary density", 1997), the wider the darker.
+//! The visible surface is sampled on a grid of places. Light, and the two principal directions as they look on paper,
+//! are averaged there, and strokes run along them at even distances (Jobard & Lefer, "Creating evenly-spaced
+//! streamlines of arbitrary density", 1997), wider where it is darker.
 
 use std::collections::VecDeque;
 
@@ -35,10 +35,10 @@ const DIRECTION_PASSES: usize = 24;
 const LEAP: f64 = 0.03;
 /// Toward the lamp: right, up and toward the viewer.
 const LAMP: Vec3 = [-0.52, 0.6, 0.61];
-/// What is left of the light in a cast shadow.
+/// Share of the light that remains in a cast shadow.
 const SHADOW: f64 = 0.45;
 
-/// What is seen at a place.
+/// The visible surface at a place.
 #[derive(Clone, Copy)]
 pub(super) struct Place {
     depth: f64,
@@ -110,7 +110,7 @@ impl Field {
         (0..self.columns as i64).contains(&x) && (0..self.rows as i64).contains(&y)
     }
 
-    /// What is seen in that column and row.
+    /// The place in that column and row, where a surface is visible.
     pub fn place(&self, [x, y]: [i64; 2]) -> Option<&Place> {
         self.has([x, y]).then(|| self.places[y as usize * self.columns + x as usize].as_ref())?
     }

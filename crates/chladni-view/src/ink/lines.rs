@@ -43,7 +43,7 @@ pub(super) fn lines(sight: &Sight<'_>, ink: &Ink) -> Vec<Line> {
     lines
 }
 
-/// What lines are traced from, for each vertex.
+/// Quantities of each vertex from which lines are traced.
 struct Seen<'a, 'b> {
     sight: &'a Sight<'b>,
     /// ⟨n, v⟩, v the unit vector toward the viewer.

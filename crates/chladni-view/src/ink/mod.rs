@@ -60,7 +60,7 @@ impl Default for Ink {
     }
 }
 
-/// What a stroke shows.
+/// The feature that a stroke shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Mark {
     /// Where the surface turns away from the viewer, or ends.
@@ -103,7 +103,7 @@ pub struct StrokePoint {
 /// A visible line on paper, as a polyline within a tenth of a pixel of the smooth line that was traced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stroke {
-    /// What it shows.
+    /// The feature that it shows.
     pub mark: Mark,
     /// Two points or more. A closed stroke ends where it begins.
     pub points: Vec<StrokePoint>,

@@ -12,7 +12,7 @@ pub(super) struct Sight<'a> {
     pub plate: &'a Plate,
     pub camera: Camera,
     pub cell: Rect,
-    /// Pixels: what all lengths on paper are measured in, 1 where the cell's shorter side has 900.
+    /// The unit of lengths on paper, in pixels: 1 where the cell's shorter side has 900.
     pub unit: f64,
     /// Right, up and toward the viewer.
     pub axes: [Vec3; 3],
@@ -22,10 +22,11 @@ pub(super) struct Sight<'a> {
 }
 
 /// How far from the surface visibility is tested, as a share of the size: more than a triangle's sagitta, less than
-/// what could lie before it.
+/// the distance of anything that could lie before it.
 const CLEARANCE: f64 = 0.004;
-/// A contour is that of the averaged surface: where that hardly bends along the line of sight, the exact one rises
-/// just before it. What lies no farther before it than the first hides it only where it is higher than the second.
+/// Contours are drawn on the averaged surface. Where it hardly bends along the line of sight, the exact surface may
+/// rise just in front of its contour. So a blocker nearer than the first share of the size hides a contour only if it
+/// also rises higher than the second.
 const BEFORE_CONTOUR: [f64; 2] = [0.2, 0.012];
 
 impl<'a> Sight<'a> {
@@ -67,7 +68,7 @@ impl<'a> Sight<'a> {
         let toward = self.toward(p);
         let normal = if dot(normal, toward) < 0.0 { scaled(normal, -1.0) } else { normal };
         let [near, high] = BEFORE_CONTOUR.map(|share| share * self.plate.size);
-        // What lies behind the eye hides nothing.
+        // Things behind the eye hide nothing.
         let eye = match self.camera.projection {
             Projection::Perspective => length(sub(self.eye, p)),
             _ => f64::INFINITY,
@@ -93,7 +94,7 @@ impl<'a> Sight<'a> {
         hit.map(|hit| f64::from(hit.distance))
     }
 
-    /// What is seen at a pixel.
+    /// The point of the surface seen at a pixel.
     pub fn look(&self, [x, y]: [f64; 2]) -> Option<Hit> {
         let ray = self.camera.ray(x as f32, y as f32, self.cell);
         self.plate.tree.pick(&ray, &self.plate.single, &self.plate.triangles)

@@ -44,7 +44,7 @@ pub(super) fn visible(sight: &Sight<'_>, ink: &Ink, lines: Vec<Line>) -> Vec<Str
         })
         .collect();
     let mut runs: Vec<(Mark, Vec<Sample>)> = runs.into_iter().flatten().collect();
-    // What says most is drawn first, and what runs beside it is left out.
+    // Strokes are drawn by mark, the longest first; lines beside an earlier one are left out.
     runs.sort_by(|a, b| a.0.cmp(&b.0).then(b.1.len().cmp(&a.1.len())));
     let runs = without_doubles(runs, sight.unit);
     let runs = joined(runs, JOIN * sight.unit);
@@ -162,7 +162,7 @@ fn without_doubles(runs: Vec<(Mark, Vec<Sample>)>, unit: f64) -> Vec<(Mark, Vec<
         let last = run.len() - 1;
         let along: Vec<[f64; 2]> =
             (0..=last).map(|i| way(run[i.saturating_sub(1)].at, run[(i + 1).min(last)].at)).collect();
-        // So far behind itself a line is no longer near by being smooth.
+        // Beyond this distance along itself, a line that comes near is no longer its own smooth continuation.
         let behind = (2.0 * near / (STEP * unit)).ceil() as usize + 1;
         let mut drawn = Vec::with_capacity(run.len());
         for i in 0..=last {

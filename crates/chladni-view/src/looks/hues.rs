@@ -95,7 +95,7 @@ impl Look {
         response: Response { flow: 0.03, timbre: 0.15, halo: 0.35, ..Self::AURORA.response },
     };
 
-    /// Chladni's figures: what stands still is white, and the sides of it differ.
+    /// Chladni's figures: resting places are white, and the two sides of them differ.
     pub const NODES: Self = Self {
         material: Material { roughness: 0.55, softness: 0.2, glow: 0.14, ..Material::BARE },
         answer: answer_from(0.5, Palette::Nodes, 0.0, 1.4, 0.0, 0.0),

@@ -3,7 +3,7 @@
 use super::*;
 
 impl Look {
-    /// A wet leaf in the morning, very near: what is not in focus is soft, and drops of light come off what moves.
+    /// A wet leaf in the morning, very near: all out of focus is soft, and drops of light come off moving parts.
     pub const DEW: Self = Self {
         material: Material {
             roughness: 0.14,

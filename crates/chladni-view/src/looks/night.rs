@@ -3,7 +3,7 @@
 use super::*;
 
 impl Look {
-    /// Northern lights: what moves turns from night blue to green and yellow, and glows.
+    /// Northern lights: moving parts turn from night blue to green and yellow, and glow.
     pub const AURORA: Self = Self {
         material: Material {
             roughness: 0.32,
@@ -112,7 +112,7 @@ impl Look {
         response: Response { glow: 0.12, sides: 0.15, ..Self::AURORA.response },
     };
 
-    /// Two signs of light on glossy black, and a trail of what was.
+    /// Two signs of light on glossy black, and their trails.
     pub const NEON: Self = Self {
         material: Material {
             roughness: 0.2,

@@ -2,10 +2,11 @@
 
 use super::Palette;
 
-/// How a surface is colored by what it does. A place of the palette is the sum
-/// offset + span · along + crease · bend + swing · (d · n) + travel · |d| + haste · |v|, with d the way from the place's
-/// rest, n the normal there, v what it lags behind itself (its speed, where the figure knows it), and `along` and
-/// `bend` the numbers that its [`RestShape`](crate::RestShape) has for it. Palettes that are no circle run there and back.
+/// How the movement of a surface chooses its color. The position in the palette is
+/// offset + span · along + crease · bend + swing · (d · n) + travel · |d| + haste · |v|,
+/// where d is the displacement from rest, n the normal, v the lag (how far the surface trails behind itself: its
+/// speed, if the figure knows it), and `along` and `bend` come from its [`RestShape`](crate::RestShape). A palette
+/// that is not a circle runs to its end and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
     /// Which colors.
@@ -14,7 +15,7 @@ pub struct Answer {
     pub offset: f32,
     /// How much of it lies along the shape.
     pub span: f32,
-    /// How much of it lies between what is flat and the sharpest ridge; hollows are as far on the other side.
+    /// How much of it lies between flat places and the sharpest ridge; hollows are as far on the other side.
     pub crease: f32,
     /// How much of it a unit of length outward is.
     pub swing: f32,
@@ -22,7 +23,8 @@ pub struct Answer {
     pub travel: f32,
     /// How much of it a unit of [lag](crate::Figure::lag) is: speed.
     pub haste: f32,
-    /// How often the palette goes around in one vibration: the angle of (d · n, v · n). A whole number, lest colors jump.
+    /// Turns of the palette in one vibration: it follows the angle of (d · n, v · n). A whole number, so that colors
+    /// do not jump.
     pub phase: f32,
     /// Glow that a unit of length adds to the material's own.
     pub glow: f32,
@@ -32,11 +34,12 @@ pub struct Answer {
     pub saturation: f32,
     /// Lines where the surface vibrates and does not move.
     pub lines: NodalLines,
-    /// How far the surface may go, in the coordinates of its item: what is far smaller has neither phase nor lines.
+    /// How far the surface may go, in the coordinates of its item: far smaller displacements have neither phase nor
+    /// lines.
     pub farthest: f32,
 }
 
-/// Lines on a surface where what sounds now leaves it where it rests, along its normal: Chladni's figures.
+/// Chladni's figures: lines where the current sound leaves the surface at rest along its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodalLines {
     /// sRGB.
@@ -75,7 +78,7 @@ impl Answer {
         [self.haste, self.phase, self.spark].iter().any(|share| *share != 0.0)
     }
 
-    /// Whether it looks at more of a vertex than its way from the rest.
+    /// Whether it reads more of a vertex than its displacement.
     pub(crate) fn is_figured(&self) -> bool {
         self.feels_speed() || self.lines.opacity > 0.0
     }

@@ -1,4 +1,4 @@
-//! What is drawn by both backends, in every look.
+//! Figures drawn by both backends, in every look.
 
 use super::*;
 
@@ -128,7 +128,7 @@ impl Model {
         let wave = |x: f32| (128.0 + 110.0 * (x * std::f32::consts::TAU).sin()) as u8;
         let texel = |i: u32| {
             let (u, v) = ((i % 128) as f32 / 128.0, (i / 128) as f32 / 64.0);
-            // What lies behind ends at its edges; what lies around goes on.
+            // A picture behind ends at its edges; a panorama continues around.
             let stretch = if behind { 0.6 } else { 1.0 };
             [wave(2.0 * stretch * u), wave(stretch * v + 0.2), wave(stretch * u + 0.5), 255]
         };

@@ -1,4 +1,4 @@
-//! What vertex stages look up lies in textures where a device has no storage, as in WebGL2.
+//! Vertex stages look up their data in textures where a device has no storage, as in WebGL2.
 
 use super::*;
 
@@ -28,7 +28,7 @@ fn textures_serve_as_storage_does() {
             let mean = apart.iter().sum::<f64>() / apart.len() as f64;
             let off = misplaced(&storage, &textures, 20);
             eprintln!("{name}, {rings} rings: {mean:.4} of 255, {off} off");
-            // What is out of focus goes by other depths of a pixel, which tells along outlines.
+            // Places out of focus use other depths of a pixel, which shows along outlines.
             let (most, few) = if name.contains("out of focus") { (1.0, 240) } else { (0.0, 0) };
             assert!(mean <= most && off <= few, "{name}, {rings} rings: {mean} of 255, {off} pixels");
         }

@@ -42,8 +42,8 @@ fn misplaced(picture: &Picture, other: &Picture, limit: u8) -> usize {
     .count()
 }
 
-/// The picture's colors times their alpha, as both backends draw and as whoever lays the picture over something sees
-/// them. [`Canvas::read`] divides them by it, and with them what they are rounded by: at an alpha of 3 that is 85-fold.
+/// The picture's colors times their alpha, as both backends draw them and as they look when the picture is laid over
+/// something. [`Canvas::read`] divides them by alpha, which multiplies their rounding errors: at an alpha of 3 by 85.
 fn premultiplied(mut picture: Picture) -> Picture {
     for pixel in picture.rgba.as_chunks_mut::<4>().0 {
         let alpha = u32::from(pixel[3]);
@@ -146,7 +146,7 @@ fn nasty_shapes_are_drawn_as_far_as_they_go() {
         [[0, 1, 2], [0, 2, 3], [0, 1, 4], [1, 2, 5], [3, 2, 6], [0, 0, 1], [1, 1, 1], [7, 8, 9], [6, 6, 6]];
     let drawn = covered(&alone(&positions, &broken, camera, [64, 64]));
     assert!(drawn >= whole, "{drawn} of {whole}");
-    // A floor that goes through the eye and to the horizon: the lower half, but for what is too near.
+    // A floor that goes through the eye and to the horizon: the lower half, except what is too near.
     let floor = [[-1e4, -0.5, -1e4], [1e4, -0.5, -1e4], [1e4, -0.5, 1e4], [-1e4, -0.5, 1e4]];
     let far = Camera { reach: 1e3, ..camera };
     let picture = alone(&floor, &[[0, 1, 2], [0, 2, 3]], far, [64, 64]);
@@ -205,7 +205,7 @@ fn what_does_not_fit_is_an_error() {
     let cell = Cell { viewport: Rect { x: 4, y: 0, width: 8, height: 8 }, ..model.cell(&[], [8, 8]) };
     assert!(matches!(Renderer::new(&device).draw(&canvas, &[cell]), Err(ViewError::Shape(_))));
     let Some(gpu) = gpu() else { return };
-    // What one device holds the other does not draw, and says so.
+    // Buffers of one device cannot be drawn by the other, and an error says so.
     let figures = [model.figure()];
     let cell = model.cell(&figures, [8, 8]);
     let theirs = Canvas::new(&gpu, 8, 8).unwrap();
@@ -243,7 +243,7 @@ fn what_is_not_known_to_move_has_no_speed() {
     assert!(matches!(drawn, Err(ViewError::Shape(_))));
 }
 
-/// What glows is brighter around, the corners are darker, and a picture long after another has no trail of it.
+/// Bright surfaces glow, the corners are darker, and a picture long after another shows no trail of it.
 #[test]
 fn a_finish_does_what_it_says() {
     let model = Model::new(&Device::Processor, 30);

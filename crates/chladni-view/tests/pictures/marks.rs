@@ -1,4 +1,4 @@
-//! What is drawn on a surface: wires, colors, skins, brushes, markers.
+//! Pictures of things on a surface: wires, colors, skins, brushes, markers.
 
 use std::cell::RefCell;
 

@@ -34,7 +34,7 @@ fn one_sample_looks_like_four_and_its_edges_are_smooth() {
     let apart = |a: &[u8], b: &[u8]| (0..4).map(|i| a[i].abs_diff(b[i])).max().unwrap();
     let differ =
         |limit| four.rgba.chunks(4).zip(one.rgba.chunks(4)).filter(|(a, b)| apart(a, b) > limit).count();
-    // The outline has about 500 pixels, of which no smoothing guesses every shade.
+    // The outline has about 500 pixels; smoothing cannot guess the shade of each.
     assert!(differ(12) < 500 && differ(90) < 25, "{} {}", differ(12), differ(90));
     // Between night and the lit side there are pixels of neither.
     let row: Vec<u8> = (0..200).map(|x| one.pixel(x, 40).unwrap()[0]).collect();

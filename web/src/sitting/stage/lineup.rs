@@ -13,7 +13,7 @@ pub const FIGURES: usize = 4;
 /// Figures that stand beside each other.
 pub(super) struct Lineup {
     buffers: ItemBuffers,
-    /// Of all of them, one after the other.
+    /// Positions of all of them, one after the other.
     positions: Vec<[f32; 3]>,
     cells: Vec<Rect>,
 }

@@ -18,7 +18,7 @@ pub fn form(p: Vec3, f: &Face) -> f64 {
     let middle = [0.0, -0.08, 0.735 + 0.45 * out + 0.040 * f.bridge];
     let upper = rod(p, [0.0, 0.16, 0.652 + 0.012 * f.bridge], middle, 0.062 * broad, 0.066 * broad);
     let lower = rod(p, middle, tip, 0.066 * broad, r);
-    // What lies between the ridge and the face.
+    // The form between the ridge and the face.
     let side =
         rod(p, [0.0, -0.02, 0.58], [0.0, tip[1] + 0.03, 0.66 + 0.45 * out], 0.10 * broad, 0.115 * broad);
     let wing = ellipsoid(

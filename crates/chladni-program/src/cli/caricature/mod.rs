@@ -1,4 +1,4 @@
-//! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate what makes a shape differ from a
+//! `chladni caricature SHAPE TEMPLATE -o OUT`: exaggerate the difference between a shape and a
 //! template, or play a whole recipe on one or many shapes.
 
 mod batch;
@@ -31,7 +31,7 @@ pub struct Caricature {
     /// The shape: a mesh file or sample:NAME. With --recipe it replaces the recipe's own.
     #[arg(required_unless_present = "recipe")]
     shape: Option<String>,
-    /// What it is compared with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
+    /// The template, to compare it with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 or self:lowpass=20.
     #[arg(required_unless_present_any = ["recipe", "gallery"], conflicts_with = "recipe")]
     template: Option<Template>,
@@ -84,7 +84,7 @@ pub struct Caricature {
 }
 
 impl Caricature {
-    /// Makes what was asked for.
+    /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         if self.gallery.gallery {
             return self.gallery(terminal);
@@ -280,7 +280,7 @@ fn finish(
     Ok(())
 }
 
-/// Prints for every acting layer how far it moves the shape and what it folds.
+/// Prints for every acting layer how far it moves the shape and how many triangles it folds.
 fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
     let Made { sculpture, stack, .. } = made;
     for layer in &sculpture.evaluation.layers {

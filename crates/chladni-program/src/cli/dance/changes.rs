@@ -1,4 +1,5 @@
-//! What arguments change of an instrument before it is heard: form, ringing, choir, and any knob or switch by name.
+//! Changes that arguments make to an instrument before it is heard: form, ringing, choir, and any knob or switch by
+//! name.
 
 use chladni_music::{Action, PAPER_MODE, Parameter, Switch, Timbre, setting};
 
@@ -6,7 +7,7 @@ use super::Dance;
 use crate::work::Error;
 
 impl Dance {
-    /// What the arguments change before anything else is done.
+    /// The actions that the arguments ask for, before anything else is done.
     pub(super) fn changes(&self) -> Result<Vec<Action>, Error> {
         let mut changes = Vec::new();
         changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
@@ -29,7 +30,7 @@ impl Dance {
     }
 }
 
-/// What NAME=VALUE asks for, or why nothing does.
+/// The action that NAME=VALUE asks for, or why there is none.
 fn set(text: &str) -> Result<Action, String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE, such as decay=0.7 or form=modal")?;
     let (name, value) = (name.trim(), value.trim());

@@ -1,5 +1,5 @@
-//! Editing templates that are not meshes: the shape itself scaled or smoothed, given ellipsoids, and what the layers below
-//! leave.
+//! Editing templates that are not meshes: the shape itself scaled or smoothed, given ellipsoids, and the results of
+//! the layers below.
 
 use chladni_caricature::{GivenEllipsoid, LayerId, Property, Template, wavelengths};
 use chladni_match::Ellipsoid;
@@ -15,7 +15,7 @@ use crate::work::template_name;
 const SCALED: Template = Template::Scaled(0.9);
 const SMOOTHED: Template = Template::LowPass(20);
 
-/// Draws what can be changed of `template`, where that is anything.
+/// Draws the controls of `template`, if it has any.
 pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
     match template {
         Template::Scaled(_) | Template::LowPass(_) => itself(ui, session, id, template, edits),

@@ -12,12 +12,12 @@ use crate::work::Error;
 const INTERVAL_SECS: f64 = 2.0;
 
 /// The recovery copy of this window. The disk is only touched on a thread of its own, which
-/// writes what it was given before it ends.
+/// writes all orders before it ends.
 pub struct Autosave {
     orders: Option<Sender<Order>>,
     reports: Receiver<Result<(), CaricatureError>>,
     thread: Option<JoinHandle<()>>,
-    /// What the copy holds; `None` where there is none.
+    /// The project in the copy; `None` where there is no copy.
     kept: Option<Project>,
     last_secs: f64,
     /// Why the last copy could not be written: it is tried again, and reported once.
@@ -62,7 +62,7 @@ impl Autosave {
         news
     }
 
-    /// What went wrong, if that is news.
+    /// A new error, if there is one.
     fn news(&mut self) -> Option<String> {
         let mut news = None;
         for report in self.reports.try_iter() {
@@ -86,7 +86,7 @@ impl Autosave {
         self.is_behind(history).then(|| (self.last_secs + INTERVAL_SECS - now_secs).max(0.0))
     }
 
-    /// The next [`tick`](Self::tick) keeps what is not kept, however soon.
+    /// The next [`tick`](Self::tick) keeps all changes, however soon.
     pub fn hurry(&mut self) {
         self.last_secs = f64::NEG_INFINITY;
     }

@@ -32,7 +32,7 @@ pub struct BrushTool {
     pub smoothed: bool,
     /// Takes whole parts in place of dabs.
     pub limbs: LimbTool,
-    /// Takes what a line is drawn around in place of dabs.
+    /// Takes the part inside a drawn line in place of dabs.
     pub lasso: LassoTool,
 }
 
@@ -103,7 +103,8 @@ impl BrushTool {
         }
     }
 
-    /// Turns a drag on the shape into dabs of what the ring enclosed, or, where there are `limbs`, a click into a part.
+    /// Turns a drag on the shape into dabs of the vertices that the ring enclosed, or, where there are `limbs`, a
+    /// click into a part.
     pub fn paint(
         &mut self,
         ui: &Ui,

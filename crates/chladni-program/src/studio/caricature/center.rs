@@ -86,7 +86,7 @@ impl CaricatureRoom {
     }
 }
 
-/// What to do where no shape is open.
+/// The hint where no shape is open.
 fn nothing_open(ui: &mut Ui) {
     ui.centered_and_justified(|ui| {
         let hint = "Open a mesh or a project, or drop one here.";

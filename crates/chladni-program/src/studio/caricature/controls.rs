@@ -20,9 +20,9 @@ use crate::studio::theme;
 use crate::work::Quantity;
 use crate::work::scale_plot::Spectrum;
 
-/// What the panel shows beside the layer's own numbers.
+/// Measurements that the panel shows beside the layer's own numbers.
 pub struct Measured<'a> {
-    /// What the model exaggerates; empty until the match is there.
+    /// The spectrum that the model exaggerates; empty until the match is there.
     pub spectrum: &'a Spectrum,
     /// The shape's own mirror plane, once it was looked for.
     pub mirror: Option<Option<MirrorPlane>>,
@@ -47,7 +47,7 @@ pub enum Wish {
     Mask(MaskWish),
 }
 
-/// What the panel itself remembers.
+/// State of the panel itself.
 #[derive(Debug)]
 pub struct Controls {
     pen: Pen,

@@ -21,7 +21,7 @@ pub struct CrossingMeter {
 /// The result of a search, with the searcher for reuse.
 type Found = (Searcher, Vec<u32>);
 
-/// What outlives one search.
+/// The search structure, which is reused.
 #[derive(Clone)]
 struct Searcher {
     tree: Arc<Crossings>,
@@ -29,7 +29,7 @@ struct Searcher {
     from_the_start: usize,
 }
 
-/// What the panel shows.
+/// The counts that the panel shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Count {
     /// Triangles of the result that pass through others.
@@ -90,7 +90,7 @@ impl CrossingMeter {
         self.found.as_deref().unwrap_or_default()
     }
 
-    /// What was counted last for `evaluation` or an earlier one; `None` before the first count.
+    /// The last count for `evaluation` or an earlier one; `None` before the first count.
     pub fn count(&self, evaluation: &Evaluation) -> Option<Count> {
         let (found, searcher) = (self.found.as_ref()?, self.searcher.as_ref()?);
         let outdated = self.running.is_some() || !self.is_searched(&evaluation.result);

@@ -1,4 +1,4 @@
-//! The scale curve Φ over wavelength, with what the active model exaggerates behind it.
+//! The scale curve Φ over wavelength, with the spectrum that the active model exaggerates behind it.
 
 mod painting;
 mod plot;

@@ -35,7 +35,7 @@ impl Edits {
         self.once(Action::Set { layer, to });
     }
 
-    /// A property that follows a slider: live while `response` drags, one step in the history, as is what a click does.
+    /// A property that follows a slider: live while `response` drags, one step in the history, as a click is, too.
     pub fn drag(&mut self, layer: LayerId, response: &egui::Response, to: impl FnOnce() -> Property) {
         if response.changed() {
             self.0.push(Edit::Live(Action::Set { layer, to: to() }));

@@ -15,7 +15,7 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{Error, Warning};
 
-/// While layers wait for what they need.
+/// The note while layers wait for matches.
 const STILL_WORKING: &str =
     "Layers are still being matched, or harmonics solved for: export again once that is done.";
 
@@ -23,10 +23,10 @@ const STILL_WORKING: &str =
 const STILL_SETTLING: &str = "How far triangles allow is still being computed: what is written is held back by what is \
                               known so far. Export again once the meter shows a share.";
 
-/// A file that was written, and what is to be said of it.
+/// A file that was written, and a warning about it.
 type Written = (PathBuf, Option<Warning>);
 
-/// What is written.
+/// The kind of file to write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
     Mesh(Format),
@@ -37,7 +37,7 @@ enum What {
 }
 
 impl What {
-    /// By rows: name of the row, and what it offers.
+    /// By rows: name of the row, and its choices.
     const ROWS: [(&'static str, &'static [Self]); 3] = [
         (
             "Shape",
@@ -84,7 +84,7 @@ impl What {
     }
 }
 
-/// What is behind the shape in pictures.
+/// The background of pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Behind {
     Nothing,
@@ -126,7 +126,7 @@ impl CaricatureRoom {
         self.export.open = self.session.is_some();
     }
 
-    /// Draws the export window and takes in what is written.
+    /// Draws the export window and takes in the finished export.
     pub(super) fn show_export(&mut self, ui: &Ui, shared: &mut Shared<'_>) {
         self.export.poll(shared);
         if !self.export.open {
@@ -206,12 +206,12 @@ impl Export {
         }
     }
 
-    /// What is being written.
+    /// The export in progress.
     pub fn unfinished(&self) -> Option<&str> {
         self.running.as_ref().map(Job::label)
     }
 
-    /// Ends what is being written, so that nothing half written stays: the window closes.
+    /// Cancels the export in progress, so that nothing half written stays: the window closes.
     pub fn stop(&mut self) {
         if let Some(running) = self.running.take() {
             running.stop();

@@ -160,7 +160,7 @@ impl CaricatureRoom {
         let chosen = match known {
             Some(known) => Some(known),
             None => match choose(&suggested) {
-                // What is there is asked about by the dialog alone, which did not know this name.
+                // The dialog asks before it replaces a file, but it did not know the name with the ending added.
                 Some((path, chosen)) if path != chosen && path.exists() => {
                     choose(&path).map(|(path, _)| path)
                 }
@@ -182,7 +182,7 @@ impl CaricatureRoom {
         }
     }
 
-    /// Keeps a picture of a shape that is no project yet; a project's is made when it is saved.
+    /// Keeps a picture of a shape that has no project yet; a project's picture is made when it is saved.
     pub(super) fn picture_new_shape(&self, shared: &mut Shared<'_>) {
         let Some(session) = self.session.as_ref().filter(|session| session.path.is_none()) else { return };
         if let ShapeSource::File(path) = &session.project().shape {

@@ -1,4 +1,4 @@
-//! What the heat map shows, and the spectrum behind the scale curve.
+//! The heat map, and the spectrum behind the scale curve.
 
 use chladni_view::ColorMap;
 
@@ -41,7 +41,7 @@ impl Default for Heat {
 }
 
 impl Heat {
-    /// What is shown.
+    /// The quantity shown.
     pub fn quantity(&self) -> Quantity {
         self.quantity
     }
@@ -91,7 +91,7 @@ impl Heat {
         self.pointed = pointed;
     }
 
-    /// What the stage is to be painted with.
+    /// The coating of the stage.
     pub fn coating(&self, session: &Session) -> Coating {
         let shown = match self.painting.filter(|_| matches!(self.quantity, Quantity::None | Quantity::Own)) {
             Some(Painting::Raw) => Quantity::Painted,
@@ -118,7 +118,7 @@ impl Heat {
     }
 }
 
-/// What the model of the selected layer exaggerates, over wavelength.
+/// The spectrum that the model of the selected layer exaggerates, over wavelength.
 pub fn spectrum(session: &Session) -> Spectrum {
     let layer = session.selected.and_then(|id| session.project().layer(id));
     let difference = session.selected_layer().and_then(|layer| layer.difference.as_ref());

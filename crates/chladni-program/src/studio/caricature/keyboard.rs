@@ -1,4 +1,4 @@
-//! What the keyboard does in this room.
+//! Keys of this room.
 
 use chladni_caricature::{Action, LayerId, MAX_MU, Model, PaintEdit, Property};
 use egui::Context;
@@ -20,7 +20,7 @@ use crate::studio::room::Shared;
 const MU_STEPS: f64 = 10.0;
 
 impl CaricatureRoom {
-    /// Does what was pressed.
+    /// Does the actions of the pressed keys.
     pub(super) fn handle_keys(&mut self, shared: &mut Shared<'_>, edits: &mut Edits) {
         let ctx = shared.ctx.clone();
         self.file_keys(&ctx, shared);

@@ -1,4 +1,4 @@
-//! A line drawn around a part of what is seen.
+//! A line drawn around a part of the visible surface.
 
 use chladni_caricature::{Action, Dab, LayerId, PaintEdit};
 use egui::{Pos2, Stroke, Ui};
@@ -10,7 +10,7 @@ use crate::studio::theme;
 /// The line that is being drawn.
 #[derive(Debug, Default)]
 pub struct LassoTool {
-    /// Whether a drag draws a line around what it takes.
+    /// Whether a drag draws a line around the part to take.
     pub active: bool,
     line: Vec<Pos2>,
 }

@@ -14,7 +14,7 @@ use crate::work::{STARTING_POINTS, layer_since, results};
 /// Side of a layer's picture, points.
 const THUMBNAIL: f32 = 38.0;
 
-/// What the list itself remembers.
+/// State of the list itself.
 #[derive(Debug, Default)]
 pub struct LayerList {
     renaming: Option<(LayerId, String)>,

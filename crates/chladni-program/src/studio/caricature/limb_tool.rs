@@ -46,13 +46,13 @@ impl LimbTool {
         }
     }
 
-    /// What is to be shown of `limbs`: 1 on the parts under the pointer.
+    /// The values of `limbs` to show: 1 on the parts under the pointer.
     pub fn shown(&self, limbs: &Limbs) -> Vec<f32> {
         let value = |part: &u32| f32::from(u8::from(self.pointed.contains(&(*part as usize))));
         limbs.part.iter().map(value).collect()
     }
 
-    /// Takes in what is under the pointer, with its mirror image in `plane`; true when that has changed.
+    /// Takes in the part under the pointer, with its mirror image in `plane`; true when that has changed.
     pub fn point(
         &mut self,
         press: Option<&Press>,
@@ -74,7 +74,7 @@ impl LimbTool {
         changed
     }
 
-    /// Takes the part under the pointer: alone, or, with Shift, besides what is painted; `erase` takes it away.
+    /// Takes the part under the pointer: alone, or, with Shift, besides the painted region; `erase` takes it away.
     pub fn take(&self, limbs: &Limbs, layer: LayerId, erase: bool, modifiers: Modifiers, edits: &mut Edits) {
         if self.pointed.is_empty() {
             return;

@@ -46,7 +46,7 @@ pub struct Loaded {
     pub stack: Stack,
     /// The colors that the file has.
     pub look: Option<OwnLook>,
-    /// What was mended in the file, and what is wrong with the harmonics.
+    /// Repairs made to the file, and faults of the harmonics.
     pub warnings: Vec<Warning>,
 }
 

@@ -1,11 +1,11 @@
-//! What stands on the stage of the caricature room, and how it looks.
+//! The stage of the caricature room, and how it looks.
 
 use chladni_view::ink::Ink;
 use chladni_view::{Figure, ItemBuffers, Lights, Material, Paint, Topology, Wire};
 
 use crate::work::pen;
 
-/// What stands on the stage.
+/// The figures on the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Show {
     /// The result, large.
@@ -24,7 +24,7 @@ pub enum Show {
 /// How it looks; a choice of the user, not of the project.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Portrayal {
-    /// What stands on the stage.
+    /// The figures on the stage.
     pub show: Show,
     /// Edges of triangles.
     pub wire: bool,

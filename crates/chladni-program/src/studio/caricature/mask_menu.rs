@@ -11,7 +11,7 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{Error, mask};
 
-/// What is asked of a region.
+/// A wish about a region.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaskWish {
     /// From a file.
@@ -24,7 +24,7 @@ pub enum MaskWish {
     Curved(Curved),
 }
 
-/// What the menus remember.
+/// State of the menus.
 #[derive(Debug)]
 pub struct MaskMenu {
     share_percent: f64,
@@ -86,7 +86,7 @@ impl MaskMenu {
     }
 }
 
-/// Does what is asked of the region of `layer`.
+/// Fulfills a wish about the region of `layer`.
 pub fn fulfil(
     wish: MaskWish,
     layer: LayerId,
@@ -122,7 +122,7 @@ fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<()
     Ok(())
 }
 
-/// Of the shape's file; samples have neither colors nor attributes.
+/// The format of the shape's file; samples have neither colors nor attributes.
 fn format(session: &Session) -> Format {
     let ShapeSource::File(path) = &session.project().shape else { return Format::Ply };
     Format::of_path(path).unwrap_or(Format::Ply)

@@ -85,7 +85,7 @@ pub struct CaricatureRoom {
     layers: LayerList,
     thumbnails: Thumbnails,
     controls: Controls,
-    /// Meshes that become layers as soon as what is loading is there.
+    /// Meshes that become layers as soon as the shape being loaded is there.
     templates: Vec<PathBuf>,
     brush: BrushTool,
     limbs: KnownLimbs,
@@ -193,7 +193,7 @@ impl Room for CaricatureRoom {
             autosave.hurry();
         }
         self.keep_copy(shared);
-        // What it was given is written before it is gone, and stays.
+        // Dropping the autosave writes its last copy to disk and keeps the file.
         self.autosave = Some(Err(()));
     }
 
@@ -239,7 +239,7 @@ impl CaricatureRoom {
         }
     }
 
-    /// Puts what was loaded in the place of what is open; an error leaves that as it is.
+    /// Replaces the open project with the loaded one; on an error it stays as it is.
     fn take_in(&mut self, mut loaded: Loaded, shared: &mut Shared<'_>) -> Result<(), Error> {
         for warning in &loaded.warnings {
             shared.notices.warn(warning.clone());

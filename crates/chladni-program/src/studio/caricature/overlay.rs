@@ -1,4 +1,4 @@
-//! What is drawn behind and over the shapes on the stage: the background, names, the legend of a heat map.
+//! Things drawn behind and over the shapes on the stage: the background, names, the legend of a heat map.
 
 use chladni_view::{Background, Rect, Scale};
 use egui::{Color32, Stroke, Ui};
@@ -7,7 +7,7 @@ use super::look::Show;
 use crate::studio::theme;
 use crate::studio::viewport;
 
-/// What stands behind shapes in this window.
+/// The background of shapes in this window.
 pub fn backdrop(ui: &Ui) -> Background {
     if !ui.visuals().dark_mode {
         return Background::PAPER;

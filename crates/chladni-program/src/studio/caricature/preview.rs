@@ -26,7 +26,7 @@ impl Preview {
         Self { meshes, shown: None }
     }
 
-    /// Draws it into all of `ui`; says what is being loaded while there is nothing yet.
+    /// Draws it into all of `ui`; names the shape being loaded while there is nothing yet.
     pub fn show(&mut self, ui: &mut Ui, look: Portrayal, shared: &Shared<'_>) -> Result<(), Error> {
         if let Ok((mesh, stands)) = self.meshes.try_recv() {
             let viewport = Viewport::new(shared.screen);

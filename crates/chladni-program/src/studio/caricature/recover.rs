@@ -1,4 +1,4 @@
-//! The offer to recover what a crash left behind.
+//! The offer to recover unsaved work after a crash.
 
 use chladni_caricature::{Recovered, Recovery, ShapeSource};
 use egui::RichText;
@@ -8,14 +8,14 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
-/// What was found when the window opened.
+/// Recovery copies found when the window opened.
 #[derive(Default)]
 pub struct Offer {
     found: Option<Vec<Recovered>>,
 }
 
 impl Offer {
-    /// Looks once, and asks as long as there is something; returns what the user wants to recover.
+    /// Looks once, and asks as long as there is something; returns the project that the user wants to recover.
     pub fn show(&mut self, shared: &mut Shared<'_>) -> Option<Recovered> {
         let found = self.found.get_or_insert_with(|| find(shared));
         if found.is_empty() {

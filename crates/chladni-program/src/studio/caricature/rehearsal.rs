@@ -57,7 +57,7 @@ impl Rehearsal {
         // The panel draws it behind the scale curve.
         heat::spectrum(&self.session);
         update_stage(&mut self.session, &mut self.stage, &mut self.heat, self.look, &mut true)?;
-        // Drawing would send off what is queued for the device.
+        // Drawing would send off the work queued for the device.
         if let Some(gpu) = self.screen.device().gpu() {
             gpu.queue.submit([]);
         }
@@ -87,7 +87,7 @@ impl Rehearsal {
         self.heat.paint(Some(if smoothed { Painting::Smoothed } else { Painting::Raw }));
     }
 
-    /// What is painted on.
+    /// The surface that is painted on.
     pub fn surface(&self) -> &Surface {
         self.session.stack.surface()
     }

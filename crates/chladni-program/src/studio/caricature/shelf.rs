@@ -9,7 +9,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
-/// What each is called, and the sample that it is. Heads first: most shapes that are caricatured have one.
+/// Names of templates and their samples. Heads first: most shapes that are caricatured have one.
 const TEMPLATES: [(&str, &str); 15] = [
     ("Plain head", "template"),
     ("Character", "head"),
@@ -31,7 +31,8 @@ const TEMPLATES: [(&str, &str); 15] = [
 const CARD: Vec2 = vec2(104.0, 98.0);
 const COLUMNS: usize = 5;
 
-/// A button that opens the shelf; what was taken from it, with its name. Pictures are drawn when the shelf is first opened.
+/// A button that opens the shelf; returns the template taken from it, with its name. Pictures are drawn when the
+/// shelf is first opened.
 pub fn show(ui: &mut Ui, shared: &mut Shared<'_>) -> Option<(&'static str, Template)> {
     let mut taken = None;
     let menu = ui.menu_button(icon::label(Icon::Images, "Shelf"), |ui| {

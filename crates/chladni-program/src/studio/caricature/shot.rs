@@ -13,7 +13,7 @@ use chladni_view::{
 use super::look::Portrayal;
 use crate::work::{Error, plate};
 
-/// What gives figures their color, with shared ownership.
+/// The source of the figures' color, with shared ownership.
 #[derive(Clone, Debug)]
 pub enum Coat {
     /// The material's own.
@@ -45,7 +45,7 @@ pub type Pose = (Vec<[f32; 3]>, Vec<[f32; 3]>);
 pub struct Shot {
     /// The device; may be used on any thread.
     pub device: Device,
-    /// What all figures share.
+    /// The connectivity that all figures share.
     pub topology: Topology,
     /// The triangles of all figures.
     pub triangles: Arc<[[u32; 3]]>,
@@ -53,11 +53,11 @@ pub struct Shot {
     pub poses: Vec<Pose>,
     /// Their color; must not be written any more.
     pub coat: Coat,
-    /// Who looks.
+    /// The viewer's camera.
     pub camera: Camera,
     /// Material, light, edges.
     pub look: Portrayal,
-    /// What is behind.
+    /// The background.
     pub background: Background,
 }
 

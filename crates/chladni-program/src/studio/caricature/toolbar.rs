@@ -1,4 +1,4 @@
-//! The bar above the stage: file, history, what is shown and how it looks.
+//! The bar above the stage: file, history, view and look.
 
 use chladni_caricature::Action;
 use chladni_mesh::{Axis, Orientation};
@@ -155,7 +155,7 @@ impl CaricatureRoom {
             for axis in Axis::ALL {
                 let up = axis.direction();
                 if ui.selectable_label(Axis::of(now.up()) == Some(axis), axis.to_string()).clicked() {
-                    // What was up or down before comes to the front where the front is no longer level.
+                    // If the front would no longer be level, the former up or down axis becomes the front.
                     let fronts = [now.front(), now.up()];
                     wanted = fronts.into_iter().find_map(|front| Orientation::new(up, front));
                 }

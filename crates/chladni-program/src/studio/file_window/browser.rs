@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-/// What is asked for.
+/// The purpose of the question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Purpose {
@@ -21,7 +21,7 @@ pub enum Purpose {
 /// The question, as it travels to the process that asks it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
-    /// What for.
+    /// The purpose.
     pub purpose: Purpose,
     /// Kinds of files: name and extensions without dots.
     pub kinds: Vec<(String, Vec<String>)>,
@@ -38,7 +38,7 @@ pub struct Entry {
     pub is_folder: bool,
 }
 
-/// What is shown of a folder.
+/// The contents of a folder, as shown.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listing {
     /// Folders and fitting files, folders first.
@@ -68,7 +68,7 @@ pub const MAX_ENTRIES: usize = 5000;
 pub struct Browser {
     request: Request,
     folder: PathBuf,
-    /// What is typed: a name, or a path from the folder, from `~` or from the root. After changing it, call
+    /// The typed text: a name, or a path from the folder, from `~` or from the root. After changing it, call
     /// [`Self::retyped`].
     pub typed: String,
     /// Names that were picked in the list.
@@ -94,7 +94,7 @@ impl Browser {
         browser
     }
 
-    /// What is asked for.
+    /// The question.
     pub fn request(&self) -> &Request {
         &self.request
     }
@@ -104,7 +104,7 @@ impl Browser {
         &self.folder
     }
 
-    /// What is in it, or why it cannot be read.
+    /// The contents of the folder, or why it cannot be read.
     pub fn listing(&self) -> Result<&Listing, &str> {
         self.listing.as_ref().map_err(String::as_str)
     }
@@ -131,7 +131,7 @@ impl Browser {
         self.listing = listing.map_err(|error| format!("{}: {error}", self.folder.display()));
     }
 
-    /// What in `folder` begins with `begun`; of more than `most`, as many of any.
+    /// Entries of `folder` that begin with `begun`; if there are more than `most`, any `most` of them.
     fn list(&self, folder: &Path, begun: &str, most: usize) -> io::Result<Listing> {
         let entry = |found: DirEntry| {
             let name = found.file_name().into_string().ok()?;
@@ -199,7 +199,7 @@ impl Browser {
         }
     }
 
-    /// Completes what is typed as far as all files that begin like it agree.
+    /// Completes the typed text as far as all files that begin with it agree.
     pub fn complete(&mut self) {
         let (before, begun) = match self.typed.rsplit_once('/') {
             Some((before, begun)) => (format!("{before}/"), begun),
@@ -217,7 +217,7 @@ impl Browser {
         self.retyped();
     }
 
-    /// Confirms what is typed and picked.
+    /// Confirms the typed or picked files.
     pub fn go_ahead(&mut self) -> Verdict {
         if self.picked.len() > 1 {
             return Verdict::Done(self.picked.iter().map(|name| self.folder.join(name)).collect());

@@ -94,7 +94,7 @@ pub struct FileWindow {
 }
 
 impl FileWindow {
-    /// Asks `request` and puts what was chosen into `answer`.
+    /// Asks `request` and puts the choice into `answer`.
     pub fn new(
         ctx: &egui::Context,
         request: Request,

@@ -1,4 +1,4 @@
-//! Files that a person is asked for while the dance goes on, and what is done with them.
+//! Files that a person is asked for while the dance goes on, and their use.
 
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use crate::studio::room::{Room, Shared};
 use crate::work::formats::{LISTS, MESHES, PROJECT, SONGS, TEXT};
 use crate::work::{Error, FILMS, PANORAMAS, PICTURES};
 
-/// What a person is asked for, and what is done with the answer.
+/// The use of the file that a person is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Then {
     /// All that dances or sounds is opened.

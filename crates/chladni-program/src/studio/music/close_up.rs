@@ -40,7 +40,7 @@ enum Stroke {
     Amplification,
 }
 
-/// What is heard, for the plots' backgrounds.
+/// The current sound, for the plots' backgrounds.
 pub struct HeardBands<'a> {
     /// f_s of the sound bands.
     pub mid: &'a [f32],
@@ -97,7 +97,7 @@ pub fn show(
     stroke(&response, Stroke::Amplification, &mapping, draft, index, wishes);
 }
 
-/// Keeps what is drawn as a draft, and turns it into one action when the pointer is released.
+/// Keeps the stroke as a draft, and turns it into one action when the pointer is released.
 fn stroke(
     response: &egui::Response,
     action: Stroke,
@@ -242,7 +242,7 @@ fn shapes_menu(
         .on_hover_text("Ready-made curves, to begin from");
 }
 
-/// What arrives at each harmonic now, coarsely: the background of a.
+/// The sound that now arrives at each harmonic, coarsely: the background of a.
 fn answered(mapping: &Mapping, heard: &HeardBands<'_>) -> Vec<f32> {
     const COLUMNS: usize = 96;
     let mut columns = vec![0.0f32; COLUMNS];

@@ -9,7 +9,7 @@ use super::preferences::Screen;
 /// How long pointer and hint stay after the pointer has moved.
 const LINGER_SECS: f64 = 2.0;
 
-/// What was done to the window for the stage, to be undone afterwards.
+/// Changes made to the window for the stage, to be undone afterwards.
 #[derive(Debug, Default)]
 pub struct Curtain {
     open: bool,
@@ -21,7 +21,7 @@ pub struct Curtain {
 }
 
 impl Curtain {
-    /// Fills the screen when the stage opens and gives it back when it closes. Says what the user must know.
+    /// Fills the screen when the stage opens and gives it back when it closes. Returns a message for the user.
     pub fn follow(
         &mut self,
         ctx: &egui::Context,

@@ -18,7 +18,7 @@ pub fn transfer_color(ui: &Ui) -> Color32 {
 pub struct Plot<'a> {
     /// Its author id, which tests find it by.
     pub id: &'static str,
-    /// What it is called, on screen and for screen readers.
+    /// Its name, on screen and for screen readers.
     pub name: &'a str,
     /// Lowest and highest value.
     pub range: (f32, f32),

@@ -1,4 +1,4 @@
-//! The drawer at the right of the room, and what lies in it.
+//! The drawer at the right of the room, and its content.
 
 use egui::{RichText, ScrollArea, Ui};
 
@@ -43,7 +43,7 @@ const DRAWERS: [(Drawer, Icon, &str, &str); 6] = [
     (Drawer::Remote, Icon::Cable, "drawer/remote", "Remote"),
 ];
 
-/// What the drawers keep between frames.
+/// State of the drawers between frames.
 #[derive(Default)]
 pub struct Drawers {
     /// The one that is open.

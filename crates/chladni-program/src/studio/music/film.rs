@@ -1,4 +1,4 @@
-//! Films of what dances: the form that asks for subject, size and rate; they are made in the background.
+//! Films of the dance: the form that asks for subject, size and rate; they are made in the background.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use crate::studio::theme;
 use crate::work::film::{self, Film, Output};
 use crate::work::{Aside, Error, Warning};
 
-/// What the menu says of it.
+/// Tooltip in the menu.
 pub const TIP: &str = "With its sound, in any size: what dances now for a whole song, or all that was done";
 
 /// Sizes that are offered, in pixels.
@@ -45,10 +45,10 @@ struct Made {
     warnings: Vec<Warning>,
 }
 
-/// What is filmed.
+/// The content of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
-    /// What dances now, for a whole song.
+    /// The current dance, for a whole song.
     AsItIs,
     /// All actions since the show began.
     TheShow,
@@ -59,15 +59,15 @@ struct Form {
     what: What,
     size: [u32; 2],
     fps: u32,
-    /// Of the song or the show; the end where `to_secs` is 0.
+    /// Range of the song or the show; to the end where `to_secs` is 0.
     from_secs: f64,
     to_secs: f64,
-    /// By its name; none is the look of what is filmed.
+    /// By its name; none is the look of the dance itself.
     look: Option<&'static str>,
     titles: bool,
 }
 
-/// What could be filmed now.
+/// The contents that could be filmed now.
 pub struct Scene {
     /// All that was done, as it would be saved.
     pub show: Show,
@@ -77,7 +77,7 @@ pub struct Scene {
     pub songs: Vec<(String, BeatReading)>,
     /// The number of the one that is heard; none of live input.
     pub song: Option<usize>,
-    /// What the middle of the room shows.
+    /// The content of the middle of the room.
     pub view: View,
     /// How many favorites there are.
     pub favorites: usize,
@@ -161,12 +161,12 @@ impl Filming {
         self.running = None;
     }
 
-    /// What is being made.
+    /// The film being made.
     pub fn unfinished(&self) -> Option<&str> {
         self.running.as_ref().map(Job::label)
     }
 
-    /// Ends what is being made, so that nothing half written stays: the window closes.
+    /// Cancels the film being made, so that nothing half written stays: the window closes.
     pub fn stop(&mut self) {
         if let Some(running) = self.running.take() {
             running.stop();

@@ -1,4 +1,4 @@
-//! What is drawn over the dancing shapes: choice, marks, and each item's t and a.
+//! The overlay of the dancing shapes: choice, marks, and each item's t and a.
 
 use chladni_music::{Action, GalleryItem, Instrument, ItemId, Mapping};
 use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};

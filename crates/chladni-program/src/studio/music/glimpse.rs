@@ -1,5 +1,5 @@
 //! Measures the brightness of the picture about to be shown, without blocking: until a graphics device has told it,
-//! the previous picture stays. What the processor has drawn is looked at as it lies in memory.
+//! the previous picture stays. A picture drawn by the processor is read where it lies in memory.
 
 use std::sync::{Arc, OnceLock};
 
@@ -38,7 +38,7 @@ enum Coming {
 }
 
 impl Glimpse {
-    /// Asks for some rows of what was drawn on `canvas` last. Translucent pixels will let `behind` through.
+    /// Asks for some rows of the last picture on `canvas`. Translucent pixels will let `behind` through.
     pub fn begin(&mut self, device: &Device, canvas: &Canvas, behind: Color32) {
         match device {
             Device::Graphics(gpu) => self.ask(gpu, canvas, behind),
@@ -131,7 +131,7 @@ impl Glimpse {
         Ok(true)
     }
 
-    /// Counts rows of pixels, each as long as the picture is wide or longer, over what is behind them.
+    /// Counts rows of pixels, each as long as the picture is wide or longer, over the color `behind` them.
     fn count<'a>(&mut self, size: [u32; 2], rows: impl Iterator<Item = &'a [u8]>, behind: Color32) {
         self.histogram.clear();
         let step = (size[0] / SEEN[0]).max(1) as usize;
@@ -148,7 +148,7 @@ impl Glimpse {
         }
     }
 
-    /// What was counted last.
+    /// The last histogram.
     pub fn histogram(&self) -> &Histogram {
         &self.histogram
     }

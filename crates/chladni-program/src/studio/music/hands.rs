@@ -1,4 +1,4 @@
-//! What controllers ask of the room, and where things stand for them.
+//! Requests of controllers to the room, and the room's values for them.
 
 use chladni_music::{Action, Looks, SHOTS, Target, Which};
 use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState};
@@ -99,7 +99,7 @@ fn pick(names: &[impl AsRef<str>], now: Option<usize>, which: &Which) -> Option<
 }
 
 impl MusicRoom {
-    /// Does what a controller asks of the room; says so where there is no such thing.
+    /// Does a controller's request to the room, or says that there is no such thing.
     pub(super) fn ask(
         &mut self,
         target: Target,
@@ -210,7 +210,7 @@ fn choose_look(target: Target, which: &Which, shared: &mut Shared<'_>) -> bool {
     true
 }
 
-/// What is to be done with a dance of the gallery; `None` if there is no such dance, or the target is not about dances.
+/// The wish for a dance of the gallery; `None` if there is no such dance, or the target is not about dances.
 fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
     let items = concert.instrument().gallery().items();
     let item = match which {

@@ -14,7 +14,7 @@ use crate::work::{Error, figure_markers};
 /// Cells of the view: the figure, then harmonics.
 pub const CELLS: usize = 12;
 
-/// A body's harmonics, with what is needed to draw them.
+/// A body's harmonics, with the buffers to draw them.
 pub struct Harmonics {
     body: Body,
     symmetry: Symmetry,
@@ -24,7 +24,7 @@ pub struct Harmonics {
     shown: Option<(usize, Camera, Vec<Rect>)>,
 }
 
-/// What is on the device for one page.
+/// Buffers on the device for one page.
 struct Drawn {
     first: usize,
     rest: ItemBuffers,
@@ -38,7 +38,7 @@ impl Harmonics {
         Self { body, symmetry, figure_markers, drawn: None, shown: None }
     }
 
-    /// Of the body, by its vertices.
+    /// Triangles of the body, by its vertices.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.body.triangles
     }

@@ -18,7 +18,7 @@ use crate::work::unread;
 
 /// The least time between two copies.
 const INTERVAL_SECS: f64 = 5.0;
-/// What names of copies begin and end with.
+/// Beginning and ending of a copy's name.
 const NAMES: (&str, &str) = ("show", "toml");
 
 /// A copy that was written, or why not.
@@ -32,20 +32,20 @@ struct Written {
 pub struct Keepsake {
     /// `None` until it is needed; an error where it cannot be.
     copy: Option<Result<RecoveryCopy, ()>>,
-    /// What is being written, and how many actions it has; and how many the copy has.
+    /// The write in progress and the number of its actions; below, the number of actions in the copy.
     writing: Option<(Receiver<Written>, usize)>,
     kept: usize,
     last_secs: f64,
     /// Why the last copy could not be written: reported once, and tried again.
     failure: Option<String>,
-    /// What an earlier window left, once it was looked for.
+    /// Copies that earlier windows left, once they were looked for.
     found: Option<Vec<PathBuf>>,
     /// One that is open in this window again; it goes once our own copy is on the disk.
     adopted: Option<PathBuf>,
 }
 
 impl Keepsake {
-    /// Takes in what was written, or `waits` for it; what went wrong, if that is news.
+    /// Takes in the finished write, or `waits` for it; returns a new error, if there is one.
     fn settle(&mut self, waits: bool) -> Option<String> {
         let (written, actions) = self.writing.as_ref()?;
         let written =
@@ -65,7 +65,7 @@ impl Keepsake {
         failure.filter(|_| is_news)
     }
 
-    /// Writes `show`, which has so many `actions`, on a thread.
+    /// Writes `show`, which has this many `actions`, on a thread.
     fn write(&mut self, show: Show, actions: usize) {
         let Some(Ok(copy)) = self.copy.take() else { return };
         let (done, written) = channel();
@@ -123,7 +123,7 @@ impl MusicRoom {
         self.keepsake.write(show, actions);
     }
 
-    /// The program must end: what is not saved is written before that, and stays.
+    /// The program must end: unsaved work is written before that, and stays.
     pub(super) fn leave_show(&mut self, shared: &mut Shared<'_>) {
         self.keep_show(true, shared);
         // It is too late to tell anybody what went wrong.

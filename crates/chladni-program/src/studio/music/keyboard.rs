@@ -1,4 +1,4 @@
-//! What the keyboard and controllers do in this room.
+//! Keys and controllers of this room.
 
 use chladni_music::{Action, Cue, Target};
 
@@ -21,7 +21,7 @@ use crate::studio::shortcut::Shortcut;
 const MARKS: [Shortcut; 4] = [MARK_LEFT, MARK_RIGHT, MARK_ABOVE, MARK_BELOW];
 
 impl MusicRoom {
-    /// What the keys ask for.
+    /// The wishes of the keys.
     pub(super) fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
         let mut wishes = Vec::new();
         if self.concert.is_none() && OPEN.pressed(ctx) {
@@ -101,7 +101,7 @@ impl MusicRoom {
         wishes
     }
 
-    /// What controllers ask for.
+    /// Adds the wishes of the controllers.
     pub(super) fn follow_remote(&mut self, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
         let parameters = concert.instrument().parameters();

@@ -10,7 +10,7 @@ use crate::studio::theme;
 /// Width of the names.
 const LABEL: f32 = 98.0;
 
-/// Draws them all and collects what was turned. `voices` may listen to the side in any form.
+/// Draws them all and collects the changes. `voices` may listen to the side in any form.
 pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec<Wish>) {
     let parameters = instrument.parameters();
     group(ui, "Form", |ui| {
@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec
     }
 }
 
-/// What else can be done with sand.
+/// Buttons for sand beside its switch.
 fn sand(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     ui.horizontal(|ui| {
         let tip = "Sand on stage on a shape that moves little, and a higher tone draws a finer figure; takes the \
@@ -92,7 +92,7 @@ fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     });
 }
 
-/// What the shape seems to be made of.
+/// Choice of the material that the shape seems to ring like.
 fn timbre(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
     let now = Timbre::of(parameters);
     ui.horizontal_wrapped(|ui| {
@@ -237,13 +237,13 @@ const SWITCHES: &[(&str, &[Choice])] = &[
     ),
 ];
 
-/// What a knob is called on screen.
+/// A knob's name on screen.
 pub fn name(parameter: Parameter) -> &'static str {
     let mut rows = GROUPS.iter().flat_map(|(_, rows)| rows.iter());
     rows.find(|row| row.0 == parameter).map_or(parameter.name(), |row| row.1)
 }
 
-/// What a switch is called on screen.
+/// A switch's name on screen.
 pub fn switch_name(switch: Switch) -> &'static str {
     let mut rows = SWITCHES.iter().flat_map(|(_, rows)| rows.iter());
     rows.find(|row| row.0 == switch).map_or(switch.name(), |row| row.1)

@@ -2,7 +2,7 @@
 
 use egui::{Context, Event};
 
-/// So long after the last touch it counts as leaning back.
+/// Seconds without a touch after which the user counts as leaning back.
 const REST_SECS: f64 = 8.0;
 
 /// Waits, after a song was opened, until nobody touches anything.
@@ -25,7 +25,7 @@ impl Leaning {
     /// True once, when nothing was touched for a while.
     pub fn is_at_rest(&mut self, ctx: &Context) -> bool {
         let Some(since_secs) = &mut self.since_secs else { return false };
-        // A pointer may be moved out of the way; whoever presses something wants something else.
+        // A pointer may be moved out of the way; a press means that the user wants something else.
         let presses = |event: &Event| {
             matches!(event, Event::PointerButton { pressed: true, .. } | Event::Key { pressed: true, .. })
         };

@@ -1,4 +1,4 @@
-//! Who descends from whom, and the way back to where an ancestor was.
+//! The family tree of dances, and the way back to where an ancestor was.
 
 use chladni_music::{Action, Gallery, GalleryItem, Instrument, ItemId, Origin, lineage};
 use egui::{RichText, ScrollArea, Ui};

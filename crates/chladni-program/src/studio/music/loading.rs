@@ -26,7 +26,7 @@ pub struct Means {
     pub coarsely: bool,
 }
 
-/// What loading brings back.
+/// The result of loading.
 pub struct Ready {
     /// The body and what players need of it.
     pub dancing: Dancing,
@@ -38,7 +38,7 @@ pub struct Ready {
     pub voices: Vec<(String, Term)>,
     /// The shape with fewer vertices for small pictures, from fine to coarse, where all would be too many.
     pub details: Vec<Detail>,
-    /// Warnings: what was repaired in the file, how the harmonics are less exact than usual, and which layers
+    /// Warnings: repairs of the file, how the harmonics are less exact than usual, and which layers
     /// cannot act.
     pub warnings: Vec<Warning>,
 }

@@ -71,7 +71,7 @@ fn screens(ui: &mut Ui, chosen: &mut Screen, names: Vec<String>) {
     });
 }
 
-/// Which programs see the stage, through what this system has for it.
+/// Which programs see the stage, by the means that this system has.
 fn camera(ui: &mut Ui, chosen: &mut Camera) {
     let (ways, tip): (&[Camera], _) = if cfg!(target_os = "linux") {
         (
@@ -142,7 +142,7 @@ fn scene(ui: &mut Ui, chosen: &mut String) {
     ui.add_space(theme::GAP);
 }
 
-/// What colors the movement: too many for a row of buttons, too.
+/// Menu of the palettes that color the movement: too many for a row of buttons.
 fn palette(ui: &mut Ui, chosen: &mut String) {
     let own = "As the look";
     let known =
@@ -159,7 +159,7 @@ fn palette(ui: &mut Ui, chosen: &mut String) {
     ui.add_space(theme::GAP);
 }
 
-/// How soft is what is not in focus: the look's own until it is moved.
+/// Depth of field: the look's own until the slider is moved.
 fn blur(ui: &mut Ui, chosen: &mut Option<u8>, own: f32) {
     ui.label(RichText::new("Depth of field").strong());
     let tip = "As through a lens that is wide open: what lies before or behind the front of the shape is soft. 0 is sharp \

@@ -1,6 +1,7 @@
-//! What media keys and the desktop's players see and ask for: MPRIS 2.2 on the session bus (Linux).
+//! Media keys and the desktop's players: state for them and requests from them, by MPRIS 2.2 on the session bus
+//! (Linux).
 //!
-//! Without a bus nothing happens. The window tells what plays and collects what was asked; it never waits.
+//! Without a bus nothing happens. The window reports its state and collects requests; it never waits.
 
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -22,7 +23,7 @@ const JUMP_SECS: f64 = 1.0;
 /// More requests than this between two frames are ignored.
 const MOST_ASKED: usize = 64;
 
-/// What is asked of the player.
+/// A request to the player.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
     /// Play, where it does not.
@@ -43,7 +44,7 @@ pub enum Asked {
     Volume(f32),
 }
 
-/// What plays.
+/// The state of the player.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Playing {
     /// Whether time passes in the song.
@@ -124,12 +125,12 @@ impl MediaKeys {
         Self { asked, told, place, playing: Playing::default() }
     }
 
-    /// What was asked since the last frame.
+    /// Requests since the last frame.
     pub fn asked(&self) -> impl Iterator<Item = Asked> {
         self.asked.try_iter()
     }
 
-    /// Tells what plays, and at which second of the song.
+    /// Reports the state of the player, and the second of the song.
     pub fn tell(&mut self, playing: Playing, at_secs: f64) {
         let before = std::mem::replace(&mut *lock(&self.place), Place { song: playing.song, at_secs });
         // A thread that has ended has nobody to tell.
@@ -144,7 +145,7 @@ impl MediaKeys {
 }
 
 impl MusicRoom {
-    /// Does what media keys ask for, and tells the desktop what plays.
+    /// Does the requests of media keys, and reports the player to the desktop.
     pub(super) fn follow_media_keys(&mut self, shared: &mut Shared<'_>) {
         let Some(listening) = &mut self.listening else { return };
         let keys = self.media_keys.get_or_insert_with(|| {
@@ -245,7 +246,7 @@ mod tests {
         assert_eq!(<&str>::try_from(&seen["xesam:title"]).unwrap(), playing.title);
         assert_eq!(i64::try_from(&seen["mpris:length"]).unwrap(), 90_000_000);
         let jumps = other.receive_signal("Seeked").unwrap();
-        // What is asked comes in turn; a place in another song, and one behind the end, are left aside.
+        // Requests arrive in order; positions in another song, and beyond the end, are ignored.
         let place = |song: &str, micros: i64| (ObjectPath::try_from(song.to_owned()).unwrap(), micros);
         other.call_method("SetPosition", &place("/org/chladni/song/1", 5_000_000)).unwrap();
         other.call_method("SetPosition", &place("/org/chladni/song/2", 95_000_000)).unwrap();

@@ -75,15 +75,15 @@ use crate::work::formats;
 #[derive(Default)]
 pub struct MusicRoom {
     loading: Option<Job<Ready>>,
-    /// What is being loaded and what dances, as the command line calls them.
+    /// Names of the body and the songs that are loading and dancing, as the command line uses them.
     names: Names,
     filming: Filming,
     keepsake: Keepsake,
-    /// What is done with the files that are being chosen.
+    /// The use of the files that are being chosen.
     asking: Option<Then>,
     concert: Option<Concert>,
     listening: Option<Listening>,
-    /// What to listen to once there are ears.
+    /// The live input to open once there are ears.
     input: Option<Capture>,
     #[cfg(target_os = "linux")]
     media_keys: Option<media_keys::MediaKeys>,
@@ -118,8 +118,8 @@ struct Names {
 }
 
 impl MusicRoom {
-    /// A room that listens to `input` from the beginning, where there is one, and gives `trace` what it plays and `output`
-    /// what it shows.
+    /// A room that listens to `input` from the beginning, where there is one, records its items in `trace`, and sends its
+    /// picture to `output`.
     pub fn listening_to(input: Option<Capture>, trace: Option<Trace>, output: Option<SetOutput>) -> Self {
         Self { input, trace, output, ..Self::default() }
     }
@@ -173,7 +173,7 @@ impl MusicRoom {
                     shared.notices.warn(warning.clone());
                 }
                 let concert = Concert::new(shared.screen, ready).and_then(|mut concert| {
-                    // Another shape dances what was bred on the one before.
+                    // Another shape dances the gallery bred on the one before.
                     self.concert.as_ref().map_or(Ok(()), |before| concert.go_on_from(before))?;
                     Ok(concert)
                 });

@@ -1,4 +1,4 @@
-//! What the stage shows, on its way from the device to a film and to other programs.
+//! Pictures of the stage, on their way from the device to a film and to other programs.
 
 use std::collections::VecDeque;
 
@@ -12,7 +12,7 @@ use crate::work::Error;
 /// Pictures on their way back from the device.
 const FLYING: usize = 2;
 
-/// Who else gets the pictures of the stage.
+/// The other receivers of the stage's pictures.
 #[derive(Default)]
 pub struct Outgoing {
     /// Films the set.
@@ -77,7 +77,7 @@ impl Outgoing {
         matches!(&self.camera, Some((CameraTarget::StandardOutput(_), _)))
     }
 
-    /// What other programs see.
+    /// The camera through which other programs see the stage.
     pub fn camera(&self) -> Option<&LiveCamera> {
         self.camera.as_ref().map(|(_, camera)| camera)
     }
@@ -99,7 +99,7 @@ impl Outgoing {
         (veil, dark): (Veil, f32),
     ) -> Result<(), Error> {
         if self.recorder.is_none() && self.camera.is_none() {
-            // What is on its way would be old when somebody wants it again.
+            // Pictures on their way would be old when they are wanted again.
             self.flying.clear();
             return Ok(());
         }
@@ -139,7 +139,7 @@ impl Outgoing {
         Ok(())
     }
 
-    /// The device is another one: what was on its way is lost.
+    /// The device is another one: pictures on their way are lost.
     pub fn change_device(&mut self) {
         self.flying.clear();
         self.resting.clear();

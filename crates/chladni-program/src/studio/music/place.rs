@@ -2,7 +2,7 @@
 
 use super::preferences::Screen;
 
-/// What is to be done with the window that holds the stage.
+/// A change of the window that holds the stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
     /// It fills the screen with this index.
@@ -12,7 +12,7 @@ pub enum Change {
 }
 
 impl Change {
-    /// What the user is told.
+    /// Message for the user.
     pub fn warning(&self) -> Option<String> {
         let Self::Missing { name, .. } = self else { return None };
         Some(format!("{name} is not connected: the stage stays in its window until it is."))
@@ -29,7 +29,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Follows what is wanted, and the screens that there are now, in the system's order.
+    /// Follows the wanted screen, and the screens that there are now, in the system's order.
     pub fn follow(&mut self, wanted: &Screen, names: &[String]) -> Option<Change> {
         let name = wanted.name()?;
         if let Some(index) = wanted.index(names) {

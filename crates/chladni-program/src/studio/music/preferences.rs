@@ -1,4 +1,4 @@
-//! What the music room remembers between runs.
+//! Preferences of the music room, kept between runs.
 
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -28,15 +28,15 @@ pub struct Preferences {
     pub background: String,
     /// The file of a picture that stands behind all; none where it is empty.
     pub picture: String,
-    /// That of a panorama that shines on it.
+    /// The file of a panorama that shines on it.
     pub panorama: String,
-    /// How soft is what is not in focus; `None` is the look's own.
+    /// Depth of field: softness out of focus; `None` is the look's own.
     pub blur_percent: Option<u8>,
     /// Where the stage appears.
     pub screen: Screen,
     /// The stage has a window of its own, and the gallery goes on in the first.
     pub own_window: bool,
-    /// What other programs see of the stage.
+    /// The camera through which other programs see the stage.
     pub camera: Camera,
     /// The UDP port on which OSC messages are heard; `None` is off.
     pub osc_port: Option<u16>,
@@ -80,7 +80,7 @@ pub enum Screen {
 }
 
 impl Screen {
-    /// What a screen that is chosen by itself is called.
+    /// The name of a screen that was chosen by itself.
     pub fn name(&self) -> Option<String> {
         match self {
             Self::Window | Self::Full => None,
@@ -116,7 +116,7 @@ pub enum Camera {
 }
 
 impl Camera {
-    /// What is opened for it.
+    /// The device to open for it.
     pub fn target(&self) -> Option<CameraTarget> {
         match self {
             Self::Off => None,
@@ -178,7 +178,7 @@ impl Preferences {
         (self.picture, self.panorama, self.blur_percent) = (picture, panorama, blur_percent);
     }
 
-    /// What those names mean.
+    /// The look that those names describe.
     pub fn look(&self) -> Look {
         look_named(&self.looks()).0
     }

@@ -12,7 +12,7 @@ use crate::studio::theme;
 pub struct Projection {
     /// As shares of the screen, clockwise from the upper left.
     pub corners: [[f32; 2]; 4],
-    /// What red, green and blue are multiplied by, in [0, 1].
+    /// Factors on red, green and blue, in [0, 1].
     pub trim: [f32; 3],
 }
 
@@ -33,7 +33,7 @@ impl Default for Projection {
 }
 
 impl Projection {
-    /// As in a file, or the plain picture if what the file has is not valid.
+    /// As in a file, or the plain picture if the file's values are not valid.
     pub fn sane(self) -> Self {
         let trim = self.trim.map(|share| if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 });
         Self { corners: if is_convex(&self.corners) { self.corners } else { PLAIN }, trim }

@@ -1,4 +1,4 @@
-//! The set as it is played, as a film: what the stage shows and what is heard.
+//! The set as it is played, as a film: the stage and its sound.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::work::Error;
 
 /// Pictures a second.
 pub const RATE: FrameRate = FrameRate::per_second(30);
-/// Of the film's sound.
+/// Rate of the film's sound.
 const SOUND_HZ: u32 = 48_000;
 
 /// One recording.
@@ -27,7 +27,7 @@ pub struct Recorder {
     /// When something came last.
     last_secs: f64,
     ends: bool,
-    /// Lets the next start find what this one may not finish.
+    /// Lets the next start find a recording that this one may not finish.
     note: Option<Note>,
 }
 
@@ -81,7 +81,7 @@ impl Recorder {
         had_begun
     }
 
-    /// Takes what was seen at `now_secs`.
+    /// Takes the picture shown at `now_secs`.
     pub fn picture(&mut self, now_secs: f64, picture: Picture) {
         self.start(now_secs);
         if !self.ends && self.since_secs.is_some() {
@@ -89,7 +89,7 @@ impl Recorder {
         }
     }
 
-    /// Takes what was heard up to now.
+    /// Takes the sound up to now.
     pub fn sound(&mut self, now_secs: f64, heard: &HeardSound) -> Result<(), Error> {
         if !self.start(now_secs) {
             // From before it began.
@@ -137,7 +137,7 @@ impl Recorder {
         }
     }
 
-    /// What there is of a film that failed is found by its note.
+    /// Leaves the note of a film that failed: by it, the finished part is found.
     fn settle<T, E>(&mut self, ended: &Result<T, E>) {
         if ended.is_err() {
             self.note.take().into_iter().for_each(Note::leave);

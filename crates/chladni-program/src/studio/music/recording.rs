@@ -71,7 +71,7 @@ impl MusicRoom {
         Ok(())
     }
 
-    /// Gives a recording what was heard, and tells how it ended.
+    /// Gives a recording the sound, and reports how it ended.
     pub(super) fn follow_recording(&mut self, shared: &mut Shared<'_>) {
         let now_secs = shared.ctx.input(|input| input.time);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };

@@ -1,4 +1,4 @@
-//! The room as the window sees it: what it shows, keeps and opens.
+//! The room as the window sees it: how it is shown, kept and opened.
 
 use std::path::{Path, PathBuf};
 
@@ -192,7 +192,7 @@ impl Room for MusicRoom {
 }
 
 impl MusicRoom {
-    /// What of the dances no file has.
+    /// The warning about dances that are in no file, if there are any.
     pub(super) fn unsaved_show(&self) -> Option<String> {
         let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;
         let favorites = match concert.instrument().favorites().len() {
@@ -302,7 +302,7 @@ impl MusicRoom {
     }
 }
 
-/// What the room offers if the first shape could not be opened.
+/// The room's offer if the first shape could not be opened.
 fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
     ui.vertical_centered(|ui| {
         ui.add_space(ui.available_height() * 0.4);

@@ -92,7 +92,7 @@ impl Salvage {
     }
 }
 
-/// Recordings that were noted and that nobody makes any more. Notes of what is gone are removed.
+/// Recordings with a note that no program writes any more. Notes of missing recordings are removed.
 fn find(notes: &Path) -> Vec<(PathBuf, CutOff)> {
     let entries = std::fs::read_dir(notes).into_iter().flatten().filter_map(Result::ok);
     let mut found = Vec::new();
@@ -152,7 +152,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         let saved = save(found.remove(0));
         assert_eq!(saved.was, home.path().join("set.mp4"));
-        // It has no picture: the folder stays for whoever wants to look.
+        // It has no picture: the folder stays for a person to look at.
         assert!(saved.film.is_err() && recording.exists());
     }
 }

@@ -1,4 +1,4 @@
-//! The show that runs in a window of its own: what is on stage, what is next, and the hands on both.
+//! The show that runs in a window of its own: the current dance, the next one, and controls for both.
 
 use chladni_music::{Action, Instrument, ItemId, Target};
 use egui::{RichText, Ui};
@@ -55,7 +55,7 @@ pub fn show(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     });
 }
 
-/// What a dance is called.
+/// A dance's name.
 fn name(instrument: &Instrument, id: ItemId) -> String {
     match instrument.item(id) {
         Some(item) if !item.name.is_empty() => item.name.clone(),

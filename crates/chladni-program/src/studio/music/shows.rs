@@ -126,7 +126,7 @@ impl MusicRoom {
             warning.into_iter().for_each(|warning| shared.notices.warn(warning));
             songs.push(ShowSong::new(file, song.reading));
         }
-        // What was heard is numbered by these songs; an older file has none, and the song goes on.
+        // The stretches are numbered by these songs; an older file has none, and the current song goes on.
         if show.body.is_some() || !songs.is_empty() {
             listening.go_on(songs, &show.heard, show.clock.clone(), show.ends_secs());
         }

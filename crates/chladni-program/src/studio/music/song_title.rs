@@ -14,7 +14,7 @@ pub struct SongTitle {
 }
 
 impl SongTitle {
-    /// Takes in what is heard at this time of the window.
+    /// Takes in the song at this time of the window.
     pub fn follow(&mut self, listening: &Listening, now_secs: f64) {
         let text = listening.source_name();
         if self.text != text {

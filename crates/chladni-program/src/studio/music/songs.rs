@@ -1,4 +1,4 @@
-//! The playlist, and what is listened to instead of it.
+//! The playlist, and the live inputs to listen to instead.
 
 use chladni_sound::{
     CaptureKind, CaptureSource, LONGEST_CROSSFADE_SECS, OutputDevice, PlayerState, Repeat, capture_sources,

@@ -15,7 +15,7 @@ const FINEST: f32 = 1e-5;
 pub struct StillPicture {
     /// [`pose`] of the items.
     pub pose: u64,
-    /// Who looks at what, and where.
+    /// Camera, look and viewports.
     pub staged: Staged,
 }
 

@@ -12,9 +12,9 @@ use egui::{Context, TextureHandle};
 use crate::studio::pictures::upload;
 use crate::work::{KnownSong, cover_of};
 
-/// What was learned of a song.
+/// A finding about a song.
 pub enum Learned {
-    /// What its tags say.
+    /// The title in its tags.
     Title(String),
     /// The picture in its tags or beside it.
     Cover(TextureHandle),
@@ -73,7 +73,7 @@ impl Study {
         Self { number, task, findings }
     }
 
-    /// What was learned since the last call.
+    /// The next finding, if there is one.
     pub fn learned(&self) -> Option<Learned> {
         self.findings.try_recv().ok()
     }

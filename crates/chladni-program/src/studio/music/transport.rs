@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &
     });
 }
 
-/// That it is recorded, for how long, and the way to end it.
+/// Says that it is recorded and for how long, and ends the recording on a click.
 fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let Some(recorder) = &concert.outgoing.recorder else { return };
     let (secs, left_out) = recorder.progress(ui.input(|input| input.time));
@@ -53,7 +53,7 @@ fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     }
 }
 
-/// That other programs see the stage.
+/// Says that other programs see the stage.
 fn camera(ui: &mut Ui, concert: &Concert) {
     let Some(camera) = concert.outgoing.camera() else { return };
     let (sent, left_out) = (camera.sent(), camera.left_out());
@@ -189,7 +189,7 @@ fn step(ui: &mut Ui, mark: Icon, key: Shortcut, to: Option<usize>, wishes: &mut 
     }
 }
 
-/// Whether children are suggested, and the way to forget what was liked.
+/// Whether children are suggested, and the way to forget past choices.
 fn suggesting(ui: &mut Ui, on: bool, wishes: &mut Vec<Wish>) {
     let tip = "Suggest children that differ most and are most like what you chose so far. Right click: forget \
                what was chosen.";

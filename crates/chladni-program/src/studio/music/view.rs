@@ -1,6 +1,6 @@
-//! What the middle of the music room shows, and what its items are marked as.
+//! The content of the middle of the music room, and the marks of its items.
 
-/// What the middle of the room shows while nothing is on stage.
+/// The content of the middle of the room while nothing is on stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum View {
     /// All items.
@@ -12,7 +12,7 @@ pub enum View {
     Harmonics(usize),
 }
 
-/// What an item is marked as.
+/// The marks of an item.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
     /// As a parent.

@@ -1,4 +1,4 @@
-//! What the bars and drawers of the room ask for.
+//! Wishes of the bars and drawers of the room.
 
 use std::path::PathBuf;
 
@@ -18,7 +18,7 @@ pub enum Wish {
     Choose(Then),
     /// Record the set as it is played, or end that.
     Record,
-    /// Ask for a film of what dances.
+    /// Ask for a film of the dance.
     Film,
     /// Show the gallery, one item or the harmonics.
     Show(View),
@@ -35,9 +35,9 @@ pub enum Wish {
     Mark { right: isize, down: isize },
     /// Lean back, or no longer.
     Autopilot,
-    /// The autopilot stays with what it shows, or goes on.
+    /// The autopilot keeps the current dance and look, or goes on.
     Hold,
-    /// What a button of a controller does.
+    /// Press a button of a controller.
     Press(Target),
     /// On stage: the favorite after (true) or before the one that plays.
     StepFavorite(bool),

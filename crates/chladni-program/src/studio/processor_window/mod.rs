@@ -1,7 +1,7 @@
 //! A window where there is no graphics card: the processor paints it, and the system shows its pixels. No driver is asked.
 //!
-//! What egui-winit knows of windows is used as eframe uses it; only painting and the loop around it differ. There is one
-//! main window, and others only as its immediate viewports, which are painted while it is.
+//! egui-winit is used as in eframe; only painting and the loop around it differ. There is one main window; others are
+//! its immediate viewports, which are painted while it is.
 
 mod painter;
 mod running;

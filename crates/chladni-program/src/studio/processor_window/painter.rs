@@ -165,7 +165,7 @@ fn edge(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// What a triangle is painted with.
+/// The fill of a triangle.
 fn ink(corners: &[[i64; 2]; 3], vertices: [&Vertex; 3], area: i64, texture: &Texture) -> Ink {
     let [a, b, c] = corners.map(|corner| corner.map(|parts| parts as f64 / PARTS as f64));
     let area = area as f64 / (PARTS * PARTS) as f64;
@@ -224,7 +224,7 @@ impl Triangle {
         }
     }
 
-    /// The columns whose middles it covers in row `y`, exactly: a middle on an edge belongs to the triangle of which
+    /// The columns whose middles it covers in row `y`, exactly: a middle on an edge belongs to the triangle for which
     /// that is a top or a left edge.
     fn columns(&self, y: i64) -> [i64; 2] {
         let [mut left, mut right] = self.clip[0];

@@ -18,7 +18,7 @@ use super::ProcessorWindowError;
 use super::painter::Painter;
 use super::surface::Surface;
 
-/// What a window shows.
+/// The program in a window.
 pub trait Program {
     /// One frame.
     fn show(&mut self, ui: &mut egui::Ui);
@@ -32,9 +32,9 @@ const FRAME: Duration = Duration::from_micros(16_666);
 /// Without word from a system that hides the window, frames go on at this pace, for the sound and other windows.
 const HIDDEN: Duration = Duration::from_millis(250);
 
-/// Why the loop wakes up, beside what the system says.
+/// Why the loop wakes up, beside events of the system.
 pub enum Wake {
-    /// Something wants a frame then; it knew of so many passes.
+    /// A frame is wanted then; `passes` had been painted when it was asked for.
     Repaint { at: Instant, viewport: ViewportId, passes: u64 },
     /// A screen reader is here.
     Reader(accesskit_winit::Event),
@@ -274,7 +274,7 @@ impl ApplicationHandler<Wake> for Running<'_> {
 }
 
 impl Windows {
-    /// What has come for a window since its last frame.
+    /// The events for a window since its last frame.
     fn input(&mut self, ctx: &egui::Context, id: ViewportId) -> Option<RawInput> {
         let surface = self.open.get_mut(&id)?;
         egui_winit::update_viewport_info(&mut surface.info, ctx, &surface.window, false);
@@ -284,7 +284,7 @@ impl Windows {
         Some(input)
     }
 
-    /// What egui is told of a window that is not open yet: it must run all the same.
+    /// Input for a window that is not open yet: egui must run for it all the same.
     fn input_before(&self, id: ViewportId, builder: &ViewportBuilder) -> RawInput {
         let size = builder.inner_size.unwrap_or(egui::vec2(640.0, 480.0));
         let known = self.open.iter().map(|(id, surface)| (*id, surface.info.clone()));
@@ -320,7 +320,7 @@ impl Windows {
         }
     }
 
-    /// Opens what is wanted and not open; true where there was any.
+    /// Opens the wanted windows that are not open; true where there was any.
     fn open_wanted(
         &mut self,
         ctx: &egui::Context,

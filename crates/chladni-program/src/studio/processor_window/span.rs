@@ -2,7 +2,7 @@
 
 use egui::{Color32, ColorImage};
 
-/// What a triangle is painted with.
+/// The fill of a triangle.
 pub enum Ink {
     /// One color: 0xAARRGGBB.
     Flat(u32),
@@ -14,7 +14,7 @@ pub enum Ink {
     Both { across: Gradient, down: Gradient, reading: Reading, colors: [Gradient; 4] },
 }
 
-/// What a triangle takes of its texture.
+/// The texels of a triangle.
 pub enum Texels {
     /// The same everywhere.
     One([u8; 4]),
@@ -57,7 +57,7 @@ pub struct Span {
 }
 
 impl Ink {
-    /// Of one color or four gradients, times texels.
+    /// The ink of one color or four gradients, times texels.
     pub fn new(color: Result<[u8; 4], [Gradient; 4]>, texels: Texels) -> Self {
         match (color, texels) {
             (Ok(color), Texels::One(texel)) => Self::Flat(pixel(times(color, texel))),
@@ -218,7 +218,7 @@ fn stretch(
     }
 }
 
-/// Four channels at once: so many 256ths of the way from `a` to `b`.
+/// All four channels at once, `share` 256ths of the way from `a` to `b`.
 fn between(a: u32, b: u32, share: u32) -> u32 {
     const HALF: u32 = 0x00ff_00ff;
     let mix = |a: u32, b: u32| ((a & HALF) * (256 - share) + (b & HALF) * share + 0x0080_0080) >> 8 & HALF;

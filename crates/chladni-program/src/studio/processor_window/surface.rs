@@ -11,7 +11,7 @@ use winit::window::Window;
 use super::ProcessorWindowError;
 use super::painter::Painter;
 
-/// What a window is filled with before anything is painted: opaque black.
+/// The fill of a window before anything is painted: opaque black.
 const BACKGROUND: u32 = 0xff00_0000;
 
 /// A window that is open.
@@ -43,7 +43,7 @@ impl Surface {
         Ok(Self { window, input, info, pixels, asked: Vec::new(), is_shown: false })
     }
 
-    /// Does what the program asked of the window.
+    /// Does the program's commands to the window.
     pub fn obey(&mut self, ctx: &egui::Context, commands: Vec<ViewportCommand>) {
         egui_winit::process_viewport_commands(ctx, &mut self.info, commands, &self.window, &mut self.asked);
         for asked in self.asked.drain(..) {

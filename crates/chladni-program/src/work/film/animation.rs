@@ -39,7 +39,7 @@ pub struct Approximation {
 }
 
 impl Animation {
-    /// Of a dance of this many frames, by a body whose box has this diagonal.
+    /// An animation of this many frames, by a body whose box has this diagonal.
     pub fn new(frames: u64, box_diagonal: f32) -> Self {
         Self {
             movement: Movement::default(),

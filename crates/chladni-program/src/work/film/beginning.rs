@@ -65,7 +65,7 @@ impl Beginning {
     }
 }
 
-/// What puts the one dance on stage; nothing where a gallery is shown.
+/// Actions that put the one dance on stage; none where a gallery is shown.
 fn put_on_stage(
     dancer: &Dancer,
     bands: usize,

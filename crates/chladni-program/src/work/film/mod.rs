@@ -46,13 +46,13 @@ pub struct Film {
     pub clock: ClockTrack,
     /// How long the show is; as long as the first song where that is not said.
     pub show_secs: Option<f64>,
-    /// How it begins and what is done.
+    /// How it begins, and the actions in it.
     pub beginning: Beginning,
-    /// Of shapes, lights and background.
+    /// The look of shapes, lights and background.
     pub look: Look,
     /// The file of a picture that stands behind them, or none.
     pub picture: String,
-    /// That of a panorama that shines on them.
+    /// The file of a panorama that shines on them.
     pub panorama: String,
     /// Where the viewer stands.
     pub viewpoint: Viewpoint,
@@ -62,7 +62,7 @@ pub struct Film {
     pub start_secs: f64,
     /// How much of it is filmed; all unless said.
     pub duration_secs: Option<f64>,
-    /// What is written of it.
+    /// The files to write.
     pub output: Output,
 }
 

@@ -1,4 +1,4 @@
-//! What is written of a film, and how it is drawn.
+//! The files of a film, and how its pictures are drawn.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub const TARGETS: usize = 48;
 /// The largest number of them: more than programs can show in one mesh.
 const MOST_TARGETS: usize = 1024;
 
-/// What is written, and how it is drawn.
+/// The files to write, and how their pictures are drawn.
 #[derive(Clone, Debug)]
 pub struct Output {
     /// The film's file or folder; none is drawn without.
@@ -44,11 +44,11 @@ pub struct Output {
     pub height: u32,
     /// Frames a second.
     pub rate: FrameRate,
-    /// Who draws.
+    /// The choice of the device that draws.
     pub draw: Draw,
-    /// Of each pixel; what suits the device unless said.
+    /// Samples of each pixel; by default as many as suit the device.
     pub samples: Option<Samples>,
-    /// Who deforms.
+    /// The choice of the device that deforms.
     pub synthesis: Backend,
     /// More than three a second.
     pub allow_flashes: bool,

@@ -24,7 +24,7 @@ pub struct Done {
     pub recording: Recording,
     /// Unknown where the positions never leave the device.
     pub largest_displacement: Option<f32>,
-    /// Who drew, and how; none where nothing was drawn.
+    /// The device that drew, and how; none where nothing was drawn.
     pub drawn: Option<Drawn>,
     /// Warnings.
     pub warnings: Vec<String>,
@@ -33,12 +33,12 @@ pub struct Done {
     pub damped_frames: usize,
 }
 
-/// What beat and sound do to one picture.
+/// The effect of beat and sound on one picture.
 struct Shot {
     /// In the film.
     time_secs: f64,
     reaction: Reaction,
-    /// Of a shot that the camera chose.
+    /// The framing of a shot that the camera chose.
     framing: Option<Framing>,
     mood: Mood,
     /// How many shapes are seen.
@@ -150,7 +150,7 @@ impl Performance {
         loop {
             let begins = self.heard.peek().map(|stretch| stretch.at_secs).filter(|begins| *begins <= at_secs);
             let done = self.script.peek().map(|line| line.moment.at_secs).filter(|done| *done <= at_secs);
-            // What plays comes first: an action is done at its beat.
+            // A stretch begins before the actions of its time: an action is done at its beat.
             let stretch_first = begins.is_some_and(|begins| done.is_none_or(|done| begins <= done));
             if stretch_first && let Some(stretch) = self.heard.next() {
                 self.hearing.begin(stretch)?;
@@ -166,7 +166,7 @@ impl Performance {
         }
     }
 
-    /// Does what the autopilot wants by a time of the show.
+    /// Does the autopilot's actions up to a time of the show.
     fn follow_programme(&mut self, now_secs: f64) -> Result<(), Error> {
         let Some(programme) = &mut self.programme else { return Ok(()) };
         let bars = self.hearing.bars_between(programme.heard_secs(), now_secs);
@@ -178,7 +178,7 @@ impl Performance {
         Ok(())
     }
 
-    /// Plays a frame: what is done to its picture, and the items to deform.
+    /// Plays a frame: the effects on its picture, and the items to deform.
     fn play(&mut self, frame: u64, seconds: &mut Seconds) -> Result<(Shot, Vec<Item>), Error> {
         let time_secs = self.rate.start_secs(frame);
         let at_secs = self.start_secs + time_secs;

@@ -1,4 +1,4 @@
-//! A film whose body and songs are prepared, and what is made of it.
+//! A film whose body and songs are prepared, and the files made of it.
 
 use std::ops::Range;
 use std::path::Path;
@@ -33,7 +33,7 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Opens and prepares body and songs, and sets what is wanted up.
+    /// Opens and prepares body and songs, and completes the wanted film.
     pub fn prepare(wanted: &mut Film, seconds: &mut Seconds, watcher: &impl Watcher) -> Result<Self, Error> {
         let reading = Instant::now();
         let cast = Cast::open(Path::new(&wanted.body), watcher)?;
@@ -140,7 +140,7 @@ impl Prepared {
         })
     }
 
-    /// Saves what is wanted besides the film.
+    /// Saves the other files that are wanted besides the film.
     pub fn save_beside(
         &self,
         output: &Output,

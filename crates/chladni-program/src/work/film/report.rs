@@ -32,7 +32,7 @@ pub struct Seconds {
     pub total: f64,
 }
 
-/// What `--json` prints.
+/// The output of `--json`.
 #[derive(Serialize)]
 pub struct Report {
     pub(super) vertices: usize,
@@ -53,16 +53,16 @@ pub struct Report {
     pub(super) samples: Option<u32>,
     pub(super) synthesis: Option<String>,
     pub(super) flashes_in_worst_second: usize,
-    /// The longest time for which bright stripes covered more than a quarter of what is shown.
+    /// The longest time for which bright stripes covered more than a quarter of the picture.
     pub(super) longest_stripes_secs: f64,
     pub(super) frames_damped: usize,
-    /// What a GLB holds of the dance; null for films.
+    /// The part of the dance that a GLB holds; null for films.
     pub(super) approximation: Option<Approximation>,
     pub(super) seconds: Seconds,
 }
 
 impl Report {
-    /// Who drew, with how many samples a pixel, where that is a processor and no graphics card.
+    /// The device that drew and its samples a pixel, if it is a processor rather than a graphics card.
     pub fn drawn_by_processor(&self) -> Option<(&str, Samples)> {
         self.device.as_deref().zip(self.by_processor)
     }

@@ -40,7 +40,7 @@ impl Songs {
         }
         let (start_secs, wanted_secs) = range;
         let end_secs = wanted_secs.map_or(f64::INFINITY, |secs| start_secs + secs);
-        // A jump fades from what was heard before it.
+        // A jump fades from the sound before it.
         let over = |next: &Stretch| next.at_secs + (0.5 * next.crossfade_secs).max(1.0);
         let overs = heard.iter().skip(1).map(over).chain([f64::INFINITY]);
         let reached = heard.iter().zip(overs).filter(|(stretch, over_secs)| {

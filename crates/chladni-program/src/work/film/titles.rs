@@ -14,7 +14,7 @@ use crate::work::titles::{COVER, GAP, TITLE, title_opacity};
 /// How opaque letters get on the picture, as on stage.
 const WHITE: f32 = 220.0 / 255.0;
 
-/// What is read when.
+/// The songs' titles and when each is shown.
 #[derive(Debug, Default)]
 pub struct Titles {
     /// When each begins, in the time of the show.
@@ -23,7 +23,7 @@ pub struct Titles {
     drawn: Option<(usize, u32, Lettering, Picture)>,
 }
 
-/// What is shown of a song.
+/// The caption of a song.
 #[derive(Clone, Debug, PartialEq)]
 struct Title {
     text: String,
@@ -31,7 +31,7 @@ struct Title {
 }
 
 impl Titles {
-    /// Of `songs`, by number, as they are heard in a film that begins at `start_secs`.
+    /// Titles of `songs`, by number, as they are heard in a film that begins at `start_secs`.
     pub fn of(songs: &[(String, BeatReading)], heard: &[Stretch], start_secs: f64) -> Self {
         let mut shown: Vec<(f64, &str)> = Vec::new();
         let mut last = None;
@@ -44,7 +44,7 @@ impl Titles {
                 shown.push((stretch.at_secs, name.as_str()));
             }
         }
-        // What began before the film is named as it begins.
+        // A song that began before the film is named at the film's beginning.
         let before = shown.partition_point(|(at_secs, _)| *at_secs <= start_secs);
         let shown = shown.into_iter().skip(before.saturating_sub(1));
         let shown = shown.map(|(at_secs, name)| (at_secs.max(start_secs), Title::of(name))).collect();
@@ -94,7 +94,7 @@ impl Title {
             return Self { text: "sample tune".into(), cover: None };
         }
         let path = Path::new(song);
-        // Whoever reads the song itself says what is wrong with it.
+        // The player that opens the song reports its errors.
         let mut reader = SongReader::open(path).ok();
         let cover = reader.as_mut().and_then(|reader| cover_of(path, reader));
         let stem = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());

@@ -74,7 +74,7 @@ impl Hearing {
             .collect()
     }
 
-    /// Of the bar of the music that began last.
+    /// The energy of the music's last bar.
     fn energy_before(&self, at_secs: f64) -> f32 {
         const LONGEST_BAR_SECS: f64 = 15.0;
         self.bars_of_songs(at_secs - LONGEST_BAR_SECS, at_secs).last().map_or(0.0, |bar| bar.energy)
@@ -88,7 +88,7 @@ impl Hearing {
         let known = self.clocked.director.take();
         let fits = known.filter(|known| known.since_secs == since_secs && known.heard_secs <= at_secs);
         let mut filming = fits.unwrap_or_else(|| {
-            // What is heard as it comes is filmed so, whoever plays.
+            // A performance played to a clock is filmed like live sound, whether a song or live input plays.
             let director = Director::of_song(LIVE_SEED, []);
             ClockDirector { since_secs, heard_secs: since_secs - 1e-9, director }
         });

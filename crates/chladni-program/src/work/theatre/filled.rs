@@ -20,8 +20,8 @@ const NEAR_WIDTHS: f32 = 1.5;
 const CROPPED_WIDTHS: f32 = 0.7;
 /// The part of a figure that is cut off, as a share of its height.
 const LOWER: f32 = 0.33;
-/// How far that part may reach to the sides, in comparison with the rest: what stands on its widest part, as a bell
-/// does, is seen as a whole.
+/// How far that part may reach to the sides, in comparison with the rest: a figure that stands on its widest part, as
+/// a bell does, is seen as a whole.
 const LOWER_REACHES: f32 = 0.8;
 /// The share of the largest displacement by which a figure rises in loud music.
 const RISES: f32 = 0.9;
@@ -80,7 +80,7 @@ impl Filled {
         let target =
             std::array::from_fn(|i| mix(self.middle[i], self.part[i], framing.toward_part.clamp(0.0, 1.0)));
         let whole = from(&self.whole);
-        // What is not slim is seen as a whole.
+        // A figure that is not slim is seen as a whole.
         let far =
             self.cropped.as_ref().map_or(whole, |cropped| mix(whole, from(cropped).min(whole), framing.crop));
         let distance = mix(far, from(&self.near).min(far), framing.closeness).exp();

@@ -8,12 +8,13 @@ pub fn first_looks() -> Looks {
     Looks { look: "aurora".into(), ..Looks::default() }
 }
 
-/// The look that what is on stage wears in place of the show's own, as far as this version knows it.
+/// The look of the dance on stage in place of the show's own, as far as this version knows it.
 pub fn look_on_stage(instrument: &Instrument) -> Option<Look> {
     instrument.look().and_then(Look::named)
 }
 
-/// What to say to whoever opens a show: that it is old, or names looks, or parts of them, which this version does not know.
+/// Warnings when a show is opened: that it is old, or names looks, or parts of them, which this version does not
+/// know.
 pub fn cautions(show: &Show) -> impl Iterator<Item = String> {
     show.caution().map(str::to_owned).into_iter().chain(unknown_looks(show))
 }

@@ -69,7 +69,7 @@ impl Engine {
         self.retry_at = Some(Instant::now() + self.retry_after);
     }
 
-    /// Starts an empty ring. Time stands still at what was heard last, or at `place`. Returns that
+    /// Starts an empty ring. Time stands still at the last sample heard, or at `place`. Returns that
     /// position.
     fn change_output(&mut self, output: Output, place: Option<Stretch>) -> Option<Stretch> {
         // This drops the old output, and with it the other writer of the clock.

@@ -46,7 +46,7 @@ impl CpuPath {
         &[Self::Portable]
     }
 
-    /// The numbers of columns that a kernel can sum at once, up to what the registers hold.
+    /// The numbers of columns that a kernel can sum at once, as far as registers suffice.
     pub(super) fn widths(self) -> &'static [usize] {
         match self {
             #[cfg(target_arch = "x86_64")]

@@ -151,7 +151,7 @@ impl Setup {
     }
 }
 
-/// Takes the samples that lie inside all edges and before what is there.
+/// Takes the samples that lie inside all edges and before the depths there.
 #[inline(always)]
 fn take<T: Whole, const SEEN: bool>(
     e: &[[T; LANES]; 3],

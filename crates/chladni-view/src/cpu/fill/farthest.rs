@@ -1,4 +1,4 @@
-//! What is hidden already, block by block.
+//! The depth behind which everything is hidden already, block by block.
 
 use super::Target;
 use super::cover::LANES;
@@ -42,7 +42,7 @@ impl Farthest {
         }
     }
 
-    /// Whether all of a triangle lies behind what is there.
+    /// Whether all of a triangle lies behind the samples there.
     #[inline(always)]
     pub(super) fn hides(&self, target: &Target<'_>, [a, b, c]: &[Corner; 3]) -> bool {
         if self.blocks.is_empty() {

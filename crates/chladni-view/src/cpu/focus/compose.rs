@@ -1,4 +1,4 @@
-//! What has spread, laid over the sharp picture.
+//! Lays the spread light over the sharp picture.
 
 use super::super::curves::{clamp, mix, packed};
 use super::super::finishing::unpack;
@@ -15,7 +15,7 @@ pub(super) struct Widen<'a> {
     /// Pixels in one of the small picture, and in a row of it.
     pub(super) step: usize,
     pub(super) small: usize,
-    /// Of one plane of the row, with a pixel more on either side.
+    /// One plane of the row, with a pixel more on either side.
     pub(super) between: &'a mut Vec<f32>,
     pub(super) wide: &'a mut [f32],
 }
@@ -66,7 +66,7 @@ fn ramp(around: &[f32], i: usize, step: usize) -> f32 {
     if at < 0.0 { mix(around[0], around[1], 1.0 + at) } else { mix(around[1], around[2], at) }
 }
 
-/// Lays what has spread over a row of the picture.
+/// Lays the spread light over a row of the picture.
 pub(super) struct Compose<'a> {
     pub(super) y: usize,
     pub(super) pixels: &'a mut [u8],

@@ -1,4 +1,4 @@
-//! What reaches each pixel of the small picture.
+//! Gathers the light that reaches each pixel of the small picture.
 
 use super::super::curves::{clamp, max, min, mix, smoothstep};
 use super::super::instructions::Kernel;
@@ -28,7 +28,7 @@ impl Kernel for Gather<'_> {
             let mut own = [0.0; BLOCK];
             // Whether the pixel is before the focus: then colors count for as much as they are.
             let (mut reach, mut whole) = (own, own);
-            // What lies before the focus, and all else.
+            // Weights of light from before the focus, and of all other light.
             let (mut before, mut behind) = (own, own);
             for i in 0..BLOCK {
                 own[i] = circle[i].abs();
@@ -52,8 +52,9 @@ impl Kernel for Gather<'_> {
                 let Some(there) = part(CIRCLE, at) else { return };
                 let (mut nearer, mut weight) = ([0.0; BLOCK], [0.0; BLOCK]);
                 for i in 0..BLOCK {
-                    // What lies behind is seen as far as what lies before it is spread, and is continued where that is
-                    // sharp.
+                    // A neighbor behind this pixel reaches as far as this pixel's own circle, and at least
+                    // [`CONTINUED`] where the pixel is sharp. A neighbor before it reaches as far as the neighbor's
+                    // circle.
                     let size = if there[i] > circle[i] { reach[i] } else { there[i].abs() };
                     let share = clamp(size - away + 0.5, 0.0, 1.0) * area / max(size * size, 1.0);
                     nearer[i] = share * softness(-there[i]);
@@ -113,7 +114,7 @@ fn is_nothing(numbers: &[f32; BLOCK]) -> bool {
     numbers.iter().fold(0, |all, number| all | number.to_bits()) == 0
 }
 
-/// The mean of what has spread in a row and around it, of like softness: of the taps of two rows.
+/// The mean of the spread light of like softness in a row and around it, over the taps of two rows.
 pub(super) struct Even<'a> {
     pub(super) small: &'a Small,
     /// The rows above, here and below.
@@ -164,7 +165,7 @@ impl Kernel for Even<'_> {
     }
 }
 
-/// What is before the focus counts for so little behind itself.
+/// Weight, in the far layer, of color before the focus: it counts there only where it covers all else.
 const HIDDEN: f32 = 1e-3;
 
 /// How much of the sharp picture goes where the circle has this radius.
@@ -176,8 +177,8 @@ pub(super) fn softness(radius: f32) -> f32 {
 /// Weights of three pixels in a row.
 const TENT: [f32; 3] = [0.25, 0.5, 0.25];
 
-/// How much a color counts: what is sharp is drawn as it is, and does not spread onto what is soft, unless it is seen
-/// through something before the focus, where `whole` is 1.
+/// The weight of a neighbor's color. Sharp neighbors weigh little, so that they do not spread onto soft ones, except
+/// for a pixel before the focus, where `whole` is 1 and all colors weigh the same.
 #[inline(always)]
 fn soft(circle: f32, whole: f32) -> f32 {
     mix(min(circle.abs(), 1.0) + 1.0 / 64.0, 1.0, whole)

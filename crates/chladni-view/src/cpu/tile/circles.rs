@@ -1,10 +1,10 @@
-//! What of a tile is out of focus.
+//! Circles of light of a tile's pixels.
 
 use super::super::curves::min;
 use super::Tile;
 
 impl Tile<'_, '_> {
-    /// Writes the circles of what is nearest in each pixel, or of nothing at all.
+    /// Writes the circle of the nearest depth in each pixel; where nothing is drawn, that of the farthest.
     pub(super) fn focus(&mut self, any: bool) {
         let Some((circle, circles)) = self.circles.take() else { return };
         let [left, right] = [self.low[0], self.high[0]].map(|x| x as usize);

@@ -1,4 +1,4 @@
-//! What the shaded places of a tile are colored by: values, palettes, skins, wires and nodal lines.
+//! Colors of the shaded places of a tile: values, palettes, skins, wires and nodal lines.
 
 use super::super::batch::{Answered, PLACES};
 use super::super::curves::{clamp, max, min, mix, smoothstep};
@@ -124,9 +124,10 @@ impl Tile<'_, '_> {
     }
 }
 
-/// What is smaller than this share of the farthest way has less and less of a phase.
+/// Below this share of the farthest displacement, the phase fades out.
 const PHASED: f32 = 0.04;
-/// A way that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or faint ones.
+/// A displacement that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or
+/// faint ones.
 const STILL: f32 = 2e-5;
 const STIRRED: f32 = 1e-4;
 

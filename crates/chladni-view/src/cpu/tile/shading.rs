@@ -1,4 +1,4 @@
-//! From what is seen of a figure to light in pixels, a batch of places at a time.
+//! From a figure's visible places to light in pixels, a batch at a time.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use super::super::stage::{Coat, StagedFigure};
 use super::{SAMPLES, Tile};
 
 impl Tile<'_, '_> {
-    /// Shades what is seen of a figure, whose triangles are `ids`.
+    /// Shades the visible places of a figure, whose triangles are `ids`.
     pub(super) fn surface(&mut self, figure: usize, ids: Range<u32>) {
         let (all, depth) = (std::mem::take(&mut self.scratch.seen), std::mem::take(&mut self.scratch.depth));
         for y in self.low[1]..=self.high[1] {

@@ -44,7 +44,7 @@ fn grain_vertex(
     let corner = vec2f(f32(vertex & 1u), f32(vertex >> 1u)) * 2.0 - 1.0;
     let from_middle = corner * (drawn + 1.0);
     var clip = vec4f(s.clip.xy + from_middle * 2.0 / cell.viewport.zw * s.clip.w, s.clip.zw);
-    // What lies on a side that looks away is not drawn: a sheet may be thinner than a grain.
+    // Grains on a side that faces away are not drawn: a sheet may be thinner than a grain.
     if dot(s.normal, towards_viewer(s.at)) <= 0.0 || s.clip.w <= 0.0 { clip = vec4f(0.0, 0.0, 2.0, 1.0); }
     let bits = ((index ^ (index >> 7u)) * 2654435761u) >> 16u;
     let own = 0.8 + 0.4 * f32(bits) / 65535.0;

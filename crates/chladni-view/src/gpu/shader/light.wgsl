@@ -1,16 +1,16 @@
 // Lamps, surroundings, the key light's shadow, and how a surface answers them.
 
-// What `sides` makes at `x`, -1 at the left edge of the picture and 1 at the right.
+// The mix of left and right in `sides` at `x`, which is -1 at the left edge of the picture and 1 at the right.
 fn wing(sides: vec2f, x: f32) -> f32 {
     return mix(sides.x, sides.y, smoothstep(-WING, WING, x));
 }
 
-// Where in the picture, from -1 to 1, something lies whose viewer is towards `v`.
+// The place across the picture, from -1 to 1, of a point whose viewer is towards `v`.
 fn across(v: vec3f) -> f32 {
     return -cell.projection[0][0] * v.x / max(v.z, 1e-3);
 }
 
-// What the studio looks like along `d`: a floor, a ceiling, a horizon, two upright softboxes and one per light.
+// The studio as seen along `d`: a floor, a ceiling, a horizon, two upright softboxes and one per light.
 fn studio(d: vec3f, roughness: f32) -> vec3f {
     let blur = mix(0.18, 0.9, roughness);
     var c = mix(cell.ground.rgb, cell.sky.rgb * 1.25, smoothstep(-blur, blur, d.y));
@@ -35,7 +35,7 @@ fn panorama(d: vec3f, level: f32) -> vec3f {
     return c / max(1.0 - c, vec3f(1e-3)) * cell.ground.w;
 }
 
-// What comes from all around to a surface, and what it mirrors.
+// The light from all around that reaches a surface, and the light that it mirrors.
 fn ambient(n: vec3f) -> vec3f {
     if AROUND { return panorama(n, 4.0); }
     return mix(cell.ground.rgb, cell.sky.rgb, 0.5 + 0.5 * n.y);
@@ -157,7 +157,7 @@ fn towards_viewer(at: vec3f) -> vec3f {
 }
 
 // A surface of its own color under the lamps, as the target's numbers.
-fn modelled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32, glow: f32) -> vec3f {
+fn modeled(color: vec3f, at: vec3f, normal: vec3f, front: bool, key: f32, glow: f32) -> vec3f {
     let v = towards_viewer(at);
     let n = facing(normal, v, front);
     let base = select(color * figure.back.rgb, color, front);

@@ -41,7 +41,7 @@ fn marker_fragment(in: Marker) -> @location(0) vec4f {
     return marker(in);
 }
 
-// What is behind the surface shows through faintly.
+// A marker behind the surface shows through faintly.
 @fragment
 fn hidden_marker_fragment(in: Marker) -> @location(0) vec4f {
     return marker(in) * 0.22;

@@ -1,4 +1,4 @@
-// What a surface is painted with, and its pixels.
+// The paint of a surface, and its pixels.
 
 fn map_color(value: f32) -> vec3f {
     return row_color(clamp((value - figure.scale.x) * figure.scale.y, 0.0, 1.0));
@@ -43,7 +43,7 @@ fn brush_fragment(in: Brushed) -> @location(0) vec4f {
 @fragment
 fn plain_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-    let c = modelled(figure.color.rgb, in.at, in.normal, front, key, figure.glow.x);
+    let c = modeled(figure.color.rgb, in.at, in.normal, front, key, figure.glow.x);
     return vec4f(c, 1.0) * figure.color.a;
 }
 
@@ -56,20 +56,21 @@ fn value_fragment(in: ValuedSurface, @builtin(front_facing) front: bool) -> @loc
 @fragment
 fn color_fragment(in: ColoredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-    let c = modelled(in.color, in.at, in.normal, front, key, figure.glow.x);
+    let c = modeled(in.color, in.at, in.normal, front, key, figure.glow.x);
     return vec4f(c, 1.0) * figure.color.a;
 }
 
 @fragment
 fn answer_fragment(in: AnsweredSurface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-    let c = modelled(palette_color(in.answer.x), in.at, in.normal, front, key, figure.glow.x + in.answer.y);
+    let c = modeled(palette_color(in.answer.x), in.at, in.normal, front, key, figure.glow.x + in.answer.y);
     return vec4f(c, 1.0) * figure.color.a;
 }
 
-// What is smaller than this share of the farthest way has less and less of a phase.
+// Below this share of the farthest displacement, the phase fades out.
 const PHASED = 0.04;
-// A way that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or faint ones.
+// A displacement that changes by less than these shares of the farthest from pixel to pixel has no nodal lines, or
+// faint ones.
 const STILL = 2e-5;
 const STIRRED = 1e-4;
 
@@ -86,7 +87,7 @@ fn figured_fragment(in: FiguredSurface, @builtin(front_facing) front: bool) -> @
     let slope = fwidth(in.answer.z);
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
     let place = in.answer.x + figure.figured.z * turns_of(in.answer.z, in.answer.w);
-    var c = modelled(palette_color(place), in.at, in.normal, front, key, figure.glow.x + in.answer.y);
+    var c = modeled(palette_color(place), in.at, in.normal, front, key, figure.glow.x + in.answer.y);
     let width = max(figure.line.x * cell.viewport.w, 0.6);
     let near = 1.0 - smoothstep(width - 0.5, width + 0.5, abs(in.answer.z) / max(slope, 1e-12));
     let stirred = smoothstep(STILL * figure.line.y, STIRRED * figure.line.y, slope);
@@ -115,7 +116,7 @@ fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @lo
             glow += in.paint.y;
         }
         let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
-        c = modelled(base, in.at, in.normal, front, key, glow);
+        c = modeled(base, in.at, in.normal, front, key, glow);
     }
     if figure.wire_width.x > 0.0 {
         let d = in.barycentric / max(edge, vec3f(1e-9));

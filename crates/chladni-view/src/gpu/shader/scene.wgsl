@@ -70,8 +70,8 @@ struct Figure {
     grain: vec4f,
 }
 
-// What a pipeline can do without is left out when it is compiled: a software device computes both
-// sides of every branch.
+// Parts that a pipeline does not need are left out when it is compiled: a software device computes both sides of
+// every branch.
 override SHADOWS = true;
 // Whether shadows are filtered between the texels of their map: without, a pixel must be no smaller.
 override FILTERED = true;

@@ -1,4 +1,4 @@
-// What vertex stages look up by its index, in storage. What follows has the same names in textures.wgsl.
+// Data that vertex stages look up by index, in storage. textures.wgsl has the same names.
 
 @group(3) @binding(0) var<storage, read> positions: array<f32>;
 @group(3) @binding(1) var<storage, read> normals: array<f32>;

@@ -36,7 +36,7 @@ struct AnsweredSurface {
     @location(4) map_step: vec3f,
 }
 
-// The same, and the ways outward from the rest and from where it was lately.
+// The same, and the outward displacement and lag.
 struct FiguredSurface {
     @builtin(position) clip: vec4f,
     @location(0) at: vec3f,
@@ -105,7 +105,7 @@ fn color_vertex(
     return ColoredSurface(s.clip, s.at, s.normal, color.rgb, s.map_at, s.map_step);
 }
 
-// What a palette makes of a vertex that has left its rest.
+// The palette position and glow of a vertex that has left its rest.
 fn answered(position: vec3f, normal: vec3f, rest: vec4f, bend: f32) -> vec2f {
     let d = position - rest.xyz;
     let way = length(d);
@@ -144,13 +144,13 @@ fn figured_vertex(
     return FiguredSurface(s.clip, s.at, s.normal, vec4f(answer, outward), s.map_at, s.map_step);
 }
 
-// What the key light sees.
+// Depth as the key light sees it.
 @vertex
 fn shadow_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
     return cell.shadow * figure.model * vec4f(position, 1.0);
 }
 
-// What the viewer sees, as depth alone.
+// Depth as the viewer sees it.
 @vertex
 fn depth_vertex(@location(0) position: vec3f) -> @builtin(position) vec4f {
     return cell.projection * (cell.view * (figure.model * vec4f(position, 1.0)));

@@ -1,5 +1,5 @@
-// What vertex stages look up by its index, in textures, for devices without storage. They hold one item: the first vertex
-// is its first. ROW is the width of all of them.
+// Data that vertex stages look up by index, in textures, for devices without storage. They hold one item, so its
+// first vertex is their first. ROW is the width of all of them.
 
 @group(3) @binding(0) var positions: texture_2d<f32>;
 @group(3) @binding(1) var normals: texture_2d<f32>;

@@ -1,4 +1,4 @@
-//! How the curve is drawn, with what the active model exaggerates behind it.
+//! Draws the curve, with the spectrum that the active model exaggerates behind it.
 
 use chladni_caricature::ScaleCurve;
 use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
@@ -11,7 +11,7 @@ use crate::work::scale_plot::{GAINS, Spectrum, wave_at};
 /// Wavelengths that are named below the plot, shares of the size.
 const WAVES: [f64; 6] = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05];
 
-/// Draws the plot with what lies in it.
+/// Draws the plot and its contents.
 pub(super) fn paint(ui: &Ui, rect: Rect, plot: Plot, curve: &ScaleCurve, spectrum: &Spectrum, pen: Pen) {
     let palette = theme::palette(ui);
     let painter = ui.painter_at(rect);

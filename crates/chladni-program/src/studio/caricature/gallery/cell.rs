@@ -1,4 +1,4 @@
-//! One of the twelve: its marks, and what is done to it.
+//! One of the twelve: its marks, and its buttons and keys.
 
 use egui::{Align2, Color32, Rect, Sense, Stroke, Ui, vec2};
 
@@ -11,7 +11,7 @@ use crate::work::{Error, Exhibition};
 
 const ACCENT: Color32 = Color32::from_rgb(226, 166, 70);
 
-/// What is wanted of a caricature and takes more than its gallery.
+/// A wish about a caricature that its gallery alone cannot fulfill.
 pub enum Wanted {
     /// It is to become layers.
     Taken,
@@ -19,7 +19,8 @@ pub enum Wanted {
     Changed,
 }
 
-/// Shows the marks of a caricature at `place` and does to it what was clicked or pressed; keys are for the `marked` one.
+/// Shows the marks of a caricature at `place` and does the action that was clicked or pressed; keys are for the
+/// `marked` one.
 pub fn show(
     ui: &mut Ui,
     place: Rect,
@@ -70,7 +71,7 @@ fn wish(ui: &mut Ui, mark: Icon, name: &str) -> bool {
     clicked
 }
 
-/// The edge of a cell with its marks; of the marked one also what it does.
+/// The edge of a cell with its marks; for the marked one also its effect in words.
 fn frame(
     ui: &Ui,
     cell: Rect,

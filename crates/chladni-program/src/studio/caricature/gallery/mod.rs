@@ -27,7 +27,7 @@ mod wall;
 use cell::Wanted;
 use wall::Wall;
 
-/// What a job brings.
+/// The result of a job.
 struct Brought {
     shown: Exhibition,
     /// Matches that the open project may use, too.
@@ -78,7 +78,7 @@ impl GalleryView {
         self.wall = None;
     }
 
-    /// Draws it; false when it is to be left. What is taken becomes layers.
+    /// Draws it; false when it is to be left. A caricature that is taken becomes layers.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -94,7 +94,7 @@ impl GalleryView {
                     stack.iter().for_each(|stack| session.stack.learn(stack));
                     (self.shown, self.wall) = (Some(shown), self.wall.take().map(Wall::emptied));
                 }
-                // What is shown already stays.
+                // The gallery on screen stays.
                 Err(why) if self.shown.is_some() => shared.notices.failed(why),
                 Err(why) => return Err(why),
             }
@@ -198,7 +198,7 @@ impl GalleryView {
         self.taking = Some(Job::start("A surprise", ctx, work));
     }
 
-    /// The twelve, and what is done to them; false when one was taken.
+    /// Shows the twelve and handles clicks on them; false when one was taken.
     fn cells(
         &mut self,
         ui: &mut Ui,

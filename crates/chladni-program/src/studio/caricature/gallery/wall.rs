@@ -41,7 +41,7 @@ impl Wall {
         self
     }
 
-    /// Hangs what is shown, where it does not hang already.
+    /// Hangs the exhibition, unless it hangs already.
     pub fn hang(&mut self, shown: &Exhibition) {
         if self.swelling.is_empty() {
             self.swelling.hang(shown.portraits.iter().map(|portrait| &*portrait.positions));

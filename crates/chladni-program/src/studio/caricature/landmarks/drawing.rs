@@ -1,4 +1,4 @@
-//! What is drawn over the two shapes.
+//! The overlay of the two shapes.
 
 use chladni_view::Rect;
 use egui::{Color32, RichText, Ui};
@@ -37,7 +37,7 @@ pub(super) fn label(ui: &Ui, area: egui::Rect, name: &str) {
     ui.painter().text(at, egui::Align2::LEFT_TOP, name, font, theme::palette(ui).weak);
 }
 
-/// What to do next, at the foot of the view.
+/// The hint at the next step, at the foot of the view.
 pub(super) fn hint(ui: &mut Ui, rect: egui::Rect, text: &str) {
     let area = egui::Rect::from_center_size(
         egui::pos2(rect.center().x, rect.bottom() - 30.0),

@@ -50,7 +50,7 @@ pub struct Picking {
 }
 
 impl Picking {
-    /// Opens both shapes for the selected layer; `None` where its template is no mesh.
+    /// Opens both shapes for the selected layer; `None` where its template is not a mesh.
     pub fn begin(session: &Session, shared: &Shared<'_>) -> Option<Result<Self, Error>> {
         let layer = session.selected?;
         let template = session.project().layer(layer)?.template.clone();
@@ -83,7 +83,7 @@ impl Picking {
         }))
     }
 
-    /// Whether it still belongs to what is selected.
+    /// Whether it still belongs to the selected layer.
     pub fn belongs_to(&self, session: &Session) -> bool {
         let layer =
             session.selected.filter(|id| *id == self.layer).and_then(|id| session.project().layer(id));
@@ -162,7 +162,7 @@ impl Picking {
         }
     }
 
-    /// Steers the camera of one shape and finds out what the pointer does there.
+    /// Steers the camera of one shape and finds the gesture of the pointer there.
     fn interact(
         &mut self,
         ui: &mut Ui,

@@ -65,7 +65,7 @@ impl Session {
             .as_ref()
             .is_some_and(|(running, _)| !wanted.as_ref().is_some_and(|w| w.is_same(running)))
         {
-            // Something has changed: what would be found is no longer needed.
+            // Something has changed: the result is no longer needed.
             self.keeping = None;
         }
         if let Some((request, job)) = &self.keeping
@@ -105,8 +105,8 @@ impl Session {
         let Some(outcome) = self.solving.as_ref().and_then(Job::ended) else { return Ok(None) };
         self.solving = None;
         if outcome.is_err() {
-            // A project that asks for what its shape cannot have would not open again, and one that asks for what was
-            // cancelled would begin with it.
+            // Restores the last values that solved. A project saved with values that its shape cannot have would not
+            // open again, and one saved with a cancelled solve would open with that solve.
             let (harmonics, laplacian) = self.solved;
             let mut back = Vec::new();
             if self.project().harmonics != harmonics {

@@ -34,7 +34,7 @@ pub struct Session {
     pub subject: Subject,
     /// Evaluates the document.
     pub stack: Stack,
-    /// What the document looks like now.
+    /// The result of the document as it is now.
     pub evaluation: Evaluation,
     /// The layer that the panels edit.
     pub selected: Option<LayerId>,
@@ -46,7 +46,7 @@ pub struct Session {
     /// Limits a layer that would fold the surface.
     keeping: Option<(KeepRequest, Job<Kept>)>,
     mirror: Arc<OnceLock<Option<MirrorPlane>>>,
-    /// Prepares what a brush needs, from the moment when it is chosen.
+    /// Prepares the brush, from the moment when it is chosen.
     brush: Option<Job<()>>,
     /// The harmonics that were asked for last.
     asked: (usize, Laplacian),
@@ -58,7 +58,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A session on what was loaded.
+    /// A session on a loaded project.
     pub fn new(loaded: Loaded) -> Self {
         let mut stack = loaded.stack;
         let evaluation = stack.evaluate(&loaded.project);
@@ -90,7 +90,7 @@ impl Session {
         session
     }
 
-    /// Prepares, in the background, what the first stroke of a brush needs.
+    /// Prepares, in the background, the data that the first stroke of a brush needs.
     pub fn prepare_brush(&mut self, ctx: &egui::Context) {
         if self.brush.is_some() {
             return;
@@ -100,7 +100,7 @@ impl Session {
         self.brush = Some(Job::start("Preparing the brush", ctx, move |task| {
             soften();
             if mirror.get().is_none() {
-                // Whoever was first has set it.
+                // If another job set it first, its result stands.
                 let _ = mirror.set(own_mirror(&surface, task)?);
             }
             Ok(())
@@ -133,14 +133,14 @@ impl Session {
         self.history.project()
     }
 
-    /// Does what the panels asked, up to the first error; true where something may look different.
+    /// Does the edits of the panels, up to the first error; true if something may look different.
     pub fn apply(&mut self, edits: Vec<Edit>) -> Result<bool, Error> {
         let mut changed = false;
         let outcome = edits.into_iter().try_for_each(|edit| {
             changed |= self.take_up(&edit)?;
             Ok(())
         });
-        // What came before an error has been done.
+        // Edits before an error are done.
         if changed {
             self.refresh();
         }
@@ -207,7 +207,7 @@ impl Session {
         index.and_then(|index| self.folds.get(index)).map_or(0, Vec::len)
     }
 
-    /// Whether it is still being found how far layers must be held back: what is seen is the last limit known.
+    /// Whether it is still being found how far layers must be held back: until then the last known limit is shown.
     pub fn is_settling(&self) -> bool {
         self.keeping.is_some()
     }
@@ -217,7 +217,7 @@ impl Session {
         self.solving.is_some() || !self.stack.missing(self.project()).is_empty()
     }
 
-    /// What it looks like now; later edits do not change it.
+    /// The current result; later edits do not change it.
     pub fn sculpture(&self) -> Sculpture {
         let (source, subject) = (self.project().shape.clone(), self.subject.clone());
         Sculpture {
@@ -272,7 +272,7 @@ mod tests {
         assert_eq!((body.positions.len(), body.basis.harmonics()), (42, 42));
     }
 
-    /// Asks for the papers' operator and waits for what comes of it.
+    /// Asks for the papers' operator and waits for the result.
     fn in_paper_mode(mesh: &TriMesh) -> (Session, Result<Option<Vec<Warning>>, Error>) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("shape.ply");

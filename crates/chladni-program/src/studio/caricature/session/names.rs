@@ -1,4 +1,4 @@
-//! What an open project and the files made from it are called.
+//! Names of an open project and of the files made from it.
 
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ impl Session {
         }
     }
 
-    /// What the window's title and the start screen call it.
+    /// Its name in the window's title and on the start screen.
     pub fn name(&self) -> String {
         match (&self.path, &self.project().shape) {
             (Some(path), _) | (None, ShapeSource::File(path)) => path

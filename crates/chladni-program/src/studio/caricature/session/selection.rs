@@ -1,4 +1,4 @@
-//! The layer that the panels edit: what it does, and how far it may go.
+//! The layer that the panels edit: its effect, and how far it may go.
 
 use std::sync::Arc;
 

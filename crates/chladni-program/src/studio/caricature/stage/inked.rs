@@ -14,11 +14,11 @@ use crate::work::{Depth, Error, plate};
 /// After this time without a change the shade is drawn, too.
 const REST_SECS: f64 = 0.25;
 
-/// What is to be drawn, and what was.
+/// The drawing that is wanted, and the last one.
 #[derive(Default)]
 pub struct InkedStage {
     wanted: Option<Scene>,
-    /// When what is wanted last changed.
+    /// When the wanted drawing last changed.
     changed_secs: f64,
     running: Option<Job<Drawn>>,
     shown: Option<(TextureHandle, Scene, Depth)>,
@@ -29,7 +29,7 @@ pub struct InkedStage {
 /// A figure, and how often it had been changed.
 type Pictured = (usize, u64);
 
-/// Who sees which figures where.
+/// A drawing: its figures and viewpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub camera: Camera,

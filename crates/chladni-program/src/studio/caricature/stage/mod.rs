@@ -45,14 +45,14 @@ pub struct StageResponse {
 /// Buffers and camera of one body.
 pub struct Stage {
     viewport: Viewport,
-    /// Who looks; survives changes of the shape.
+    /// The viewer's camera; survives changes of the shape.
     pub camera: Camera,
     topology: Topology,
     buffers: ItemBuffers,
     values: VertexPaint,
     tints: VertexPaint,
     coat: Coat,
-    /// What `values` holds where the coat is a heat map.
+    /// The numbers in `values` where the coat is a heat map.
     heat: Vec<f32>,
     own: Option<Coat>,
     own_look: Option<OwnLook>,
@@ -70,7 +70,7 @@ pub struct Stage {
     fitted: bool,
     /// The user has moved the camera since all was shown: it is not moved automatically.
     by_hand: bool,
-    /// What is shown may reach farther than before, or less far.
+    /// The shapes may reach farther than before, or less far.
     grown: bool,
     /// Target and distance of the camera before it moved back by itself.
     stood: Option<([f32; 3], f32)>,
@@ -214,7 +214,7 @@ impl Stage {
         Ok(())
     }
 
-    /// What is shown now, on its own, before a `background`.
+    /// The current picture, on its own, before a `background`.
     pub fn shot(&self, look: Portrayal, background: Background) -> Result<Shot, ViewError> {
         let device = self.viewport.device().clone();
         let coat = match &self.coat {
@@ -254,7 +254,7 @@ impl Stage {
         }
     }
 
-    /// Moves the camera so that what is shown fills the view.
+    /// Moves the camera so that the figures fill the view.
     pub fn fit(&mut self) {
         self.fitted = false;
     }

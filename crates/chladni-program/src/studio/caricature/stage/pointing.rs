@@ -1,4 +1,4 @@
-//! What the pointer and the brush touch on the stage.
+//! Places on the stage under the pointer and the brush.
 
 use chladni_caricature::{Brush, Reach, Seen, Surface, SurfacePoint};
 use chladni_view::{PickTree, Projection, Rect, ViewError};
@@ -40,12 +40,12 @@ pub struct BrushInHand<'a> {
 pub struct Press {
     /// Its center.
     pub touch: Touch,
-    /// What it covers of the figure under the pointer, as it is seen.
+    /// The part of the figure under the brush, as the figure is displayed.
     pub reach: Reach,
 }
 
 impl Stage {
-    /// What the brush covers where it touches the figure that is `pointed` at.
+    /// A press of the brush on the figure that is `pointed` at.
     pub(super) fn press(&self, hand: BrushInHand<'_>, pointed: &Pointed, touch: Touch) -> Press {
         let eye = self.eye_of(pointed.at, pointed.cell);
         let positions = &self.poses[pointed.figure].0;
@@ -99,7 +99,7 @@ impl Stage {
         taken
     }
 
-    /// Where the eye is that sees what lies under a pixel: far away in a parallel view.
+    /// The eye that sees the place under a pixel: far away in a parallel view.
     pub(super) fn eye_of(&self, [x, y]: [f32; 2], cell: Rect) -> [f64; 3] {
         let ray = self.camera.ray(x, y, cell);
         let far = match self.camera.projection {
@@ -122,8 +122,8 @@ impl Stage {
         self.ring.lay(self.viewport.device(), reach.radius as f32, distances, &triangles)
     }
 
-    /// What lies under the way `from` a pixel to where `pointed` is, about `step` apart, without
-    /// its end, which is at `touch`.
+    /// The touches along the way `from` a pixel to where `pointed` is, about `step` apart, without its end, which is
+    /// at `touch`.
     pub(super) fn trail(
         &mut self,
         from: [f32; 2],
@@ -168,7 +168,7 @@ impl Stage {
     }
 }
 
-/// What the pointer is on.
+/// The place under the pointer.
 pub(super) struct Pointed {
     /// Pixels of the canvas.
     pub at: [f32; 2],

@@ -16,10 +16,10 @@ use crate::studio::room::Shared;
 use crate::studio::viewport;
 use crate::work::{Error, Lag, Staging};
 
-/// What the second window needs beside the first.
+/// The parts of the second window that the first does not have.
 pub struct Apart {
     pane: Pane,
-    /// Plays what is on stage; the first window's plays the gallery.
+    /// Plays the dance on stage; the first window's plays the gallery.
     ensemble: Ensemble,
     items: Vec<Item>,
     /// How many of them are seen; as many more may be their lags.
@@ -46,19 +46,19 @@ impl Apart {
         }
     }
 
-    /// What is on stage now.
+    /// Computes the items on stage now.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
         self.items = self.ensemble.play(instrument, bands, beat)?.to_vec();
         self.count = self.items.len();
         Ok(())
     }
 
-    /// Adds the lag of what is on stage, where it is wanted.
+    /// Adds the lag of the items on stage, where it is wanted.
     pub fn lag(&mut self, at_secs: f64, wanted: bool) {
         self.lag.follow(&mut self.items, at_secs, wanted);
     }
 
-    /// What was on stage last.
+    /// The items that were on stage last.
     pub fn items(&self) -> &[Item] {
         &self.items[..self.count]
     }
@@ -136,7 +136,7 @@ impl Concert {
     }
 }
 
-/// What the keyboard does in the second window; closing it leaves the stage.
+/// Handles keys in the second window; closing it leaves the stage.
 fn keys(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
     use chladni_music::Action;
     if LEAVE.pressed(ctx) || ctx.input(|input| input.viewport().close_requested()) {

@@ -1,11 +1,11 @@
-//! The pictures around what dances, as the preferences name them: read beside the window, shown once they are there.
+//! The pictures around the dancers, as the preferences name them: read beside the window, shown once they are there.
 
 use super::Concert;
 use crate::studio::job::Job;
 use crate::studio::room::Shared;
 use crate::work::{Error, LiveBackFilm, Scenery};
 
-/// What is shown of them, and what is being read.
+/// The scenery that is shown, and the one that is being read.
 #[derive(Default)]
 pub struct Backcloth {
     named: [String; 2],
@@ -18,7 +18,7 @@ pub struct Backcloth {
 }
 
 impl Backcloth {
-    /// Whether what stands behind moves.
+    /// Whether the picture behind is a film.
     pub fn moves(&self) -> bool {
         self.film.is_some()
     }
@@ -50,7 +50,7 @@ impl Backcloth {
 }
 
 impl Concert {
-    /// Puts up what the preferences name, on the pane that is drawn.
+    /// Puts up the pictures that the preferences name, on the pane that is drawn.
     pub(super) fn hang(&mut self) -> Result<(), Error> {
         let Backcloth { scenery, version, film, .. } = &mut self.backcloth;
         self.pane.viewport.surround(*version, scenery)?;

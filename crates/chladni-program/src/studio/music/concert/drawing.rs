@@ -76,7 +76,7 @@ impl Concert {
             let drawn = self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures));
             if drawn? && let Some(canvas) = self.pane.viewport.canvas() {
                 self.pane.glimpse.begin(self.pane.viewport.device(), canvas, behind);
-                // What the processor has drawn is known at once.
+                // A picture drawn by the processor can be judged at once.
                 self.pane.judge()?;
             }
             self.pane.shown = Some(shown);
@@ -99,7 +99,7 @@ impl Concert {
         self.darken(ui, rect);
     }
 
-    /// Gives films and other programs what the stage shows or, where there is none, the window.
+    /// Gives films and other programs the picture of the stage or, where there is none, the window.
     fn send(&mut self, is_kept: bool) -> Result<(), Error> {
         let seen = self.draws_stage || !self.on_stage();
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };

@@ -1,4 +1,4 @@
-//! One frame of the music room: heard, danced, deformed, drawn, and what is laid over it.
+//! One frame of the music room: heard, danced, deformed, drawn, and its overlay.
 
 use std::time::Instant;
 
@@ -23,7 +23,7 @@ use crate::studio::viewport;
 use crate::studio::{PlayedFrame, Trace};
 use crate::work::{Error, Staging, chooses_shots, look_on_stage, reaction};
 
-/// What is heard in a frame, and how it is to look.
+/// The sound of a frame, and how it is to look.
 pub(super) struct Frame {
     began: Instant,
     pub at_secs: f64,
@@ -35,7 +35,7 @@ pub(super) struct Frame {
     staged: bool,
     /// The stage has a window of its own.
     is_apart: bool,
-    /// Played in the gallery's place: a preset that is tried out, or what is shown close up.
+    /// Played in the gallery's place: a preset that is tried out, or the item of the close-up.
     solo: Option<(Mapping, Settings)>,
 }
 
@@ -52,7 +52,7 @@ impl Frame {
 }
 
 impl Concert {
-    /// Hears, deforms and draws one frame, and handles clicks on what is shown.
+    /// Hears, deforms and draws one frame, and handles clicks on it.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -98,7 +98,7 @@ impl Concert {
         self.show_items(ui, shared, listening, (&frame, count, pose), whole, wishes)
     }
 
-    /// Hears what sounds now, and lets all that is shown dance to it.
+    /// Hears the current sound, and lets all visible items dance to it.
     fn play(
         &mut self,
         shared: &mut Shared<'_>,
@@ -175,7 +175,7 @@ impl Concert {
         frame: &Frame,
         items: &mut Vec<Item>,
     ) -> Result<u64, Error> {
-        // Of what is not known beforehand only the present is heard.
+        // Sound that is not known in advance is heard only in the present.
         while self.sand.due(frame.at_secs).is_some() {
             let stepping = self.apart.as_ref().filter(|_| frame.is_apart).map_or(&items[..], Apart::items);
             self.sand.step(stepping, &self.instrument);
@@ -203,7 +203,7 @@ impl Concert {
         Ok(pose)
     }
 
-    /// Draws `count` shapes in `whole`, seen from where the hand or the camera has chosen, and what lies over them.
+    /// Draws `count` shapes in `whole`, seen from where the hand or the camera has chosen, with their overlay.
     fn show_items(
         &mut self,
         ui: &mut Ui,
@@ -259,7 +259,7 @@ impl Concert {
         Some(self.hand.over(self.seconds, (before, touches(ui)), &mut self.viewpoint, chosen))
     }
 
-    /// What lies over the gallery, and which of its shapes is marked.
+    /// Draws the overlay of the gallery and finds which shape is marked.
     fn show_marks(&mut self, ui: &mut Ui, places: &[egui::Rect], wishes: &mut Vec<Wish>) {
         let (hovered, focused) =
             gallery::overlay(ui, places, &self.instrument, self.marked, self.on_stage_now(), wishes);
@@ -273,7 +273,7 @@ impl Concert {
         }
     }
 
-    /// What the close-up plays: the stroke that is being drawn, or the item as it is.
+    /// The mapping that the close-up plays: with the stroke that is being drawn, or the item as it is.
     fn close_up_mapping(&self) -> Option<(Mapping, Settings)> {
         let View::CloseUp(item) = self.view else { return None };
         let item = self.instrument.gallery().items().get(item)?;
@@ -282,7 +282,7 @@ impl Concert {
     }
 }
 
-/// What tests compare with films.
+/// A frame as tests compare it with films.
 fn played(frame: &Frame, item: &Item) -> PlayedFrame {
     let coefficients = match item.terms.first().map(|term| &term.coefficients) {
         Some(Coefficients::Vector(c)) => c.as_flattened().to_vec(),

@@ -4,14 +4,14 @@ use egui::{Color32, Rect, Ui};
 
 /// Light goes and comes back within this time.
 const FADE_SECS: f64 = 0.6;
-/// A change of mind waits so long: no more than three flashes a second, however fast a hand is.
+/// The least time between two changes: no more than three flashes a second, however fast a hand is.
 const LEAST_SECS: f64 = 0.7;
 
 /// Whether the stage is black, and whether its picture stands still.
 #[derive(Debug, Default)]
 pub struct House {
     black: bool,
-    /// What it becomes: a hand may be faster.
+    /// The state that it fades to: it follows `black` with a delay, since a hand may be faster than the fade.
     falls: bool,
     changed_secs: f64,
     /// How black it was then, and is now.

@@ -1,4 +1,4 @@
-//! What is looked at, and which dances are marked, chosen and loved.
+//! The view, and the dances that are marked, chosen and loved.
 
 use chladni_music::{Action, Parameter, experiment};
 
@@ -23,26 +23,26 @@ impl Concert {
         self.marked = next.filter(|&item| item < count).or(self.marked);
     }
 
-    /// What the middle shows.
+    /// The content of the middle.
     pub fn view(&self) -> View {
         self.view
     }
 
-    /// Shows something else; what was being drawn is given up.
+    /// Shows something else; an unfinished stroke is dropped.
     pub fn look_at(&mut self, view: View) {
         self.view = view;
         self.draft = None;
         self.marked = None;
     }
 
-    /// What an item is marked as.
+    /// The marks of an item.
     pub fn marks(&self, item: usize) -> Marks {
         let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
         let favorite = self.instrument.favorites().iter().any(|favorite| favorite.id == item.id);
         Marks { chosen: item.chosen, favorite, locked: item.locked }
     }
 
-    /// What sets this body up for Chladni's experiment.
+    /// Actions that set this body up for Chladni's experiment.
     pub fn experiment(&self) -> Vec<Action> {
         let bands = self.instrument.parameters().get(Parameter::Bands).round() as usize;
         experiment(&self.ensemble.dancer().classes, bands)

@@ -74,7 +74,7 @@ pub struct Concert {
     pub house: House,
     /// The corners of the picture are being moved.
     pub adjusts: bool,
-    /// Who else gets what the stage shows.
+    /// The other receivers of the stage's pictures.
     pub outgoing: Outgoing,
     moving: bool,
     /// The pane that is drawn shows the stage.
@@ -95,7 +95,7 @@ pub struct Concert {
 }
 
 impl Concert {
-    /// A gallery of twelve on what was loaded.
+    /// A gallery of twelve on the loaded body.
     pub fn new(screen: &Screen, ready: Ready) -> Result<Self, Error> {
         let bands = Parameter::Bands.initial() as usize;
         let Dancing { body, symmetry, dancer } = ready.dancing;
@@ -184,7 +184,7 @@ impl Concert {
         &self.voice_names
     }
 
-    /// What deforms the shapes, and how they are drawn, in words.
+    /// The means by which shapes are deformed and drawn, in words.
     pub fn means(&self) -> String {
         format!("Deformed by {}. Drawn with {}.", self.deformed.device_name(), self.pane.viewport.drawn())
     }
@@ -199,7 +199,7 @@ impl Concert {
         self.pane.viewport.device()
     }
 
-    /// What keeps the frames coming.
+    /// The pace of the frames.
     pub fn pace(&self) -> &Pace {
         &self.pace
     }
@@ -327,7 +327,7 @@ impl Concert {
         self.instrument.scene(self.moment.at_beat).is_some()
     }
 
-    /// Who is on stage, or is coming.
+    /// The item on stage, or the one that is coming.
     pub fn on_stage_now(&self) -> Option<ItemId> {
         self.instrument.scene(self.moment.at_beat).map(|scene| scene.to)
     }

@@ -9,7 +9,7 @@ use crate::studio::screen::Screen;
 use crate::studio::viewport::Viewport;
 use crate::work::Error;
 
-/// One picture, and what is known of it.
+/// One picture, and whether it was judged and shown.
 pub struct Pane {
     pub viewport: Viewport,
     pub glimpse: Glimpse,
@@ -59,7 +59,7 @@ impl Pane {
         if limited { self.viewport.kept_texture() } else { self.viewport.drawn_texture() }
     }
 
-    /// What was being judged no longer matters.
+    /// Drops the picture that is being judged.
     pub fn forget(&mut self) {
         (self.glimpse, self.judged, self.shown) = (Glimpse::default(), false, None);
     }

@@ -8,12 +8,12 @@ use super::Concert;
 use crate::work::{Error, Programme};
 
 impl Concert {
-    /// Whether the autopilot chooses what is on stage.
+    /// Whether the autopilot chooses the dance on stage.
     pub fn is_piloted(&self) -> bool {
         self.piloted.is_some()
     }
 
-    /// Whether it stays with what is shown.
+    /// Whether it keeps the current dance and look.
     pub fn is_held(&self) -> bool {
         self.piloted.as_ref().is_some_and(Programme::holds)
     }
@@ -26,7 +26,7 @@ impl Concert {
         let favorites = self.instrument.favorites().iter();
         let favorites = favorites.map(|item| Preset::of(&self.instrument, item, Vec::new()));
         let favorites = favorites.chain(kept).collect();
-        // Another evening, another programme: what it does is written down in the show.
+        // Another evening, another program: its actions are written down in the show.
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs, now)?;
         let mut programme = programme.on_sheet(self.staging.is_flat());
@@ -36,7 +36,7 @@ impl Concert {
         Ok(())
     }
 
-    /// Holds what is shown, or goes on.
+    /// Keeps the current dance and look, or goes on.
     pub fn hold(&mut self) {
         if let Some(programme) = &mut self.piloted {
             let holds = programme.holds();

@@ -81,8 +81,8 @@ struct Hold {
 
 impl Hand {
     /// The framing to be shown where the camera has chosen `framing`, and `viewpoint` was `before`. If a hand that
-    /// `touches` has moved it, it goes home once the hand has let go; what runs out of a wheel after that, or from
-    /// before the stage was taken, is no hand.
+    /// `touches` has moved the viewpoint, it returns once the hand has let go. Movement that is left in the wheel
+    /// after that, or from before the stage was taken, does not count as a hand.
     pub fn over(
         &mut self,
         now_secs: f64,

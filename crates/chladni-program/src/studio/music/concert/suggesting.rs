@@ -1,4 +1,4 @@
-//! Suggested children: judged by what was heard last.
+//! Suggested children, judged by the recent sound.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::work::Error;
 /// Between two moments that are remembered.
 const EVERY_SECS: f64 = 1.5;
 
-/// What was heard last.
+/// Recent moments of the sound.
 #[derive(Default)]
 pub struct Recent {
     moments: Moments,
@@ -19,7 +19,7 @@ pub struct Recent {
 }
 
 impl Recent {
-    /// Remembers what is heard at some time of the show, now and then.
+    /// Remembers the sound of some moments of the show.
     pub fn hear(&mut self, at_secs: f64, bands: &Bands<'_>) {
         if (at_secs - self.at_secs).abs() >= EVERY_SECS {
             self.moments.remember(bands);
@@ -37,7 +37,7 @@ impl Recent {
 #[derive(Default)]
 pub struct Judging {
     wanted: bool,
-    /// Of this gallery.
+    /// The gallery that is judged, and the job.
     running: Option<(Arc<Gallery>, Job<Vec<u16>>)>,
 }
 
@@ -54,7 +54,7 @@ impl Concert {
         self.judging.wanted
     }
 
-    /// Has candidates judged where children are wanted; breeds the best once that is done. What is chosen meanwhile
+    /// Has candidates judged where children are wanted; breeds the best once that is done. A choice made meanwhile
     /// counts: then it begins again. Where nothing is chosen any more there are none.
     pub(super) fn judge(&mut self, ctx: &egui::Context) -> Result<(), Error> {
         if !self.judging.wanted {

@@ -1,4 +1,4 @@
-//! The beat of what is heard, and the user's corrections.
+//! The beat of the sound, and the user's corrections.
 
 use chladni_music::{BeatReading, ClockMessage};
 use chladni_sound::{BeatMoment, Beats};
@@ -71,7 +71,7 @@ impl Listening {
         }
     }
 
-    /// What is known about the beat now.
+    /// The beat as known now.
     pub fn beat_moment(&self) -> BeatMoment {
         if let Some(moment) = self.clock_moment() {
             return moment;

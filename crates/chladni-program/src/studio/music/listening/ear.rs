@@ -18,7 +18,7 @@ const LONGEST_STEP_SECS: f64 = 2.0;
 pub struct Loudness {
     /// Largest amplitude, falling by 20 dB a second.
     pub peak: f32,
-    /// Root mean square of what is heard now.
+    /// Root mean square of the current sound.
     pub rms: f32,
 }
 
@@ -33,7 +33,7 @@ impl Loudness {
 }
 
 impl Listening {
-    /// The samples to analyze: around what is heard of a song, later by what the decay holds back;
+    /// The samples to analyze: around the position heard in a song, later by the delay of the decay;
     /// the newest ones of live input.
     pub(super) fn take_window(&mut self, playing: bool) {
         let window = self.ear.analyzer().window_frames();
@@ -53,7 +53,7 @@ impl Listening {
         }
     }
 
-    /// Feeds the tracker with what has come in.
+    /// Feeds the tracker with new live sound.
     pub(super) fn take_live(&mut self) {
         let Some(live) = &mut self.live else { return };
         self.left.clear();
@@ -67,7 +67,7 @@ impl Listening {
         self.follow_beat();
     }
 
-    /// Feeds the tracker with what was heard since the last frame.
+    /// Feeds the tracker with the sound since the last frame.
     pub(super) fn follow_song(&mut self, status: &PlayerStatus, since_last_secs: f64) {
         let step_secs = status.position_secs - self.last_position_secs;
         self.last_position_secs = status.position_secs;
@@ -83,7 +83,7 @@ impl Listening {
         self.follow_beat();
     }
 
-    /// Feeds the tracker with what was taken.
+    /// Feeds the tracker with the samples taken.
     fn follow_beat(&mut self) {
         if let Some(bar) = self.ear.follow(&self.left, &self.right) {
             if !self.follows_clock() {

@@ -1,4 +1,4 @@
-//! What becomes known of songs while they are heard: title and cover, samples, beats.
+//! Facts about songs that become known while they play: title and cover, samples, beats.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ impl Listening {
         Some(self.repertoire.len() - 1)
     }
 
-    /// Reads the song that is heard, and takes in what was read of it.
+    /// Reads the song that is heard, and takes in the findings.
     pub(super) fn learn(&mut self, status: &PlayerStatus) {
         while let Some((number, learned)) =
             self.study.as_ref().and_then(|study| Some((study.number, study.learned()?)))

@@ -1,4 +1,4 @@
-//! What is listened to instead of a song, and how it is found again after it was lost.
+//! Live input instead of a song, and how it is found again after it was lost.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -10,7 +10,7 @@ use crate::work::Error;
 /// The pause between two attempts to find a lost source.
 const AGAIN_SECS: f64 = 1.0;
 
-/// What is listened to instead of a song.
+/// A live input that is listened to instead of a song.
 pub struct Live {
     pub(super) capture: Capture,
     pub(super) name: String,
@@ -26,7 +26,7 @@ struct Lost {
     next_secs: f64,
 }
 
-/// What has become of a source.
+/// The state of a source since it was last checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     /// It is heard, or still looked for.
@@ -66,7 +66,7 @@ impl Live {
 }
 
 impl Listening {
-    /// Listens to a microphone or to what the machine plays; the song pauses.
+    /// Listens to a microphone or to the machine's own sound; the song pauses.
     pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), Error> {
         let live = Live::new(Capture::start(source)?, source.name.clone(), Some(source.clone()));
         self.go_live(live);

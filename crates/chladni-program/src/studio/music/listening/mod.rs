@@ -1,4 +1,4 @@
-//! The ears of the room: the song that plays or what a microphone hears, its spectrum and its beat,
+//! The ears of the room: the song that plays or live sound, its spectrum and its beat,
 //! at the moment that is heard.
 
 mod beats;
@@ -28,7 +28,7 @@ use crate::work::source::TUNE;
 use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
-/// song until it is read, through an ear that knows only what was heard so far.
+/// song until it is read, through an ear that knows only the past.
 pub struct Listening {
     player: Player,
     live: Option<Live>,
@@ -41,7 +41,7 @@ pub struct Listening {
     ctx: Context,
     /// Beats have become known that were unknown when some action was logged.
     beats_changed: bool,
-    /// What is heard comes from the ear below.
+    /// Live sound is heard through the ear below.
     by_ear: bool,
     last_beat: Beat,
     ear: Ear,
@@ -49,16 +49,16 @@ pub struct Listening {
     right: Vec<f32>,
     last_secs: f64,
     last_position_secs: f64,
-    /// Films what is not known as a whole.
+    /// Films sound that is not known as a whole.
     director: Director,
     /// Bars that began by ear, and up to when those of known songs were reported.
     fresh_bars: Vec<BarLine>,
     bars_told_secs: f64,
-    /// The beat of an outer clock, and what it was last.
+    /// The beat of an outer clock, and its last value.
     outer: Outer,
     outer_beat: Beat,
     progress: Progress,
-    /// What was heard since it was taken last, for a recording.
+    /// Sound since it was last taken, for a recording.
     tee: Option<HeardSound>,
     /// A shot that was called by hand, and when.
     called: Option<(usize, f64)>,
@@ -85,14 +85,14 @@ pub struct ShowSong {
     beats: Option<Beats>,
     /// It cannot be read as a whole.
     given_up: bool,
-    /// Of its tags.
+    /// The title in its tags.
     title: Option<String>,
-    /// Of its tags, or beside it.
+    /// The cover in its tags, or beside it.
     cover: Option<TextureHandle>,
 }
 
 impl ShowSong {
-    /// A song of which nothing is known yet.
+    /// A song about which nothing is known yet.
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
         Self { path, reading, beats: None, given_up: false, title: None, cover: None }
     }
@@ -165,7 +165,7 @@ impl Listening {
         self.levels
     }
 
-    /// What is heard: the song's file name or the live input's.
+    /// Name of the source: the song's file name or the live input's.
     pub fn source_name(&self) -> String {
         self.live.as_ref().map_or_else(|| self.name_of(self.player.status().song), |live| live.name.clone())
     }
@@ -175,7 +175,7 @@ impl Listening {
         self.clock.at_secs()
     }
 
-    /// What was heard when, and the songs that it numbers.
+    /// The stretches of songs heard so far, and the songs that they number.
     pub fn heard(&self) -> (Vec<Stretch>, &[ShowSong]) {
         (self.hearing.stretches().collect(), &self.repertoire)
     }
@@ -246,7 +246,7 @@ impl Listening {
         self.hearing.spectrum().filter(|_| !self.by_ear).unwrap_or(by_ear)
     }
 
-    /// What the player has to say.
+    /// The player's messages.
     pub fn messages(&mut self) -> Vec<String> {
         let tell = |event| match event {
             PlayerEvent::SongFailed { reason, .. } => Some(reason),
@@ -258,7 +258,7 @@ impl Listening {
         self.warnings.drain(..).chain(messages).collect()
     }
 
-    /// Listens to what is heard at this moment, which is `now_secs` by any steadily running clock. `before`
+    /// Listens to the sound of this moment, which is `now_secs` by any steadily running clock. `before`
     /// listens first to whatever it wants before the time of the show that it is given.
     pub fn hear(
         &mut self,
@@ -341,7 +341,7 @@ impl Listening {
         self.bars_or(bars)
     }
 
-    /// How the camera frames what was heard last.
+    /// How the camera frames the shape at the time heard last.
     pub fn framing(&mut self, seed: u64) -> Framing {
         if let Some((shot, since_secs)) = self.called {
             return Framing::of_shot(shot, self.last_secs - since_secs);
@@ -355,12 +355,12 @@ impl Listening {
         self.hearing.framing_at(self.clock.at_secs(), seed)
     }
 
-    /// Keeps what is heard for a recording, or no longer.
+    /// Keeps the sound for a recording, or no longer.
     pub fn keep_sound(&mut self, on: bool) {
         self.tee = on.then(HeardSound::default);
     }
 
-    /// What was heard since the last call, where it is kept.
+    /// Sound since the last call, while it is kept.
     pub fn take_sound(&mut self) -> Option<HeardSound> {
         let tee = self.tee.as_mut()?;
         if self.live.is_none() {

@@ -41,7 +41,7 @@ impl Listening {
         self.outer.wanted = on;
     }
 
-    /// What a clock said at `at_secs` of the clock that [`hear`](Self::hear) is given.
+    /// Takes a clock's message at `at_secs` of the clock that [`hear`](Self::hear) uses.
     pub fn hear_clock(&mut self, message: ClockMessage, at_secs: f64) {
         self.outer.tempo.hear(message, at_secs);
     }
@@ -152,7 +152,7 @@ impl Listening {
             self.outer.tempo.go_on_from(self.last_beat.count, self.last_secs);
         } else {
             self.ear.beats.gone = self.outer_beat.count.ceil();
-            // What was done is counted again in the beats of the song, where they are known.
+            // Past actions are counted again in the beats of the song, where these are known.
             self.beats_changed |= self.known_beats().is_some();
         }
         self.film_anew();

@@ -56,12 +56,12 @@ impl Listening {
         self.player.select(song);
     }
 
-    /// What comes after a song.
+    /// The choice at the end of a song.
     pub fn repeat(&self) -> Repeat {
         self.repeat
     }
 
-    /// Changes what comes after a song.
+    /// Changes the choice at the end of a song.
     pub fn set_repeat(&mut self, repeat: Repeat) {
         self.repeat = repeat;
         self.player.repeat(repeat);

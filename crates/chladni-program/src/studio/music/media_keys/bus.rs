@@ -61,7 +61,7 @@ impl Root {
     }
 }
 
-/// What plays, as the bus sees it.
+/// The player, as the bus sees it.
 pub(super) struct Player {
     pub(super) asks: SyncSender<Asked>,
     pub(super) wake: Box<dyn Fn() + Send + Sync>,

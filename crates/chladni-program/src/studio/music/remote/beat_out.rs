@@ -13,10 +13,10 @@ use crate::work::Error;
 /// How often bands are sent, and how many.
 const BANDS_SECS: f64 = 1.0 / 30.0;
 const BANDS: usize = 8;
-/// An address that was not found is looked up again after so long: the network may come later.
+/// An address that was not found is looked up again after this time: the network may come later.
 const LOOK_AGAIN: Duration = Duration::from_secs(5);
 
-/// What is sent at one moment.
+/// The state to send at one moment.
 #[derive(Clone, Copy, Debug)]
 pub struct Now<'a> {
     /// By any steadily running clock.
@@ -29,7 +29,7 @@ pub struct Now<'a> {
     pub bands: &'a [f32],
 }
 
-/// What was sent last.
+/// The last state that was sent.
 #[derive(Debug, Default)]
 pub struct Sent {
     /// Bars are known one frame after the beat that they begin with, so beats are sent one frame late.
@@ -43,7 +43,8 @@ pub struct Sent {
 }
 
 impl Sent {
-    /// What is new: `/bar` and `/beat`, each with its number, `/tempo`, `/energy`, `/section`, and `/bands`.
+    /// Messages for whatever changed: `/bar` and `/beat`, each with its number, `/tempo`, `/energy`, `/section`, and
+    /// `/bands`.
     pub fn messages(&mut self, now: &Now<'_>) -> Vec<OscMessage> {
         let mut messages = Vec::new();
         let mut tell = |address: &str, args: Vec<OscType>| {
@@ -117,7 +118,7 @@ impl BeatOut {
         Ok(Self { address: address.to_owned(), socket, found, last: Sent::default(), failure: None })
     }
 
-    /// Sends what is new, once the address is found.
+    /// Sends all changes, once the address is found.
     pub fn tell(&mut self, now: &Now<'_>, ctx: &egui::Context) {
         let Some(to) = self.found(ctx) else { return };
         for message in self.last.messages(now) {

@@ -21,7 +21,7 @@ struct Given {
     at: Instant,
 }
 
-/// The beat of a frame is good for so long.
+/// The beat of a frame is valid for this long.
 const STALE: Duration = Duration::from_secs(2);
 
 /// Sends MIDI clock from a thread of its own, since frames are too far apart for it.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::midi::Said;
 
-/// A clock that has been silent for so long no longer leads. At 20 beats a minute it ticks every 125 ms.
+/// A clock that is silent for this long stops leading. At 20 beats a minute a clock ticks every 125 ms.
 const SILENT: Duration = Duration::from_millis(500);
 
 /// The port that is followed, and when it was heard last: two clocks at once would double the tempo.

@@ -1,4 +1,4 @@
-//! MIDI controllers and clocks, whenever they are plugged in, and what is sent back to them.
+//! MIDI controllers and clocks, whenever they are plugged in, and the feedback to them.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,7 +17,7 @@ const MOST_TOUCHES: usize = 1024;
 const LOOK: Duration = Duration::from_secs(1);
 const CLIENT: &str = "chladni";
 
-/// What is known of the devices.
+/// The MIDI devices.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Devices {
     /// Those that are listened to, by name.
@@ -28,7 +28,7 @@ pub struct Devices {
     pub failure: Option<String>,
 }
 
-/// What a clock has said.
+/// A message from a clock.
 #[derive(Clone, Debug)]
 pub struct Said {
     /// The port that it came from. Two devices of one kind have ports of their own.
@@ -48,7 +48,7 @@ pub struct Midi {
     closed: Arc<AtomicBool>,
 }
 
-/// What is sent to, by name. Clones are the same.
+/// The ports to send to, by name. Clones share them.
 #[derive(Clone, Default)]
 pub struct Outputs(Arc<Mutex<Ports>>);
 
@@ -83,7 +83,7 @@ impl Outputs {
         }
     }
 
-    /// Opens what is wanted and there; tells what is there.
+    /// Opens the wanted ports that exist; returns all that exist.
     fn look(&self) -> Result<Vec<String>, Error> {
         let output = || MidiOutput::new(CLIENT).map_err(Error::other);
         let looking = output()?;
@@ -107,7 +107,7 @@ impl Outputs {
     }
 }
 
-/// Whether a port is one of ours, as ALSA calls them: to them, we would hear what we say.
+/// Whether a port is one of ours, as ALSA calls them: listening to them, we would hear our own messages.
 fn is_own(name: &str) -> bool {
     cfg!(target_os = "linux") && name.split_once(':').is_some_and(|(client, _)| client == CLIENT)
 }
@@ -146,17 +146,17 @@ impl Midi {
         Ok(Self { touches, clock, devices, outputs, closed })
     }
 
-    /// What was touched since the last call.
+    /// Touches since the last call.
     pub fn touches(&self) -> impl Iterator<Item = Touch> {
         self.touches.try_iter().take(MOST_TOUCHES)
     }
 
-    /// What clocks have said since the last call.
+    /// Messages of clocks since the last call.
     pub fn clock(&self) -> impl Iterator<Item = Said> {
         self.clock.try_iter().take(MOST_TOUCHES)
     }
 
-    /// What can be sent to.
+    /// The ports to send to.
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
     }
@@ -199,7 +199,7 @@ impl Sender {
 
 type Open = HashMap<String, (String, MidiInputConnection<()>)>;
 
-/// Connects what is new and lets go of what is gone.
+/// Connects new ports and drops missing ones.
 fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
     // Where the kernel has no sequencer, ALSA would print a complaint at every look.
     if cfg!(target_os = "linux") && !std::path::Path::new("/dev/snd/seq").exists() {

@@ -1,4 +1,4 @@
-//! Control from outside: MIDI controllers, clocks and OSC, what they turn, and the beat for others.
+//! Control from outside: MIDI controllers, clocks and OSC, their bindings, and the beat for others.
 
 mod beat_out;
 mod clock_out;
@@ -37,7 +37,7 @@ pub struct Remote {
     number: u32,
     /// The machines that are heard, as they are being typed.
     allowed: String,
-    /// What was touched last.
+    /// The last control that was touched.
     last: Option<Control>,
     beat_out: Option<Result<BeatOut, Error>>,
     /// The address that it was opened for.
@@ -47,18 +47,18 @@ pub struct Remote {
     clock_out: Option<ClockSender>,
 }
 
-/// What came in since the last frame.
+/// Input since the last frame.
 #[derive(Default)]
 pub struct Asked {
-    /// What is to be done.
+    /// The cues of controls.
     pub cues: Vec<Cue>,
-    /// What clocks have said, and when.
+    /// The messages of clocks, and when they came.
     pub clock: Vec<(ClockMessage, Instant)>,
 }
 
 impl Remote {
-    /// Opens what the preferences ask for and collects what was touched since the last frame.
-    /// `standing` says where things are, for knobs that take over softly and for what devices show.
+    /// Opens the devices that the preferences ask for and collects all touches since the last frame.
+    /// `standing` says where things are, for knobs that take over softly and for feedback to devices.
     pub fn asked(
         &mut self,
         preferences: &mut Preferences,
@@ -146,7 +146,7 @@ impl Remote {
     }
 }
 
-/// Of several turns of one knob within a frame only the last counts.
+/// If a knob turns several times within a frame, only the last turn counts.
 fn push(cues: &mut Vec<Cue>, cue: Cue) {
     if let Cue::Do(Action::Set { parameter: turned, .. }) = cue {
         cues.retain(|known| !matches!(known, Cue::Do(Action::Set { parameter, .. }) if *parameter == turned));

@@ -67,7 +67,7 @@ impl Osc {
         self.address.port()
     }
 
-    /// What has come in since the last call, and when.
+    /// Messages since the last call, and when they came.
     pub fn messages(&self) -> impl Iterator<Item = (OscMessage, Instant)> {
         let messages = self.messages.try_iter().take(MOST_MESSAGES);
         messages.inspect(|_| {

@@ -1,4 +1,4 @@
-//! What is plugged in, what turns what, and learning.
+//! The panel for devices, for the bindings of controls, and for learning them.
 
 use std::path::Path;
 
@@ -134,7 +134,7 @@ impl Remote {
 }
 
 impl Remote {
-    /// Who else is heard.
+    /// Choice of the other machines that are heard.
     fn network(&mut self, ui: &mut Ui, preferences: &mut Preferences) {
         let tip = "Otherwise only programs on this machine are heard";
         theme::checkbox(ui, &mut preferences.osc_network, "Other machines, too").on_hover_text(tip);

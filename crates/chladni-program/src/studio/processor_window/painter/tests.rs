@@ -1,4 +1,4 @@
-//! What the painter covers, and with what.
+//! Tests of the pixels that the painter covers, and of their colors.
 
 use egui::epaint::TextureManager;
 use egui::{Color32, Rect, TextureOptions, pos2, vec2};

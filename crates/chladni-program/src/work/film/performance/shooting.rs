@@ -14,11 +14,11 @@ use super::{Done, Performance, Shot};
 use crate::work::film::Seconds;
 use crate::work::{Deformed, Error, FrameGuard, Scenery, dots, look_on_stage};
 
-/// Where a film begins in the midst of another, so much before it is drawn for the flash guard, which has to know what was
-/// seen in the last second.
+/// A piece of a film starts drawing this much before its first frame, because the flash guard has to know what was
+/// seen during the last second.
 const LEAD_SECS: f64 = 2.0;
 
-/// What computes and draws; by default what suits the device.
+/// The means to compute and draw; by default those that suit the device.
 #[derive(Clone, Copy, Default)]
 pub struct Means {
     pub draw: Draw,
@@ -41,7 +41,7 @@ impl Means {
     }
 }
 
-/// Who drew.
+/// The device that drew.
 pub struct Drawn {
     /// The adapter, or the processor.
     pub device: String,
