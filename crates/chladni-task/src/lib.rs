@@ -27,7 +27,10 @@ mod progress;
 mod read_file;
 mod recovery;
 
-pub use atomic_file::{Draft, folder_of, persist, temporary_beside, write_atomic, write_atomic_with};
+pub use atomic_file::{
+    Draft, folder_of, persist, private_folder, temporary_beside, write_atomic, write_atomic_private,
+    write_atomic_with,
+};
 pub use progress::{Cancelled, Progress, Stage, Task};
 pub use read_file::{open_file, read_file, read_text_file};
 pub use recovery::RecoveryCopy;

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use chladni_task::folder_of;
+use chladni_task::{folder_of, private_folder};
 use tempfile::TempDir;
 
 use super::{beside, ffmpeg_is_there, persist};
@@ -33,7 +33,7 @@ pub(super) struct RecordingFolder {
 impl RecordingFolder {
     /// Makes one beside `film`.
     pub(super) fn create(film: &Path, sound_hz: u32) -> std::io::Result<Self> {
-        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder_of(film))?;
+        let folder = private_folder(PREFIX, folder_of(film))?;
         let name = film.file_name().unwrap_or_default().to_string_lossy();
         let mut note = File::create(folder.path().join(NOTE))?;
         note.lock()?;
