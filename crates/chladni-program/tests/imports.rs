@@ -42,7 +42,6 @@ fn work_knows_neither_a_window_nor_a_command_line() {
 
 #[test]
 fn every_file_is_saved_by_the_one_function_that_faults_are_tried_on() {
-    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     // A lock, which holds nothing; the sound and the note of a film that is being made, what ranks read, and how a test's own sound
     // server is set up, in folders of their own.
     let others = [
@@ -52,6 +51,21 @@ fn every_file_is_saved_by_the_one_function_that_faults_are_tried_on() {
         "chladni-harmonics/src/ranks/mod.rs",
         "chladni-testdata/src/sound_server.rs",
     ];
+    let words =
+        ["fs::write(", "File::create(", "File::create_new(", "OpenOptions", "File::options()", "fs::rename("];
+    only_the_task_crate_names(&words, &others);
+}
+
+#[test]
+fn every_program_is_started_by_the_one_function_that_gives_it_its_environment() {
+    // Only tests run it.
+    let others = ["chladni-testdata/src/sound_server.rs", "chladni-testdata/src/lib.rs"];
+    only_the_task_crate_names(&["Command::new("], &others);
+}
+
+/// Fails where what is shipped of a crate above `chladni-task` holds one of `words`, except in the files `others`.
+fn only_the_task_crate_names(words: &[&str], others: &[&str]) {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     for path in files_below(crates.to_owned()) {
         let is_source = path.extension().is_some_and(|ending| ending == "rs");
         let folders = path.strip_prefix(crates).unwrap().to_string_lossy().replace('\\', "/");
@@ -61,14 +75,7 @@ fn every_file_is_saved_by_the_one_function_that_faults_are_tried_on() {
         }
         let text = std::fs::read_to_string(&path).unwrap();
         let shipped = text.split("#[cfg(test)]\nmod tests").next().unwrap();
-        for word in [
-            "fs::write(",
-            "File::create(",
-            "File::create_new(",
-            "OpenOptions",
-            "File::options()",
-            "fs::rename(",
-        ] {
+        for word in words {
             assert!(!shipped.contains(word), "{folders}: {word}");
         }
     }

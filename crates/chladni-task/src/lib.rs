@@ -1,5 +1,5 @@
 //! Progress and cancellation of long work, files that are written whole or not at all, files that are read
-//! whole up to a size limit, and copies of unsaved work that outlive a crash.
+//! whole up to a size limit, copies of unsaved work that outlive a crash, and other programs that are started.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -23,11 +23,16 @@
 #![warn(clippy::missing_errors_doc)]
 
 mod atomic_file;
+mod other_program;
 mod progress;
 mod read_file;
 mod recovery;
 
-pub use atomic_file::{Draft, folder_of, persist, temporary_beside, write_atomic, write_atomic_with};
+pub use atomic_file::{
+    Draft, folder_of, persist, private_folder, temporary_beside, write_atomic, write_atomic_private,
+    write_atomic_with,
+};
+pub use other_program::{Needs, other_program};
 pub use progress::{Cancelled, Progress, Stage, Task};
 pub use read_file::{open_file, read_file, read_text_file};
 pub use recovery::RecoveryCopy;

@@ -7,7 +7,7 @@ use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::write_atomic;
+use crate::write_atomic_private;
 
 /// The copy of a running program; [`finish`](Self::finish) removes it. One that is merely dropped, as by a
 /// panic, stays.
@@ -44,12 +44,13 @@ impl RecoveryCopy {
         &self.copy
     }
 
-    /// Keeps `bytes` in place of the last copy.
+    /// Keeps `bytes` in place of the last copy. Only the owner can read them (on Unix), as the file that they belong to may be
+    /// private.
     ///
     /// # Errors
-    /// As [`write_atomic`].
+    /// As [`write_atomic`](crate::write_atomic).
     pub fn keep(&self, bytes: &[u8]) -> io::Result<()> {
-        write_atomic(&self.copy, bytes)
+        write_atomic_private(&self.copy, bytes)
     }
 
     /// Drops the copy: everything is saved.
@@ -95,6 +96,18 @@ fn is_running(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_copy_can_be_read_by_its_owner_alone() {
+        use std::os::unix::fs::PermissionsExt;
+        let home = tempfile::tempdir().unwrap();
+        let copy = RecoveryCopy::start(home.path(), "show", "toml", 7).unwrap();
+        for _ in 0..2 {
+            copy.keep(b"unsaved").unwrap();
+            assert_eq!(copy.path().metadata().unwrap().permissions().mode() & 0o777, 0o600);
+        }
+    }
 
     #[test]
     fn what_a_crash_leaves_is_found_by_its_kind_and_what_runs_is_not() {

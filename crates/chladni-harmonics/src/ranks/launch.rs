@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use chladni_task::{Cancelled, Task};
+use chladni_task::{Cancelled, Needs, Task, other_program};
 
 use super::Ranks;
 use crate::HarmonicsError;
@@ -38,21 +38,23 @@ impl Launcher {
     /// Finds mpirun, and a Python that has slepc4py: the one that `CHLADNI_MPI_PYTHON` names, otherwise the
     /// first on the PATH, otherwise the system's.
     pub(super) fn find(worker: &Path) -> Result<Self, HarmonicsError> {
-        let version = output(Command::new("mpirun").arg("--version"));
+        let version = output(other_program("mpirun", Needs::Ranks).arg("--version"));
         let version = version.ok_or_else(|| missing("mpirun is not on the PATH"))?;
         let named = std::env::var_os("CHLADNI_MPI_PYTHON").filter(|name| !name.is_empty());
         let candidates = match named {
             Some(python) => vec![PathBuf::from(python)],
             None => vec!["python3".into(), "/usr/bin/python3".into()],
         };
-        let has_slepc = |python: &PathBuf| output(Command::new(python).arg(worker).arg("--check")).is_some();
+        let has_slepc = |python: &PathBuf| {
+            output(other_program(python, Needs::Ranks).arg(worker).arg("--check")).is_some()
+        };
         let python = candidates.into_iter().find(has_slepc);
         let python = python.ok_or_else(|| missing("no Python has slepc4py"))?;
         Ok(Self { python, is_open_mpi: version.contains("Open MPI") })
     }
 
     fn command(&self, ranks: &Ranks, worker: &Path, folder: &Path) -> Command {
-        let mut command = Command::new("mpirun");
+        let mut command = other_program("mpirun", Needs::Ranks);
         if self.is_open_mpi {
             // Ranks that yield while they wait are three times as fast on a machine that has other work to do.
             command.args(["--mca", "mpi_yield_when_idle", "1"]);
@@ -146,7 +148,7 @@ impl Drop for Running {
         }
         // After a request to terminate, mpirun ends its ranks on all hosts; if it were killed, it would
         // leave them behind.
-        let asked = Command::new("kill").args(["-TERM", &self.0.id().to_string()]).status();
+        let asked = other_program("kill", Needs::Files).args(["-TERM", &self.0.id().to_string()]).status();
         let until = Instant::now() + FAREWELL;
         while asked.as_ref().is_ok_and(std::process::ExitStatus::success) && Instant::now() < until {
             if matches!(self.0.try_wait(), Ok(Some(_))) {

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use chladni_mesh::TriMesh;
-use chladni_task::Task;
+use chladni_task::{Task, private_folder};
 use serde::{Deserialize, Serialize};
 
 use crate::build::file_triangles;
@@ -208,7 +208,7 @@ fn solve(
     keep: Keep,
     task: &Task,
 ) -> Result<(Basis, RanksReport), HarmonicsError> {
-    let folder = private_folder(ranks).map_err(|error| unwritten(&error))?;
+    let folder = folder_of(ranks).map_err(|error| unwritten(&error))?;
     let worker = folder.path().join("worker.py");
     for (name, text) in METHODS.into_iter().chain([("worker.py", WORKER)]) {
         fs::write(folder.path().join(name), text).map_err(|error| unwritten(&error))?;
@@ -275,18 +275,10 @@ fn unwritten(error: &std::io::Error) -> HarmonicsError {
     HarmonicsError::RanksFailed { reason: format!("the operator cannot be handed to the ranks: {error}") }
 }
 
-fn private_folder(ranks: &Ranks) -> std::io::Result<tempfile::TempDir> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".chladni-ranks-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o700));
-    }
-    match &ranks.scratch {
-        Some(scratch) => builder.tempdir_in(fs::canonicalize(scratch)?),
-        None => builder.tempdir(),
-    }
+/// What the ranks read and write, for the owner's eyes alone.
+fn folder_of(ranks: &Ranks) -> std::io::Result<tempfile::TempDir> {
+    let beneath = ranks.scratch.clone().unwrap_or_else(std::env::temp_dir);
+    private_folder(".chladni-ranks-", &fs::canonicalize(beneath)?)
 }
 
 fn write_problem(folder: &Path, operator: &Operator, settings: &Settings) -> Result<(), HarmonicsError> {

@@ -1,6 +1,8 @@
 //! Keeps the screen awake with a program of the system, for as long as that program runs.
 
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
+
+use chladni_task::{Needs, other_program};
 
 /// The program that holds off sleep while it runs, and its arguments.
 const KEEPER: Option<(&str, &[&str])> = if cfg!(target_os = "linux") {
@@ -32,7 +34,7 @@ impl Awake {
         let Some((program, arguments)) = KEEPER else {
             return Some("The screen may go to sleep: this system has no program that prevents it.".into());
         };
-        let silent = Command::new(program)
+        let silent = other_program(program, Needs::Desktop)
             .args(arguments)
             .stdin(Stdio::null())
             .stdout(Stdio::null())

@@ -2,14 +2,18 @@
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdout, Stdio};
 
 use chladni_view::Picture;
+use chladni_view::film::{add_input, ffmpeg};
 
 use super::Error;
 
 /// The endings of films that may stand behind a shape.
 pub const FILMS: [&str; 5] = ["mp4", "m4v", "mkv", "mov", "webm"];
+
+/// How ffmpeg calls the formats of these files. It would also read lists of other files, whatever their names end in.
+const FORMATS: [&str; 3] = ["mov", "matroska", "m4v"];
 
 /// Pictures a second, whatever the film's own rate: which picture is shown depends on the time alone.
 const RATE_HZ: f64 = 25.0;
@@ -95,12 +99,10 @@ impl Decoder {
             "fps={RATE_HZ},scale=w='min({longest_side},iw)':h='min({longest_side},ih)':force_original_aspect_ratio=decrease"
         );
         let missing = |why| Error::other(format!("ffmpeg, which reads films, cannot be started: {why}"));
-        // Names are files, never addresses.
-        let mut file = std::ffi::OsString::from("file:");
-        file.push(path);
-        let mut child = Command::new("ffmpeg")
-            .args(["-nostdin", "-loglevel", "fatal", "-protocol_whitelist", "file", "-i"])
-            .arg(file)
+        let mut command = ffmpeg();
+        command.args(["-nostdin", "-loglevel", "fatal"]);
+        add_input(&mut command, path, &FORMATS);
+        let mut child = command
             .args(["-an", "-sn", "-vf", &fits, "-f", "image2pipe", "-c:v", "ppm", "-"])
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -198,6 +200,30 @@ mod tests {
             later.go_to(f64::from(frame) / 25.0).unwrap();
             assert_eq!(brightness(&later), seen[frame as usize], "{frame}");
         }
+    }
+
+    #[test]
+    fn a_list_of_other_files_is_no_film_whatever_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let Some(path) = chladni_testdata::brightening_film(folder.path(), [32, 16], 0.4, 20) else { return };
+        let other = path.file_name().unwrap().to_string_lossy().into_owned();
+        let lists = [
+            format!("ffconcat version 1.0\nfile {other}\n"),
+            format!("#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:0.4,\n{other}\n#EXT-X-ENDLIST\n"),
+        ];
+        for ending in FILMS {
+            let named = folder.path().join(format!("list.{ending}"));
+            for list in &lists {
+                std::fs::write(&named, list).unwrap();
+                assert!(BackFilm::open(&named.to_string_lossy(), LONGEST_SIDE).is_err(), "{ending}: {list}");
+            }
+        }
+        // ffmpeg by itself opens what the first one lists.
+        let script = folder.path().join("list.mp4");
+        std::fs::write(&script, &lists[0]).unwrap();
+        let mut alone = ffmpeg();
+        alone.args(["-nostdin", "-loglevel", "error", "-i"]).arg(&script).args(["-f", "null", "-"]);
+        assert!(alone.status().unwrap().success());
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Captures the output of a PulseAudio or PipeWire server, all of it or one program's, with its own recorder.
 
 use std::io::Read;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::atomic::Ordering;
 
+use chladni_task::{Needs, other_program};
 use serde::Deserialize;
 
 use super::Inlet;
@@ -15,7 +16,10 @@ const BYTES_PER_FRAME: usize = 8;
 
 /// Names of the monitors that the sound server offers; empty without a server.
 pub(super) fn monitors() -> Vec<String> {
-    let listed = Command::new("pactl").args(["list", "short", "sources"]).stderr(Stdio::null()).output();
+    let listed = other_program("pactl", Needs::Desktop)
+        .args(["list", "short", "sources"])
+        .stderr(Stdio::null())
+        .output();
     let Ok(listed) = listed else { return Vec::new() };
     String::from_utf8_lossy(&listed.stdout)
         .lines()
@@ -75,8 +79,10 @@ impl SinkInput {
 
 /// Streams that sound first; empty without a server, or with one that is older than its list in JSON.
 fn inputs() -> Vec<SinkInput> {
-    let listed =
-        Command::new("pactl").args(["-f", "json", "list", "sink-inputs"]).stderr(Stdio::null()).output();
+    let listed = other_program("pactl", Needs::Desktop)
+        .args(["-f", "json", "list", "sink-inputs"])
+        .stderr(Stdio::null())
+        .output();
     let mut inputs: Vec<SinkInput> =
         listed.ok().and_then(|listed| serde_json::from_slice(&listed.stdout).ok()).unwrap_or_default();
     inputs.sort_by_key(|input| input.corked);
@@ -103,7 +109,7 @@ impl Recorder {
     pub fn start(name: &str, played: &Played, inlet: Inlet) -> Result<Self, SoundError> {
         let failed = |what: String| SoundError::Device { what: format!("{name}: {what}") };
         let argument = played.argument().ok_or_else(|| failed("plays nothing now".into()))?;
-        let mut child = Command::new("parec")
+        let mut child = other_program("parec", Needs::Desktop)
             .arg(argument)
             .args(["--raw", "--format=float32le", "--rate=48000", "--channels=2", "--latency-msec=15"])
             .arg("--client-name=chladni")

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::system::{Disk, System};
-use super::{advised, replace};
+use super::{Readers, advised, replace};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Call {
@@ -98,8 +98,10 @@ fn new_text() -> Vec<u8> {
 
 /// Writes a file in several pieces.
 fn save(system: &Faulty) -> io::Result<()> {
-    replace(system, &system.path, |file| new_text().chunks(50_000).try_for_each(|part| file.write_all(part)))
-        .map_err(advised)
+    let write = |file: &mut io::BufWriter<super::Draft<'_>>| {
+        new_text().chunks(50_000).try_for_each(|part| file.write_all(part))
+    };
+    replace(system, &system.path, Readers::Usual, write).map_err(advised)
 }
 
 #[test]

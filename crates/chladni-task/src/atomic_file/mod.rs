@@ -3,12 +3,16 @@
 #[cfg(test)]
 mod faults;
 mod leftovers;
+mod permissions;
 mod system;
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+pub use permissions::private_folder;
+
+use permissions::Readers;
 use system::{Disk, System};
 use tempfile::NamedTempFile;
 
@@ -25,7 +29,8 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 ///
 /// If `write` fails or the process dies, `path` is unchanged; a temporary file that a killed process left is removed by
 /// a later one that saves in the same folder. If `path` is a link, its target is replaced.
-/// On Unix, the file keeps its permissions. The folder of `path` must exist.
+/// On Unix, only its owner can read the temporary file; in the end it takes the permissions of the file that it replaces, or those
+/// that the system gives new files. The folder of `path` must exist.
 ///
 /// # Errors
 /// An error of `write`, or of creating, writing or renaming the file. A full disk, a read-only one and
@@ -36,7 +41,15 @@ pub fn write_atomic_with(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
 ) -> io::Result<()> {
-    replace(&Disk, path, write).map_err(advised)
+    replace(&Disk, path, Readers::Usual, write).map_err(advised)
+}
+
+/// As [`write_atomic`], but a file that was not there before stays readable by its owner alone (on Unix).
+///
+/// # Errors
+/// As [`write_atomic_with`].
+pub fn write_atomic_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    replace(&Disk, path, Readers::Owner, |file| file.write_all(bytes)).map_err(advised)
 }
 
 /// Flushes a complete file from [`temporary_beside`] to the disk and renames it to `path`, as
@@ -45,12 +58,13 @@ pub fn write_atomic_with(
 /// # Errors
 /// An error of flushing or renaming the file.
 pub fn persist(file: NamedTempFile, path: &Path) -> io::Result<()> {
-    finish(&Disk, file, &where_it_leads(path)).map_err(advised)
+    finish(&Disk, file, &where_it_leads(path), Readers::Usual).map_err(advised)
 }
 
 fn replace(
     system: &dyn System,
     path: &Path,
+    readers: Readers,
     write: impl FnOnce(&mut BufWriter<Draft<'_>>) -> io::Result<()>,
 ) -> io::Result<()> {
     let path = &where_it_leads(path);
@@ -60,20 +74,17 @@ fn replace(
         write(&mut buffered)?;
         buffered.flush()?;
     }
-    finish(system, file, path)
+    finish(system, file, path, readers)
 }
 
-fn finish(system: &dyn System, file: NamedTempFile, path: &Path) -> io::Result<()> {
-    if let Ok(known) = std::fs::metadata(path) {
-        // Without this check, the rename would replace a device by a regular file.
-        if !known.is_file() {
-            let why = "it is a folder, a device or a pipe, which no file takes the place of";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
-        }
-        if cfg!(unix) {
-            file.as_file().set_permissions(known.permissions())?;
-        }
+fn finish(system: &dyn System, file: NamedTempFile, path: &Path, readers: Readers) -> io::Result<()> {
+    let replaced = std::fs::metadata(path).ok();
+    // Without this check, the rename would replace a device by a regular file.
+    if replaced.as_ref().is_some_and(|known| !known.is_file()) {
+        let why = "it is a folder, a device or a pipe, which no file takes the place of";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     }
+    permissions::give(file.as_file(), replaced.as_ref(), readers, folder_of(path))?;
     // The order matters: a name that is on the disk before the file's bytes would survive a power cut
     // without them.
     system.sync(file.as_file())?;
@@ -124,8 +135,8 @@ pub fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// A temporary file in the folder of `path`, or of what that links to, with a name that ends in `ending`. When it is complete,
-/// [`persist`] renames it to `path`.
+/// A temporary file in the folder of `path`, or of what that links to, with a name that ends in `ending`. On Unix, only its
+/// owner can read it. When it is complete, [`persist`] renames it to `path`.
 ///
 /// # Errors
 /// The file cannot be created.
@@ -136,12 +147,7 @@ pub fn temporary_beside(path: &Path, ending: &str) -> io::Result<NamedTempFile> 
 fn create(system: &dyn System, path: &Path, ending: &str) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(leftovers::PREFIX).rand_bytes(leftovers::RANDOM).suffix(ending);
-    #[cfg(unix)]
-    {
-        // A temporary file is private (0600) by default; a saved file should have the usual permissions.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
+    // It is private (0600) until it is complete.
     leftovers::sweep_once(folder_of(path));
     let file = system.create(&builder, folder_of(path)).map_err(without_path)?;
     leftovers::claim(file.as_file());

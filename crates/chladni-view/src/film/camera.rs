@@ -12,7 +12,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use chladni_task::{Needs, other_program};
+
 use super::feed::Feed;
+use super::ffmpeg::ffmpeg;
 use super::live::fit;
 use super::raw::{Raw, RawFormat};
 use super::{Encode, FilmSettings, FrameRate, on_black};
@@ -196,7 +199,7 @@ impl CameraTarget {
         let fps = format!("{}/{}", rate.numerator, rate.denominator);
         match self {
             Self::PipeWire => {
-                let mut command = Command::new("gst-launch-1.0");
+                let mut command = other_program("gst-launch-1.0", Needs::Desktop);
                 command.args(["-q", "fdsrc", "fd=0"]).arg(format!("blocksize={}", 4 * width * height));
                 command.args(["!", "rawvideoparse", "format=rgbx"]);
                 command.args([
@@ -213,7 +216,7 @@ impl CameraTarget {
                 Some(command)
             }
             Self::Device(path) => {
-                let mut command = Command::new("ffmpeg");
+                let mut command = ffmpeg();
                 command.args(["-nostdin", "-loglevel", "error", "-f", "rawvideo", "-pixel_format", "rgb0"]);
                 command.args([
                     "-video_size",

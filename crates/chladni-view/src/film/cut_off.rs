@@ -3,12 +3,13 @@
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
-use chladni_task::folder_of;
+use chladni_task::{folder_of, private_folder};
 use tempfile::TempDir;
 
-use super::{beside, ffmpeg_is_there, persist};
+use super::ffmpeg::{add_input, ffmpeg, ffmpeg_is_there, file_argument};
+use super::{beside, persist};
 use crate::ViewError;
 
 /// How the folders are called, beside the films that are to be.
@@ -33,7 +34,7 @@ pub(super) struct RecordingFolder {
 impl RecordingFolder {
     /// Makes one beside `film`.
     pub(super) fn create(film: &Path, sound_hz: u32) -> std::io::Result<Self> {
-        let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder_of(film))?;
+        let folder = private_folder(PREFIX, folder_of(film))?;
         let name = film.file_name().unwrap_or_default().to_string_lossy();
         let mut note = File::create(folder.path().join(NOTE))?;
         note.lock()?;
@@ -156,17 +157,19 @@ fn join(
     film: &Path,
 ) -> Result<(), ViewError> {
     let file = beside(film)?;
-    let mut command = Command::new("ffmpeg");
-    command.args(["-y", "-nostdin", "-loglevel", "error", "-i"]).arg(picture);
+    let mut command = ffmpeg();
+    command.args(["-y", "-nostdin", "-loglevel", "error"]);
+    add_input(&mut command, picture, &["mov"]);
     if has_bytes(sound) || secs.is_some() {
-        command.args(["-f", "f32le", "-ar", &sound_hz.to_string(), "-ac", "2", "-i"]).arg(sound);
+        command.args(["-f", "f32le", "-ar", &sound_hz.to_string(), "-ac", "2"]);
+        add_input(&mut command, sound, &["f32le"]);
         command.args(["-map", "0:v", "-map", "1:a", "-c:a", "aac", "-b:a", "192k"]);
     }
     if let Some(secs) = secs {
         // Cut by hand: with copied pictures, -shortest would let the sound run on.
         command.args(["-af", "apad", "-t", &format!("{secs:.6}")]);
     }
-    command.args(["-c:v", "copy", "-movflags", "+faststart", "-f", "mp4"]).arg(file.path());
+    command.args(["-c:v", "copy", "-movflags", "+faststart", "-f", "mp4"]).arg(file_argument(file.path()));
     let said = command.stdin(Stdio::null()).output().map_err(|why| ViewError::Ffmpeg(why.to_string()))?;
     if !said.status.success() {
         return Err(ViewError::Ffmpeg(String::from_utf8_lossy(&said.stderr).trim().to_owned()));

@@ -3,6 +3,7 @@
 mod camera;
 mod cut_off;
 mod feed;
+mod ffmpeg;
 mod frames;
 mod gif;
 mod live;
@@ -19,9 +20,9 @@ use crate::{Picture, ViewError};
 
 pub use camera::{CameraTarget, HAS_SYPHON, LiveCamera, video_devices};
 pub use cut_off::CutOff;
+pub use ffmpeg::{add_input, ffmpeg, ffmpeg_is_there};
 pub use frames::frame_path;
 pub use live::LiveFilm;
-pub use mp4::ffmpeg_is_there;
 pub use raw::RawFormat;
 pub use shoot::{Waits, shoot, shoot_retouched};
 

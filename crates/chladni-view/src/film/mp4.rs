@@ -1,23 +1,12 @@
 //! MP4 through an ffmpeg child process.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use super::feed::Feed;
+use super::ffmpeg::{add_input, ffmpeg, file_argument};
 use super::{Encode, FilmSettings, beside, on_black, persist};
 use crate::cpu::halved_chroma;
 use crate::{Picture, ViewError};
-
-/// Whether ffmpeg is on the PATH.
-pub fn ffmpeg_is_there() -> bool {
-    Command::new("ffmpeg")
-        .arg("-version")
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status()
-        .is_ok_and(|status| status.success())
-}
 
 /// How the file is laid out.
 pub(super) enum Layout {
@@ -47,7 +36,7 @@ impl Mp4 {
             Layout::Pieces => None,
         };
         let written = file.as_ref().map_or(path, |file| file.path());
-        let mut command = Command::new("ffmpeg");
+        let mut command = ffmpeg();
         // H.264 with halved chroma needs even sides; players assume BT.709.
         let bt709 = [
             "-colorspace",
@@ -65,7 +54,7 @@ impl Mp4 {
         command.args(["-framerate", &format!("{}/{}", settings.rate.numerator, settings.rate.denominator)]);
         command.args(["-i", "pipe:0"]);
         if let Some(audio) = &settings.audio {
-            command.arg("-i").arg(audio);
+            add_input(&mut command, audio, &["wav"]);
             // Endless silence after the sound, and the video as the shortest: exactly its length.
             command.args(["-map", "0:v", "-map", "1:a", "-af", "apad", "-shortest"]);
             command.args(["-c:a", "aac", "-b:a", "192k"]);
@@ -85,7 +74,7 @@ impl Mp4 {
                 "1",
             ],
         });
-        command.args(["-f", "mp4"]).arg(written);
+        command.args(["-f", "mp4"]).arg(file_argument(written));
         let feed = Feed::start(&mut command).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => ViewError::NoFfmpeg,
             _ => ViewError::Ffmpeg(error.to_string()),

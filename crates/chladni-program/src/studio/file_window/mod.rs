@@ -7,10 +7,11 @@ mod browser;
 use std::cell::RefCell;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use chladni_task::{Needs, other_program};
 use chladni_view::Draw;
 use egui::{Key, RichText, Ui};
 use winit::window::Window;
@@ -34,7 +35,7 @@ pub const COMMAND: &str = "choose-file";
 /// Asks in a separate process and waits; empty if the user cancels.
 pub fn ask(request: &Request) -> io::Result<Vec<PathBuf>> {
     let question = serde_json::to_string(request)?;
-    let mut command = Command::new(std::env::current_exe()?);
+    let mut command = other_program(std::env::current_exe()?, Needs::Window);
     let asked = command.args([COMMAND, &question]).stdin(Stdio::null()).stderr(Stdio::inherit()).output()?;
     if !asked.status.success() {
         return Err(io::Error::other(format!("the file window ended with {}", asked.status)));

@@ -17,7 +17,7 @@ use crate::studio::theme;
 use crate::work::unread;
 
 /// The least time between two copies.
-const INTERVAL_SECS: f64 = 5.0;
+const INTERVAL_SECS: f64 = 2.0;
 /// Beginning and ending of a copy's name.
 const NAMES: (&str, &str) = ("show", "toml");
 

@@ -111,7 +111,7 @@ pub struct HeardSound {
 impl Listening {
     /// Starts the player on the sample tune, at a volume in [0, 1], on a device or the system's own.
     pub fn start(ctx: &Context, volume: f32, device: Option<String>) -> Result<Self, Error> {
-        let folder = tempfile::tempdir()
+        let folder = chladni_task::private_folder(".chladni-", &std::env::temp_dir())
             .map_err(|error| Error::other(format!("no room for the sample tune: {error}")))?;
         let tune = folder.path().join("sample tune.wav");
         write_wav(&tune, &sample_tune(), WavSample::Int16)?;

@@ -1,0 +1,155 @@
+//! The cache where it is hard to keep one: a full disk, a read-only one, and another process that works in it.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod shapes;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport};
+use chladni_task::Task;
+
+/// The folder of the cache in which a child works.
+const FOLDER: &str = "CHLADNI_TEST_CACHE";
+/// Its entry has some 12 KB, one of many harmonics 200 KB.
+const FEW: usize = 8;
+const MANY: usize = 150;
+
+fn build(folder: &Path, harmonics: usize) -> (Body, BuildReport) {
+    let settings = BasisSettings { threads: Some(1), ..BasisSettings::new(harmonics) };
+    let cache = BasisCache::new(folder);
+    Body::load_or_build(&shapes::icosphere(2), &settings, Some(&cache), &Task::new()).unwrap()
+}
+
+/// Where a child is to work; `None` in the run of all tests, which passes over it.
+fn folder() -> Option<PathBuf> {
+    std::env::var_os(FOLDER).map(PathBuf::from)
+}
+
+/// A command that runs one test of this file, in a process of its own.
+fn child(test: &str) -> Vec<String> {
+    let program = std::env::current_exe().unwrap();
+    [program.to_str().unwrap(), "--exact", test, "--ignored"].map(str::to_owned).to_vec()
+}
+
+/// Runs a script of the shell with a disk of 64 KB at `$CHLADNI_TEST_CACHE`, in a view of the file system of its own; prints a line
+/// where the system allows none.
+fn on_a_small_disk(script: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let mount = format!("mount -t tmpfs -o size=64k tmpfs \"${FOLDER}\"");
+    let run = |script: &str| {
+        Command::new("unshare").args(["-rm", "sh", "-ec", script]).env(FOLDER, folder.path()).output()
+    };
+    if !run(&mount).is_ok_and(|output| output.status.success()) {
+        return println!("skipped: no disk can be mounted");
+    }
+    let output = run(&format!("{mount}\n{script}")).unwrap();
+    let said =
+        [output.stdout, output.stderr].map(|said| String::from_utf8_lossy(&said).into_owned()).concat();
+    assert!(output.status.success(), "{said}");
+}
+
+/// What a run has left besides entries.
+fn besides_entries(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries.filter(|path| path.extension().is_none_or(|ending| ending != "basis")).collect()
+}
+
+#[test]
+fn a_full_disk_costs_the_entry_and_nothing_else() {
+    on_a_small_disk(&child("fills_the_disk").join(" "));
+}
+
+#[test]
+#[ignore = "run by a_full_disk_costs_the_entry_and_nothing_else"]
+fn fills_the_disk() {
+    let Some(folder) = folder() else { return };
+    assert!(build(&folder, FEW).1.cache_warning.is_none());
+    let (body, report) = build(&folder, MANY);
+    assert_eq!(body.basis.harmonics(), MANY);
+    let warning = report.cache_warning.unwrap();
+    assert!(!report.cached && warning.contains("the disk is full: make room"), "{warning}");
+    assert!(besides_entries(&folder).is_empty());
+    assert!(build(&folder, FEW).1.cached, "what was there is still used");
+}
+
+#[test]
+fn a_cache_that_is_read_only_is_read() {
+    let [first, then] = ["writes_an_entry", "reads_only"].map(|test| child(test).join(" "));
+    on_a_small_disk(&format!("{first}\nmount -o remount,ro \"${FOLDER}\"\n{then}"));
+}
+
+#[test]
+#[ignore = "run by a_cache_that_is_read_only_is_read"]
+fn writes_an_entry() {
+    let Some(folder) = folder() else { return };
+    assert!(build(&folder, FEW).1.cache_warning.is_none());
+}
+
+#[test]
+#[ignore = "run by a_cache_that_is_read_only_is_read"]
+fn reads_only() {
+    let Some(folder) = folder() else { return };
+    assert!(build(&folder, FEW).1.cached);
+    let (body, report) = build(&folder, FEW + 1);
+    assert_eq!(body.basis.harmonics(), FEW + 1);
+    let warning = report.cache_warning.unwrap();
+    assert!(!report.cached && warning.contains("the disk is read-only"), "{warning}");
+}
+
+#[test]
+fn an_entry_of_another_version_is_solved_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let (fresh, _) = build(folder.path(), FEW);
+    let entry = std::fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
+    let ours = std::fs::read(&entry).unwrap();
+    // Whole, with a checksum that is right, by a program whose layout has another number.
+    let mut theirs = ours[..ours.len() - 32].to_vec();
+    theirs[15] += 1;
+    theirs.extend_from_slice(blake3::hash(&theirs).as_bytes());
+    std::fs::write(&entry, theirs).unwrap();
+    let (body, report) = build(folder.path(), FEW);
+    assert!(!report.cached && report.cache_warning.is_some());
+    assert_eq!(body.basis, fresh.basis);
+    assert_eq!(std::fs::read(&entry).unwrap(), ours);
+    // Solvers of other versions name their entries otherwise, and those stay for them.
+    let other = folder.path().join(format!("{}.basis", "0".repeat(64)));
+    std::fs::write(&other, "theirs").unwrap();
+    assert!(build(folder.path(), FEW).1.cached && other.exists());
+}
+
+#[test]
+fn two_processes_share_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = || {
+        let words = child("works_beside_another");
+        let mut command = Command::new(&words[0]);
+        command.args(&words[1..]).env(FOLDER, folder.path()).spawn().unwrap()
+    };
+    for mut process in [start(), start()] {
+        assert!(process.wait().unwrap().success());
+    }
+    assert!(besides_entries(folder.path()).is_empty());
+}
+
+#[test]
+#[ignore = "run by two_processes_share_a_folder"]
+fn works_beside_another() {
+    let Some(folder) = folder() else { return };
+    let alone = tempfile::tempdir().unwrap();
+    let right: Vec<_> = (1..6).map(|k| build(alone.path(), k).0.basis).collect();
+    for round in 0..60 {
+        let k = 1 + round % 5;
+        let (body, report) = build(&folder, k);
+        assert!(report.cache_warning.is_none(), "{report:?}");
+        assert_eq!(body.basis, right[k - 1]);
+        if round % 7 == 0 {
+            // Somebody clears it; the other may have been quicker.
+            let entries = std::fs::read_dir(&folder).unwrap().filter_map(Result::ok);
+            entries
+                .filter(|entry| entry.path().extension().is_some_and(|ending| ending == "basis"))
+                .for_each(|entry| drop(std::fs::remove_file(entry.path())));
+        }
+    }
+}

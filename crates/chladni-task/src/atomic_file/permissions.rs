@@ -1,0 +1,134 @@
+//! Who can read a file: while it is written nobody but its owner, then those who could read the old one.
+
+use std::fs::{File, Metadata};
+use std::io;
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use super::leftovers;
+
+/// Who can read a file that was not there before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Readers {
+    /// Those whom the system lets read any new file.
+    Usual,
+    Owner,
+}
+
+/// Gives a complete temporary file the permissions of the file that it replaces, or those of a new one in `folder`.
+pub(super) fn give(
+    file: &File,
+    replaced: Option<&Metadata>,
+    readers: Readers,
+    folder: &Path,
+) -> io::Result<()> {
+    if !cfg!(unix) {
+        return Ok(());
+    }
+    let wanted = match (replaced, readers) {
+        (Some(known), _) => known.permissions(),
+        (None, Readers::Owner) => return Ok(()),
+        (None, Readers::Usual) => of_a_new_file(folder)?,
+    };
+    // Some file systems have a single set of permissions and refuse to hear of others.
+    if file.metadata()?.permissions() == wanted { Ok(()) } else { file.set_permissions(wanted) }
+}
+
+/// The permissions that the system gives new files in a folder, as those of an empty one that is removed at once: a process can
+/// read its mask only by changing it, and the folder may have rules of its own.
+fn of_a_new_file(folder: &Path) -> io::Result<std::fs::Permissions> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(leftovers::PREFIX).rand_bytes(leftovers::RANDOM);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    Ok(builder.tempfile_in(folder)?.as_file().metadata()?.permissions())
+}
+
+/// A new folder in `parent`, with a name that begins with `prefix`. On Unix, only its owner can enter it. It is removed when it is
+/// dropped.
+///
+/// # Errors
+/// The folder cannot be made.
+pub fn private_folder(prefix: &str, parent: &Path) -> io::Result<TempDir> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o700));
+    }
+    builder.tempdir_in(parent)
+}
+
+#[cfg(all(test, unix))]
+#[allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+mod tests {
+    use std::fs::Permissions;
+    use std::io::Write;
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::PathBuf;
+
+    use super::super::{persist, temporary_beside, write_atomic_private, write_atomic_with};
+    use super::*;
+
+    fn mode(path: &Path) -> u32 {
+        path.metadata().unwrap().permissions().mode() & 0o777
+    }
+
+    fn files(folder: &Path) -> Vec<PathBuf> {
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
+    }
+
+    #[test]
+    fn only_its_owner_reads_a_file_that_is_being_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.chladni");
+        // Whoever could read the old file can read the new one, but not what may never become it.
+        for old in [None, Some(0o644), Some(0o640), Some(0o600), Some(0o666)] {
+            if let Some(old) = old {
+                std::fs::write(&path, "old").unwrap();
+                std::fs::set_permissions(&path, Permissions::from_mode(old)).unwrap();
+            }
+            write_atomic_with(&path, |file| {
+                file.write_all(b"new")?;
+                file.flush()?;
+                let drafts: Vec<_> =
+                    files(folder.path()).into_iter().filter(|found| *found != path).collect();
+                assert_eq!(drafts.iter().map(|draft| mode(draft)).collect::<Vec<_>>(), [0o600]);
+                Ok(())
+            })
+            .unwrap();
+            let made = folder.path().join("plain");
+            std::fs::write(&made, "").unwrap();
+            assert_eq!(mode(&path), old.unwrap_or(mode(&made)), "{old:?}");
+            std::fs::remove_file(made).unwrap();
+            assert_eq!(files(folder.path()), [path.clone()], "nothing lies beside it");
+        }
+    }
+
+    #[test]
+    fn a_film_is_private_until_it_is_complete() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, made) = (folder.path().join("film.mp4"), folder.path().join("plain"));
+        std::fs::write(&made, "").unwrap();
+        let file = temporary_beside(&path, ".mp4").unwrap();
+        assert_eq!(mode(file.path()), 0o600);
+        persist(file, &path).unwrap();
+        assert_eq!(mode(&path), mode(&made));
+    }
+
+    #[test]
+    fn what_is_private_from_the_first_stays_so() {
+        let folder = private_folder("p", &std::env::temp_dir()).unwrap();
+        assert_eq!(mode(folder.path()), 0o700);
+        let path = folder.path().join("copy");
+        for _ in 0..2 {
+            write_atomic_private(&path, b"new").unwrap();
+            assert_eq!(mode(&path), 0o600);
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Other programs that we start: each gets the variables that it needs, and no others of our environment.
+//!
+//! Variables can make a program write files (`FFREPORT`), load code or talk to machines. What somebody has set for a shell of his
+//! own was not meant for a program behind ours.
+
+use std::ffi::{OsStr, OsString};
+use std::process::Command;
+
+/// What a program needs to know of where it runs, besides how to find itself, a home and a language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Needs {
+    /// Files and pipes: an encoder.
+    Files,
+    /// The sound server and the services of a desktop.
+    Desktop,
+    /// The desktop and a graphics device: ourselves, with another window.
+    Window,
+    /// The other processes of MPI, on this machine and others.
+    Ranks,
+}
+
+/// Variables that any program may need. A name that ends in `*` means all that begin so.
+const ALL: &[&str] = &[
+    "PATH",
+    "HOME",
+    "USER",
+    "LOGNAME",
+    "LANG",
+    "LANGUAGE",
+    "LC_*",
+    "TZ",
+    "TMPDIR",
+    "LD_LIBRARY_PATH",
+    "DYLD_LIBRARY_PATH",
+    "DYLD_FALLBACK_LIBRARY_PATH",
+];
+
+/// What programs do not start without on Windows, and where they find folders there.
+const WINDOWS: &[&str] = &[
+    "SYSTEMROOT",
+    "SYSTEMDRIVE",
+    "WINDIR",
+    "COMSPEC",
+    "PATHEXT",
+    "TEMP",
+    "TMP",
+    "USERNAME",
+    "USERPROFILE",
+    "HOMEDRIVE",
+    "HOMEPATH",
+    "APPDATA",
+    "LOCALAPPDATA",
+    "PROGRAMDATA",
+    "PROGRAMFILES*",
+    "COMMONPROGRAMFILES*",
+    "NUMBER_OF_PROCESSORS",
+    "PROCESSOR_*",
+    "MSMPI_*",
+];
+
+/// Where a desktop and its sound server are found. `GST_PLUGIN_*` says where GStreamer's parts are installed.
+const DESKTOP: &[&str] = &[
+    "XDG_*",
+    "DBUS_SESSION_BUS_ADDRESS",
+    "DISPLAY",
+    "WAYLAND_DISPLAY",
+    "XAUTHORITY",
+    "PULSE_*",
+    "PIPEWIRE_*",
+    "SPA_PLUGIN_DIR",
+    "GST_PLUGIN_*",
+];
+
+/// Which graphics device draws, and how keys and pointers are set up.
+const WINDOW: &[&str] = &[
+    "CHLADNI_*",
+    "WGPU_*",
+    "WINIT_*",
+    "VK_*",
+    "MESA_*",
+    "LIBGL_*",
+    "GALLIUM_*",
+    "LP_NUM_THREADS",
+    "__EGL_*",
+    "__GLX_*",
+    "__NV_*",
+    "DRI_PRIME",
+    "XCURSOR_*",
+    "XKB_*",
+    "XMODIFIERS",
+];
+
+/// How the kinds of MPI, the queues of clusters, and the libraries below SLEPc are set up, and the way to other hosts.
+const RANKS: &[&str] = &[
+    "CHLADNI_*",
+    "OMPI_*",
+    "OPAL_*",
+    "PMIX_*",
+    "PRTE_*",
+    "PMI_*",
+    "HYDRA_*",
+    "MPICH_*",
+    "MPIR_*",
+    "I_MPI_*",
+    "FI_*",
+    "UCX_*",
+    "SLURM_*",
+    "PBS_*",
+    "LSB_*",
+    "PE_HOSTFILE",
+    "OMP_*",
+    "OPENBLAS_*",
+    "MKL_*",
+    "PETSC_*",
+    "SLEPC_*",
+    "PYTHONPATH",
+    "PYTHONHOME",
+    "VIRTUAL_ENV",
+    "CONDA_PREFIX",
+    "SSH_AUTH_SOCK",
+    "KRB5CCNAME",
+];
+
+impl Needs {
+    fn lists(self) -> &'static [&'static [&'static str]] {
+        match self {
+            Self::Files => &[ALL],
+            Self::Desktop => &[ALL, DESKTOP],
+            Self::Window => &[ALL, DESKTOP, WINDOW],
+            Self::Ranks => &[ALL, RANKS],
+        }
+    }
+
+    /// Whether a program gets a variable of this name.
+    fn include(self, name: &OsStr) -> bool {
+        let Some(name) = name.to_str() else { return false };
+        // Windows takes names in any case for the same.
+        let name = if cfg!(windows) { name.to_ascii_uppercase() } else { name.to_owned() };
+        let system: &[&str] = if cfg!(windows) { WINDOWS } else { &[] };
+        self.lists().iter().copied().chain([system]).flatten().any(|known| match known.strip_suffix('*') {
+            Some(beginning) => name.starts_with(beginning),
+            None => name == *known,
+        })
+    }
+}
+
+/// A command for another program, with what it needs of our environment. Every program that we start is started by this.
+pub fn other_program(name: impl AsRef<OsStr>, needs: Needs) -> Command {
+    with_variables(name.as_ref(), needs, std::env::vars_os())
+}
+
+fn with_variables(
+    name: &OsStr,
+    needs: Needs,
+    variables: impl Iterator<Item = (OsString, OsString)>,
+) -> Command {
+    let mut command = Command::new(name);
+    command.env_clear().envs(variables.filter(|(name, _)| needs.include(name)));
+    command
+}
+
+#[cfg(all(test, unix))]
+#[allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+mod tests {
+    use super::*;
+
+    /// The names of the variables that a program is started with, as it says itself.
+    fn given(needs: Needs, set: &[&str]) -> Vec<String> {
+        let path = std::env::var_os("PATH").unwrap();
+        let variables = set.iter().map(|name| (OsString::from(*name), OsString::from("1")));
+        let variables = variables.chain([("PATH".into(), path)]);
+        let output = with_variables(OsStr::new("env"), needs, variables).output().unwrap();
+        let mut names: Vec<String> = String::from_utf8(output.stdout)
+            .unwrap()
+            .lines()
+            .map(|line| line.split('=').next().unwrap().to_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_program_gets_what_it_needs_and_nothing_else() {
+        let set = [
+            "FFREPORT",
+            "LD_PRELOAD",
+            "BASH_ENV",
+            "AWS_SECRET_ACCESS_KEY",
+            "PYTHONSTARTUP",
+            "GST_DEBUG_FILE",
+            "HTTP_PROXY",
+            "LC_ALL",
+            "HOME",
+            "PULSE_SERVER",
+            "OMPI_MCA_btl",
+            "WGPU_BACKEND",
+            "PATHS",
+        ];
+        assert_eq!(given(Needs::Files, &set), ["HOME", "LC_ALL", "PATH"]);
+        assert_eq!(given(Needs::Desktop, &set), ["HOME", "LC_ALL", "PATH", "PULSE_SERVER"]);
+        assert_eq!(given(Needs::Window, &set), ["HOME", "LC_ALL", "PATH", "PULSE_SERVER", "WGPU_BACKEND"]);
+        assert_eq!(given(Needs::Ranks, &set), ["HOME", "LC_ALL", "OMPI_MCA_btl", "PATH"]);
+    }
+}
