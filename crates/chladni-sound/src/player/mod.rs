@@ -9,5 +9,5 @@ mod queue;
 mod tail;
 
 pub use engine::PlayerEvent;
-pub use handle::{Player, PlayerSettings, PlayerState, PlayerStatus, Repeat};
+pub use handle::{MOST_AHEAD_SECS, Player, PlayerSettings, PlayerState, PlayerStatus, Repeat};
 pub use output::{OutputDevice, output_devices};
