@@ -9,8 +9,8 @@ use chladni_task::Task;
 use chladni_view::Draw;
 use serde::Serialize;
 
-pub use crate::studio::CHOOSE_FILE;
 use crate::studio::{self, FirstPicture, FrameReport, Measure};
+pub use crate::studio::{CHOOSE_FILE, Live};
 use crate::work::Error;
 
 /// What the window closes by itself for.
@@ -37,19 +37,25 @@ pub enum Outcome {
     Measured(FrameReport),
 }
 
-/// Opens the window on `files`, drawn by what `draw` asks for, and returns when it is closed; it closes by itself once
+/// Opens the window on `files`, listening to a `live` input where one is named, drawn by what `draw` asks for, and returns when it is closed; it closes by itself once
 /// `ends` is cancelled.
 ///
 /// # Errors
 /// [`Error::Other`] where it cannot open, or was closed before what was waited for; [`Error::Input`] where a
 /// file shows no picture.
-pub fn open(files: Vec<PathBuf>, until: Until, draw: Draw, ends: Task) -> Result<Option<Outcome>, Error> {
+pub fn open(
+    files: Vec<PathBuf>,
+    live: Option<Live>,
+    until: Until,
+    draw: Draw,
+    ends: Task,
+) -> Result<Option<Outcome>, Error> {
     let measure = match until {
         Until::Measured(secs) => Some(Rc::new(RefCell::new(Measure::new(secs)))),
         Until::Closed | Until::Picture => None,
     };
     let picture = (until == Until::Picture).then(|| Rc::new(FirstPicture::since(Instant::now())));
-    studio::open(files, measure.clone(), picture.clone(), draw, ends).map_err(Error::other)?;
+    studio::open(files, live, measure.clone(), picture.clone(), draw, ends).map_err(Error::other)?;
     if let Some(picture) = picture {
         let first_picture_secs = match picture.outcome() {
             Some(seen) => seen.map_err(Error::Input)?,

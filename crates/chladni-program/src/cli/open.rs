@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::Terminal;
-use crate::window::{self, Until};
+use crate::window::{self, Live, Until};
 use crate::work::{Error, Watcher};
 
 /// Open the window, on files where some are given.
@@ -12,6 +12,9 @@ pub struct Open {
     /// Meshes or a project, songs, a preset or a session; the first mesh is the shape, the next
     /// ones are templates for it.
     files: Vec<PathBuf>,
+    /// Listen to this live input, as the drawer Songs calls it; without a name, to the one that was chosen last.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true)]
+    live: Option<Option<String>>,
     /// Close by itself after this many seconds of a song, and print as JSON how the frames came and
     /// whether the sound kept in step.
     #[arg(long, value_name = "SECS", requires = "files")]
@@ -29,7 +32,8 @@ impl Open {
             None if self.until_picture => Until::Picture,
             None => Until::Closed,
         };
-        let outcome = window::open(self.files, until, terminal.draw(), terminal.task().clone())?;
+        let live = self.live.map(|name| name.map_or(Live::Last, Live::Named));
+        let outcome = window::open(self.files, live, until, terminal.draw(), terminal.task().clone())?;
         outcome.map_or(Ok(()), |outcome| terminal.json(&outcome))
     }
 }

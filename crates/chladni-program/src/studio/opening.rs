@@ -35,6 +35,7 @@ const SHORTEST: Duration = Duration::from_secs(10);
 /// another window goes on with what was open.
 pub fn open(
     mut files: Vec<PathBuf>,
+    mut live: Option<Live>,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
     draw: Draw,
@@ -50,6 +51,7 @@ pub fn open(
         open_once(Opening {
             folders: Folders::of_user(),
             files: std::mem::take(&mut files),
+            live: live.take(),
             measure: measure.clone(),
             first_picture: first_picture.clone(),
             handover: handover.clone(),
@@ -101,6 +103,15 @@ pub struct PlayedFrame {
     pub coefficients: Vec<f32>,
 }
 
+/// Which live input is heard as soon as the music room is open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Live {
+    /// The one that was chosen last.
+    Last,
+    /// The one of this name.
+    Named(String),
+}
+
 /// What a window opens with.
 pub struct Opening {
     /// Where it keeps its persistent files; nowhere by default.
@@ -115,6 +126,8 @@ pub struct Opening {
     pub first_picture: Option<Rc<FirstPicture>>,
     /// What the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
+    /// Which live input the music room listens to at once; the window opens in that room.
+    pub live: Option<Live>,
     /// Hears what the music room plays in each frame.
     pub trace: Option<Trace>,
     /// What a window before it has left, and where it leaves what is open should its device be lost.
@@ -137,6 +150,7 @@ impl Default for Opening {
             measure: None,
             first_picture: None,
             input: None,
+            live: None,
             trace: None,
             handover: Handover::default(),
             draw: Draw::Auto,
