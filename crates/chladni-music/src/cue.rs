@@ -50,6 +50,12 @@ impl Cue {
     }
 }
 
+/// What must be done before `action` so that it is seen at once: the µ of all dances counts while no dance has its own.
+pub fn preceding(action: &Action, parameters: &Parameters) -> Option<Action> {
+    let is_mu = matches!(action, Action::Set { parameter: Parameter::StereoMu, .. });
+    (is_mu && parameters.is_on(Switch::OwnMu)).then_some(Action::Switch { switch: Switch::OwnMu, on: false })
+}
+
 /// The action that sets a knob, a switch or a choice by name; the same for OSC, scripts and the command
 /// line. Knobs take a value in their own unit; switches `on`, `off` or a number; `form` and `choir` a name
 /// or a number from 0; `harmonics` the number in use (0 for all).
@@ -176,6 +182,19 @@ mod tests {
         for nothing in ["", "/", "/chladni", "/chladni/", "/other/gain", "chladni/gain"] {
             assert_eq!(cue(nothing, Some(1.0)), None);
         }
+    }
+
+    #[test]
+    fn the_mu_of_a_knob_takes_the_place_of_those_of_the_dances() {
+        let set = |parameter| Action::Set { parameter, value: 0.5 };
+        let parameters = Parameters::default();
+        assert!(parameters.is_on(Switch::OwnMu), "each dance has its own at first");
+        let off = Action::Switch { switch: Switch::OwnMu, on: false };
+        assert_eq!(preceding(&set(Parameter::StereoMu), &parameters), Some(off));
+        assert_eq!(preceding(&set(Parameter::Gain), &parameters), None);
+        let mut of_all = parameters;
+        of_all.switch(Switch::OwnMu, false);
+        assert_eq!(preceding(&set(Parameter::StereoMu), &of_all), None);
     }
 
     #[test]

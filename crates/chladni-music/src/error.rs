@@ -76,6 +76,12 @@ pub enum MusicError {
     /// The shape has no harmonics that could move it.
     #[error("symmetry: {0}")]
     Symmetry(String),
+    /// Taps that do not say how far picture and sound are apart.
+    #[error("picture and sound: {why}")]
+    Calibration {
+        /// Too few, or too far apart.
+        why: String,
+    },
     /// The work was cancelled.
     #[error(transparent)]
     Cancelled(#[from] chladni_task::Cancelled),

@@ -31,6 +31,7 @@
 
 mod autopilot;
 mod breeding;
+mod calibration;
 mod clock;
 mod clock_track;
 mod control;
@@ -80,6 +81,9 @@ mod voice;
 
 pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
 pub use breeding::{breed, mutate};
+pub use calibration::{
+    CALIBRATION_PERIOD_SECS, CALIBRATION_TAPS, Calibration, Latency, Signal, calibration_flash,
+};
 pub use chladni_breeding::{
     BreedingError, CANDIDATES, Describe, Descriptor, GALLERY_SIZES, Generation, ItemId, Origin, suggest,
 };
@@ -87,7 +91,7 @@ pub use chladni_mesh::MirrorPlane;
 pub use clock::{ClockMessage, ClockOut, TICKS_PER_QUARTER};
 pub use clock_track::{ClockBar, ClockMark, ClockTrack};
 pub use control::{Binding, Bindings, Standing};
-pub use cue::{Cue, Which, osc_cue, setting};
+pub use cue::{Cue, Which, osc_cue, preceding, setting};
 pub use dancer::Dancer;
 pub use descriptor::{Describer, Moments};
 pub use director::{BarLine, Director, Framing, SHOTS};
@@ -115,7 +119,7 @@ pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react, smooth};
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
-pub use target::{CHOIRS, FORMS, Kind, Target, controls_page};
+pub use target::{CHOIRS, FORMS, Kind, REPEATS, Target, controls_page};
 pub use tempo::Tempo;
 pub use text_file::FORMAT_VERSION;
 pub use timbre::{TONES, Timbre};

@@ -56,6 +56,12 @@ pub enum Target {
     Crossfade,
     Volume,
     SongFade,
+    Blur,
+    Repeat,
+    Shuffle,
+    Live,
+    FollowClock,
+    Record,
 }
 
 /// How a target is controlled.
@@ -77,11 +83,12 @@ pub enum Kind {
 type Row = (Target, Kind, &'static str, &'static str);
 
 /// All targets except the knobs and switches, which have tables of their own.
-const TABLE: [Row; 42] = [
+const TABLE: [Row; 48] = [
     (Target::Harmonics, Kind::Level, "harmonics", "Harmonics in use"),
     (Target::Crossfade, Kind::Level, "crossfade", "From the dance on stage to the one that is next"),
     (Target::Volume, Kind::Level, "volume", "Loudness of the songs"),
     (Target::SongFade, Kind::Level, "song-fade", "Crossfade between songs, up to 12 s"),
+    (Target::Blur, Kind::Level, "blur", "Depth of field: how soft is what is not in focus"),
     (Target::Form, Kind::Choice, "form", "Form"),
     (Target::Choir, Kind::Choice, "choir", "Which harmonics sound"),
     (Target::Look, Kind::Choice, "look", "Look"),
@@ -92,6 +99,7 @@ const TABLE: [Row; 42] = [
     (Target::Shot, Kind::Choice, "shot", "Camera shot"),
     (Target::Preset, Kind::Choice, "preset", "Preset of the shelf"),
     (Target::Song, Kind::Choice, "song", "Song of the list"),
+    (Target::Repeat, Kind::Choice, "repeat", "What is repeated"),
     (Target::Choose, Kind::Dance, "choose", "Choose as a parent, or no longer"),
     (Target::Favorite, Kind::Dance, "favorite", "Favorite, or no longer"),
     (Target::Lock, Kind::Dance, "lock", "Lock in its place, or unlock"),
@@ -120,6 +128,10 @@ const TABLE: [Row; 42] = [
     (Target::PlayPause, Kind::Button, "play", "Play or pause"),
     (Target::NextSong, Kind::Button, "next-song", "Next song"),
     (Target::PreviousSong, Kind::Button, "previous-song", "The song before"),
+    (Target::Shuffle, Kind::Button, "shuffle", "The songs in another order"),
+    (Target::Live, Kind::Button, "live", "Live input, or the songs again"),
+    (Target::FollowClock, Kind::Button, "follow-clock", "Follow MIDI clock and OSC, or the music again"),
+    (Target::Record, Kind::Button, "record", "Record the set, or end that"),
 ];
 
 impl Target {
@@ -185,6 +197,8 @@ pub const FORMS: [(&str, Form); 3] =
 /// All choirs with their names, in the order of their numbers.
 pub const CHOIRS: [(&str, Choir); 3] =
     [("all", Choir::All), ("symmetric", Choir::Symmetric), ("antisymmetric", Choir::Antisymmetric)];
+/// What can be repeated, in the order of its numbers.
+pub const REPEATS: [&str; 3] = ["nothing", "song", "list"];
 /// The number of harmonics at the top of a fader.
 pub(crate) const MOST_HARMONICS: f32 = 512.0;
 
@@ -203,6 +217,7 @@ pub fn controls_page() -> String {
         Target::Harmonics => "how many; 0 is all".into(),
         Target::Form => FORMS.map(|(name, _)| name).join(", "),
         Target::Choir => CHOIRS.map(|(name, _)| name).join(", "),
+        Target::Repeat => REPEATS.join(", "),
         _ => match target.kind() {
             Kind::Level => "0 to 1".into(),
             Kind::Switch => "0 or 1".into(),
@@ -229,7 +244,11 @@ pub fn controls_page() -> String {
     for (heading, kind, about) in groups {
         page += &format!("\n## {heading}\n{about}\n\n| OSC | value | what |\n|---|---|---|\n");
         for target in Target::all().filter(|target| target.kind() == kind) {
-            let about = if target.about().is_empty() { "see [music](music.md)" } else { target.about() };
+            let about = match target {
+                Target::Parameter(Parameter::StereoMu) => "of all dances: none has its own from then on",
+                _ if target.about().is_empty() => "see [music](music.md)",
+                _ => target.about(),
+            };
             page += &format!("| `/chladni/{}` | {} | {about} |\n", target.name(), numbers(target));
         }
     }

@@ -10,7 +10,7 @@ use chladni_view::Draw;
 use serde::Serialize;
 
 use crate::studio::{self, FirstPicture, FrameReport, Measure};
-pub use crate::studio::{CHOOSE_FILE, SetOutput, SetTarget};
+pub use crate::studio::{CHOOSE_FILE, Live, SetOutput, SetTarget};
 use crate::work::Error;
 
 /// The event at which the window closes by itself.
@@ -37,14 +37,15 @@ pub enum Outcome {
     Measured(FrameReport),
 }
 
-/// Opens the window on `files`, drawn by what `draw` asks for, and returns when it is closed; it closes by itself once
-/// `ends` is cancelled. The music room sends its set to `output`.
+/// Opens the window on `files` and a `live` input, drawn as `draw` asks for, and returns when it is closed; it closes by
+/// itself once `ends` is cancelled. The music room sends its set to `output`.
 ///
 /// # Errors
 /// [`Error::Other`] where it cannot open, or was closed before what was waited for; [`Error::Input`] where a
 /// file shows no picture.
 pub fn open(
     files: Vec<PathBuf>,
+    live: Option<Live>,
     until: Until,
     draw: Draw,
     ends: Task,
@@ -55,7 +56,7 @@ pub fn open(
         Until::Closed | Until::Picture => None,
     };
     let picture = (until == Until::Picture).then(|| Rc::new(FirstPicture::since(Instant::now())));
-    studio::open(files, measure.clone(), picture.clone(), draw, ends, output).map_err(Error::other)?;
+    studio::open(files, live, measure.clone(), picture.clone(), draw, ends, output).map_err(Error::other)?;
     if let Some(picture) = picture {
         let first_picture_secs = match picture.outcome() {
             Some(seen) => seen.map_err(Error::Input)?,

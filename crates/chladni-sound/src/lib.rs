@@ -26,6 +26,7 @@
 mod beat;
 #[cfg(feature = "devices")]
 mod capture;
+mod clicks;
 #[cfg(feature = "devices")]
 mod converters;
 mod crossfade;
@@ -46,14 +47,17 @@ pub use beat::{
 };
 #[cfg(feature = "devices")]
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
+pub use clicks::clicks;
 pub use crossfade::{LONGEST_CROSSFADE_SECS, crossfade_gain};
 pub use decode::{
-    SONG_EXTENSIONS, Song, SongOptions, SongReader, StereoResampler, WavSample, wav_bytes, write_wav,
+    SONG_EXTENSIONS, Song, SongOptions, SongReader, SongTags, StereoResampler, WavSample, wav_bytes,
+    write_wav,
 };
 pub use error::SoundError;
 #[cfg(feature = "devices")]
 pub use player::{
-    OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, output_devices,
+    MOST_AHEAD_SECS, OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat,
+    output_devices,
 };
 pub use spectrum::{FrontEnd, Hop, Level, SongSpectrum, Spectrum, SpectrumAnalyzer, SpectrumSettings};
 pub use structure::{Bar, ENERGY_RATE_HZ, HeardBar, Section};

@@ -7,7 +7,7 @@ use chladni_view::film::{FilmFormat, RawFormat};
 use super::Terminal;
 use super::choice::one_of;
 use super::frames::Size;
-use crate::window::{self, SetOutput, SetTarget, Until};
+use crate::window::{self, Live, SetOutput, SetTarget, Until};
 use crate::work::{Error, Watcher};
 
 /// Open the window, on files where some are given.
@@ -16,6 +16,9 @@ pub struct Open {
     /// Meshes or a project, songs, a preset or a session; the first mesh is the shape, the next
     /// ones are templates for it.
     files: Vec<PathBuf>,
+    /// Listen to this live input, as the drawer Songs calls it; without a name, to the one that was chosen last.
+    #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true)]
+    live: Option<Option<String>>,
     /// Close by itself after this many seconds of a song, and print as JSON how the frames came and
     /// whether the sound kept in step.
     #[arg(long, value_name = "SECS", requires = "files")]
@@ -45,7 +48,9 @@ impl Open {
             None => Until::Closed,
         };
         let output = self.set_output(until)?;
-        let outcome = window::open(self.files, until, terminal.draw(), terminal.task().clone(), output)?;
+        let live = self.live.map(|name| name.map_or(Live::Last, Live::Named));
+        let outcome =
+            window::open(self.files, live, until, terminal.draw(), terminal.task().clone(), output)?;
         outcome.map_or(Ok(()), |outcome| terminal.json(&outcome))
     }
 

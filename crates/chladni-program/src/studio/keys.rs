@@ -110,9 +110,14 @@ keys! {
     OPEN = command O, "Open a shape, songs, a preset or a show";
     SAVE = command S, "Save the show";
     FILM = command E, "Film what dances";
+    RECORD = command R, "Record the set, or end that";
     PLAY = key Space, "Play or pause";
     NEXT_SONG = key PageDown, "The next song";
     PREVIOUS_SONG = key PageUp, "The song before";
+    SHUFFLE = key J, "The songs in another order";
+    REPEAT = key P, "Repeat nothing, the song or the list";
+    LIVE = key I, "Live input, or the songs again";
+    FOLLOW_CLOCK = key O, "Follow MIDI clock and OSC, or the music again";
     TAP = key T, "Tap the beat";
     HALVE = key OpenBracket, "The beat half as fast";
     DOUBLE = key CloseBracket, "The beat twice as fast";

@@ -53,7 +53,7 @@ pub use file_window::{COMMAND as CHOOSE_FILE, FileWindow, Purpose, Request, open
 pub use folders::Folders;
 pub use handover::Handover;
 pub use measure::{FirstPicture, FrameReport, Measure};
-pub use opening::{Opening, PlayedFrame, SetOutput, SetTarget, Trace, open};
+pub use opening::{Live, Opening, PlayedFrame, SetOutput, SetTarget, Trace, open};
 pub use processor_window::Painter;
 pub use settings::Settings;
 
@@ -66,6 +66,9 @@ use room::{Room, Shared};
 use screen::Screen;
 
 use crate::work::source::from_anywhere;
+
+/// The place of the music room among the rooms.
+const MUSIC: usize = 1;
 
 /// The whole window.
 pub struct Studio {
@@ -118,6 +121,7 @@ impl Studio {
             measure,
             first_picture,
             input,
+            live,
             trace,
             output,
             handover,
@@ -156,8 +160,9 @@ impl Studio {
                 (left.rooms, left.current)
             }
             None => {
-                let music = music::MusicRoom::listening_to(input, trace, output);
-                (vec![Box::new(caricature::CaricatureRoom::default()), Box::new(music)], None)
+                let current = live.is_some().then_some(MUSIC);
+                let music = music::MusicRoom::listening_to(input, live, trace, output);
+                (vec![Box::new(caricature::CaricatureRoom::default()), Box::new(music)], current)
             }
         };
         let mut studio = Self {

@@ -36,6 +36,7 @@ const SHORTEST: Duration = Duration::from_secs(10);
 /// lost, another window goes on with the same rooms.
 pub fn open(
     mut files: Vec<PathBuf>,
+    mut live: Option<Live>,
     measure: Option<Rc<RefCell<Measure>>>,
     first_picture: Option<Rc<FirstPicture>>,
     draw: Draw,
@@ -52,6 +53,7 @@ pub fn open(
         open_once(Opening {
             folders: Folders::of_user(),
             files: std::mem::take(&mut files),
+            live: live.take(),
             measure: measure.clone(),
             first_picture: first_picture.clone(),
             handover: handover.clone(),
@@ -122,6 +124,15 @@ pub struct PlayedFrame {
     pub coefficients: Vec<f32>,
 }
 
+/// The live input that is heard as soon as the music room is open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Live {
+    /// The one that was chosen last.
+    Last,
+    /// The one of this name.
+    Named(String),
+}
+
 /// The contents and settings that a window opens with.
 pub struct Opening {
     /// Where it keeps its persistent files; nowhere by default.
@@ -136,6 +147,8 @@ pub struct Opening {
     pub first_picture: Option<Rc<FirstPicture>>,
     /// The live input that the music room listens to at once, instead of a song.
     pub input: Option<chladni_sound::Capture>,
+    /// The live input that the music room listens to at once; the window opens in that room.
+    pub live: Option<Live>,
     /// Records the music room's items in each frame.
     pub trace: Option<Trace>,
     /// Where the set goes.
@@ -160,6 +173,7 @@ impl Default for Opening {
             measure: None,
             first_picture: None,
             input: None,
+            live: None,
             trace: None,
             output: None,
             handover: Handover::default(),

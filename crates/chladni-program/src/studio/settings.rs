@@ -7,6 +7,7 @@ use chladni_sound::LONGEST_CROSSFADE_SECS;
 use chladni_task::{read_file, read_text_file};
 use serde::{Deserialize, Serialize};
 
+use super::music::MOST_GAIN_DB;
 use crate::work::HARMONICS;
 
 /// The largest file of preferences, in bytes.
@@ -88,6 +89,9 @@ impl Settings {
         self.music.projection = self.music.projection.sane();
         let volume = self.music.volume;
         self.music.volume = if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 1.0 };
+        let gain_db = self.music.live_gain_db;
+        self.music.live_gain_db =
+            if gain_db.is_finite() { gain_db.clamp(-MOST_GAIN_DB, MOST_GAIN_DB) } else { 0.0 };
         let fade_secs = self.music.song_fade_secs;
         self.music.song_fade_secs =
             if fade_secs.is_finite() { fade_secs.clamp(0.0, LONGEST_CROSSFADE_SECS) } else { 0.0 };
@@ -151,6 +155,7 @@ mod tests {
                 read += 1;
                 assert!((0.5..=3.0).contains(&settings.zoom) && (2..=4096).contains(&settings.harmonics));
                 assert!((0.0..=1.0).contains(&settings.music.volume), "{changed}");
+                assert!(settings.music.live_gain_db.abs() <= MOST_GAIN_DB, "{changed}");
                 settings.save(&path).unwrap();
                 assert_eq!(Settings::load(&path).unwrap(), settings, "{changed}");
             }

@@ -1,6 +1,6 @@
 //! The covers of songs: pictures in their tags, or beside them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use chladni_sound::SongReader;
 use chladni_view::Picture;
@@ -13,14 +13,27 @@ const ENDINGS: [&str; 3] = ["jpg", "jpeg", "png"];
 /// Larger files are not taken for covers.
 const MOST_BYTES: u64 = 32 << 20;
 
-/// The cover of the song at `path`, which `reader` reads: the picture in its tags, else a file such as
-/// cover.jpg in its folder. A picture that cannot be read counts as none.
-pub fn cover_of(path: &Path, reader: &mut SongReader) -> Option<Picture> {
-    let in_tags = reader.cover().and_then(|bytes| Picture::decode(&bytes).ok());
-    in_tags.or_else(|| beside(path)).map(|picture| picture.thumbnail(SIDE))
+/// The cover of a song.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cover {
+    /// As large as it is shown.
+    pub picture: Picture,
+    /// Where it lies beside the song; `None` where it lies in its tags.
+    pub file: Option<PathBuf>,
 }
 
-fn beside(path: &Path) -> Option<Picture> {
+/// The cover of the song at `path`, which `reader` reads: the picture in its tags, else a file such as
+/// cover.jpg in its folder. A picture that cannot be read counts as none.
+pub fn cover_of(path: &Path, reader: &mut SongReader) -> Option<Cover> {
+    let in_tags = reader.cover().and_then(|bytes| Picture::decode(&bytes).ok());
+    let (picture, file) = match in_tags {
+        Some(picture) => (picture, None),
+        None => beside(path).map(|(picture, file)| (picture, Some(file)))?,
+    };
+    Some(Cover { picture: picture.thumbnail(SIDE), file })
+}
+
+fn beside(path: &Path) -> Option<(Picture, PathBuf)> {
     let files = path.parent()?.read_dir().ok()?.flatten().map(|entry| entry.file_name());
     let mut found: Vec<(usize, std::ffi::OsString)> = files
         .filter_map(|file| {
@@ -31,8 +44,9 @@ fn beside(path: &Path) -> Option<Picture> {
         })
         .collect();
     found.sort();
-    let bytes = chladni_task::read_file(&path.with_file_name(&found.first()?.1), MOST_BYTES).ok()?;
-    Picture::decode(&bytes).ok()
+    let file = path.with_file_name(&found.first()?.1);
+    let bytes = chladni_task::read_file(&file, MOST_BYTES).ok()?;
+    Some((Picture::decode(&bytes).ok()?, file))
 }
 
 #[cfg(test)]
@@ -62,13 +76,14 @@ mod tests {
         assert!(cover().is_none());
         let wide = Picture::filled(512, 128, [255, 0, 0, 255]);
         std::fs::write(folder.path().join("Cover.PNG"), wide.to_png().unwrap()).unwrap();
-        let beside = cover().unwrap();
+        let Cover { picture: beside, file } = cover().unwrap();
+        assert_eq!(file, Some(folder.path().join("Cover.PNG")));
         assert_eq!((beside.width, beside.height, beside.pixel(9, 9)), (256, 64, Some([255, 0, 0, 255])));
         let green = Picture::filled(16, 16, [0, 255, 0, 255]);
         let wav = std::fs::read(&song).unwrap();
         std::fs::write(&song, [tags_with(&green.to_png().unwrap()), wav.clone()].concat()).unwrap();
-        assert!(cover() == Some(green), "the one in the tags comes first");
+        assert!(cover() == Some(Cover { picture: green, file: None }), "the one in the tags comes first");
         std::fs::write(&song, [tags_with(b"damaged"), wav].concat()).unwrap();
-        assert_eq!(cover().map(|picture| picture.width), Some(256));
+        assert_eq!(cover().map(|cover| cover.picture.width), Some(256));
     }
 }

@@ -1,7 +1,9 @@
 //! An ear that knows only the past: for live input, and for a song that is still being read.
 
 use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, Timbre};
-use chladni_sound::{BeatFollower, HeardBar, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings};
+use chladni_sound::{
+    BeatFollower, HeardBar, Level, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings,
+};
 
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
@@ -20,6 +22,7 @@ pub struct Ear {
     /// How long the last piece has rung.
     rung_secs: f32,
     harmony: Harmony,
+    level: Level,
 }
 
 /// The number of beats so far. A tracker sometimes corrects its phase backward, but things that move with the beat
@@ -52,6 +55,7 @@ impl Ear {
             resonators: None,
             rung_secs: 0.0,
             harmony: Harmony::default(),
+            level: Level::Auto,
         })
     }
 
@@ -65,6 +69,11 @@ impl Ear {
         &self.analyzer
     }
 
+    /// Follows the level of the sound, or keeps one, from the next [`tune`](Self::tune) on.
+    pub fn set_level(&mut self, level: Level) {
+        self.level = level;
+    }
+
     /// Listens to sound of this rate from now on, as the knobs say.
     ///
     /// # Errors
@@ -73,7 +82,7 @@ impl Ear {
         if rate_hz != self.rate_hz() {
             self.follower = BeatFollower::new(rate_hz)?;
         }
-        let wanted = spectrum_settings(rate_hz, parameters);
+        let wanted = SpectrumSettings { level: self.level, ..spectrum_settings(rate_hz, parameters) };
         if *self.analyzer.settings() != wanted {
             self.analyzer = SpectrumAnalyzer::new(wanted)?;
         }

@@ -119,6 +119,42 @@ fn gallery_look_and_stage_obey() {
 }
 
 #[test]
+fn songs_input_clock_and_recording_obey() {
+    let answers = Answers::default();
+    let mut desk = Desk::begin(&answers);
+    desk.touch("blur", 0.4);
+    desk.touch("follow-clock", 1.0);
+    desk.until_settings_say(&["blur_percent = 40", "follows_clock = true"]);
+    desk.touch("follow-clock", 1.0);
+    desk.until_settings_say(&["follows_clock = false"]);
+    click(&mut desk.window, "drawer/songs");
+    assert!(is_chosen(&desk.window, "repeat/list"));
+    desk.send(&named("/chladni/repeat", "song"));
+    desk.until("the song is repeated", |w| is_chosen(w, "repeat/song"));
+    desk.touch("repeat", 1.0);
+    desk.until("nothing is", |w| !is_chosen(w, "repeat/song") && !is_chosen(w, "repeat/list"));
+    desk.touch("shuffle", 1.0);
+    desk.touch("live", 1.0);
+    desk.until("that no input was chosen", |w| shows(w, "No live input was chosen yet"));
+    // Each dance has a µ of its own until a hand turns that of all.
+    click(&mut desk.window, "drawer/knobs");
+    assert!(is_chosen(&desk.window, "own-mu"));
+    desk.touch("stereo-mu", 0.5);
+    desk.until("the µ of all", |w| !is_chosen(w, "own-mu"));
+    assert!(shows(&desk.window, "All dances have the µ of the knob now"));
+    assert!(!shows(&desk.window, "A controller asked for"));
+    // Without a name for the film nothing begins.
+    desk.touch("record", 1.0);
+    desk.window.run_steps(5);
+    assert!(!is_there(&desk.window, "recording-end"));
+    answers.add(&desk.settings.with_file_name("set.mp4"));
+    desk.touch("record", 1.0);
+    desk.until("the recording", |w| is_there(w, "recording-end"));
+    desk.touch("record", 1.0);
+    desk.until("its end", |w| !is_there(w, "recording-end"));
+}
+
+#[test]
 fn bindings_are_learned_with_a_number_and_go_to_another_machine() {
     let answers = Answers::default();
     let mut desk = Desk::begin(&answers);

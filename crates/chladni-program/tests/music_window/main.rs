@@ -4,6 +4,7 @@
 
 #[path = "../archive/mod.rs"]
 mod archive;
+mod calibrating;
 mod clocks;
 mod controls;
 #[path = "../driving/mod.rs"]

@@ -9,7 +9,7 @@ mod song;
 mod track;
 mod wav;
 
-pub use reader::SongReader;
+pub use reader::{SongReader, SongTags};
 pub use resample::StereoResampler;
 pub use song::{Song, SongOptions};
 pub use wav::{WavSample, wav_bytes, write_wav};

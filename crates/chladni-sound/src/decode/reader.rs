@@ -19,6 +19,15 @@ use crate::SoundError;
 
 /// The longest part of a tag that is used, in characters.
 const LONGEST_TAG: usize = 200;
+/// What the tags of a song say; `None` where they do not.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SongTags {
+    /// The song's own title.
+    pub title: Option<String>,
+    /// Who plays it.
+    pub artist: Option<String>,
+}
+
 /// How many packets in a row may fail before the file is given up.
 const MAX_FAILURES_IN_A_ROW: u32 = 256;
 /// Decoders carry state (overlap, bit reservoir) from packet to packet. A seek therefore decodes this much
@@ -144,8 +153,16 @@ impl SongReader {
 
     /// Artist and title, or the title alone, from the tags of the file; `None` if it has no title.
     pub fn title(&mut self) -> Option<String> {
+        let tags = self.tags();
+        let title = tags.title?;
+        Some(tags.artist.map_or_else(|| title.clone(), |artist| format!("{artist} – {title}")))
+    }
+
+    /// What the tags of the file say.
+    pub fn tags(&mut self) -> SongTags {
         let mut metadata = self.format.metadata();
-        let tags = &metadata.skip_to_latest()?.media.tags;
+        let Some(latest) = metadata.skip_to_latest() else { return SongTags::default() };
+        let tags = &latest.media.tags;
         let find = |of: fn(&StandardTag) -> Option<&str>| {
             let found = tags.iter().find_map(|tag| tag.std.as_ref().and_then(of))?;
             let shown: String = found.trim().chars().filter(|c| !c.is_control()).take(LONGEST_TAG).collect();
@@ -154,12 +171,12 @@ impl SongReader {
         let title = find(|tag| match tag {
             StandardTag::TrackTitle(title) => Some(title.as_str()),
             _ => None,
-        })?;
+        });
         let artist = find(|tag| match tag {
             StandardTag::Artist(artist) => Some(artist.as_str()),
             _ => None,
         });
-        Some(artist.map_or_else(|| title.clone(), |artist| format!("{artist} – {title}")))
+        SongTags { title, artist }
     }
 
     /// The file of the picture in the tags, usually a JPEG or PNG: the front cover, or else the first one.

@@ -49,6 +49,21 @@ impl StereoResampler {
         Ok(Self { from_hz, to_hz, fft, waiting: Vec::new(), chunk, delay_left, frames_in: 0, frames_out: 0 })
     }
 
+    /// The rate of what it takes.
+    pub fn from_hz(&self) -> u32 {
+        self.from_hz
+    }
+
+    /// How many frames [`finish`](Self::finish) would append now.
+    pub fn pending_frames(&self) -> u64 {
+        self.due().saturating_sub(self.frames_out)
+    }
+
+    /// How many frames all that was taken gives.
+    fn due(&self) -> u64 {
+        (self.frames_in * u64::from(self.to_hz)).div_ceil(u64::from(self.from_hz))
+    }
+
     /// Takes interleaved stereo samples and appends those that are ready to `out`.
     ///
     /// # Errors
@@ -69,7 +84,7 @@ impl StereoResampler {
     /// # Errors
     /// Only an internal error of the transform.
     pub fn finish(&mut self, out: &mut Vec<f32>) -> Result<(), SoundError> {
-        let due = (self.frames_in * u64::from(self.to_hz)).div_ceil(u64::from(self.from_hz));
+        let due = self.due();
         // The transform spans at most two seconds of input: that much silence flushes it.
         let mut chunks_left = 8 + 2 * self.from_hz as usize / CHUNK_FRAMES;
         while self.fft.is_some() && self.frames_out < due && chunks_left > 0 {

@@ -26,6 +26,8 @@ pub(super) struct Clock {
     drained: AtomicBool,
     lost: AtomicBool,
     volume: AtomicU32,
+    /// How far what is shown lies ahead of what is heard, in seconds.
+    shown_ahead: AtomicU64,
 }
 
 impl Clock {
@@ -45,6 +47,7 @@ impl Clock {
             drained: AtomicBool::new(true),
             lost: AtomicBool::new(false),
             volume: AtomicU32::new(1.0f32.to_bits()),
+            shown_ahead: AtomicU64::new(0f64.to_bits()),
         }
     }
 
@@ -90,6 +93,22 @@ impl Clock {
         // Frames flushed by a seek are skipped, frames heard before a pause are not heard again, and frames
         // that have not been taken cannot be heard.
         heard.min(consumed as f64).max(if frame >= flushed { run_begin as f64 } else { flushed as f64 })
+    }
+
+    /// The ring frame that is to be shown at `now`: the one that is heard, and what it is ahead or behind. Nothing is
+    /// shown of what came before the last jump, which is not heard either.
+    pub fn shown_frame(&self, now: Instant, rate_hz: u32) -> f64 {
+        let heard = self.heard_frame(now, rate_hz);
+        let shown = heard + self.shown_ahead_secs() * f64::from(rate_hz);
+        shown.max(heard.min(self.flushed_before() as f64))
+    }
+
+    pub fn show_ahead(&self, secs: f64) {
+        self.shown_ahead.store(secs.to_bits(), Ordering::Relaxed);
+    }
+
+    pub fn shown_ahead_secs(&self) -> f64 {
+        f64::from_bits(self.shown_ahead.load(Ordering::Relaxed))
     }
 
     pub fn consumed(&self) -> u64 {
@@ -162,5 +181,25 @@ impl Clock {
         self.asked.store(0, Ordering::Relaxed);
         self.tick(now, 0);
         self.anchor(0, now, 0, 0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shown_lies_ahead_of_what_is_heard_or_behind_it() {
+        let clock = Clock::new();
+        let now = Instant::now();
+        clock.anchor(48_000, now, 48_000, 0);
+        let shown = |secs: f64| {
+            clock.show_ahead(secs);
+            (clock.shown_frame(now, 48_000) - clock.heard_frame(now, 48_000)).round()
+        };
+        assert_eq!([0.0, 0.1, -0.25].map(shown), [0.0, 4_800.0, -12_000.0]);
+        assert_eq!(shown(-2.0), -48_000.0, "nothing lies before the first frame");
+        clock.flush_before(45_000);
+        assert_eq!((shown(-0.25), shown(0.1)), (-3_000.0, 4_800.0), "nor before a jump");
     }
 }

@@ -30,16 +30,31 @@ impl Decoding {
         Ok(Self { reader, resampler, ready, taken: 0, block, ended: None })
     }
 
+    /// Lets the song follow another one, whose last frames lie in its resampler, without a gap; returns how many of its own
+    /// frames are theirs. Where both have one rate they are resampled as one sound: no edge is heard where a sound was cut.
+    pub(super) fn follow(&mut self, mut before: StereoResampler) -> Result<u64, SoundError> {
+        let frames = before.pending_frames();
+        if before.from_hz() == self.reader.rate_hz() {
+            self.resampler = before;
+        } else {
+            before.finish(&mut self.block)?;
+            self.ready.extend(self.block.as_chunks().0);
+        }
+        Ok(frames)
+    }
+
     /// The next frame, as long as `kept` frames lie ready behind it: those may be the last ones, under which
     /// another song is to begin. Less is kept of the beginning, so that it does not wait for them, and no song
-    /// is more than half crossfade.
+    /// is more than half crossfade. Where nothing is kept, the last frames stay in the resampler.
     pub(super) fn next(&mut self, kept: usize) -> Option<Frame> {
+        let fades = kept > 0;
         let kept = kept.min(self.taken);
         while self.ready.len() <= kept && self.ended.is_none() {
             self.block.clear();
             let decoded = match self.reader.next_block() {
                 Ok(Some(block)) => self.resampler.process(block, &mut self.block).map(|()| false),
-                Ok(None) => self.resampler.finish(&mut self.block).map(|()| true),
+                Ok(None) if fades => self.resampler.finish(&mut self.block).map(|()| true),
+                Ok(None) => Ok(true),
                 Err(error) => Err(error),
             };
             self.ready.extend(self.block.as_chunks().0);
@@ -56,9 +71,9 @@ impl Decoding {
         self.ready.pop_front()
     }
 
-    /// The remaining frames once [`next`](Self::next) returns `None`, and the error that ended decoding early, if
-    /// any.
-    pub(super) fn rest(self) -> (Tail, Result<(), SoundError>) {
-        (Tail::of(self.ready.into_iter()), self.ended.unwrap_or(Ok(())))
+    /// The remaining frames once [`next`](Self::next) returns `None`: those under the next song and those before it; and the
+    /// error that ended decoding early, if any.
+    pub(super) fn rest(self) -> (Tail, StereoResampler, Result<(), SoundError>) {
+        (Tail::of(self.ready.into_iter()), self.resampler, self.ended.unwrap_or(Ok(())))
     }
 }

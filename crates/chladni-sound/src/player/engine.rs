@@ -11,12 +11,13 @@ use super::handle::{PlayerSettings, Shared};
 use super::output::Output;
 use super::queue::{Playlist, Repeat, Stretch};
 use super::tail::Tail;
+use crate::StereoResampler;
 use crate::history::Frame;
 
 mod device;
 
-/// How far ahead of the device the ring is filled.
-const AHEAD_SECS: f64 = 0.4;
+/// How far ahead of the device the ring is filled: as far as a picture is shown ahead, and half a window more.
+const AHEAD_SECS: f64 = 0.6;
 /// How often the engine refills the ring.
 const STEP: Duration = Duration::from_millis(5);
 /// The largest number of songs that begin before the engine checks its commands again: repeating a song of
@@ -218,26 +219,36 @@ impl Engine {
         (self.song, self.tail) = (None, Tail::default());
         self.shared.clock.set_drained(true);
         if let Some(song) = song {
-            self.open_song(song, secs);
+            self.open_song(song, secs, None);
         }
         self.set_playing(playing && self.song.is_some());
     }
 
-    /// Opens a song, or the next one that can be opened, and records its place in the ring.
-    fn open_song(&mut self, first: usize, secs: f64) {
+    /// Opens a song, or the next one that can be opened, and records its place in the ring, behind what the song before has
+    /// left. Returns that where no song can be opened.
+    fn open_song(
+        &mut self,
+        first: usize,
+        secs: f64,
+        mut before: Option<StereoResampler>,
+    ) -> Option<StereoResampler> {
         let mut secs = secs;
         self.list.current = first;
         for _ in 0..self.list.songs.len() {
             let song = self.list.current;
-            let Some(path) = self.list.songs.get(song) else { return };
-            match Decoding::open(path, secs, self.output.rate_hz) {
-                Ok(decoding) => {
+            let Some(path) = self.list.songs.get(song) else { return before };
+            let opened = Decoding::open(path, secs, self.output.rate_hz).and_then(|mut decoding| {
+                let led = before.take().map_or(Ok(0), |before| decoding.follow(before))?;
+                Ok((decoding, led))
+            });
+            match opened {
+                Ok((decoding, led)) => {
                     let rate_hz = f64::from(decoding.reader.rate_hz());
                     // From the middle of a crossfade on, this song is the louder one.
                     let middle = self.tail.len() / 2;
                     let secs_of = |frames: usize| frames as f64 / f64::from(self.output.rate_hz);
                     self.shared.timeline().stretches.begin(Stretch {
-                        ring_frame: self.written + middle as u64,
+                        ring_frame: self.written + led + middle as u64,
                         song,
                         song_secs: secs + secs_of(middle),
                         duration_secs: decoding.reader.total_frames().map(|frames| frames as f64 / rate_hz),
@@ -245,16 +256,17 @@ impl Engine {
                     });
                     self.song = Some(decoding);
                     self.tell(PlayerEvent::SongStarted(song));
-                    return;
+                    return None;
                 }
                 Err(error) => self.tell(PlayerEvent::SongFailed { song, reason: error.to_string() }),
             }
             secs = 0.0;
             match self.list.after(true) {
                 Some(next) => self.list.current = next,
-                None => return,
+                None => return before,
             }
         }
+        before
     }
 
     /// Decodes until the ring is filled as far as intended.
@@ -313,15 +325,23 @@ impl Engine {
     fn end_song(&mut self, decoding: Decoding) {
         let song = self.list.current;
         let damage = decoding.reader.damage().map(|what| format!("{}: {what}", decoding.reader.name()));
-        let (rest, decoded) = decoding.rest();
+        let (rest, resampler, decoded) = decoding.rest();
         match (decoded, damage) {
             (Err(error), _) => self.tell(PlayerEvent::SongFailed { song, reason: error.to_string() }),
             (Ok(()), Some(what)) => self.tell(PlayerEvent::SongDamaged { song, what }),
             (Ok(()), None) => {}
         }
         self.tail = rest.over(std::mem::take(&mut self.tail));
-        if let Some(next) = self.list.after(false) {
-            self.open_song(next, 0.0);
+        let left = match self.list.after(false) {
+            Some(next) => self.open_song(next, 0.0, Some(resampler)),
+            None => Some(resampler),
+        };
+        // Its last frames are played where no song follows.
+        let mut last = Vec::new();
+        let finished = left.is_some_and(|mut resampler| resampler.finish(&mut last).is_ok());
+        if finished && !last.is_empty() {
+            let last = Tail::of(last.as_chunks().0.iter().copied());
+            self.tail = last.over(std::mem::take(&mut self.tail));
         }
     }
 

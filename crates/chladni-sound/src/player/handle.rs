@@ -12,6 +12,9 @@ use super::queue::{Repeat, Stretches};
 use crate::history::History;
 use crate::{LONGEST_CROSSFADE_SECS, SoundError};
 
+/// What is shown lies this far ahead of what is heard at most, or behind it.
+pub const MOST_AHEAD_SECS: f64 = 0.5;
+
 /// How a player starts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlayerSettings {
@@ -48,7 +51,8 @@ pub struct PlayerStatus {
     pub state: PlayerState,
     /// The index in the playlist of the song that is heard.
     pub song: usize,
-    /// The time in that song of the sample that is heard now; the latency of the device is accounted for.
+    /// The time in that song of the sample that is heard now; the latency of the device is accounted for. Where a picture
+    /// is shown ahead ([`Player::show_ahead`]), both are those of the moment that it shows.
     pub position_secs: f64,
     /// The length of that song, if its header states it.
     pub duration_secs: Option<f64>,
@@ -191,6 +195,19 @@ impl Player {
         self.shared.clock.set_volume(if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 0.0 });
     }
 
+    /// Sets how far ahead of what is heard the moment lies that a picture is to show, in seconds up to
+    /// [`MOST_AHEAD_SECS`]; behind it where negative. A picture that is seen late, as through a projector, is drawn so
+    /// much ahead. Status, windows and what is taken are those of that moment; what sounds stays.
+    pub fn show_ahead(&self, secs: f64) {
+        let secs = if secs.is_finite() { secs.clamp(-MOST_AHEAD_SECS, MOST_AHEAD_SECS) } else { 0.0 };
+        self.shared.clock.show_ahead(secs);
+    }
+
+    /// How far ahead that is.
+    pub fn shown_ahead_secs(&self) -> f64 {
+        self.shared.clock.shown_ahead_secs()
+    }
+
     /// Changes to the device with this id, `None` for the system's default; the song continues.
     pub fn set_device(&self, device: Option<String>) {
         self.send(Command::Device(device));
@@ -204,7 +221,7 @@ impl Player {
     /// The state of the player now.
     pub fn status(&self) -> PlayerStatus {
         let mut timeline = self.shared.timeline();
-        let heard = self.shared.clock.heard_frame(Instant::now(), timeline.rate_hz);
+        let heard = self.shared.clock.shown_frame(Instant::now(), timeline.rate_hz);
         let rate_hz = timeline.rate_hz.max(1);
         let place = timeline.stretches.at(heard, rate_hz);
         PlayerStatus {
@@ -231,7 +248,7 @@ impl Player {
     pub fn heard_window(&self, ahead: usize, left: &mut [f32], right: &mut [f32]) -> f64 {
         let mut timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
-        let heard = self.shared.clock.heard_frame(Instant::now(), rate_hz);
+        let heard = self.shared.clock.shown_frame(Instant::now(), rate_hz);
         timeline.history.window(heard.round() as i64 + ahead as i64, left, right);
         timeline.stretches.at(heard, rate_hz).map_or(0.0, |(_, secs)| secs)
     }
@@ -242,7 +259,7 @@ impl Player {
     pub fn take_heard(&self, from: &mut Option<u64>, left: &mut Vec<f32>, right: &mut Vec<f32>) {
         let timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
-        let heard = self.shared.clock.heard_frame(Instant::now(), rate_hz).round().max(0.0) as u64;
+        let heard = self.shared.clock.shown_frame(Instant::now(), rate_hz).round().max(0.0) as u64;
         let most = 4 * u64::from(rate_hz);
         let (count, now) = since(*from, heard, u64::from(rate_hz));
         let count = count.min(most) as usize;

@@ -9,6 +9,6 @@ mod queue;
 mod tail;
 
 pub use engine::PlayerEvent;
-pub use handle::{Player, PlayerSettings, PlayerState, PlayerStatus};
+pub use handle::{MOST_AHEAD_SECS, Player, PlayerSettings, PlayerState, PlayerStatus};
 pub use output::{OutputDevice, output_devices};
 pub use queue::Repeat;

@@ -69,7 +69,10 @@ pub(super) struct Stretch {
     pub crossfade_secs: f64,
 }
 
-/// The stretches that are heard now or later, in order.
+/// Stretches are kept for this long after they were heard: what is shown may lie behind what is heard.
+const KEPT_SECS: f64 = 1.0;
+
+/// The stretches that are heard now or later, or were a moment ago, in order.
 #[derive(Default)]
 pub(super) struct Stretches {
     list: VecDeque<Stretch>,
@@ -95,12 +98,15 @@ impl Stretches {
         self.list.push_back(stretch);
     }
 
-    /// The stretch that contains a ring frame, and the time within its song.
+    /// The stretch that contains a ring frame, and the time within its song. Frames a second before the latest one that
+    /// was asked for are forgotten.
     pub fn at(&mut self, ring_frame: f64, rate_hz: u32) -> Option<(Stretch, f64)> {
-        while self.list.get(1).is_some_and(|next| next.ring_frame as f64 <= ring_frame) {
+        let kept = KEPT_SECS * f64::from(rate_hz);
+        while self.list.get(1).is_some_and(|next| next.ring_frame as f64 + kept <= ring_frame) {
             self.list.pop_front();
         }
-        let stretch = *self.list.front()?;
+        let begun = self.list.iter().rev().find(|stretch| stretch.ring_frame as f64 <= ring_frame);
+        let stretch = *begun.or_else(|| self.list.front())?;
         let since = (ring_frame - stretch.ring_frame as f64).max(0.0) / f64::from(rate_hz);
         Some((stretch, stretch.song_secs + since))
     }
@@ -155,5 +161,9 @@ mod tests {
         assert_eq!(stretches.at(24_000.0, 48_000).map(|(s, t)| (s.song, t)), Some((0, 0.5)));
         assert_eq!(stretches.at(72_000.0, 48_000).map(|(s, t)| (s.song, t)), Some((0, 30.5)));
         assert_eq!(stretches.at(100_800.0, 48_000).map(|(s, t)| (s.song, t)), Some((1, 0.1)));
+        let before = stretches.at(93_600.0, 48_000).map(|(s, t)| (s.song, t));
+        assert_eq!(before, Some((0, 30.95)), "a moment ago is still known");
+        assert_eq!(stretches.at(192_000.0, 48_000).map(|(s, t)| (s.song, t)), Some((1, 2.0)));
+        assert_eq!(stretches.at(93_600.0, 48_000).map(|(s, t)| (s.song, t)), Some((1, 0.0)));
     }
 }

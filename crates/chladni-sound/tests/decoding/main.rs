@@ -248,6 +248,8 @@ fn tags_name_the_song() {
         }
         let found = SongReader::open(&path).unwrap().title();
         assert_eq!(found.as_deref(), Some("No \u{f6}ne – Slow Tide"), "{name}");
+        let tags = SongReader::open(&path).unwrap().tags();
+        assert_eq!([tags.title.as_deref(), tags.artist.as_deref()], [Some("Slow Tide"), Some("No \u{f6}ne")]);
         assert!(ffmpeg(&source, &title, &path));
         assert_eq!(SongReader::open(&path).unwrap().title().as_deref(), Some("Slow Tide"), "{name}");
     }

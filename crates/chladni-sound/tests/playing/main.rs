@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
+mod ahead;
+mod gapless;
 mod sinks;
 
 use std::path::{Path, PathBuf};

@@ -13,7 +13,12 @@ impl MusicRoom {
         match wish {
             Wish::Choose(then) => return self.ask_for(then, shared),
             Wish::Record => return self.record(shared),
-            Wish::Press(target) => return self.ask(target, &Which::Press, shared, &mut Vec::new()),
+            Wish::Calibrate => return self.calibrate(shared),
+            Wish::Press(target) => {
+                let mut wishes = Vec::new();
+                self.ask(target, &Which::Press, shared, &mut wishes);
+                return wishes.into_iter().for_each(|wish| self.fulfil(wish, shared));
+            }
             _ => {}
         }
         let Some(concert) = &mut self.concert else { return };
@@ -47,10 +52,13 @@ impl MusicRoom {
                 self.drawers.shelf.ask(concert.instrument(), item);
                 Ok(())
             }
-            Wish::Take(preset) => take(concert, *preset, shared),
+            Wish::Take(preset) => {
+                let name = preset.name.clone();
+                take(concert, *preset, shared).map(|item| self.taken.became(item, name))
+            }
             Wish::Discard(path) => self.drawers.shelf.discard(&path),
             Wish::Film => self.filming.ask(),
-            Wish::Choose(_) | Wish::Record | Wish::Press(_) => Ok(()),
+            Wish::Choose(_) | Wish::Record | Wish::Calibrate | Wish::Press(_) => Ok(()),
         };
         if let Err(why) = done {
             shared.notices.warn(why);

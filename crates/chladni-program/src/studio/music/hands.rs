@@ -1,13 +1,14 @@
 //! Requests of controllers to the room, and the room's values for them.
 
-use chladni_music::{Action, Looks, SHOTS, Target, Which};
-use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState};
+use chladni_music::{Action, ItemId, Looks, REPEATS, SHOTS, Target, Which};
+use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState, Repeat};
 use chladni_view::{Background, Lights, Look, Material, Palette};
 
 use super::MusicRoom;
 use super::concert::Concert;
 use super::listening::Listening;
 use super::remote::NUDGE_SECS;
+use super::shelf::Shelf;
 use super::wish::Wish;
 use crate::studio::room::Shared;
 
@@ -16,7 +17,37 @@ pub struct Stand<'a> {
     pub concert: &'a Concert,
     pub listening: &'a Listening,
     pub looks: Looks,
+    /// How soft is what is not in focus, in [0, 1].
+    pub blur: f32,
+    pub follows_clock: bool,
+    pub shelf: &'a Shelf,
+    pub taken: &'a Taken,
 }
+
+/// The presets that were taken, by the dances that they became.
+#[derive(Default)]
+pub struct Taken(Vec<(ItemId, String)>);
+
+impl Taken {
+    /// A preset of this name is a dance of the gallery now.
+    pub fn became(&mut self, item: ItemId, name: String) {
+        self.0.retain(|(known, _)| *known != item);
+        self.0.push((item, name));
+    }
+
+    /// The name of the preset that plays: on stage, or else the last one that the gallery has.
+    fn playing(&self, concert: &Concert) -> Option<&str> {
+        let items = concert.instrument().gallery().items();
+        let plays = |id: ItemId| match concert.on_stage_now() {
+            Some(staged) => staged == id,
+            None => items.iter().any(|item| item.id == id),
+        };
+        self.0.iter().rev().find(|(id, _)| plays(*id)).map(|(_, name)| name.as_str())
+    }
+}
+
+/// Repeats, in the order of their names.
+const REPEAT: [Repeat; REPEATS.len()] = [Repeat::Off, Repeat::Song, Repeat::List];
 
 impl Stand<'_> {
     /// In [0, 1]; of a choice or a dance, whether it is the one of that number.
@@ -55,6 +86,15 @@ impl Stand<'_> {
             Target::HoldTempo => share(self.listening.is_locked()),
             Target::PlayPause => share(self.listening.player().status().state == PlayerState::Playing),
             Target::LeaveStage => share(self.concert.on_stage()),
+            Target::Blur => Some(self.blur),
+            Target::Repeat => is(REPEAT.iter().position(|repeat| *repeat == self.listening.repeat())),
+            Target::Live => share(self.listening.live().is_some()),
+            Target::FollowClock => share(self.follows_clock),
+            Target::Record => share(self.concert.outgoing.recorder.is_some()),
+            Target::Preset => {
+                let preset = self.shelf.presets().nth((number? as usize).checked_sub(1)?)?;
+                share(self.taken.playing(self.concert) == Some(preset.name.as_str()))
+            }
             _ => target.standing(number, instrument.parameters()),
         }
     }
@@ -107,6 +147,9 @@ impl MusicRoom {
         shared: &mut Shared<'_>,
         wishes: &mut Vec<Wish>,
     ) {
+        if let (Target::Tap, Some(calibrating)) = (target, &mut self.calibrating) {
+            return calibrating.tap(shared.ctx.input(|input| input.time));
+        }
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         let found = match (target, which) {
             (Target::Shot, which) => call_shot(which, listening),
@@ -130,6 +173,33 @@ impl MusicRoom {
             (Target::SongFade, Which::Level(share)) => {
                 shared.settings.music.song_fade_secs = f64::from(*share) * LONGEST_CROSSFADE_SECS;
                 listening.set_song_fade_secs(shared.settings.music.song_fade_secs);
+                true
+            }
+            (Target::Blur, Which::Level(share)) => {
+                shared.settings.music.blur_percent = Some((100.0 * share).round() as u8);
+                true
+            }
+            (Target::Repeat, which) => {
+                let now = REPEAT.iter().position(|repeat| *repeat == listening.repeat());
+                let repeat = pick(&REPEATS, now, which).and_then(|at| REPEAT.get(at));
+                repeat.inspect(|repeat| listening.set_repeat(**repeat)).is_some()
+            }
+            (Target::FollowClock, Which::Press) => {
+                shared.settings.music.follows_clock ^= true;
+                true
+            }
+            (Target::Live, Which::Press) => {
+                let name = shared.settings.music.live_input.as_deref();
+                listening.toggle_live(name, &shared.ctx);
+                true
+            }
+            (Target::Shuffle, Which::Press) => {
+                // When a hand presses is random enough.
+                listening.shuffle((1e6 * shared.ctx.input(|input| input.time)) as u64);
+                true
+            }
+            (Target::Record, Which::Press) => {
+                wishes.push(Wish::Record);
                 true
             }
             (

@@ -1,6 +1,6 @@
 //! Keys and controllers of this room.
 
-use chladni_music::{Action, Cue, Target};
+use chladni_music::{Action, Cue, Target, preceding};
 
 use super::MusicRoom;
 use super::asking::Then;
@@ -10,15 +10,25 @@ use super::remote::{Asked, NUDGE_SECS, Now};
 use super::view::View;
 use super::wish::Wish;
 use crate::studio::keys::music::{
-    AUTOPILOT, BACK, BLACKOUT, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FORTH, FREEZE, GO, HALVE, HOLD,
-    LEAVE, LOCK, LOCK_BEAT, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE, NEXT_SONG, NEXT_UP,
-    NUDGE_BACK, NUDGE_ON, OPEN, PLAY, PREVIOUS_SONG, SAVE, SHOW, STAGE, TAP,
+    AUTOPILOT, BACK, BLACKOUT, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FOLLOW_CLOCK, FORTH, FREEZE, GO,
+    HALVE, HOLD, LEAVE, LIVE, LOCK, LOCK_BEAT, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE,
+    NEXT_SONG, NEXT_UP, NUDGE_BACK, NUDGE_ON, OPEN, PLAY, PREVIOUS_SONG, RECORD, REPEAT, SAVE, SHOW, SHUFFLE,
+    STAGE, TAP,
 };
 use crate::studio::room::Shared;
 use crate::studio::shortcut::Shortcut;
 
 /// To the left, to the right, above, below.
 const MARKS: [Shortcut; 4] = [MARK_LEFT, MARK_RIGHT, MARK_ABOVE, MARK_BELOW];
+
+/// What keys do as controllers do it, wherever the dance is.
+const PRESSES: [(Shortcut, Target); 5] = [
+    (RECORD, Target::Record),
+    (SHUFFLE, Target::Shuffle),
+    (REPEAT, Target::Repeat),
+    (LIVE, Target::Live),
+    (FOLLOW_CLOCK, Target::FollowClock),
+];
 
 impl MusicRoom {
     /// The wishes of the keys.
@@ -28,6 +38,10 @@ impl MusicRoom {
             wishes.push(Wish::Choose(Then::Open));
         }
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
+        if let Some(calibrating) = &mut self.calibrating {
+            calibrating.take_keys(ctx);
+            return wishes;
+        }
         // An open menu has the keys.
         if egui::Popup::is_any_open(ctx) || self.filming.asks() {
             return wishes;
@@ -51,6 +65,9 @@ impl MusicRoom {
             }
         };
         when(&mut wishes, AUTOPILOT, Wish::Autopilot);
+        for (key, target) in PRESSES {
+            when(&mut wishes, key, Wish::Press(target));
+        }
         if concert.on_stage() {
             when(&mut wishes, HOLD, Wish::Hold);
             when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
@@ -106,7 +123,15 @@ impl MusicRoom {
         let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return };
         let parameters = concert.instrument().parameters();
         let music = &mut shared.settings.music;
-        let stand = Stand { concert, listening, looks: music.looks() };
+        let stand = Stand {
+            concert,
+            listening,
+            looks: music.looks(),
+            blur: music.look().finish.blur,
+            follows_clock: music.follows_clock,
+            shelf: &self.drawers.shelf,
+            taken: &self.taken,
+        };
         let standing = |target: Target, number: Option<u32>| stand.of(target, number);
         let Asked { cues, clock } = self.drawers.remote.asked(music, parameters, &standing);
         let now_secs = shared.ctx.input(|input| input.time);
@@ -120,11 +145,23 @@ impl MusicRoom {
             tempo_bpm: listening.beat_moment().tempo_bpm,
             progress: listening.progress(),
             bands: &listening.spectrum().0.mid,
+            ahead_secs: listening.ahead_secs(),
         };
         self.drawers.remote.tell(music, &now, &shared.ctx);
         for cue in cues {
             match cue {
-                Cue::Do(action) => wishes.push(Wish::Do(action)),
+                Cue::Do(action) => {
+                    let before = self
+                        .concert
+                        .as_ref()
+                        .and_then(|concert| preceding(&action, concert.instrument().parameters()));
+                    if before.is_some() {
+                        shared.notices.done(
+                            "All dances have the µ of the knob now (Knobs, Each its own µ).".to_owned(),
+                        );
+                    }
+                    wishes.extend(before.into_iter().chain([action]).map(Wish::Do));
+                }
                 Cue::Ask(target, which) => self.ask(target, &which, shared, wishes),
             }
         }

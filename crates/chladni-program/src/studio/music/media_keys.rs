@@ -3,6 +3,7 @@
 //!
 //! Without a bus nothing happens. The window reports its state and collects requests; it never waits.
 
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -51,8 +52,12 @@ pub struct Playing {
     pub state: PlayerState,
     /// Its place in the list.
     pub song: usize,
-    /// Artist and title, or the file's name.
+    /// Of its tags, or the file's name.
     pub title: String,
+    /// Of its tags.
+    pub artist: Option<String>,
+    /// The picture that lies beside it.
+    pub cover: Option<PathBuf>,
     /// Where it is known.
     pub duration_secs: Option<f64>,
     /// In [0, 1].
@@ -112,9 +117,9 @@ impl MediaKeys {
                         if before.volume != playing.volume {
                             block_on(player.volume_changed(emitter))?;
                         }
-                        let of =
-                            |playing: &Playing| (playing.song, playing.title.clone(), playing.duration_secs);
-                        if of(&before) != of(&playing) {
+                        // Neither state nor volume is of the song.
+                        let of = |playing: Playing| Playing { state: before.state, volume: 0.0, ..playing };
+                        if of(before.clone()) != of(playing.clone()) {
                             block_on(player.metadata_changed(emitter))?;
                         }
                     }
@@ -175,7 +180,9 @@ impl MusicRoom {
         let playing = Playing {
             state: if is_live { PlayerState::Stopped } else { status.state },
             song: status.song,
-            title: listening.name_of(status.song),
+            title: listening.title_of(status.song),
+            artist: listening.artist_of(status.song).map(str::to_owned),
+            cover: listening.cover_file_of(status.song).map(Path::to_owned),
             duration_secs: status.duration_secs,
             volume: listening.volume(),
         };
@@ -226,7 +233,9 @@ mod tests {
         let mut playing = Playing {
             state: PlayerState::Playing,
             song: 2,
-            title: "Anna Lindal: Tide".into(),
+            title: "Tide".into(),
+            artist: Some("Anna Lindal".into()),
+            cover: Some("/music/été #1/cover.jpg".into()),
             duration_secs: Some(90.0),
             volume: 0.5,
         };
@@ -244,6 +253,10 @@ mod tests {
         assert_eq!(other.get_property::<i64>("Position").unwrap(), 10_000_000);
         let seen: HashMap<String, zbus::zvariant::OwnedValue> = other.get_property("Metadata").unwrap();
         assert_eq!(<&str>::try_from(&seen["xesam:title"]).unwrap(), playing.title);
+        let artists = Vec::<String>::try_from(seen["xesam:artist"].try_clone().unwrap()).unwrap();
+        assert_eq!(artists, ["Anna Lindal"]);
+        let art = <&str>::try_from(&seen["mpris:artUrl"]).unwrap();
+        assert_eq!(art, "file:///music/%C3%A9t%C3%A9%20%231/cover.jpg");
         assert_eq!(i64::try_from(&seen["mpris:length"]).unwrap(), 90_000_000);
         let jumps = other.receive_signal("Seeked").unwrap();
         // Requests arrive in order; positions in another song, and beyond the end, are ignored.

@@ -1,6 +1,7 @@
 //! The music room: a gallery of living shapes, breeding, and the stage.
 
 mod asking;
+mod calibrating;
 mod close_up;
 mod coarse;
 mod concert;
@@ -52,13 +53,16 @@ use chladni_music::Show;
 use chladni_sound::Capture;
 
 use self::asking::Then;
+use self::calibrating::Calibrating;
 use self::concert::Concert;
 use self::curtain::Curtain;
 use self::drawer::{Drawer, Drawers};
 use self::film::Filming;
+use self::hands::Taken;
 use self::keepsake::Keepsake;
 use self::leaning::Leaning;
 use self::listening::Listening;
+pub use self::listening::MOST_GAIN_DB;
 use self::loading::Ready;
 pub use self::preferences::Preferences;
 use self::salvage::Salvage;
@@ -66,7 +70,7 @@ use self::shows::MOST_HARMONICS;
 use super::Trace;
 use super::awake::Awake;
 use super::job::Job;
-use super::opening::SetOutput;
+use super::opening::{Live, SetOutput};
 use super::room::Shared;
 use crate::work::Error;
 use crate::work::formats;
@@ -78,6 +82,8 @@ pub struct MusicRoom {
     /// Names of the body and the songs that are loading and dancing, as the command line uses them.
     names: Names,
     filming: Filming,
+    /// A person taps, so that picture and sound come together.
+    calibrating: Option<Calibrating>,
     keepsake: Keepsake,
     /// The use of the files that are being chosen.
     asking: Option<Then>,
@@ -85,6 +91,8 @@ pub struct MusicRoom {
     listening: Option<Listening>,
     /// The live input to open once there are ears.
     input: Option<Capture>,
+    /// Which live input to listen to then.
+    live: Option<Live>,
     #[cfg(target_os = "linux")]
     media_keys: Option<media_keys::MediaKeys>,
     trace: Option<Trace>,
@@ -103,6 +111,7 @@ pub struct MusicRoom {
     refused: bool,
     /// The preset of the shelf that a controller took last.
     preset: Option<usize>,
+    taken: Taken,
     /// The stage has a window of its own.
     apart: bool,
     /// The time of the last frame, by the window's clock.
@@ -118,10 +127,15 @@ struct Names {
 }
 
 impl MusicRoom {
-    /// A room that listens to `input` from the beginning, where there is one, records its items in `trace`, and sends its
-    /// picture to `output`.
-    pub fn listening_to(input: Option<Capture>, trace: Option<Trace>, output: Option<SetOutput>) -> Self {
-        Self { input, trace, output, ..Self::default() }
+    /// A room that listens to `input` or a `live` one from the beginning, where there is one, records its items in `trace`,
+    /// and sends its picture to `output`.
+    pub fn listening_to(
+        input: Option<Capture>,
+        live: Option<Live>,
+        trace: Option<Trace>,
+        output: Option<SetOutput>,
+    ) -> Self {
+        Self { input, live, trace, output, ..Self::default() }
     }
 
     /// Loads a shape, or a caricature, whose voices are shown.
@@ -142,6 +156,13 @@ impl MusicRoom {
             match Listening::start(&shared.ctx, music.volume, music.output_device.clone()) {
                 Ok(mut listening) => {
                     listening.set_song_fade_secs(music.song_fade_secs);
+                    listening.show_ahead(1e-3 * f64::from(music.late_ms()));
+                    listening.set_input(music.input());
+                    match self.live.take() {
+                        Some(Live::Named(name)) => listening.listen_to_named(&name, &shared.ctx),
+                        Some(Live::Last) => listening.toggle_live(music.live_input.as_deref(), &shared.ctx),
+                        None => {}
+                    }
                     if let Some(input) = self.input.take() {
                         listening.listen_on(input, "Live input".into());
                     }

@@ -1,15 +1,21 @@
 //! Preferences of the music room, kept between runs.
 
+use std::collections::BTreeMap;
 use std::net::IpAddr;
 use std::path::PathBuf;
 
 use chladni_music::{Binding, Looks};
+use chladni_sound::MOST_AHEAD_SECS;
 use chladni_view::Look;
 use chladni_view::film::CameraTarget;
 use serde::{Deserialize, Serialize};
 
+use super::listening::Input;
 use super::projection::Projection;
 use crate::work::{first_looks, look_named};
+
+/// The picture is at most this much later than the sound, or earlier.
+pub const MOST_LATE_MS: i32 = (1e3 * MOST_AHEAD_SECS) as i32;
 
 /// Looks, the stage's screen, and what turns what. Unknown names fall back to the first look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,6 +64,15 @@ pub struct Preferences {
     pub song_fade_secs: f64,
     /// The device that plays them; `None` is the system's own.
     pub output_device: Option<String>,
+    /// The live input that was chosen last, by its name.
+    pub live_input: Option<String>,
+    /// How much louder live input is made, in decibels.
+    pub live_gain_db: f32,
+    /// Live input is heard as loud as it is, instead of its level being followed.
+    pub live_fixed_level: bool,
+    /// How much later the picture is seen than the sound of each output device is heard, in milliseconds; the system's own
+    /// has no name.
+    pub picture_late_ms: BTreeMap<String, i32>,
     /// The autopilot begins where a song is opened and nothing is touched.
     pub leans_back: bool,
     /// Which controls turn what.
@@ -153,6 +168,10 @@ impl Default for Preferences {
             volume: 1.0,
             song_fade_secs: 0.0,
             output_device: None,
+            live_input: None,
+            live_gain_db: 0.0,
+            live_fixed_level: false,
+            picture_late_ms: BTreeMap::new(),
             leans_back: true,
             bindings: Vec::new(),
         }
@@ -160,6 +179,25 @@ impl Default for Preferences {
 }
 
 impl Preferences {
+    /// How much later the picture is seen than the sound of the output device that is chosen is heard.
+    pub fn late_ms(&self) -> i32 {
+        self.picture_late_ms.get(self.device_name()).map_or(0, |ms| (*ms).clamp(-MOST_LATE_MS, MOST_LATE_MS))
+    }
+
+    /// Keeps that for this device.
+    pub fn set_late_ms(&mut self, ms: i32) {
+        self.picture_late_ms.insert(self.device_name().to_owned(), ms.clamp(-MOST_LATE_MS, MOST_LATE_MS));
+    }
+
+    /// How live input is heard.
+    pub fn input(&self) -> Input {
+        Input::new(self.live_gain_db, self.live_fixed_level)
+    }
+
+    fn device_name(&self) -> &str {
+        self.output_device.as_deref().unwrap_or_default()
+    }
+
     /// The looks by their names.
     pub fn looks(&self) -> Looks {
         let [look, palette, material, lights, background] =
@@ -181,5 +219,25 @@ impl Preferences {
     /// The look that those names describe.
     pub fn look(&self) -> Look {
         look_named(&self.looks()).0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_output_device_has_a_picture_of_its_own_lateness() {
+        let mut preferences = Preferences::default();
+        assert_eq!(preferences.late_ms(), 0);
+        preferences.set_late_ms(80);
+        preferences.output_device = Some("alsa:wireless".into());
+        assert_eq!(preferences.late_ms(), 0);
+        preferences.set_late_ms(-9_999);
+        assert_eq!(preferences.late_ms(), -MOST_LATE_MS);
+        let kept: Preferences = toml::from_str(&toml::to_string(&preferences).unwrap()).unwrap();
+        assert_eq!(kept, preferences);
+        assert_eq!(Preferences { output_device: None, ..kept }.late_ms(), 80);
+        assert_eq!(toml::from_str::<Preferences>("volume = 0.5").unwrap().late_ms(), 0);
     }
 }

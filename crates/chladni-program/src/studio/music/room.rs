@@ -66,6 +66,7 @@ impl Room for MusicRoom {
             self.panels(ui, shared, &mut wishes);
         }
         self.dance(ui, on_stage, shared, &mut wishes);
+        self.follow_taps(shared);
         self.ask_for_a_film(shared);
         self.ask_to_replace(shared);
         for wish in wishes {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Action, BeatReading, FileRef, Preset, Show, SongRef};
+use chladni_music::{Action, BeatReading, FileRef, ItemId, Preset, Show, SongRef};
 
 use super::concert::Concert;
 use super::listening::{Listening, ShowSong};
@@ -21,7 +21,7 @@ impl MusicRoom {
     pub(super) fn open_text(&mut self, path: PathBuf, shared: &mut Shared<'_>) {
         let Some(concert) = &mut self.concert else { return };
         let opened = match Preset::load(&path) {
-            Ok(preset) => take(concert, preset, shared),
+            Ok(preset) => take(concert, preset, shared).map(|_| ()),
             Err(not_preset) => match Show::load(&path) {
                 Ok(show) => return self.open_show(path, show, shared),
                 Err(not_show) => {
@@ -140,8 +140,8 @@ fn is_like_a_show(path: &Path) -> bool {
 }
 
 /// Puts a preset in the last place whose item is neither chosen nor a favorite. The previous generation is
-/// kept; the knobs are set to those of the preset.
-pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<(), Error> {
+/// kept; the knobs are set to those of the preset. Returns the dance that it became.
+pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<ItemId, Error> {
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
     let loved = |id| instrument.favorites().iter().any(|favorite| favorite.id == id);
@@ -151,6 +151,8 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     let on_stage = concert.on_stage();
     concert.look_at(View::Gallery);
     concert.act(Action::Take { item, preset: Box::new(preset) })?;
+    let became = concert.instrument().gallery().items().get(item).map(|item| item.id);
+    let became = became.ok_or_else(|| Error::other("the gallery is empty"))?;
     if on_stage {
         concert.act(Action::Perform { item })?;
     }
@@ -159,7 +161,7 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     } else if *concert.instrument().parameters() != before {
         shared.notices.done("Form and knobs are those of the preset now.".to_owned());
     }
-    Ok(())
+    Ok(became)
 }
 
 /// The show so far, whose files are named by `refer`.

@@ -7,9 +7,9 @@ use chladni_sound::{
 use egui::{RichText, Ui, vec2};
 
 use super::asking::Then;
-use super::listening::Listening;
+use super::listening::{Listening, MOST_GAIN_DB};
 use super::meters;
-use super::preferences::Preferences;
+use super::preferences::{MOST_LATE_MS, Preferences};
 use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
@@ -70,8 +70,9 @@ pub fn show(
     ui.checkbox(&mut preferences.leans_back, "Lean back").on_hover_text(tip);
     ui.add_space(theme::GAP_LARGE);
     sound(ui, listening, inputs, preferences);
+    lateness(ui, listening, preferences, wishes);
     ui.add_space(theme::GAP_LARGE);
-    live(ui, listening, inputs, notices);
+    live(ui, listening, inputs, preferences, notices);
 }
 
 /// How loud, and where.
@@ -111,6 +112,32 @@ fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences:
     if let Some(device) = wanted {
         preferences.output_device.clone_from(&device);
         listening.set_device(device);
+        listening.show_ahead(1e-3 * f64::from(preferences.late_ms()));
+    }
+}
+
+/// How much later the picture is seen than the sound is heard.
+fn lateness(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preferences, wishes: &mut Vec<Wish>) {
+    let tip = "How much later the picture is seen than the sound of this device is heard, as through a projector or a \
+               camera; less than 0 where the sound is the later one, as of wireless loudspeakers. Shapes dance so much \
+               ahead.";
+    let mut late_ms = preferences.late_ms();
+    ui.horizontal(|ui| {
+        let label = ui.label("Picture late by").on_hover_text(tip);
+        let field = egui::DragValue::new(&mut late_ms).range(-MOST_LATE_MS..=MOST_LATE_MS).suffix(" ms");
+        let field = ui.add(field).labelled_by(label.id).author_id("picture-late");
+        if field.on_hover_text(tip).changed() {
+            preferences.set_late_ms(late_ms);
+            listening.show_ahead(1e-3 * f64::from(late_ms));
+        }
+        let tip = "Tap to clicks, then to flashes: the difference is measured. With this window where the picture is seen";
+        if ui.button("Calibrate").author_id("calibrate").on_hover_text(tip).clicked() {
+            wishes.push(Wish::Calibrate);
+        }
+    });
+    if late_ms != 0 && listening.live().is_some() {
+        let tip = "Not of live input, which nobody knows before it is heard.";
+        ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
     }
 }
 
@@ -155,12 +182,13 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
         if shuffle.clicked() {
             listening.shuffle((1e6 * ui.input(|input| input.time)) as u64);
         }
-        for (repeat, mark, tip) in [
-            (Repeat::List, Icon::Repeat, "Play the list again and again"),
-            (Repeat::Song, Icon::Repeat1, "Play this song again and again"),
+        for (repeat, mark, id, tip) in [
+            (Repeat::List, Icon::Repeat, "repeat/list", "Play the list again and again"),
+            (Repeat::Song, Icon::Repeat1, "repeat/song", "Play this song again and again"),
         ] {
             let on = listening.repeat() == repeat;
-            if ui.selectable_label(on, icon::text(mark)).on_hover_text(tip).clicked() {
+            let button = ui.selectable_label(on, icon::text(mark)).author_id(id);
+            if button.on_hover_text(tip).clicked() {
                 listening.set_repeat(if on { Repeat::Off } else { repeat });
             }
         }
@@ -169,7 +197,13 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
 }
 
-fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, notices: &mut Notices) {
+fn live(
+    ui: &mut Ui,
+    listening: &mut Listening,
+    inputs: &mut Devices,
+    preferences: &mut Preferences,
+    notices: &mut Notices,
+) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Live").strong());
         if inputs.looking.is_some() {
@@ -197,6 +231,7 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, notices: &
     }
     match chosen {
         Some((true, source)) => {
+            preferences.live_input = Some(source.name.clone());
             if let Err(why) = listening.listen_to(&source) {
                 notices.failed(why);
             }
@@ -204,10 +239,26 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, notices: &
         Some((false, _)) => listening.stop_listening(),
         None => {}
     }
+    strength(ui, listening, preferences);
     if listening.live().is_some() {
         for (channel, level) in meters::CHANNELS.into_iter().zip(listening.levels()) {
             meters::level(ui, channel, level);
         }
+    }
+}
+
+/// How strongly live input is heard.
+fn strength(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preferences) {
+    let tip = "How much louder live input is made; the meter shows it";
+    let slider = theme::slider(&mut preferences.live_gain_db, -MOST_GAIN_DB..=MOST_GAIN_DB);
+    let slider = theme::with_unit(slider, 1, "dB");
+    let gain = theme::wide_row(ui, VOLUME, "Gain", tip, |ui| ui.add(slider)).author_id("live-gain");
+    let tip = "What is soft looks soft: 0 dB moves the shapes fully. Otherwise the level is followed, and soft sound moves \
+               them, too";
+    let fixed = theme::checkbox(ui, &mut preferences.live_fixed_level, "Fixed level");
+    let fixed = fixed.author_id("live-fixed-level").on_hover_text(tip);
+    if gain.changed() || fixed.changed() {
+        listening.set_input(preferences.input());
     }
 }
 

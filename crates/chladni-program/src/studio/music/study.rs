@@ -1,10 +1,10 @@
 //! Songs of the playlist, read as a whole in the background: first their samples, then their beats.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 
-use chladni_sound::{Beats, Song, SongOptions, SongReader, SoundError, track_beats};
+use chladni_sound::{Beats, Song, SongOptions, SongReader, SongTags, SoundError, track_beats};
 use chladni_task::Task;
 
 use egui::{Context, TextureHandle};
@@ -14,10 +14,10 @@ use crate::work::{KnownSong, cover_of};
 
 /// A finding about a song.
 pub enum Learned {
-    /// The title in its tags.
-    Title(String),
-    /// The picture in its tags or beside it.
-    Cover(TextureHandle),
+    /// The contents of its tags.
+    Tags(SongTags),
+    /// The picture in its tags, or beside it in a file.
+    Cover(TextureHandle, Option<PathBuf>),
     /// Its samples.
     Song(KnownSong),
     /// Its beats.
@@ -45,9 +45,9 @@ impl Study {
             let tell = |learned| drop(teller.send(learned));
             let options = SongOptions::default();
             let song = SongReader::open(&path).and_then(|mut reader| {
-                reader.title().into_iter().for_each(|title| tell(Learned::Title(title)));
+                tell(Learned::Tags(reader.tags()));
                 if let Some(cover) = cover_of(&path, &mut reader) {
-                    tell(Learned::Cover(upload(&ctx, "cover", &cover)));
+                    tell(Learned::Cover(upload(&ctx, "cover", &cover.picture), cover.file));
                 }
                 Song::read(&mut reader, &options, &worker)
             });

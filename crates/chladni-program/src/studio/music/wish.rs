@@ -18,6 +18,8 @@ pub enum Wish {
     Choose(Then),
     /// Record the set as it is played, or end that.
     Record,
+    /// Let a person tap, to find how much later the picture is seen than the sound is heard.
+    Calibrate,
     /// Ask for a film of the dance.
     Film,
     /// Show the gallery, one item or the harmonics.

@@ -96,7 +96,7 @@ impl Title {
         let path = Path::new(song);
         // The player that opens the song reports its errors.
         let mut reader = SongReader::open(path).ok();
-        let cover = reader.as_mut().and_then(|reader| cover_of(path, reader));
+        let cover = reader.as_mut().and_then(|reader| cover_of(path, reader)).map(|cover| cover.picture);
         let stem = || path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         Self { text: reader.and_then(|mut reader| reader.title()).unwrap_or_else(stem), cover }
     }

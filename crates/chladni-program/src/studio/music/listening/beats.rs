@@ -15,7 +15,8 @@ impl Listening {
         if self.follows_clock() {
             return;
         }
-        let at_secs = self.clock.at_secs();
+        // A person taps to what is heard.
+        let at_secs = self.clock.at_secs() - self.ahead_secs();
         let stretch = self.hearing.stretch();
         let known = self.known_beats().and_then(|(number, beats)| {
             let song_secs = stretch?.song_secs_at(at_secs);
@@ -33,7 +34,8 @@ impl Listening {
     /// The beat half as fast.
     pub fn halve(&mut self) {
         if self.follows_clock() {
-            return self.outer.tempo.halve(self.last_secs);
+            let at_secs = self.shown_secs();
+            return self.outer.tempo.halve(at_secs);
         }
         match self.known_beats().map(|(number, _)| number) {
             Some(number) => {
@@ -46,7 +48,8 @@ impl Listening {
     /// The beat twice as fast.
     pub fn double(&mut self) {
         if self.follows_clock() {
-            return self.outer.tempo.double(self.last_secs);
+            let at_secs = self.shown_secs();
+            return self.outer.tempo.double(at_secs);
         }
         match self.known_beats().map(|(number, _)| number) {
             Some(number) => {

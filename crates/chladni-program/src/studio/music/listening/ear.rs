@@ -40,7 +40,10 @@ impl Listening {
         self.left.resize(window, 0.0);
         self.right.resize(window, 0.0);
         match &self.live {
-            Some(live) => live.capture.window(&mut self.left, &mut self.right),
+            Some(live) => {
+                live.capture.window(&mut self.left, &mut self.right);
+                [&mut self.left, &mut self.right].into_iter().for_each(|side| self.input.amplify(side));
+            }
             None => {
                 let late = self.ear.analyzer().lag_secs() * f64::from(self.ear.rate_hz());
                 let ahead = window / 2 + late as usize;
@@ -59,6 +62,7 @@ impl Listening {
         self.left.clear();
         self.right.clear();
         live.capture.take(&mut self.left, &mut self.right);
+        [&mut self.left, &mut self.right].into_iter().for_each(|side| self.input.amplify(side));
         if let Some(tee) = &mut self.tee {
             (tee.rate_hz, tee.until) = (live.capture.rate_hz(), None);
             tee.left.extend_from_slice(&self.left);

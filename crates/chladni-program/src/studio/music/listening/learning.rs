@@ -45,8 +45,8 @@ impl Listening {
                     }
                     self.beats_changed = true;
                 }
-                Learned::Title(title) => song.title = Some(title),
-                Learned::Cover(cover) => song.cover = Some(cover),
+                Learned::Tags(tags) => song.tags = tags,
+                Learned::Cover(cover, file) => (song.cover, song.cover_file) = (Some(cover), file),
                 Learned::Nothing(why) => {
                     song.given_up = true;
                     let message = "Until another song plays it is heard as live input is";

@@ -7,21 +7,24 @@ mod learning;
 mod live;
 mod outer;
 mod playlist;
+mod wanted;
 
 pub use ear::Loudness;
 pub use outer::Progress;
+pub use wanted::{Input, MOST_GAIN_DB};
 
 use std::path::{Path, PathBuf};
 
 use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Parameters, Stretch};
 use chladni_sound::{
-    Beats, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Spectrum, WavSample, sample_tune,
-    write_wav,
+    Beats, Level, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, SongTags, Spectrum, WavSample,
+    sample_tune, write_wav,
 };
 
 use egui::{Context, TextureHandle};
 use live::Live;
 use outer::Outer;
+use wanted::Wanted;
 
 use super::study::Study;
 use crate::work::source::TUNE;
@@ -32,6 +35,9 @@ use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
 pub struct Listening {
     player: Player,
     live: Option<Live>,
+    /// A live input that is looked for.
+    wanted: Option<Wanted>,
+    input: Input,
     clock: ShowClock,
     hearing: Hearing,
     /// The songs of the show, by number.
@@ -85,16 +91,18 @@ pub struct ShowSong {
     beats: Option<Beats>,
     /// It cannot be read as a whole.
     given_up: bool,
-    /// The title in its tags.
-    title: Option<String>,
+    /// The contents of its tags.
+    tags: SongTags,
     /// The cover in its tags, or beside it.
     cover: Option<TextureHandle>,
+    cover_file: Option<PathBuf>,
 }
 
 impl ShowSong {
     /// A song about which nothing is known yet.
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
-        Self { path, reading, beats: None, given_up: false, title: None, cover: None }
+        let (tags, cover, cover_file) = (SongTags::default(), None, None);
+        Self { path, reading, beats: None, given_up: false, tags, cover, cover_file }
     }
 }
 
@@ -119,6 +127,8 @@ impl Listening {
         let mut listening = Self {
             player,
             live: None,
+            wanted: None,
+            input: Input::default(),
             clock: ShowClock::default(),
             hearing: Hearing::default(),
             repertoire: Vec::new(),
@@ -270,6 +280,7 @@ impl Listening {
         let dt_secs = since_last_secs.clamp(1e-3, 0.25);
         self.last_secs = now_secs;
         self.keep_live(now_secs);
+        self.keep_wanted();
         let status = self.player.status();
         self.learn(&status);
         self.hearing.tune(self.clock.at_secs(), parameters);
@@ -299,7 +310,10 @@ impl Listening {
         }
         self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
-        self.ear.tune(if rate_hz > 0 { rate_hz } else { self.ear.rate_hz() }, parameters)?;
+        let rate_hz = if rate_hz > 0 { rate_hz } else { self.ear.rate_hz() };
+        let level = if self.live.is_some() { self.input.level() } else { Level::Auto };
+        self.ear.set_level(level);
+        self.ear.tune(rate_hz, parameters)?;
         if self.live.is_some() {
             self.take_live();
         } else if !has_beats {
@@ -347,7 +361,7 @@ impl Listening {
             return Framing::of_shot(shot, self.last_secs - since_secs);
         }
         if self.follows_clock() {
-            return self.director.at(self.last_secs);
+            return self.director.at(self.shown_secs());
         }
         if self.by_ear || self.known_beats().is_none() {
             return self.director.at(self.ear.follower.now_secs());

@@ -61,7 +61,7 @@ impl Listening {
     pub fn lock(&mut self, on: bool) {
         if on && !self.follows_clock() {
             let BeatMoment { tempo_bpm, .. } = self.beat_moment();
-            self.outer.tempo.set(tempo_bpm, self.last_beat.count, self.last_secs);
+            self.outer.tempo.set(tempo_bpm, self.last_beat.count, self.shown_secs());
             self.outer.was_followed = self.outer.tempo.is_known();
             self.film_anew();
         }
@@ -108,8 +108,9 @@ impl Listening {
             self.hearing.leave_clock(at_secs);
             return by_music;
         }
+        let shown_secs = self.shown_secs();
         let tempo = &mut self.outer.tempo;
-        let beat = tempo.at(self.last_secs);
+        let beat = tempo.at(shown_secs);
         // A show that is filmed later has these beats.
         self.hearing.follow_clock(at_secs, beat, tempo.bpm().unwrap_or(0.0), tempo.bar_offset());
         self.outer_beat = beat;
@@ -119,12 +120,13 @@ impl Listening {
     /// The bars to report: those of the clock where it is followed, with what `of_music` say of energy and sections.
     pub(super) fn bars_or(&mut self, of_music: Vec<BarLine>) -> Vec<BarLine> {
         let bars = if self.follows_clock() {
+            let shown_secs = self.shown_secs();
             let outer = &mut self.outer;
             if let Some(last) = of_music.last() {
                 self.progress.energy = last.energy;
             }
             outer.section_begins |= of_music.iter().any(|bar| bar.begins_section);
-            let bar = outer.tempo.bar(self.last_secs, self.progress.energy, outer.section_begins);
+            let bar = outer.tempo.bar(shown_secs, self.progress.energy, outer.section_begins);
             if let Some(bar) = bar {
                 outer.section_begins = false;
                 self.director.hear(bar);
@@ -142,14 +144,19 @@ impl Listening {
         let tempo_bpm = self.outer.tempo.bpm().filter(|_| self.follows_clock())?;
         let Beat { count, confidence } = self.outer_beat;
         let phase = count.rem_euclid(1.0);
-        let next_beat_secs = self.last_secs + (1.0 - phase) * 60.0 / tempo_bpm;
+        let next_beat_secs = self.shown_secs() + (1.0 - phase) * 60.0 / tempo_bpm;
         Some(BeatMoment { tempo_bpm, phase, next_beat_secs, confidence: f64::from(confidence) })
+    }
+
+    /// The time of the outer clock that the picture shows.
+    pub(super) fn shown_secs(&self) -> f64 {
+        self.last_secs + self.ahead_secs()
     }
 
     /// No beat goes back: the count goes on from that of the clock before.
     fn change_clock(&mut self, follows: bool) {
         if follows {
-            self.outer.tempo.go_on_from(self.last_beat.count, self.last_secs);
+            self.outer.tempo.go_on_from(self.last_beat.count, self.shown_secs());
         } else {
             self.ear.beats.gone = self.outer_beat.count.ceil();
             // Past actions are counted again in the beats of the song, where these are known.

@@ -1,11 +1,11 @@
 //! The songs, one after the other, how loud and where.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_sound::{PlayerState, Repeat};
 use egui::TextureHandle;
 
-use super::Listening;
+use super::{Listening, ShowSong};
 
 impl Listening {
     /// The playlist.
@@ -27,7 +27,12 @@ impl Listening {
 
     /// Puts the songs in an order by chance; the one that is heard comes first, and goes on.
     pub fn shuffle(&mut self, seed: u64) {
-        let heard = self.player.status().song.min(self.songs.len().saturating_sub(1));
+        self.shuffle_around(self.player.status().song, seed);
+        self.player.set_songs(self.songs.clone());
+    }
+
+    fn shuffle_around(&mut self, heard: usize, seed: u64) {
+        let heard = heard.min(self.songs.len().saturating_sub(1));
         self.songs.swap(0, heard);
         let mut state = seed;
         for last in (2..self.songs.len()).rev() {
@@ -35,7 +40,6 @@ impl Listening {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             self.songs.swap(last, 1 + (state >> 33) as usize % last);
         }
-        self.player.set_songs(self.songs.clone());
     }
 
     /// Takes a song out of the list; the last one makes room for the sample tune.
@@ -67,22 +71,47 @@ impl Listening {
         self.player.repeat(repeat);
     }
 
-    /// The title of a song of the list, once it has been heard and if it has one, or else its file's name.
+    /// Artist and title of a song of the list, once it has been heard and if it has them, or else its file's name.
     pub fn name_of(&self, song: usize) -> String {
-        let path = self.songs.get(song);
-        let title =
-            path.and_then(|path| self.repertoire.iter().find(|known| known.path == *path)?.title.clone());
-        if let Some(title) = title {
+        let title = self.title_of(song);
+        match self.artist_of(song).filter(|_| self.has_title(song)) {
+            Some(artist) => format!("{artist} – {title}"),
+            None => title,
+        }
+    }
+
+    /// Its title alone, or its file's name.
+    pub fn title_of(&self, song: usize) -> String {
+        if let Some(title) = self.known(song).and_then(|known| known.tags.title.clone()) {
             return title;
         }
-        let stem = path.and_then(|path| path.file_stem());
+        let stem = self.songs.get(song).and_then(|path| path.file_stem());
         stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// Who plays it, once it has been heard and if its tags say so.
+    pub fn artist_of(&self, song: usize) -> Option<&str> {
+        self.known(song)?.tags.artist.as_deref()
+    }
+
+    fn has_title(&self, song: usize) -> bool {
+        self.known(song).is_some_and(|known| known.tags.title.is_some())
+    }
+
+    /// What was learned of a song of the list.
+    fn known(&self, song: usize) -> Option<&ShowSong> {
+        let path = self.songs.get(song)?;
+        self.repertoire.iter().find(|known| known.path == *path)
     }
 
     /// The cover of a song of the list, once it has been heard and if it has one.
     pub fn cover_of(&self, song: usize) -> Option<&TextureHandle> {
-        let path = self.songs.get(song)?;
-        self.repertoire.iter().find(|known| known.path == *path)?.cover.as_ref()
+        self.known(song)?.cover.as_ref()
+    }
+
+    /// The file of its cover, where that lies beside it.
+    pub fn cover_file_of(&self, song: usize) -> Option<&Path> {
+        self.known(song)?.cover_file.as_deref()
     }
 
     /// The cover of the song that is heard.
@@ -112,6 +141,16 @@ impl Listening {
         self.player.set_crossfade_secs(secs);
     }
 
+    /// Draws pictures so far ahead of what is heard, since they are seen so much later; behind it where negative.
+    pub fn show_ahead(&mut self, secs: f64) {
+        self.player.show_ahead(secs);
+    }
+
+    /// How far ahead of what is heard the moment of [`hear`](Self::hear) lies. Live input is not known before it is heard.
+    pub fn ahead_secs(&self) -> f64 {
+        if self.live.is_some() { 0.0 } else { self.player.shown_ahead_secs() }
+    }
+
     /// The device that was chosen; `None` is the system's own.
     pub fn device(&self) -> Option<&str> {
         self.device.as_deref()
@@ -132,6 +171,57 @@ impl Listening {
             self.player.pause();
         } else {
             self.player.play();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use chladni_music::Parameters;
+
+    use super::*;
+
+    fn listening() -> Listening {
+        Listening::start(&egui::Context::default(), 1.0, None).unwrap()
+    }
+
+    #[test]
+    fn what_dances_is_the_moment_ahead_of_the_one_that_is_heard() {
+        let mut listening = listening();
+        let mut hear = |listening: &mut Listening, now_secs: f64| {
+            let heard = listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            heard.at_secs
+        };
+        while listening.player().status().position_secs < 0.3 {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        listening.player().pause();
+        // The position stands once the pause has reached the device.
+        std::thread::sleep(std::time::Duration::from_millis(400));
+        hear(&mut listening, 1.0);
+        let before = hear(&mut listening, 1.0);
+        listening.show_ahead(0.125);
+        assert_eq!(listening.ahead_secs(), 0.125);
+        let after = hear(&mut listening, 1.0);
+        assert!((after - before - 0.125).abs() < 1e-6, "{before} {after}");
+        let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
+        listening.listen_on(capture, "feed".into());
+        assert_eq!(listening.ahead_secs(), 0.0, "live input is not known before it is heard");
+    }
+
+    #[test]
+    fn a_shuffled_list_has_each_song_once_and_begins_with_the_one_that_is_heard() {
+        let mut listening = listening();
+        let songs: Vec<PathBuf> = (0..40).map(|n| PathBuf::from(format!("{n}.flac"))).collect();
+        for (heard, seed) in [(0, 1), (7, 2), (39, 3), (7, 4)] {
+            listening.songs.clone_from(&songs);
+            listening.shuffle_around(heard, seed);
+            assert_eq!(listening.songs[0], songs[heard]);
+            assert_eq!(listening.songs.iter().collect::<HashSet<_>>(), songs.iter().collect());
+            assert_eq!(listening.songs.len(), songs.len());
+            assert_ne!(listening.songs[1..], songs[1..]);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The program as a player on the bus, as MPRIS 2.2 describes it.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex};
 
@@ -16,6 +17,20 @@ const SONGS: &str = "/org/chladni/song";
 /// A time as the bus counts it.
 pub(super) fn micros(secs: f64) -> i64 {
     (1e6 * secs) as i64
+}
+
+/// A file as the bus names it: bytes that an address cannot have are numbers (RFC 3986).
+fn address(file: &Path) -> String {
+    let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+    let mut address = "file://".to_owned();
+    for byte in file.as_os_str().as_encoded_bytes() {
+        match byte {
+            b'/' | b'-' | b'.' | b'_' | b'~' => address.push(char::from(*byte)),
+            _ if byte.is_ascii_alphanumeric() => address.push(char::from(*byte)),
+            _ => address += &format!("%{byte:02X}"),
+        }
+    }
+    address
 }
 
 fn track(song: usize) -> String {
@@ -141,6 +156,12 @@ impl Player {
         }
         if let Some(secs) = self.playing.duration_secs {
             told.insert("mpris:length", micros(secs).into());
+        }
+        if let Some(artist) = &self.playing.artist {
+            told.insert("xesam:artist", vec![artist.as_str()].into());
+        }
+        if let Some(cover) = &self.playing.cover {
+            told.insert("mpris:artUrl", address(cover).into());
         }
         told
     }

@@ -1,5 +1,6 @@
 //! The beat for other programs, as OSC messages to an address.
 
+use std::collections::VecDeque;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::{Duration, Instant};
 
@@ -27,6 +28,8 @@ pub struct Now<'a> {
     pub progress: Progress,
     /// The middle of the sound, from low to high.
     pub bands: &'a [f32],
+    /// How far ahead of what is heard all this is, since the picture is seen late. Others see no picture.
+    pub ahead_secs: f64,
 }
 
 /// The last state that was sent.
@@ -97,6 +100,8 @@ pub struct BeatOut {
     socket: UdpSocket,
     found: Found,
     last: Sent,
+    /// What is sent once it is heard.
+    waiting: VecDeque<(f64, OscMessage)>,
     /// Why nothing is sent, or why the last packet could not be.
     pub failure: Option<Error>,
 }
@@ -115,13 +120,16 @@ impl BeatOut {
         // A network that is busy costs a message, not a frame.
         socket.set_nonblocking(true)?;
         let found = Found::NotYet(look_up(address, ctx));
-        Ok(Self { address: address.to_owned(), socket, found, last: Sent::default(), failure: None })
+        let (last, waiting) = (Sent::default(), VecDeque::new());
+        Ok(Self { address: address.to_owned(), socket, found, last, waiting, failure: None })
     }
 
-    /// Sends all changes, once the address is found.
+    /// Sends all changes that are heard by now, once the address is found.
     pub fn tell(&mut self, now: &Now<'_>, ctx: &egui::Context) {
         let Some(to) = self.found(ctx) else { return };
-        for message in self.last.messages(now) {
+        let due_secs = now.at_secs + now.ahead_secs.max(0.0);
+        self.waiting.extend(self.last.messages(now).into_iter().map(|message| (due_secs, message)));
+        while let Some((_, message)) = self.waiting.pop_front_if(|(due_secs, _)| *due_secs <= now.at_secs) {
             let packet = encoder::encode(&OscPacket::Message(message));
             let sent = packet
                 .map_err(|why| Error::other(why.to_string()))
@@ -182,6 +190,7 @@ mod tests {
                 tempo_bpm: 120.0,
                 progress,
                 bands: &bands,
+                ahead_secs: 0.0,
             };
             sent.extend(last.messages(&now).into_iter().map(|message| (at_secs, message)));
         }
@@ -218,9 +227,14 @@ mod tests {
         let ctx = egui::Context::default();
         let mut out = BeatOut::to(&format!("localhost:{port}"), &ctx).unwrap();
         let beat = Beat { count: 3.5, confidence: 1.0 };
-        let now =
-            Now { at_secs: 1.0, beat, tempo_bpm: 98.5, progress: Progress::default(), bands: &[0.25; 16] };
+        let progress = Progress::default();
+        // The picture is a quarter of a second ahead: what it shows is sent when it is heard.
+        let now = Now { at_secs: 1.0, beat, tempo_bpm: 98.5, progress, bands: &[0.25; 16], ahead_secs: 0.25 };
         until_found(&mut out, &now);
+        let waiting = out.waiting.len();
+        assert!(waiting > 0 && out.waiting.iter().all(|(due_secs, _)| *due_secs == 1.25));
+        out.tell(&Now { at_secs: 1.25, ..now }, &ctx);
+        assert!(out.waiting.iter().all(|(due_secs, _)| *due_secs == 1.5));
         let mut packet = [0u8; 1500];
         let length = ear.recv(&mut packet).unwrap();
         let (_, read) = rosc::decoder::decode_udp(&packet[..length]).unwrap();
@@ -239,6 +253,7 @@ mod tests {
             tempo_bpm: 98.5,
             progress: Progress::default(),
             bands: &[],
+            ahead_secs: 0.0,
         };
         until_found(&mut out, &now);
         assert!(out.failure.as_ref().is_some_and(|why| why.to_string().starts_with("nowhere: ")));

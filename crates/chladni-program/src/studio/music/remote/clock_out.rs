@@ -67,7 +67,8 @@ impl ClockSender {
         let device = device.filter(|_| now.tempo_bpm > 0.0 && now.beat.confidence >= SURE);
         let given = device.map(|device| Given {
             device: device.to_owned(),
-            count: now.beat.count,
+            // Others keep to what is heard.
+            count: now.beat.count - now.ahead_secs * now.tempo_bpm / 60.0,
             per_sec: now.tempo_bpm / 60.0,
             at: Instant::now(),
         });

@@ -1,0 +1,256 @@
+//! A person taps to clicks, then to flashes, and learns how much later the picture is seen than the sound is heard.
+
+use chladni_music::{
+    CALIBRATION_PERIOD_SECS, CALIBRATION_TAPS, Calibration, Latency, MusicError, Signal, calibration_flash,
+};
+use chladni_sound::{Player, PlayerSettings, PlayerState, Repeat, WavSample, clicks, write_wav};
+use egui::{Align, Color32, Event, Id, Key, Layout, Order, Rect, RichText, Sense, Ui, vec2};
+
+use super::MusicRoom;
+use super::listening::Listening;
+use super::preferences::Preferences;
+use crate::studio::author_id::AuthorId;
+use crate::studio::room::Shared;
+use crate::studio::theme;
+use crate::work::Error;
+
+/// Of the clicks, which are repeated.
+const CLICKS_HZ: u32 = 48_000;
+const CLICKS: usize = 16;
+/// After a change from clicks to flashes, taps still follow the clicks.
+const REST_SECS: f64 = 1.5;
+/// Keys that tap.
+const KEYS: [Key; 3] = [Key::Space, Key::Enter, Key::T];
+/// Of the words at the lower edge.
+const WORDS: f32 = 150.0;
+
+/// The clicks and flashes, and the taps so far.
+pub struct Calibrating {
+    /// On the same device as the songs.
+    player: Player,
+    /// Songs played before.
+    resumes: bool,
+    taps: Calibration,
+    signal: Signal,
+    /// Taps count from then on.
+    from_secs: f64,
+    leaves: bool,
+    _folder: tempfile::TempDir,
+}
+
+/// What the person wants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Choice {
+    Leave,
+    Again,
+    Use,
+}
+
+impl Calibrating {
+    /// Pauses the song and begins to click.
+    fn begin(listening: &mut Listening, preferences: &Preferences) -> Result<Self, Error> {
+        let folder = tempfile::tempdir().map_err(|why| Error::other(format!("no room for clicks: {why}")))?;
+        let path = folder.path().join("clicks.wav");
+        write_wav(&path, &clicks(CLICKS_HZ, CALIBRATION_PERIOD_SECS, CLICKS), WavSample::Int16)?;
+        let (device, volume) = (preferences.output_device.clone(), listening.volume());
+        let player = Player::start(PlayerSettings { device, volume, audible: true })?;
+        let resumes = listening.plays_songs();
+        listening.player().pause();
+        player.repeat(Repeat::List);
+        player.play_list(vec![path]);
+        Ok(Self {
+            player,
+            resumes,
+            taps: Calibration::default(),
+            signal: Signal::Click,
+            from_secs: 0.0,
+            leaves: false,
+            _folder: folder,
+        })
+    }
+
+    /// Takes the keys that tap, and Escape: they do nothing else then. What is done has buttons, which need them.
+    pub fn take_keys(&mut self, ctx: &egui::Context) {
+        let now_secs = ctx.input(|input| input.time);
+        self.leaves |= ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
+        if !self.is_done() {
+            (0..ctx.input_mut(taken)).for_each(|_| self.tap(now_secs));
+        }
+    }
+
+    /// A tap at `now_secs` of the window.
+    pub fn tap(&mut self, now_secs: f64) {
+        if now_secs < self.from_secs || self.is_done() {
+            return;
+        }
+        let after_secs = match self.signal {
+            // A click lies in the middle of its period.
+            Signal::Click => self.player.status().position_secs - 0.5 * CALIBRATION_PERIOD_SECS,
+            Signal::Flash => now_secs,
+        };
+        self.taps.tap(self.signal, after_secs);
+        if self.signal == Signal::Click && self.taps.count(Signal::Click) >= CALIBRATION_TAPS {
+            self.player.pause();
+            (self.signal, self.from_secs) = (Signal::Flash, now_secs + REST_SECS);
+        }
+    }
+
+    fn is_done(&self) -> bool {
+        self.signal == Signal::Flash && self.taps.count(Signal::Flash) >= CALIBRATION_TAPS
+    }
+
+    fn again(&mut self) {
+        (self.taps, self.signal, self.from_secs) = (Calibration::default(), Signal::Click, 0.0);
+        self.player.play();
+    }
+
+    /// How bright the field is.
+    fn light(&self, now_secs: f64) -> f32 {
+        if self.signal == Signal::Flash && !self.is_done() { calibration_flash(now_secs) } else { 0.0 }
+    }
+
+    /// Draws all over the window; what was chosen.
+    fn show(&mut self, ui: &mut Ui, whole: Rect) -> Option<Choice> {
+        let now_secs = ui.input(|input| input.time);
+        let light = (255.0 * self.light(now_secs)).round() as u8;
+        let field = ui.allocate_rect(whole, Sense::click());
+        ui.painter().rect_filled(whole, 0.0, Color32::from_gray(light));
+        field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Tap"));
+        let field = field.author_id("calibrate/tap");
+        let (pressed, released) =
+            ui.input(|input| (input.pointer.primary_pressed(), input.pointer.any_released()));
+        // When it is pressed counts; what clicks without a pointer has no other moment.
+        let taps = if pressed { field.contains_pointer() } else { field.clicked() && !released };
+        if taps {
+            self.tap(now_secs);
+        }
+        let words = Rect::from_min_max(whole.left_bottom() - vec2(0.0, WORDS), whole.right_bottom());
+        let mut chosen = None;
+        ui.scope_builder(
+            egui::UiBuilder::new().max_rect(words).layout(Layout::top_down(Align::Center)),
+            |ui| {
+                ui.painter().rect_filled(words, 0.0, ui.visuals().panel_fill);
+                ui.add_space(theme::GAP);
+                chosen = self.words(ui);
+            },
+        );
+        chosen
+    }
+
+    fn words(&self, ui: &mut Ui) -> Option<Choice> {
+        let line = |ui: &mut Ui, text: String| ui.label(RichText::new(text).size(16.0));
+        if self.is_done() {
+            let latency = self.taps.latency();
+            line(ui, outcome(&latency));
+            return buttons(ui, latency.is_ok());
+        }
+        line(ui, asked(self.signal).to_owned());
+        line(ui, format!("{} of {CALIBRATION_TAPS}", self.taps.count(self.signal)));
+        if self.player.status().device.is_none() {
+            line(ui, "There is no sound device: no click is heard.".to_owned());
+        }
+        buttons(ui, false)
+    }
+}
+
+fn asked(signal: Signal) -> &'static str {
+    match signal {
+        Signal::Click => "Tap the space bar, or anywhere here, with each click. There is nothing to see yet.",
+        Signal::Flash => "Now tap with each flash. There is nothing to hear.",
+    }
+}
+
+fn outcome(latency: &Result<Latency, MusicError>) -> String {
+    match latency {
+        Ok(Latency { secs, spread_secs }) => {
+            let (late_ms, spread_ms) = (1e3 * secs, 1e3 * spread_secs);
+            let which = if late_ms < 0.0 { "earlier" } else { "later" };
+            format!(
+                "The picture is seen {:.0} ms {which} than the sound is heard (± {spread_ms:.0} ms).",
+                late_ms.abs()
+            )
+        }
+        Err(why) => format!("This cannot be used: {why}."),
+    }
+}
+
+fn buttons(ui: &mut Ui, usable: bool) -> Option<Choice> {
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        ui.add_space(0.5 * (ui.available_width() - 260.0).max(0.0));
+        let choices = [
+            (Choice::Use, "use", "Use it"),
+            (Choice::Again, "again", "Again"),
+            (Choice::Leave, "cancel", "Cancel"),
+        ];
+        for (choice, id, name) in choices {
+            let button = ui.add_enabled(usable || choice != Choice::Use, egui::Button::new(name));
+            if button.author_id(format!("calibrate/{id}")).clicked() {
+                chosen = Some(choice);
+            }
+        }
+    });
+    chosen
+}
+
+impl MusicRoom {
+    /// Lets a person tap.
+    pub(super) fn calibrate(&mut self, shared: &mut Shared<'_>) {
+        let Some(listening) = self.listening.as_mut().filter(|_| self.calibrating.is_none()) else { return };
+        match Calibrating::begin(listening, &shared.settings.music) {
+            Ok(calibrating) => self.calibrating = Some(calibrating),
+            Err(why) => shared.notices.failed(why),
+        }
+    }
+
+    /// Draws clicks and flashes while a person taps to them, and keeps what comes of it.
+    pub(super) fn follow_taps(&mut self, shared: &mut Shared<'_>) {
+        let (Some(calibrating), Some(listening)) = (&mut self.calibrating, &mut self.listening) else {
+            return;
+        };
+        let ctx = &shared.ctx;
+        ctx.request_repaint();
+        let whole = ctx.content_rect();
+        let area = egui::Area::new(Id::unique("calibrating")).order(Order::Foreground).fixed_pos(whole.min);
+        let chosen = area.show(ctx, |ui| calibrating.show(ui, whole)).inner;
+        match chosen.or(calibrating.leaves.then_some(Choice::Leave)) {
+            None => return,
+            Some(Choice::Again) => return calibrating.again(),
+            Some(Choice::Leave) => {}
+            Some(Choice::Use) => {
+                if let Ok(latency) = calibrating.taps.latency() {
+                    shared.settings.music.set_late_ms((1e3 * latency.secs).round() as i32);
+                    listening.show_ahead(1e-3 * f64::from(shared.settings.music.late_ms()));
+                }
+            }
+        }
+        if calibrating.resumes && listening.player().status().state == PlayerState::Paused {
+            listening.player().play();
+        }
+        self.calibrating = None;
+    }
+}
+
+/// How many keys that tap were pressed; they are taken out.
+fn taken(input: &mut egui::InputState) -> usize {
+    let mut taps = 0;
+    input.events.retain(|event| {
+        let Event::Key { key, pressed: true, repeat, .. } = event else { return true };
+        taps += usize::from(KEYS.contains(key) && !repeat);
+        !KEYS.contains(key)
+    });
+    taps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_outcome_says_which_of_the_two_is_late() {
+        let of = |secs| outcome(&Ok(Latency { secs, spread_secs: 0.006 }));
+        assert_eq!(of(0.083), "The picture is seen 83 ms later than the sound is heard (± 6 ms).");
+        assert!(of(-0.12).contains("120 ms earlier"));
+        assert!(outcome(&Calibration::default().latency()).contains("at least 8 taps"));
+    }
+}

@@ -1,0 +1,166 @@
+//! A live input that is asked for by its name, and how it is heard: how strongly, and at which level.
+
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use chladni_sound::{CaptureSource, Level, SoundError, capture_sources};
+use egui::Context;
+
+use super::Listening;
+
+/// Live input can be made so much louder or softer.
+pub const MOST_GAIN_DB: f32 = 24.0;
+
+/// How live input is heard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Input {
+    /// Of its amplitude.
+    gain: f32,
+    level: Level,
+}
+
+impl Default for Input {
+    fn default() -> Self {
+        Self { gain: 1.0, level: Level::Auto }
+    }
+}
+
+impl Input {
+    /// Louder by so many decibels, and at its own level where that is fixed.
+    pub fn new(gain_db: f32, is_fixed: bool) -> Self {
+        let gain_db = if gain_db.is_finite() { gain_db.clamp(-MOST_GAIN_DB, MOST_GAIN_DB) } else { 0.0 };
+        let level = if is_fixed { Level::Fixed(1.0) } else { Level::Auto };
+        Self { gain: 10f32.powf(0.05 * gain_db), level }
+    }
+
+    /// The level that the ear follows.
+    pub(super) fn level(&self) -> Level {
+        self.level
+    }
+
+    pub(super) fn amplify(&self, samples: &mut [f32]) {
+        if self.gain != 1.0 {
+            samples.iter_mut().for_each(|sample| *sample *= self.gain);
+        }
+    }
+}
+
+/// Sources are looked for on a thread of its own: sound systems answer slowly.
+pub(super) struct Wanted {
+    name: String,
+    answer: Receiver<Result<Option<CaptureSource>, SoundError>>,
+}
+
+impl Listening {
+    /// How live input is heard from now on.
+    pub fn set_input(&mut self, input: Input) {
+        self.input = input;
+    }
+
+    /// Live input of this name, or the songs again where it is heard.
+    pub fn toggle_live(&mut self, name: Option<&str>, ctx: &Context) {
+        if self.live.is_some() {
+            return self.stop_listening();
+        }
+        match name {
+            Some(name) => self.listen_to_named(name, ctx),
+            None => {
+                self.warnings.push("No live input was chosen yet: choose one in the drawer Songs.".into())
+            }
+        }
+    }
+
+    /// Looks for a live input, and listens to it once it is found.
+    pub fn listen_to_named(&mut self, name: &str, ctx: &Context) {
+        let (send, answer) = channel();
+        let (wanted, ctx) = (name.to_owned(), ctx.clone());
+        let look = move || {
+            let found = capture_sources().map(|all| all.into_iter().find(|source| source.name == wanted));
+            // Another one may be wanted meanwhile.
+            let _ = send.send(found);
+            ctx.request_repaint();
+        };
+        match std::thread::Builder::new().name("live input".into()).spawn(look) {
+            Ok(_) => self.wanted = Some(Wanted { name: name.to_owned(), answer }),
+            Err(why) => self.warnings.push(format!("{name} cannot be looked for: {why}")),
+        }
+    }
+
+    /// Listens to the source that was looked for, or says why not.
+    pub(super) fn keep_wanted(&mut self) {
+        let Some(wanted) = &self.wanted else { return };
+        let found = match wanted.answer.try_recv() {
+            Err(TryRecvError::Empty) => return,
+            Err(TryRecvError::Disconnected) => Ok(None),
+            Ok(found) => found,
+        };
+        let name = self.wanted.take().map(|wanted| wanted.name).unwrap_or_default();
+        match found {
+            Ok(Some(source)) => {
+                if let Err(why) = self.listen_to(&source) {
+                    self.warnings.push(why.to_string());
+                }
+            }
+            Ok(None) => self.warnings.push(format!("{name} is not there: choose another live input.")),
+            Err(why) => self.warnings.push(format!("{name}: {why}")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_music::Parameters;
+    use chladni_sound::Capture;
+
+    use super::*;
+
+    #[test]
+    fn live_input_is_as_loud_as_its_gain_says() {
+        let mut samples = [0.1, -0.2];
+        Input::new(20.0, false).amplify(&mut samples);
+        assert!((samples[0] - 1.0).abs() < 1e-6 && (samples[1] + 2.0).abs() < 1e-6);
+        assert_eq!(Input::new(f32::NAN, false), Input::default());
+        assert_eq!(Input::new(99.0, true).gain, Input::new(MOST_GAIN_DB, true).gain);
+        assert_eq!(Input::new(0.0, true).level(), Level::Fixed(1.0));
+    }
+
+    #[test]
+    fn a_fixed_level_shows_what_is_soft_as_soft() {
+        let ctx = Context::default();
+        // The loudest band of a soft tone, as it is heard.
+        let heard = |gain_db: f32, is_fixed: bool| {
+            let mut listening = Listening::start(&ctx, 1.0, None).unwrap();
+            let (capture, mut feed) = Capture::fed(48_000).unwrap();
+            listening.listen_on(capture, "feed".into());
+            listening.set_input(Input::new(gain_db, is_fixed));
+            let tone: Vec<f32> = (0..24_000u16)
+                .map(|n| 0.01 * (f32::from(n) * std::f32::consts::TAU * 440.0 / 48_000.0).sin())
+                .collect();
+            for (frame, block) in tone.chunks(800).enumerate() {
+                feed.push(block, block);
+                let now_secs = 1.0 + frame as f64 / 60.0;
+                listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            }
+            let loudest = listening.spectrum().0.mid.iter().fold(0.0f32, |most, band| most.max(*band));
+            (loudest, listening.levels()[0].peak)
+        };
+        let (auto, fixed, louder) = (heard(0.0, false), heard(0.0, true), heard(20.0, true));
+        assert!(auto.0 > 0.3 && fixed.0 < 0.05, "{auto:?} {fixed:?}");
+        assert!((louder.0 / fixed.0 - 10.0).abs() < 0.1, "{louder:?} {fixed:?}");
+        assert!((fixed.1 - 0.01).abs() < 1e-3 && (louder.1 - 0.1).abs() < 1e-2);
+    }
+
+    #[test]
+    fn an_input_that_is_not_there_is_named() {
+        let ctx = Context::default();
+        let mut listening = Listening::start(&ctx, 1.0, None).unwrap();
+        listening.toggle_live(None, &ctx);
+        assert!(listening.messages().iter().any(|said| said.contains("drawer Songs")));
+        listening.toggle_live(Some("no such input"), &ctx);
+        while listening.wanted.is_some() {
+            listening.keep_wanted();
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        assert!(listening.live().is_none());
+        assert!(listening.messages().iter().any(|said| said.starts_with("no such input")));
+    }
+}

@@ -1,0 +1,60 @@
+//! A person taps to clicks and flashes.
+
+use super::*;
+
+/// Taps at whole seconds of the window's clock and `after_secs`, until the words change.
+fn tap_to_flashes(window: &mut Window, after_secs: f64) {
+    let begun = window.ctx.input(|input| input.time).ceil() + 2.0;
+    for tap in 0..40 {
+        if !shows(window, "Now tap with each flash") {
+            break;
+        }
+        window.key_press(Key::Space);
+        window.input_mut().time = Some(begun + f64::from(tap) + after_secs);
+        window.run_steps(1);
+    }
+    window.input_mut().time = None;
+    window.run_steps(2);
+}
+
+#[test]
+fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = folders(folder.path());
+    let settings = folders.settings.clone().unwrap();
+    let mut window = enter(Opening { folders, ..Opening::default() });
+    click(&mut window, "drawer/songs");
+    control(&window, "calibrate").click_accesskit();
+    window.run_steps(2);
+    assert!(shows(&window, "with each click"));
+    let playing =
+        |window: &Window| control(window, "play").accesskit_node().label().as_deref() == Some("Pause");
+    wait(&mut window, "the song's pause", |w| !playing(w));
+    // All of them fall on almost the same place of one click.
+    for _ in 0..200 {
+        if shows(&window, "Now tap with each flash") {
+            break;
+        }
+        window.key_press(Key::Space);
+        window.run_steps(1);
+    }
+    // The taps came at some place of a second; one of these is less than half a second away from it.
+    tap_to_flashes(&mut window, 0.0);
+    screenshot(&mut window, "calibrated.png");
+    if shows(&window, "This cannot be used") {
+        click(&mut window, "calibrate/cancel");
+    } else {
+        assert!(shows(&window, "than the sound is heard"));
+        click(&mut window, "calibrate/use");
+        let kept =
+            || std::fs::read_to_string(&settings).is_ok_and(|text| text.contains("[music.picture_late_ms]"));
+        wait(&mut window, "that it is kept", |_| kept());
+    }
+    assert!(!is_there(&window, "calibrate/tap"));
+    wait(&mut window, "the song", playing);
+    control(&window, "calibrate").click_accesskit();
+    window.run_steps(2);
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(!is_there(&window, "calibrate/tap"));
+}
