@@ -17,6 +17,7 @@ pub struct Autosave {
     orders: Option<Sender<Order>>,
     reports: Receiver<Result<(), CaricatureError>>,
     thread: Option<JoinHandle<()>>,
+    interval_secs: f64,
     /// The project in the copy; `None` where there is no copy.
     kept: Option<Project>,
     last_secs: f64,
@@ -35,6 +36,11 @@ enum Order {
 impl Autosave {
     /// Copies go to `folder`; fails where it cannot be written.
     pub fn start(folder: &Path) -> Result<Self, Error> {
+        Self::every(INTERVAL_SECS, folder)
+    }
+
+    /// The same, with another time between two copies.
+    fn every(interval_secs: f64, folder: &Path) -> Result<Self, Error> {
         let recovery = Recovery::start(folder, std::process::id())?;
         let ((orders, inbox), (report, reports)) = (channel(), channel());
         let thread = std::thread::Builder::new()
@@ -42,7 +48,8 @@ impl Autosave {
             .spawn(move || work(recovery, &inbox, &report))
             .map_err(|error| Error::other(format!("no thread to keep copies on: {error}")))?;
         let last_secs = f64::NEG_INFINITY;
-        Ok(Self { orders: Some(orders), reports, thread: Some(thread), kept: None, last_secs, failure: None })
+        let (orders, thread) = (Some(orders), Some(thread));
+        Ok(Self { orders, reports, thread, interval_secs, kept: None, last_secs, failure: None })
     }
 
     /// Keeps the project where it has unsaved changes that no copy holds yet, or drops the copy
@@ -54,7 +61,7 @@ impl Autosave {
             if self.kept.take().is_some() {
                 self.order(Order::Clear);
             }
-        } else if self.is_behind(history) && now_secs - self.last_secs >= INTERVAL_SECS {
+        } else if self.is_behind(history) && now_secs - self.last_secs >= self.interval_secs {
             let project = history.project().clone();
             self.order(Order::Keep(Box::new(project.clone()), path.map(Path::to_owned)));
             (self.kept, self.last_secs) = (Some(project), now_secs);
@@ -83,7 +90,7 @@ impl Autosave {
 
     /// Seconds until [`tick`](Self::tick) has something to keep; `None` where it has nothing.
     pub fn due_secs(&self, history: &History, now_secs: f64) -> Option<f64> {
-        self.is_behind(history).then(|| (self.last_secs + INTERVAL_SECS - now_secs).max(0.0))
+        self.is_behind(history).then(|| (self.last_secs + self.interval_secs - now_secs).max(0.0))
     }
 
     /// The next [`tick`](Self::tick) keeps all changes, however soon.
@@ -146,6 +153,9 @@ fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<Result<(), 
         }
     }
 }
+
+#[cfg(test)]
+mod crash_tests;
 
 #[cfg(test)]
 mod tests {
