@@ -147,9 +147,9 @@ fn show_stage(
     // Parts and the lasso need no ring but the smallest, which points at them.
     let takes_wholes = limbs.is_some() || brush.lasso.active;
     let radius = if takes_wholes { 0.005 } else { f64::from(brush.radius) };
-    let in_hand = brush
-        .active
-        .then(|| BrushInHand { brush: Brush { radius, mirror }, surface: session.stack.surface() });
+    let surface = session.stack.surface();
+    let held = Brush { radius, hardness: f64::from(brush.hardness), mirror };
+    let in_hand = brush.active.then_some(BrushInHand { brush: held, surface });
     let StageResponse { response, presses, figure } = stage.show(ui, rect, look, in_hand)?;
     if let Some((layer, hand)) = session.selected.zip(in_hand).filter(|_| brush.lasso.active) {
         if let Some(line) = brush.lasso.follow(ui, &response) {

@@ -126,7 +126,7 @@ mod tests {
         };
         let alone = PaintEdit::Set(Painted::Vertices([0.0, 1.0, 1.0, 0.0].into()));
         assert_eq!(taken(&[1], false, Modifiers::NONE), Some(alone));
-        let dab = |erase: bool| Some(PaintEdit::Dab(Dab { vertices: vec![1, 2], intensity: 1.0, erase }));
+        let dab = |erase: bool| Some(PaintEdit::Dab(Dab::even(vec![1, 2], 1.0, erase)));
         assert_eq!(taken(&[1], false, Modifiers::SHIFT), dab(false));
         assert_eq!(taken(&[1], true, Modifiers::NONE), dab(true));
         assert_eq!(taken(&[], false, Modifiers::NONE), None);

@@ -329,7 +329,7 @@ impl Stage {
         self.brushed = stroke.map(|(_, pointed)| pointed.at);
         let trail = match (stroke, from) {
             (Some((hand, pointed)), Some(from)) => {
-                self.trail(from, pointed, touch, 0.5 * hand.brush.radius as f32)
+                self.trail(from, pointed, touch, hand.brush.spacing() as f32)
             }
             _ => Vec::new(),
         };
