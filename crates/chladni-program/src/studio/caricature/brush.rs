@@ -125,8 +125,8 @@ impl BrushTool {
             return; // Alt and drag turns the view.
         }
         let primary = egui::PointerButton::Primary;
-        if let Some(limbs) = limbs {
-            if response.clicked_by(primary) {
+        if self.limbs.active {
+            if let Some(limbs) = limbs.filter(|_| response.clicked_by(primary)) {
                 self.limbs.take(limbs, layer, self.erase ^ modifiers.ctrl, modifiers, edits);
             }
             return;
