@@ -301,7 +301,10 @@ function hold(tool) {
   of("picture").style.cursor = tool === "turn" ? "grab" : "crosshair";
   takeBrush();
 }
-const takeBrush = () => sitting?.set_brush(Number(of("brush-size").value), of("erase").checked, of("both-sides").checked);
+const takeBrush = () => {
+  const [size, hardness] = ["brush-size", "brush-hardness"].map((id) => Number(of(id).value));
+  sitting?.set_brush(size, hardness, of("erase").checked, of("both-sides").checked);
+};
 
 /** What a pointer does on the figure. */
 export const tool = {
@@ -409,7 +412,7 @@ export function listen() {
   of("model").addEventListener("change", () => set({ model: of("model").value }));
   of("curve").addEventListener("change", attempt(() => { sitting.set_curve(state.selected, of("curve").value); return changed(); }));
   for (const name of ["turn", "parts", "brush"]) on(`hold-${name}`, () => { hold(name); refresh(); });
-  for (const id of ["brush-size", "erase", "both-sides"]) of(id).addEventListener("change", takeBrush);
+  for (const id of ["brush-size", "brush-hardness", "erase", "both-sides"]) of(id).addEventListener("change", takeBrush);
   on("everywhere", () => paint({ set: "everywhere" }));
   on("invert", () => paint("invert"));
   of("parts-of").addEventListener("change", attempt(findParts));

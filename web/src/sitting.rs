@@ -6,7 +6,6 @@ mod files;
 mod hanging;
 mod landmarks;
 mod matches;
-mod parts;
 mod pointing;
 mod scale;
 mod seeing;
@@ -25,7 +24,6 @@ use wasm_bindgen::prelude::*;
 
 use self::hanging::Hanging;
 use self::landmarks::Landmarks;
-use self::parts::Parts;
 use self::pointing::Tool;
 use self::seeing::Heat;
 pub use self::seeing::{color_maps, quantities};

@@ -35,6 +35,8 @@ impl fmt::Debug for Seen<'_> {
 pub struct Brush {
     /// Radius along the displayed surface, working frame.
     pub radius: f64,
+    /// The share of the radius within which it paints in full, in [0, 1]: 1 has a hard edge, less fades out smoothly.
+    pub hardness: f64,
     /// Covers the mirrored place too. The plane is one of the shape at rest.
     pub mirror: Option<MirrorPlane>,
 }
@@ -44,6 +46,8 @@ pub struct Brush {
 pub struct Reach {
     /// The brush's radius.
     pub radius: f64,
+    /// How far from its center it paints in full.
+    pub core: f64,
     /// Vertices within the radius and their neighbors, ascending, each with its distance from the
     /// brush's center along the surface.
     pub distances: Vec<(u32, f64)>,
@@ -95,7 +99,7 @@ impl Brush {
     fn press(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
         let surface = seen.surface;
         if seen.positions.len() != surface.vertices() || at.triangle as usize >= surface.triangles.len() {
-            return Reach { radius: self.radius, ..Reach::default() };
+            return Reach { radius: self.radius, core: self.core(), ..Reach::default() };
         }
         let side = seen.eye.map(|eye| (eye, seen.facing(at.triangle, eye).signum()));
         let passes = |t: u32| side.is_none_or(|(eye, side)| side * seen.facing(t, eye) >= 0.0);
@@ -108,7 +112,17 @@ impl Brush {
             let kept = |v: &u32| distances.binary_search_by_key(v, |(kept, _)| *kept).is_ok();
             triangles.retain(|t| surface.triangles[*t as usize].iter().all(kept));
         }
-        Reach { radius: self.radius, distances, triangles }
+        Reach { radius: self.radius, core: self.core(), distances, triangles }
+    }
+
+    fn core(&self) -> f64 {
+        self.hardness.clamp(0.0, 1.0) * self.radius
+    }
+
+    /// How far apart the dabs of a stroke may be: near enough that the middle between two of a soft brush is painted in
+    /// full, but for 5 %.
+    pub fn spacing(&self) -> f64 {
+        (2.0 * self.core()).clamp(0.25 * self.radius, 0.5 * self.radius)
     }
 }
 
@@ -125,6 +139,16 @@ impl Reach {
         nearest.map(|(v, _)| *v).into_iter().collect()
     }
 
+    /// How much of the brush reaches each of its [`vertices`](Self::vertices): 1 in its core, smoothly down to 0 at its
+    /// radius. Empty where that is 1 of all, as of a hard brush.
+    pub fn weights(&self) -> Vec<f32> {
+        if self.core >= self.radius {
+            return Vec::new();
+        }
+        let within = self.distances.iter().map(|(_, d)| *d).filter(|d| *d <= self.radius);
+        within.map(|d| faded((d - self.core) / (self.radius - self.core)) as f32).collect()
+    }
+
     fn join(&mut self, other: Self) {
         self.distances.extend(other.distances);
         self.distances.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -133,6 +157,12 @@ impl Reach {
         self.triangles.sort_unstable();
         self.triangles.dedup();
     }
+}
+
+/// 1 below 0, 0 above 1, and level at both ends.
+fn faded(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    1.0 - t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]
@@ -176,7 +206,7 @@ mod tests {
     fn reach(surface: &Surface, at: Vec3, radius: f64, eye: Option<Vec3>) -> Reach {
         let positions = single(&surface.positions);
         let seen = Seen { surface, positions: &positions, eye, blocked: None };
-        Brush { radius, mirror: None }.reach(&seen, &surface.nearest_vertex(at).unwrap())
+        Brush { radius, hardness: 1.0, mirror: None }.reach(&seen, &surface.nearest_vertex(at).unwrap())
     }
 
     #[test]
@@ -220,7 +250,7 @@ mod tests {
                 blocked,
             };
             let at = surface.nearest_vertex([0.4, 0.0, 0.0]).unwrap();
-            let brush = Brush { radius: 0.35, mirror };
+            let brush = Brush { radius: 0.35, hardness: 1.0, mirror };
             let all = brush.reach(&seen(None), &at);
             let shown = brush.reach(&seen(Some(&blocked)), &at);
             let expected: Vec<u32> = all
@@ -247,7 +277,7 @@ mod tests {
         let start = surface.nearest_vertex([0.0, 0.0, 0.0]).unwrap();
         let seen = Seen { surface: &surface, positions: &moved, eye: Some([0.0, 0.0, 9.0]), blocked: None };
         let radius = 0.6;
-        let covered = Brush { radius, mirror: None }.reach(&seen, &start).vertices();
+        let covered = Brush { radius, hardness: 1.0, mirror: None }.reach(&seen, &start).vertices();
         let center = surface.position(&start).map(|p| [4.0 * p[0], 2.0 * p[1], 1.0 + p[0]]).unwrap();
         let edge = 4.3 / 30.0;
         for v in 0..surface.vertices() as u32 {
@@ -297,12 +327,45 @@ mod tests {
         let positions = single(&surface.positions);
         let seen = Seen { surface: &surface, positions: &positions, eye: None, blocked: None };
         let at = surface.nearest_vertex([0.8, 0.6, 0.1]).unwrap();
-        let alone = Brush { radius: 0.25, mirror: None }.reach(&seen, &at).vertices();
-        let both = Brush { radius: 0.25, mirror: Some(plane) }.reach(&seen, &at).vertices();
+        let alone = Brush { radius: 0.25, hardness: 1.0, mirror: None }.reach(&seen, &at).vertices();
+        let both = Brush { radius: 0.25, hardness: 1.0, mirror: Some(plane) }.reach(&seen, &at).vertices();
         let twin: Vec<u32> = both.iter().copied().filter(|v| alone.binary_search(v).is_err()).collect();
         assert!(twin.len().abs_diff(alone.len()) < alone.len() / 5, "{} and {}", alone.len(), twin.len());
         let center = plane.image(surface.position(&at).unwrap());
         assert!(twin.iter().all(|v| distance(surface.positions[*v as usize], center) < 0.25 + 0.08));
+    }
+
+    #[test]
+    fn a_soft_brush_fades_from_its_core_to_its_radius() {
+        let (positions, triangles) = plate(61, 1.0 / 30.0, 0.0, true);
+        let surface = Surface::of(positions, triangles, FILE);
+        let (positions, radius) = (single(&surface.positions), 0.6);
+        let seen = Seen { surface: &surface, positions: &positions, eye: None, blocked: None };
+        let middle = surface.nearest_vertex([0.0; 3]).unwrap();
+        let reach = |hardness: f64| Brush { radius, hardness, mirror: None }.reach(&seen, &middle);
+        assert!(reach(1.0).weights().is_empty() && reach(7.0).weights().is_empty());
+        for hardness in [0.0, 0.25, 0.8, -1.0] {
+            let soft = reach(hardness);
+            let (vertices, weights) = (soft.vertices(), soft.weights());
+            assert_eq!((&vertices, vertices.len()), (&reach(1.0).vertices(), weights.len()));
+            let core = radius * hardness.max(0.0);
+            for (v, w) in vertices.iter().zip(&weights) {
+                // By the cosine, which fades as smoothly, from the distance on the flat plate.
+                let d = distance(surface.positions[*v as usize], [0.0; 3]);
+                let t = ((d - core) / (radius - core)).clamp(0.0, 1.0);
+                let cosine = 0.5 + 0.5 * (std::f64::consts::PI * t).cos();
+                assert!((f64::from(*w) - cosine).abs() < 0.02 + 0.1 / (30.0 * (radius - core)), "{d}: {w}");
+            }
+        }
+    }
+
+    #[test]
+    fn dabs_of_a_stroke_leave_no_beads() {
+        for hardness in [0.0, 0.1, 0.2, 0.5, 1.0] {
+            let brush = Brush { radius: 2.0, hardness, mirror: None };
+            let between = faded((0.5 * brush.spacing() - brush.core()) / (2.0 - brush.core()).max(1e-9));
+            assert!(between > 0.95 && brush.spacing() <= 1.0, "{hardness}: {between}");
+        }
     }
 
     #[test]
@@ -311,9 +374,14 @@ mod tests {
         let surface = Surface::of(points, triangles, FILE);
         let positions = single(&surface.positions);
         let seen = Seen { surface: &surface, positions: &positions, eye: None, blocked: None };
-        let brush = Brush { radius: 1e-3, mirror: None };
         let corner = SurfacePoint { triangle: 5, weights: [0.2, 0.7, 0.1] };
-        assert_eq!(brush.reach(&seen, &corner).vertices(), vec![surface.triangles[5][1]]);
+        // A soft one as much as a hard one.
+        let brush = |hardness: f64| Brush { radius: 1e-3, hardness, mirror: None };
+        for hardness in [0.0, 1.0] {
+            let reach = brush(hardness).reach(&seen, &corner);
+            assert_eq!((reach.vertices(), reach.weights()), (vec![surface.triangles[5][1]], Vec::new()));
+        }
+        let brush = brush(1.0);
         let nowhere = SurfacePoint { triangle: 1_000_000, weights: [1.0, 0.0, 0.0] };
         assert!(brush.reach(&seen, &nowhere).vertices().is_empty());
         let another = Seen { positions: &positions[1..], ..seen };

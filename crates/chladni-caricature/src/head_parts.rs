@@ -65,6 +65,13 @@ impl HeadParts {
         Ok(Self { part, confidence, report })
     }
 
+    /// How many vertices a part of this number has, and the mean of their confidence; `None` where it has none.
+    pub fn extent(&self, part: usize) -> (usize, Option<f64>) {
+        let own = self.part.iter().zip(&self.confidence).filter(|(p, _)| usize::from(**p) == part);
+        let (vertices, sum) = own.fold((0_u32, 0.0), |(n, sum), (_, c)| (n + 1, sum + c));
+        (vertices as usize, (vertices > 0).then(|| sum / f64::from(vertices)))
+    }
+
     /// χ01 of the parts called `names`; `operator_vertex` are those of the n file vertices.
     ///
     /// # Errors
@@ -116,6 +123,14 @@ mod tests {
         let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;
         assert!(mean > 0.8 && overlaps.iter().all(|o| *o > 0.6), "{mean}: {overlaps:?}");
         println!("mean {mean:.3}: {overlaps:.3?}");
+    }
+
+    #[test]
+    fn a_part_is_as_sure_as_its_vertices_are_on_average() {
+        let report = HeadParts::of(&sample("head").unwrap(), &Task::new()).unwrap().report;
+        let found = HeadParts { part: vec![2, 0, 2, 2], confidence: vec![0.5, 0.1, 1.0, 0.0], report };
+        assert_eq!((found.extent(2), found.extent(0)), ((3, Some(0.5)), (1, Some(0.1))));
+        assert_eq!(found.extent(1), (0, None));
     }
 
     #[test]

@@ -42,8 +42,11 @@ pub enum PaintEdit {
 pub struct Dab {
     /// The vertices under the brush, each < N.
     pub vertices: Vec<u32>,
+    /// How much of the intensity each of them gets, in [0, 1]; empty where all get all of it, as from a hard brush.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub weights: Vec<f32>,
     /// In [0, 1]: painting raises χ01 to it, erasing lowers χ01 to 1 − it. Passing over the same
-    /// place again changes nothing.
+    /// place again changes nothing, also with a soft brush.
     pub intensity: f32,
     /// Whether to erase.
     pub erase: bool,
@@ -105,7 +108,7 @@ impl PaintEdit {
         let belongs = |part: &u32| taken.contains(&(*part as usize));
         if erase || besides {
             let vertices = (0..).zip(of).filter(|(_, part)| belongs(part)).map(|(v, _)| v).collect();
-            return Self::Dab(Dab { vertices, intensity: 1.0, erase });
+            return Self::Dab(Dab::even(vertices, 1.0, erase));
         }
         Self::Set(Painted::Vertices(of.iter().map(|part| f32::from(u8::from(belongs(part)))).collect()))
     }
@@ -114,17 +117,32 @@ impl PaintEdit {
 impl Dab {
     /// A press of the brush that covers what `reach` shows.
     pub fn of(reach: &Reach, intensity: f32, erase: bool) -> Self {
-        Self { vertices: reach.vertices(), intensity, erase }
+        Self { weights: reach.weights(), ..Self::even(reach.vertices(), intensity, erase) }
+    }
+
+    /// The same intensity for all `vertices`.
+    pub fn even(vertices: Vec<u32>, intensity: f32, erase: bool) -> Self {
+        Self { vertices, weights: Vec::new(), intensity, erase }
     }
 
     fn paint(&self, values: &mut [f32]) -> Result<(), CaricatureError> {
         check_intensity(self.intensity)?;
-        for v in &self.vertices {
+        let (found, expected) = (self.weights.len(), self.vertices.len());
+        if found != 0 && found != expected {
+            return Err(CaricatureError::VertexCount { what: "the brush's weights", found, expected });
+        }
+        let weights = self.weights.iter().copied().chain(std::iter::repeat(1.0));
+        for (v, weight) in self.vertices.iter().zip(weights) {
             let Some(x) = values.get_mut(*v as usize) else {
                 let (what, range) = ("a painted vertex", "one of the shape's");
                 return Err(CaricatureError::Range { what, value: f64::from(*v), range });
             };
-            *x = if self.erase { x.min(1.0 - self.intensity) } else { x.max(self.intensity) };
+            if !(0.0..=1.0).contains(&weight) {
+                let (what, range) = ("a weight of the brush", "0 to 1");
+                return Err(CaricatureError::Range { what, value: f64::from(weight), range });
+            }
+            let share = weight * self.intensity;
+            *x = if self.erase { x.min(1.0 - share) } else { x.max(share) };
         }
         Ok(())
     }
@@ -192,9 +210,13 @@ mod tests {
     }
 
     fn dab(surface: &Surface, triangle: u32) -> Dab {
+        brushed(surface, triangle, 1.0)
+    }
+
+    fn brushed(surface: &Surface, triangle: u32, hardness: f64) -> Dab {
         let positions = crate::fixture::single(&surface.positions);
         let seen = Seen { surface, positions: &positions, eye: None, blocked: None };
-        Dab::of(&Brush { radius: 0.3, mirror: None }.reach(&seen, &at(triangle)), 0.75, false)
+        Dab::of(&Brush { radius: 0.3, hardness, mirror: None }.reach(&seen, &at(triangle)), 0.75, false)
     }
 
     #[test]
@@ -221,6 +243,47 @@ mod tests {
         let beyond = Dab { vertices: vec![1_000_000], ..dab(&surface, 7) };
         assert!(PaintEdit::Dab(beyond).apply(&once, &surface).is_err());
         assert!(PaintEdit::Dab(Dab { intensity: 1.5, ..dab(&surface, 7) }).apply(&once, &surface).is_err());
+    }
+
+    #[test]
+    fn dabs_of_a_soft_brush_do_not_add_up_and_fade_out_when_they_erase() {
+        let (_, surface) = bumpy_sphere();
+        let painted = |dabs: &[&Dab], start: &Painted| {
+            dabs.iter().fold(start.clone(), |painted, dab| {
+                PaintEdit::Dab((*dab).clone()).apply(&painted, &surface).unwrap()
+            })
+        };
+        let values = |painted: &Painted| painted.values(&surface.file_positions()).to_vec();
+        let (one, two) = (brushed(&surface, 7, 0.2), brushed(&surface, 8, 0.2));
+        let weight = |dab: &Dab, v: u32| {
+            dab.vertices.binary_search(&v).map_or(0.0, |at| dab.weights.get(at).copied().unwrap_or(1.0))
+        };
+        let stroke = painted(&[&one, &two, &one, &one, &two], &Painted::Everywhere);
+        let mut between = 0;
+        for (x, v) in values(&stroke).into_iter().zip(0..) {
+            assert_eq!(x, 0.75 * weight(&one, v).max(weight(&two, v)), "{v}");
+            between += usize::from(x > 0.0 && x < 0.75);
+        }
+        assert!(between > 5, "{between}");
+        // An eraser of full intensity leaves what its edge does not reach.
+        let eraser = Dab { intensity: 1.0, erase: true, ..one.clone() };
+        for (x, v) in values(&painted(&[&eraser, &eraser], &Painted::Everywhere)).into_iter().zip(0..) {
+            assert_eq!(x, 1.0 - weight(&one, v), "{v}");
+        }
+        for weights in [vec![0.5], vec![1.5; one.vertices.len()], vec![f32::NAN; one.vertices.len()]] {
+            let wrong = Dab { weights, ..one.clone() };
+            assert!(PaintEdit::Dab(wrong).apply(&Painted::Everywhere, &surface).is_err());
+        }
+    }
+
+    #[test]
+    fn a_hard_dab_is_written_as_before_and_an_old_one_is_read() {
+        let old = r#"{"vertices":[3,5],"intensity":0.5,"erase":true}"#;
+        let hard = Dab::even(vec![3, 5], 0.5, true);
+        assert_eq!(serde_json::to_string(&hard).unwrap(), old);
+        assert_eq!(serde_json::from_str::<Dab>(old).unwrap(), hard);
+        let soft = Dab { weights: vec![1.0, 0.25], ..hard };
+        assert_eq!(serde_json::from_str::<Dab>(&serde_json::to_string(&soft).unwrap()).unwrap(), soft);
     }
 
     #[test]

@@ -14,8 +14,10 @@ use proptest::prelude::*;
 fn action() -> impl Strategy<Value = Action> {
     let id = || (1..9_u64).prop_map(LayerId);
     let vertices = prop::collection::vec(0..642_u32, 0..60);
-    let dab = (vertices, 0_f32..=1.0, any::<bool>())
-        .prop_map(|(vertices, intensity, erase)| PaintEdit::Dab(Dab { vertices, intensity, erase }));
+    let dab = (vertices, 0_f32..=1.0, any::<bool>(), any::<bool>()).prop_map(|(vertices, x, erase, soft)| {
+        let weights = if soft { vertices.iter().map(|v| *v as f32 / 642.0).collect() } else { Vec::new() };
+        PaintEdit::Dab(Dab { weights, ..Dab::even(vertices, x, erase) })
+    });
     let edit = prop_oneof![dab, Just(PaintEdit::Grow), Just(PaintEdit::Invert), Just(PaintEdit::Clear)];
     let property = prop_oneof![
         (-3.0..3.0).prop_map(Property::Mu),

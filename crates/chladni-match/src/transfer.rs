@@ -124,6 +124,61 @@ mod tests {
         println!("off by {:.3} of the mean movement", error / whole);
     }
 
+    /// What raises the back of a cat raises that of another one: longer, flatter, and with its vertices in another order.
+    #[test]
+    fn an_animal_moves_where_the_other_one_did_and_what_is_far_stays() {
+        let neutral = sample("cat").unwrap();
+        let stretch = |p: &[f64; 3]| [1.1 * p[0], 0.95 * p[1], 1.05 * p[2]];
+        let n = neutral.positions.len() as u32;
+        let target = TriMesh {
+            positions: neutral.positions.iter().rev().map(stretch).collect(),
+            triangles: neutral.triangles.iter().map(|t| t.map(|v| n - 1 - v)).collect(),
+            ..TriMesh::default()
+        };
+        let top = neutral.positions.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+        let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let size = chladni_mesh::surface::Bounds::of(neutral.positions.iter().copied()).diagonal();
+        let bump = |p: &[f64; 3]| {
+            let near = (1.0 - distance(p, &top) / (0.2 * size)).max(0.0);
+            [0.0, 0.1 * size * near, 0.0]
+        };
+        let plus = |p: &[f64; 3], d: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| p[i] + d[i]) };
+        let raised: Vec<[f64; 3]> = neutral.positions.iter().map(|p| plus(p, bump(p))).collect();
+        let expression = TriMesh { positions: raised, ..neutral.clone() };
+        let found =
+            transfer(&neutral, &expression, &target, &MatchSettings::default(), &Task::new()).unwrap();
+        assert!(found.positions.iter().flatten().all(|x| x.is_finite()));
+        let moved = found.positions.iter().zip(&target.positions).map(|(a, b)| distance(a, b));
+        let known = neutral.positions.iter().rev().map(bump);
+        let (mut error, mut whole, mut elsewhere) = (0.0, 0.0, 0.0_f64);
+        for ((found, p), (by, moved)) in found.positions.iter().zip(&target.positions).zip(known.zip(moved)) {
+            error += distance(found, &plus(p, by));
+            whole += by[1];
+            if distance(p, &stretch(&top)) > 0.35 * size {
+                elsewhere = elsewhere.max(moved);
+            }
+        }
+        println!("off by {:.3} of the mean movement", error / whole);
+        assert!(error < 0.35 * whole, "{error} of {whole}");
+        assert!(elsewhere < 0.01 * size, "{elsewhere} of {size}");
+    }
+
+    /// A cat has no human mouth: what it is given is bounded, and the report does not call it a good match.
+    #[test]
+    fn a_grimace_on_an_animal_is_finite_and_no_larger_than_on_the_head() {
+        let (neutral, target) = (sample("template").unwrap(), sample("cat").unwrap());
+        let found =
+            transfer(&neutral, &moved(&neutral), &target, &MatchSettings::default(), &Task::new()).unwrap();
+        let size =
+            |mesh: &TriMesh| chladni_mesh::surface::Bounds::of(mesh.positions.iter().copied()).diagonal();
+        let most = neutral.positions.iter().map(grimace).map(|d| d[1].hypot(d[2])).fold(0.0, f64::max);
+        let most = most * size(&target) / size(&neutral);
+        let far = |(a, b): (&[f64; 3], &[f64; 3])| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let farthest = found.positions.iter().zip(&target.positions).map(far).fold(0.0, f64::max);
+        assert!(found.positions.iter().flatten().all(|x| x.is_finite()));
+        assert!(farthest > 0.05 * most && farthest < 2.0 * most, "{farthest} of {most}");
+    }
+
     /// Two identities of one face model, whose vertices correspond by number: that is the answer, which a match by shape
     /// alone is to find.
     #[test]

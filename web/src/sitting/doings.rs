@@ -10,7 +10,6 @@ use chladni_view::{Camera, View};
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
-use super::parts::Parts;
 
 #[wasm_bindgen]
 impl Sitting {

@@ -1,6 +1,7 @@
 //! The pointer on the figure: it shows and takes parts, and paints.
 
 use chladni_caricature::{Action, Brush, Dab, PaintEdit, Reach, Seen, SurfacePoint};
+use chladni_mesh::MirrorPlane;
 use chladni_program::work::{Coating, Error, with_pointed};
 use chladni_view::{Hit, Projection};
 use wasm_bindgen::prelude::*;
@@ -15,6 +16,8 @@ pub struct Tool {
     pub pointed: Vec<usize>,
     /// Radius of the brush, working frame.
     radius: f64,
+    /// The share of it that is painted in full.
+    hardness: f64,
     erase: bool,
     both_sides: bool,
     /// Where the brush was pressed last.
@@ -53,9 +56,11 @@ impl Sitting {
         Ok(self.recoat()?)
     }
 
-    /// The brush from now on: its radius as a share of the shape's half size.
-    pub fn set_brush(&mut self, radius: f64, erase: bool, both_sides: bool) {
-        (self.tool.radius, self.tool.erase, self.tool.both_sides) = (radius, erase, both_sides);
+    /// The brush from now on: its radius as a share of the shape's half size, and the share of that which is painted in
+    /// full.
+    pub fn set_brush(&mut self, radius: f64, hardness: f64, erase: bool, both_sides: bool) {
+        (self.tool.radius, self.tool.hardness) = (radius, hardness);
+        (self.tool.erase, self.tool.both_sides) = (erase, both_sides);
     }
 
     /// The pointer is over a pixel of the last picture; whether something there answers.
@@ -141,7 +146,8 @@ impl Sitting {
         let (began, ends) = (self.point_under(from), self.point_under(to));
         let Some((began, ends)) = began.zip(ends) else { return vec![to] };
         let apart = (0..3).map(|i| (began[i] - ends[i]).powi(2)).sum::<f32>().sqrt();
-        let steps = (2.0 * apart / self.tool.radius.max(1e-3) as f32).ceil().clamp(1.0, MOST_DABS) as u16;
+        let spacing = self.brush(None).spacing().max(5e-4) as f32;
+        let steps = (apart / spacing).ceil().clamp(1.0, MOST_DABS) as u16;
         let along = |i: u16| f32::from(i) / f32::from(steps);
         (1..=steps).map(|i| std::array::from_fn(|c| from[c] + (to[c] - from[c]) * along(i))).collect()
     }
@@ -164,10 +170,14 @@ impl Sitting {
         self.recoat()
     }
 
+    fn brush(&self, mirror: Option<MirrorPlane>) -> Brush {
+        Brush { radius: self.tool.radius, hardness: self.tool.hardness, mirror }
+    }
+
     /// The part of the figure under the brush.
     fn reach(&mut self, hit: &Hit, x: f32, y: f32) -> Result<Reach, Error> {
         let mirror = if self.tool.both_sides { self.mirror()? } else { None };
-        let brush = Brush { radius: self.tool.radius, mirror };
+        let brush = self.brush(mirror);
         let ray = self.stage.camera.ray(x, y, self.stage.area());
         let far = if self.stage.camera.projection == Projection::Perspective { 0.0 } else { 1e6 };
         let eye = std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]));

@@ -136,8 +136,8 @@ fn press(surface: &Surface, i: usize, radius: f64, mirror: Option<MirrorPlane>) 
     let at = SurfacePoint { triangle, weights: [0.3, 0.3, 0.4] };
     let positions: Vec<[f32; 3]> = surface.positions.iter().map(|p| p.map(|c| c as f32)).collect();
     let eye = surface.position(&at).map(|p| p.map(|c| 4.0 * c));
-    let reach =
-        Brush { radius, mirror }.reach(&Seen { surface, positions: &positions, eye, blocked: None }, &at);
+    let seen = Seen { surface, positions: &positions, eye, blocked: None };
+    let reach = Brush { radius, hardness: 1.0, mirror }.reach(&seen, &at);
     PaintEdit::Dab(Dab::of(&reach, 1.0, false))
 }
 

@@ -89,7 +89,7 @@ impl Stroke {
             let blocked = |eye, point| self.tree.blocks(eye, point, shown, triangles);
             let surface = self.stack.surface();
             let seen = Seen { surface, positions: shown, eye, blocked: Some(&blocked) };
-            let reach = Brush { radius: BRUSH, mirror: None }.reach(&seen, &at);
+            let reach = Brush { radius: BRUSH, hardness: 1.0, mirror: None }.reach(&seen, &at);
             let dab = PaintEdit::Dab(Dab::of(&reach, 1.0, false));
             self.painted = dab.apply(&self.painted, surface)?;
         }

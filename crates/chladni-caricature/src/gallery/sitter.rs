@@ -145,6 +145,20 @@ impl Sitter {
         self.templates.len()
     }
 
+    /// Whether it is compared with `template`.
+    pub fn compares_with(&self, template: &Template) -> bool {
+        self.templates.iter().any(|against| against.template == *template)
+    }
+
+    /// Whether variants of `other` mean the same here: both have the same parts by name, and the same templates.
+    pub fn understands(&self, other: &Self) -> bool {
+        let templates = |sitter: &'_ Self| -> Vec<(Template, MatchSettings)> {
+            sitter.templates.iter().map(|t| (t.template.clone(), t.matching.clone())).collect()
+        };
+        let names = self.parts.iter().map(|part| &part.name);
+        names.eq(other.parts.iter().map(|part| &part.name)) && templates(self) == templates(other)
+    }
+
     /// The parts.
     pub fn parts(&self) -> &[SitterPart] {
         &self.parts

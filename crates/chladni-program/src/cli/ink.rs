@@ -6,8 +6,8 @@ use chladni_task::write_atomic;
 use chladni_view::ink::{Drawing, Ink, Plate};
 use chladni_view::{Camera, Rect};
 
-use crate::work::Error;
 use crate::work::outputs::check_endings;
+use crate::work::{Error, Inked, Pen};
 
 /// How a drawing in ink is made. Each of these asks for one, and so does a picture that ends in .svg.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -42,7 +42,7 @@ fn within(text: &str, high: f64) -> Result<f64, Error> {
 }
 
 fn detail(text: &str) -> Result<f64, Error> {
-    within(text, 10.0)
+    within(text, Pen::MOST_DETAIL)
 }
 
 fn share(text: &str) -> Result<f64, Error> {
@@ -50,7 +50,7 @@ fn share(text: &str) -> Result<f64, Error> {
 }
 
 fn smoothing(text: &str) -> Result<f64, Error> {
-    within(text, 0.1)
+    within(text, Pen::MOST_SMOOTHING)
 }
 
 fn colors(text: &str) -> Result<[[u8; 3]; 2], Error> {
@@ -61,15 +61,6 @@ fn colors(text: &str) -> Result<[[u8; 3]; 2], Error> {
     };
     let parsed = text.split_once(',').and_then(|(ink, paper)| Some([color(ink)?, color(paper)?]));
     parsed.ok_or_else(|| Error::input("write two colors, ink and paper, such as #1c1917,#faf7f0"))
-}
-
-/// A shape to be drawn in ink.
-pub struct Inked<'a> {
-    pub positions: &'a [[f32; 3]],
-    /// How far each vertex is exaggerated.
-    pub moved: Vec<f64>,
-    pub cell: Rect,
-    pub camera: Camera,
 }
 
 impl InkOptions {
@@ -89,46 +80,37 @@ impl InkOptions {
 
     /// A shape made ready to be drawn.
     pub fn plate(&self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Plate, Error> {
-        Ok(Plate::new(positions, triangles, self.ink_smoothing.unwrap_or(Plate::SMOOTHING))?)
+        Ok(Plate::new(positions, triangles, self.pen().smoothing)?)
     }
 
     /// Pen, colors and how much is drawn.
-    pub fn style(&self) -> Ink {
-        let usual = Ink::default();
-        let [color, paper] = self.ink_colors.unwrap_or([usual.color, usual.paper]);
-        Ink {
-            paper,
-            color,
-            detail: self.ink_detail.unwrap_or(usual.detail),
-            hatching: self.ink_hatching.unwrap_or(if self.ink_tones.is_some() {
-                0.0
-            } else {
-                usual.hatching
-            }),
-            tones: self.ink_tones.map_or(0, usize::from),
-            ..usual
+    pub fn pen(&self) -> Pen {
+        let usual = Pen::default();
+        let mut pen = usual.toned(self.ink_tones.map_or(0, usize::from));
+        let ink = &mut pen.ink;
+        [ink.color, ink.paper] = self.ink_colors.unwrap_or([ink.color, ink.paper]);
+        ink.detail = self.ink_detail.unwrap_or(ink.detail);
+        ink.hatching = self.ink_hatching.unwrap_or(ink.hatching);
+        Pen {
+            smoothing: self.ink_smoothing.unwrap_or(usual.smoothing),
+            exaggeration: self.ink_exaggeration,
+            ..pen
         }
     }
 
-    /// Draws shapes with these triangles on one sheet and writes it: as SVG or PNG, by its name.
+    /// Draws shapes with these triangles on one sheet, each in its place, and writes it: as SVG or PNG, by its name.
     pub fn write(
         &self,
         path: &Path,
-        shapes: Vec<Inked<'_>>,
+        shapes: &[Inked<'_>],
+        placed: &[(Rect, Camera)],
         triangles: &[[u32; 3]],
         [width, height]: [u32; 2],
     ) -> Result<(), Error> {
-        let style = self.style();
-        let mut drawing = Drawing::new(width, height, &style)?;
-        let farthest = shapes.iter().flat_map(|shape| &shape.moved).copied().fold(0.0, f64::max);
-        for shape in shapes {
-            let positions: Vec<[f64; 3]> = shape.positions.iter().map(|p| p.map(f64::from)).collect();
-            let mut plate = self.plate(&positions, triangles)?;
-            if self.ink_exaggeration && farthest > 0.0 {
-                let weight = |moved: &f64| (0.55 + 1.1 * moved / farthest) as f32;
-                plate = plate.weighted(shape.moved.iter().map(weight).collect())?;
-            }
-            drawing.add(&plate, &style, &shape.camera, shape.cell);
+        let pen = self.pen();
+        let mut drawing = Drawing::new(width, height, &pen.ink)?;
+        for (plate, (cell, camera)) in pen.plates(shapes, triangles)?.iter().zip(placed) {
+            drawing.add(plate, &pen.ink, camera, *cell);
         }
         let bytes =
             if is_svg(path) { drawing.to_svg().into_bytes() } else { drawing.to_picture().to_png()? };

@@ -87,9 +87,8 @@ impl Parts {
 
 impl Printed {
     fn of(name: &'static str, part: usize, found: &HeadParts) -> Self {
-        let own = found.part.iter().zip(&found.confidence).filter(|(p, _)| usize::from(**p) == part);
-        let (vertices, sum) = own.fold((0, 0.0), |(n, sum), (_, c)| (n + 1, sum + c));
-        Self { name, vertices, confidence: (vertices > 0).then(|| sum / f64::from(vertices as u32)) }
+        let (vertices, confidence) = found.extent(part);
+        Self { name, vertices, confidence }
     }
 }
 

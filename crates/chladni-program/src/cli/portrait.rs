@@ -10,10 +10,10 @@ use chladni_view::{
 };
 
 use super::Terminal;
-use super::ink::{InkOptions, Inked};
+use super::ink::InkOptions;
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
-use crate::work::{Error, Made, OwnLook, Sculpture, Stance, Watcher, dots, settled};
+use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, dots, settled};
 
 /// Where the viewer of a picture stands, and how large the picture is.
 #[derive(clap::Args, Clone, Copy, Debug)]
@@ -102,7 +102,7 @@ pub fn render(
             }
             None => pair(&made.sculpture, from, size),
         };
-        return ink.write(path, inked(&panels, placed, rest)?, triangles, size);
+        return ink.write(path, &inked(&panels, rest)?, &placed, triangles, size);
     }
     let device = terminal.device()?;
     let picture = match rows {
@@ -126,25 +126,13 @@ fn pair(
 }
 
 /// Panels to be drawn in ink, which shows shapes alone; `rest` is where their vertices were.
-fn inked<'a>(
-    panels: &'a [Portrayed],
-    placed: Vec<(Rect, Camera)>,
-    rest: &[[f64; 3]],
-) -> Result<Vec<Inked<'a>>, Error> {
+fn inked<'a>(panels: &'a [Portrayed], rest: &[[f64; 3]]) -> Result<Vec<Inked<'a>>, Error> {
     if panels.iter().any(|panel| panel.shares.is_some() || panel.ghost.is_some() || !panel.dots.is_empty()) {
         return Err(Error::input(
             "ink draws shapes alone: leave out the panels rest, ghost, painted and region",
         ));
     }
-    let far = |(a, b): (&[f32; 3], &[f64; 3])| {
-        let [x, y, z] = std::array::from_fn(|i| f64::from(a[i]) - b[i]);
-        f64::hypot(x, y).hypot(z)
-    };
-    let inked = |(panel, (cell, camera)): (&'a Portrayed, (Rect, Camera))| {
-        let moved = panel.positions.iter().zip(rest).map(far).collect();
-        Inked { positions: &panel.positions, moved, cell, camera }
-    };
-    Ok(panels.iter().zip(placed).map(inked).collect())
+    Ok(panels.iter().map(|panel| Inked::moved(&panel.positions, rest.iter().copied())).collect())
 }
 
 /// The panels of a picture: a row for each μ of the top layer.

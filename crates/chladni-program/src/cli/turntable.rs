@@ -50,7 +50,7 @@ impl TurntableOptions {
         let label = "filming the turntable";
         if ink.is_asked_for() {
             let plates = [(ink.plate(result, triangles)?, Rect::of_size(width, height))];
-            let style = ink.style();
+            let style = ink.pen().ink;
             let filmed = terminal
                 .watch(label, |task| chladni_view::ink::film_turntable(&plates, &style, from, film, task));
             return Ok(filmed?);

@@ -56,7 +56,27 @@ impl Exhibition {
         watcher: &impl Watcher,
     ) -> Result<Self, Error> {
         let sitter = Arc::new(sitter(mesh, stack, given, watcher)?);
-        let gallery = VariantGallery::new(FIRST_SEED, &sitter)?;
+        Self::of(VariantGallery::new(FIRST_SEED, &sitter)?, sitter)
+    }
+
+    /// The same generations and favorites, where the shape has other harmonics now; the first twelve again if it has
+    /// other parts by them.
+    ///
+    /// # Errors
+    /// As [`sitter()`].
+    pub fn reopen(
+        &self,
+        mesh: &TriMesh,
+        stack: &mut Stack,
+        given: Option<(Template, MatchSettings)>,
+        watcher: &impl Watcher,
+    ) -> Result<Self, Error> {
+        let sitter = Arc::new(sitter(mesh, stack, given, watcher)?);
+        let kept = sitter.understands(&self.sitter).then(|| self.gallery.clone());
+        Self::of(kept.map_or_else(|| VariantGallery::new(FIRST_SEED, &sitter), Ok)?, sitter)
+    }
+
+    fn of(gallery: VariantGallery, sitter: Arc<Sitter>) -> Result<Self, Error> {
         let portraits = sitter.portray(&gallery.variants())?;
         Ok(Self { sitter, gallery, portraits })
     }
@@ -135,5 +155,26 @@ mod tests {
         assert_ne!(children.portraits[0].positions, first.portraits[0].positions);
         let back = children.after(Step::Back).unwrap();
         assert_eq!(back.portraits[0].positions, first.portraits[0].positions);
+    }
+
+    #[test]
+    fn generations_and_favorites_outlive_other_harmonics_but_not_another_template() {
+        let (mesh, task) = (chladni_mesh::samples::icosphere(3), Task::new());
+        let body = |k: usize| Arc::new(Body::build(&mesh, &BasisSettings::new(k), &task).unwrap());
+        let mut stack = Stack::new(body(20)).unwrap();
+        let mut first = Exhibition::open(&mesh, &mut stack, None, &Aside::new(&task)).unwrap();
+        first.gallery.choose(2, true).unwrap();
+        first.gallery.favor(3, true).unwrap();
+        let bred = first.after(Step::Breed).unwrap();
+        let mut finer = stack.with_harmonics_of(body(40)).unwrap();
+        let again = bred.reopen(&mesh, &mut finer, None, &Aside::new(&task)).unwrap();
+        assert_eq!(again.gallery, bred.gallery);
+        assert_eq!(again.sitter.body().basis.harmonics(), 40);
+        let other = Some((Template::Sphere, MatchSettings::default()));
+        let other = bred.reopen(&mesh, &mut finer, other, &Aside::new(&task)).unwrap();
+        assert!(other.chosen().1 && other.gallery.favorites().is_empty());
+        assert!(
+            other.sitter.compares_with(&Template::Sphere) && !bred.sitter.compares_with(&Template::Sphere)
+        );
     }
 }

@@ -18,6 +18,7 @@ fn a_limb_is_taken_by_a_click_and_all_is_drawn_in_ink() {
     person.wait_until_gone("Matching");
     person.press(Key::B);
     person.click("parts");
+    person.wait_to_see("Click a part of the shape");
     // The octopus stands in the middle of the window.
     person.0.hover_at(pos2(620.0, 430.0));
     person.0.run_steps(4);

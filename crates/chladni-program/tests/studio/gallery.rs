@@ -2,10 +2,11 @@
 
 use chladni_caricature::Project;
 use egui::Key;
+use egui_kittest::kittest::NodeT;
 
 use crate::CTRL;
 use crate::driving;
-use crate::driving::person::Desk;
+use crate::driving::person::{Desk, finer_lump};
 
 #[test]
 fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
@@ -45,6 +46,63 @@ fn caricatures_are_chosen_bred_and_taken_as_layers_in_one_step() {
     person.wait_until_gone("Caricature 12");
     person.press_with(CTRL, Key::S);
     assert!(!Project::load(&desk.path("taken.chladni")).unwrap().layers().is_empty());
+}
+
+#[test]
+fn a_gallery_that_is_closed_is_there_again_until_another_shape_is_opened() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.press(Key::G);
+    person.wait_to_see("Caricature 12");
+    assert!(!person.sees("Favorites"));
+    person.click("caricature/3");
+    person.press(Key::F);
+    person.wait_to_see("Favorites");
+    person.click("lock/scales");
+    person.press(Key::Enter);
+    person.wait("the children", |window| {
+        !driving::shows(window, "Breeding") && !driving::shows(window, "Breed 1")
+    });
+    let is_locked = |person: &driving::person::Person| {
+        let node = driving::control(&person.0, "lock/scales").accesskit_node().toggled();
+        node == Some(egui::accesskit::Toggled::True)
+    };
+    assert!(is_locked(&person));
+    person.press(Key::Escape);
+    assert!(!person.sees("Caricature 12"));
+    person.press(Key::G);
+    // At once, without being prepared again.
+    person.0.run_steps(1);
+    assert!(person.sees("Caricature 12") && person.sees("Favorites") && is_locked(&person));
+    // Taken, and open again: still there, with its parents.
+    person.press(Key::S);
+    person.wait_until_gone("Caricature 12");
+    person.press(Key::G);
+    person.0.run_steps(1);
+    assert!(person.sees("Caricature 12") && person.sees("Favorites"));
+    person.press_with(CTRL, Key::Z);
+    person.wait_to_see("Breed 1");
+    person.press(Key::Escape);
+
+    // On other harmonics, too.
+    person.click("harmonics");
+    person.click("harmonics/128");
+    person.0.run_steps(2);
+    person.wait_until_gone("Solving");
+    person.press(Key::G);
+    person.wait_to_see("Caricature 12");
+    assert!(person.sees("Favorites") && person.sees("Breed 1") && is_locked(&person));
+    person.press(Key::Escape);
+
+    chladni_mesh::save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
+    desk.answers.add(desk.path("finer.obj"));
+    person.press_with(CTRL, Key::O);
+    person.click("lose-changes");
+    person.wait_to_see("2\u{202f}562 vertices");
+    person.press(Key::G);
+    person.wait_to_see("Caricature 12");
+    assert!(!person.sees("Favorites") && !person.sees("Breed 1") && !is_locked(&person));
 }
 
 #[test]

@@ -137,6 +137,43 @@ fn the_first_stroke_of_a_brush_is_one_step() {
 }
 
 #[test]
+fn a_soft_brush_leaves_a_soft_edge_and_is_remembered() {
+    let desk = Desk::new();
+    save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
+    let mut person = desk.sit_down(&["finer.obj"]);
+    person.wait_to_see("Layers");
+    person.click("add");
+    person.click("template/magnify");
+    person.press(Key::B);
+    let middle = pos2(620.0, 420.0);
+    let stroke = [middle, middle + vec2(15.0, 0.0), middle, middle + vec2(15.0, 0.0)];
+    person.drag(&stroke);
+    let hard = painted(&desk, &mut person);
+    person.press_with(CTRL, Key::Z);
+    let hardness = |person: &Person| {
+        let slider = person.0.get_by_role_and_label(egui::accesskit::Role::Slider, "Hardness");
+        slider.accesskit_node().numeric_value()
+    };
+    assert_eq!(hardness(&person), Some(1.0));
+    person.0.get_by_role_and_label(egui::accesskit::Role::Slider, "Hardness").set_value_accesskit(0.25);
+    person.0.run_steps(3);
+    // Put away and taken again.
+    person.press(Key::B);
+    person.press(Key::B);
+    assert_eq!(hardness(&person), Some(0.25));
+    person.drag(&stroke);
+    person.screenshot("studio-soft-brush.png");
+    let soft = painted(&desk, &mut person);
+    let (Painted::Vertices(hard), Painted::Vertices(soft)) = (hard, soft) else { panic!("nothing painted") };
+    assert!(hard.iter().all(|x| *x == 0.0 || *x == 1.0));
+    // Nowhere more, in the middle as much, and in between at the edge.
+    assert!(hard.iter().zip(&*soft).all(|(hard, soft)| soft <= hard));
+    let between = soft.iter().filter(|x| **x > 0.0 && **x < 1.0).count();
+    let full = soft.iter().filter(|x| **x == 1.0).count();
+    assert!(between > 10 && full > 3, "{between} between, {full} in full");
+}
+
+#[test]
 fn a_mirrored_stroke_paints_both_sides_and_says_how_well_they_match() {
     let desk = Desk::new();
     let head = chladni_mesh::samples::sample("head").unwrap();

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+mod clicked;
 mod drawing;
 #[path = "../driving/mod.rs"]
 mod driving;
@@ -13,6 +14,7 @@ mod gallery;
 mod layers;
 mod lost_device;
 mod menus;
+mod named_parts;
 mod painters;
 mod screens;
 mod templates;

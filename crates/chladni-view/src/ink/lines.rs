@@ -177,3 +177,128 @@ pub(super) fn between(a: &LinePoint, b: &LinePoint, t: f64) -> LinePoint {
     let normal = if length(normal) > 0.0 { unit(normal) } else { a.normal };
     LinePoint { at, normal, strength: mix(a.strength, b.strength), weight: mix(a.weight, b.weight) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ink::Plate;
+    use crate::{Camera, Projection, Rect};
+    use std::f64::consts::{PI, TAU};
+
+    /// A ring of revolution about z, whose curvatures are known.
+    const LARGE: f64 = 1.0;
+    const SMALL: f64 = 0.45;
+    const AROUND: u32 = 240;
+    const ACROSS: u32 = 120;
+
+    fn ring() -> Plate {
+        let at = |i: u32| {
+            let (sin, cos) = (TAU * f64::from(i % ACROSS) / f64::from(ACROSS)).sin_cos();
+            let (south, north) = (TAU * f64::from(i / ACROSS) / f64::from(AROUND)).sin_cos();
+            let far = LARGE + SMALL * cos;
+            [far * north, far * south, SMALL * sin]
+        };
+        let corner = |i: u32, j: u32| (i % AROUND) * ACROSS + j % ACROSS;
+        let quads = (0..AROUND).flat_map(|i| (0..ACROSS).map(move |j| (i, j)));
+        let triangles = quads.flat_map(|(i, j)| {
+            let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| corner(i, j));
+            [[a, b, c], [a, c, d]]
+        });
+        let positions: Vec<Vec3> = (0..AROUND * ACROSS).map(at).collect();
+        Plate::new(&positions, &triangles.collect::<Vec<_>>(), 0.0).unwrap()
+    }
+
+    /// What is known at the angles `across` and `around` of the ring as it is seen from along `toward`.
+    struct Known {
+        /// κ_r.
+        radial: f64,
+        /// ⟨n, v⟩.
+        facing: f64,
+        /// Unit direction of the line of sight in the tangent plane, across and around.
+        along: [f64; 2],
+    }
+
+    fn known(across: f64, around: f64, toward: Vec3) -> Known {
+        let ((sin, cos), (south, north)) = (across.sin_cos(), around.sin_cos());
+        let a = dot(toward, [-sin * north, -sin * south, cos]);
+        let b = dot(toward, [-south, north, 0.0]);
+        let square = a * a + b * b;
+        let radial = (a * a / SMALL + b * b * cos / (LARGE + SMALL * cos)) / square;
+        let facing = dot(toward, [cos * north, cos * south, sin]);
+        Known { radial, facing, along: [a / square.sqrt(), b / square.sqrt()] }
+    }
+
+    /// How fast κ_r changes along the ring, across it and around it, in 1 / length².
+    fn slope(across: f64, around: f64, toward: Vec3) -> [f64; 2] {
+        const STEP: f64 = 1e-5;
+        let change = |a: f64, b: f64| {
+            let at = |s: f64| known(across + s * a, around + s * b, toward).radial;
+            (at(STEP) - at(-STEP)) / (2.0 * STEP)
+        };
+        [change(1.0, 0.0) / SMALL, change(0.0, 1.0) / (LARGE + SMALL * across.cos())]
+    }
+
+    fn rise(across: f64, around: f64, toward: Vec3) -> f64 {
+        let ([a, b], along) = (slope(across, around, toward), known(across, around, toward).along);
+        a * along[0] + b * along[1]
+    }
+
+    /// DeCarlo et al. 2003: where the radial curvature is 0 and rises toward the viewer. On a ring it is
+    /// ⟨v, e⟩² / r + ⟨v, f⟩² cos θ / (R + r cos θ), with the unit directions e across and f around it.
+    #[test]
+    fn suggestive_contours_of_a_ring_lie_where_its_radial_curvature_is_zero_and_rises() {
+        let plate = ring();
+        let edge = TAU * (LARGE + SMALL) / f64::from(AROUND);
+        for pitch_rad in [0.5, 0.9] {
+            let camera =
+                Camera { yaw_rad: 0.3, pitch_rad, projection: Projection::Orthographic, ..Camera::default() };
+            let sight = Sight::new(&plate, &camera, Rect::of_size(800, 800));
+            let toward = sight.toward([0.0; 3]);
+            let angles = |p: Vec3| {
+                let around = p[1].atan2(p[0]);
+                (p[2].atan2(p[0].hypot(p[1]) - LARGE), around)
+            };
+            let lines = Seen::new(&sight).suggestive(10.0);
+            let drawn: Vec<Vec3> = lines
+                .iter()
+                .flat_map(|line| &line.points)
+                .filter(|point| point.strength > 0.5)
+                .map(|point| point.at)
+                .collect();
+            assert!(drawn.len() > 40, "{} points", drawn.len());
+            for p in &drawn {
+                let (across, around) = angles(*p);
+                let ([a, b], at) = (slope(across, around, toward), known(across, around, toward));
+                // To first order, the distance to the zeros.
+                let off = at.radial.abs() / a.hypot(b);
+                assert!(off < edge, "{off} from a zero at {across}, {around}");
+                assert!(rise(across, around, toward) > 0.0 && at.facing > 0.0, "{across}, {around}");
+            }
+            // And none is missing: wherever the formula has one that says enough, a line is near.
+            let size = plate.size;
+            let enough = |across: f64, around: f64| {
+                let facing = known(across, around, toward).facing;
+                let sideways = (1.0 - facing * facing).max(0.0).sqrt();
+                facing > 0.1 && sideways > 0.5 && rise(across, around, toward) * size * size * 10.0 > 90.0
+            };
+            let mut expected = 0;
+            for i in 0..720 {
+                let around = TAU * f64::from(i) / 720.0;
+                for j in 0..720 {
+                    let across = TAU * f64::from(j) / 720.0 - PI;
+                    let next = across + TAU / 720.0;
+                    let [here, there] = [across, next].map(|across| known(across, around, toward).radial);
+                    if here * there > 0.0 || !enough(across, around) {
+                        continue;
+                    }
+                    expected += 1;
+                    let far = LARGE + SMALL * across.cos();
+                    let p = [far * around.cos(), far * around.sin(), SMALL * across.sin()];
+                    let nearest = drawn.iter().map(|q| length(sub(*q, p))).fold(f64::INFINITY, f64::min);
+                    assert!(nearest < 2.0 * edge, "{nearest} at {across}, {around}");
+                }
+            }
+            assert!(expected > 20, "{expected}");
+        }
+    }
+}

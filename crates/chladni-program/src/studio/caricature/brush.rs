@@ -20,6 +20,8 @@ pub struct BrushTool {
     pub active: bool,
     /// Radius along the surface, working frame.
     pub radius: f32,
+    /// The share of the radius that is painted in full, in [0, 1]; beyond it the brush fades out.
+    pub hardness: f32,
     /// In [0, 1].
     pub intensity: f32,
     /// Paint away instead of on.
@@ -41,6 +43,7 @@ impl Default for BrushTool {
         Self {
             active: false,
             radius: 0.15,
+            hardness: 1.0,
             intensity: 1.0,
             erase: false,
             mirror: false,
@@ -85,6 +88,10 @@ impl BrushTool {
                 ui.add(Slider::new(&mut self.radius, 0.005..=1.5).logarithmic(true).fixed_decimals(3));
             },
         );
+        let tip = "How much of the size is painted in full, beyond which it fades out: 1 has a hard edge";
+        theme::row(ui, "Hardness", tip, |ui| {
+            ui.add(Slider::new(&mut self.hardness, 0.0..=1.0).fixed_decimals(2));
+        });
         theme::row(ui, "Intensity", "How much of the layer acts where you paint", |ui| {
             ui.add(Slider::new(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));
         });
@@ -119,8 +126,8 @@ impl BrushTool {
             return; // Alt and drag turns the view.
         }
         let primary = egui::PointerButton::Primary;
-        if let Some(limbs) = limbs {
-            if response.clicked_by(primary) {
+        if self.limbs.active {
+            if let Some(limbs) = limbs.filter(|_| response.clicked_by(primary)) {
                 self.limbs.take(limbs, layer, self.erase ^ modifiers.ctrl, modifiers, edits);
             }
             return;

@@ -50,20 +50,19 @@ impl CaricatureRoom {
             }
             let painting = if self.brush.smoothed { Painting::Smoothed } else { Painting::Raw };
             self.heat.paint(self.brush.active.then_some(painting));
-            let limbs = (self.brush.active && self.brush.limbs.active)
-                .then(|| self.limbs.of(session.stack.body(), self.brush.limbs.level));
-            self.heat.point(limbs.as_deref().map(|limbs| self.brush.limbs.shown(limbs)));
-            self.gallery.take_if(|gallery| !gallery.belongs_to(session));
-            if let Some(gallery) = &mut self.gallery {
-                match gallery.show(ui, session, self.look, shared, edits) {
-                    Ok(true) => {}
-                    Ok(false) => self.gallery = None,
-                    Err(why) => {
-                        shared.notices.failed(why);
-                        self.gallery = None;
-                    }
+            let mut limbs = None;
+            if self.brush.active && self.brush.limbs.active {
+                match self.limbs.of(session.stack.body(), self.brush.limbs.level, ui.ctx()) {
+                    Ok(found) => limbs = found,
+                    Err(why) => shared.notices.failed(why),
                 }
-                return;
+            }
+            self.brush.limbs.searching = self.limbs.is_searching();
+            self.heat.point(limbs.as_deref().map(|limbs| self.brush.limbs.shown(limbs)));
+            match self.gallery.show(ui, session, self.look, shared, edits) {
+                Ok(true) => return,
+                Ok(false) => {}
+                Err(why) => return shared.notices.failed(why),
             }
             self.picking.take_if(|picking| !picking.belongs_to(session));
             if let Some(picking) = &mut self.picking {
@@ -73,6 +72,13 @@ impl CaricatureRoom {
                     self.picking = None;
                 }
                 return;
+            }
+            if self.look.ink {
+                egui::Panel::top("ink").resizable(false).show(ui, |ui| {
+                    ui.add_space(2.0);
+                    super::ink_panel::show(ui, &mut self.look.pen);
+                    ui.add_space(2.0);
+                });
             }
             let shown =
                 update_stage(session, stage, &mut self.heat, self.look, &mut self.stale).and_then(|()| {
@@ -143,21 +149,27 @@ fn show_stage(
     if brush.active {
         session.prepare_brush(ui.ctx());
     }
-    let mirror = if brush.active && brush.mirror { session.mirror() } else { None };
+    let plane = session.known_mirror();
+    let mirror = if brush.mirror { plane.flatten() } else { None };
+    // One side of two is not painted while the plane between them is looked for.
+    let waits = brush.mirror && plane.is_none();
     // Parts and the lasso need no ring but the smallest, which points at them.
-    let takes_wholes = limbs.is_some() || brush.lasso.active;
+    let takes_wholes = brush.limbs.active || brush.lasso.active;
     let radius = if takes_wholes { 0.005 } else { f64::from(brush.radius) };
-    let in_hand = brush
-        .active
-        .then(|| BrushInHand { brush: Brush { radius, mirror }, surface: session.stack.surface() });
+    let surface = session.stack.surface();
+    let held = Brush { radius, hardness: f64::from(brush.hardness), mirror };
+    let in_hand = brush.active.then_some(BrushInHand { brush: held, surface });
     let StageResponse { response, presses, figure } = stage.show(ui, rect, look, in_hand)?;
     if let Some((layer, hand)) = session.selected.zip(in_hand).filter(|_| brush.lasso.active) {
-        if let Some(line) = brush.lasso.follow(ui, &response) {
+        if !waits && let Some(line) = brush.lasso.follow(ui, &response) {
             let erase = brush.erase ^ ui.input(|input| input.modifiers.ctrl);
             let taken = stage.encircled(ui, rect, look.show, &line, hand);
             LassoTool::take(taken, brush.intensity, erase, layer, edits);
         }
     } else if let Some(layer) = session.selected.filter(|_| brush.active) {
+        if waits {
+            return Ok(());
+        }
         if let Some(limbs) = limbs
             && brush.limbs.point(presses.last(), &session.stack.body().triangles, limbs, mirror)
         {

@@ -12,6 +12,7 @@ use super::curve::{self, Pen};
 use super::edits::Edits;
 use super::footer::grouped;
 use super::mask_menu::{MaskMenu, MaskWish};
+use super::named_parts::NamedParts;
 use super::session::Held;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
@@ -48,18 +49,24 @@ pub enum Wish {
 }
 
 /// State of the panel itself.
-#[derive(Debug)]
 pub struct Controls {
     pen: Pen,
     /// How many triangles may fold where μ goes as far as it goes, in percent.
     may_fold_percent: f64,
     masks: MaskMenu,
+    /// The parts of a head.
+    pub named: NamedParts,
 }
 
 impl Default for Controls {
     /// One triangle of 2000: a sliver of a scan folds at once.
     fn default() -> Self {
-        Self { pen: Pen::default(), may_fold_percent: 0.05, masks: MaskMenu::default() }
+        Self {
+            pen: Pen::default(),
+            may_fold_percent: 0.05,
+            masks: MaskMenu::default(),
+            named: NamedParts::default(),
+        }
     }
 }
 
@@ -87,7 +94,14 @@ impl Controls {
         });
         let mask = theme::section(ui, "Region", |ui| {
             region(ui, id, layer, edits);
-            let mask = self.masks.show(ui, measured.channels);
+            let mask = ui
+                .horizontal(|ui| {
+                    let mask = self.masks.show(ui, measured.channels);
+                    self.named.show_switch(ui);
+                    mask
+                })
+                .inner;
+            self.named.show(ui, id, layer, brush.active && brush.erase, edits);
             brush.show(ui, measured.mirror);
             mask
         });
@@ -204,7 +218,8 @@ fn amount(
     let mut keep = measured.kept.is_some();
     let tip = "Holds all layers back where they would fold the surface or pass it through itself, and lets detail turn \
                with what it sits on. Found whenever the hand rests. Without it, the paper exactly";
-    if ui.checkbox(&mut keep, "Keep triangles").on_hover_text(tip).clicked() {
+    let kept = ui.checkbox(&mut keep, "Keep triangles").author_id("keep-triangles");
+    if kept.on_hover_text(tip).clicked() {
         edits.once(Action::KeepTriangles(keep));
     }
     let seen = ui.scope(|ui| {

@@ -4,7 +4,6 @@ use chladni_caricature::{Action, LayerId, MAX_MU, Model, PaintEdit, Property};
 use egui::Context;
 
 use super::edits::Edits;
-use super::gallery::GalleryView;
 use super::landmarks::Picking;
 use super::look::Show;
 use super::session::Session;
@@ -26,11 +25,11 @@ impl CaricatureRoom {
         self.file_keys(&ctx, shared);
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         // The gallery has keys of its own.
-        if self.gallery.is_some() {
+        if self.gallery.is_open() {
             return;
         }
         if GALLERY.pressed(&ctx) {
-            self.gallery = Some(GalleryView::begin(session, &ctx));
+            self.gallery.open();
             return;
         }
         if REDO.pressed(&ctx) {

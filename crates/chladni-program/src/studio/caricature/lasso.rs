@@ -53,7 +53,7 @@ impl LassoTool {
     /// Paints the `vertices` that were encircled, or takes them away.
     pub fn take(vertices: Vec<u32>, intensity: f32, erase: bool, layer: LayerId, edits: &mut Edits) {
         if !vertices.is_empty() {
-            let edit = PaintEdit::Dab(Dab { vertices, intensity, erase });
+            let edit = PaintEdit::Dab(Dab::even(vertices, intensity, erase));
             edits.once(Action::Paint { layer, edit });
         }
     }

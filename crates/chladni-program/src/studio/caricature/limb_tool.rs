@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use chladni_caricature::{Action, LayerId, Limbs, PaintEdit};
+use chladni_harmonics::Body;
 use chladni_mesh::MirrorPlane;
-use egui::{Modifiers, Slider, Ui};
+use egui::{Modifiers, RichText, Slider, Ui};
 
 use super::edits::Edits;
 use super::stage::Press;
 use crate::studio::author_id::AuthorId;
+use crate::studio::job::Job;
 use crate::studio::theme;
+use crate::work::Error;
 
 /// How parts are taken.
 #[derive(Debug)]
@@ -18,13 +21,15 @@ pub struct LimbTool {
     pub active: bool,
     /// From 0 (whole limbs) to 1 (small features).
     pub level: f64,
+    /// Parts of this level are being looked for.
+    pub searching: bool,
     /// The parts under the pointer: one, or two that are mirror images.
     pointed: Vec<usize>,
 }
 
 impl Default for LimbTool {
     fn default() -> Self {
-        Self { active: false, level: Limbs::USUAL_LEVEL, pointed: Vec::new() }
+        Self { active: false, level: Limbs::USUAL_LEVEL, searching: false, pointed: Vec::new() }
     }
 }
 
@@ -43,6 +48,8 @@ impl LimbTool {
             theme::row(ui, "Level", tip, |ui| {
                 ui.add(Slider::new(&mut self.level, 0.0..=1.0).fixed_decimals(2));
             });
+            let state = if self.searching { "Finding parts…" } else { "Click a part of the shape" };
+            ui.label(RichText::new(state).color(theme::palette(ui).weak).small());
         }
     }
 
@@ -84,22 +91,53 @@ impl LimbTool {
     }
 }
 
-/// The parts that were found last.
-#[derive(Debug, Default)]
-pub struct KnownLimbs(Option<(f64, usize, Arc<Limbs>)>);
+/// The parts that were found last, and the search for others.
+#[derive(Default)]
+pub struct KnownLimbs {
+    found: Option<(Sought, Arc<Limbs>)>,
+    /// One at a time; when it ends, the newest request is the next.
+    running: Option<(Sought, Job<Limbs>)>,
+}
+
+/// Of which body at which level.
+#[derive(Clone)]
+struct Sought {
+    body: Arc<Body>,
+    level: f64,
+}
+
+impl Sought {
+    fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.body, &other.body) && self.level == other.level
+    }
+}
 
 impl KnownLimbs {
-    /// Those of `body` at `level`, searched again only where one of the two has changed.
-    pub fn of(&mut self, body: &chladni_harmonics::Body, level: f64) -> Arc<Limbs> {
-        let harmonics = body.basis.harmonics();
-        if let Some((known, with, limbs)) = &self.0
-            && (*known, *with) == (level, harmonics)
+    /// Those of `body` at `level`, or, until they are found, those that were found last.
+    pub fn of(
+        &mut self,
+        body: &Arc<Body>,
+        level: f64,
+        ctx: &egui::Context,
+    ) -> Result<Option<Arc<Limbs>>, Error> {
+        let sought = Sought { body: Arc::clone(body), level };
+        if let Some((of, ended)) =
+            self.running.as_ref().and_then(|(of, job)| Some((of.clone(), job.ended()?)))
         {
-            return Arc::clone(limbs);
+            self.running = None;
+            self.found = Some((of, Arc::new(ended?)));
         }
-        let limbs = Arc::new(Limbs::of(body, level));
-        self.0 = Some((level, harmonics, Arc::clone(&limbs)));
-        limbs
+        if self.running.is_none() && !self.found.as_ref().is_some_and(|(of, _)| of.is_same(&sought)) {
+            let body = Arc::clone(body);
+            let job = Job::start("Finding parts", ctx, move |_| Ok(Limbs::of(&body, level)));
+            self.running = Some((sought, job));
+        }
+        Ok(self.found.as_ref().map(|(_, limbs)| Arc::clone(limbs)))
+    }
+
+    /// Whether others than those that are shown are being looked for.
+    pub fn is_searching(&self) -> bool {
+        self.running.is_some()
     }
 }
 
@@ -126,11 +164,38 @@ mod tests {
         };
         let alone = PaintEdit::Set(Painted::Vertices([0.0, 1.0, 1.0, 0.0].into()));
         assert_eq!(taken(&[1], false, Modifiers::NONE), Some(alone));
-        let dab = |erase: bool| Some(PaintEdit::Dab(Dab { vertices: vec![1, 2], intensity: 1.0, erase }));
+        let dab = |erase: bool| Some(PaintEdit::Dab(Dab::even(vec![1, 2], 1.0, erase)));
         assert_eq!(taken(&[1], false, Modifiers::SHIFT), dab(false));
         assert_eq!(taken(&[1], true, Modifiers::NONE), dab(true));
         assert_eq!(taken(&[], false, Modifiers::NONE), None);
         let tool = LimbTool { pointed: vec![0], ..LimbTool::default() };
         assert_eq!(tool.shown(&limbs), [1.0, 0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn parts_are_found_beside_the_window_and_the_newest_request_is_found_last() {
+        use chladni_harmonics::BasisSettings;
+
+        let mesh = chladni_mesh::samples::sample("octopus").unwrap();
+        let body = Body::build(&mesh, &BasisSettings::new(40), &chladni_task::Task::new()).unwrap();
+        let (body, ctx, mut known) = (Arc::new(body), egui::Context::default(), KnownLimbs::default());
+        // As a slider that is dragged asks: never more than one search.
+        for level in [0.0, 0.1, 0.5] {
+            known.of(&body, level, &ctx).unwrap();
+            assert!(known.is_searching());
+        }
+        let start = std::time::Instant::now();
+        let mut seen: Vec<Limbs> = Vec::new();
+        while seen.is_empty() || known.is_searching() {
+            assert!(start.elapsed().as_secs() < 60, "the search never ended");
+            let found = known.of(&body, 1.0, &ctx).unwrap();
+            seen.extend(found.map(|limbs| (*limbs).clone()).filter(|limbs| seen.last() != Some(limbs)));
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        assert_eq!(seen.last(), Some(&Limbs::of(&body, 1.0)));
+        assert_ne!(seen.last(), Some(&Limbs::of(&body, 0.0)));
+        // What is known is there at once, and looked for once.
+        assert_eq!(known.of(&body, 1.0, &ctx).unwrap().as_deref(), seen.last());
+        assert!(!known.is_searching());
     }
 }

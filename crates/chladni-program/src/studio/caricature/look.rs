@@ -1,9 +1,8 @@
 //! The stage of the caricature room, and how it looks.
 
-use chladni_view::ink::Ink;
 use chladni_view::{Figure, ItemBuffers, Lights, Material, Paint, Topology, Wire};
 
-use crate::work::pen;
+use crate::work::Pen;
 
 /// The figures on the stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,8 +31,8 @@ pub struct Portrayal {
     pub ghost: bool,
     /// A drawing in ink instead of material and light.
     pub ink: bool,
-    /// Light in ink as flat tones instead of hatching.
-    pub tones: bool,
+    /// How it is drawn in ink.
+    pub pen: Pen,
     /// Index into [`Material::PRESETS`].
     pub material: usize,
     /// Index into [`Lights::PRESETS`].
@@ -47,7 +46,7 @@ impl Default for Portrayal {
             wire: false,
             ghost: false,
             ink: false,
-            tones: false,
+            pen: Pen::default(),
             material: 0,
             lights: 0,
         }
@@ -63,11 +62,6 @@ impl Portrayal {
     /// The chosen material.
     pub fn material(&self) -> Material {
         Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1)
-    }
-
-    /// How it is drawn in ink.
-    pub fn pen(&self) -> Ink {
-        pen(self.tones)
     }
 
     /// A figure in the chosen material, with edges where they are wanted.

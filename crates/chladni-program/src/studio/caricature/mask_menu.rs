@@ -40,48 +40,46 @@ impl MaskMenu {
     /// Draws the menus; `channels` are the names of the mesh's own numbers.
     pub fn show(&mut self, ui: &mut Ui, channels: &[String]) -> Option<MaskWish> {
         let mut wish = None;
-        ui.horizontal(|ui| {
-            let mask = ui.menu_button("Mask", |ui| {
-                let mut offer = |ui: &mut Ui, id: &str, name: &str, tip: &str, wanted: MaskWish| {
-                    if ui.button(name).author_id(id).on_hover_text(tip).clicked() {
-                        wish = Some(wanted);
-                        ui.close();
-                    }
-                };
-                let tip = "A number from 0 to 1 for each vertex: a NumPy array, or a mesh with as many vertices whose \
-                           attribute “mask” or vertex colors hold it";
-                offer(ui, "mask/open", "Open mask…", tip, MaskWish::Open);
-                let tip = "As a NumPy array, a PLY with the attribute “mask”, or gray vertex colors (GLB, OBJ)";
-                offer(ui, "mask/save", "Save mask…", tip, MaskWish::Save);
-                if !channels.is_empty() {
-                    ui.separator();
-                    ui.label(RichText::new("The shape's own").color(theme::palette(ui).weak));
-                    for name in channels {
-                        let (id, tip) = (format!("mask/own/{name}"), "What the shape's file says of each vertex");
-                        offer(ui, &id, name, tip, MaskWish::Own(name.clone()));
-                    }
+        let mask = ui.menu_button("Mask", |ui| {
+            let mut offer = |ui: &mut Ui, id: &str, name: &str, tip: &str, wanted: MaskWish| {
+                if ui.button(name).author_id(id).on_hover_text(tip).clicked() {
+                    wish = Some(wanted);
+                    ui.close();
                 }
-            });
-            mask.response.author_id("mask").on_hover_text("The region from a file, or into one");
-            let curved = ui.menu_button("By curvature", |ui| {
-                let share = egui::Slider::new(&mut self.share_percent, 1.0..=60.0).suffix(" % of it");
-                let tip = "How much of the surface is taken";
-                ui.add(share.fixed_decimals(0)).accessible_name("Share of the surface").on_hover_text(tip);
-                for (name, tip, bend) in [
-                    ("bumps", "Where the surface bends outward most, as at a nose", Bend::Bumps),
-                    ("hollows", "Where it bends inward most, as in the corner of an eye", Bend::Hollows),
-                    ("both", "Where it bends most, either way", Bend::Both),
-                ] {
-                    let button = ui.button(theme::capitalized(name)).author_id(format!("curvature/{name}"));
-                    if button.on_hover_text(tip).clicked() {
-                        let share = self.share_percent / 100.0;
-                        wish = Some(MaskWish::Curved(Curved { bend, share }));
-                        ui.close();
-                    }
+            };
+            let tip = "A number from 0 to 1 for each vertex: a NumPy array, or a mesh with as many vertices whose \
+                       attribute “mask” or vertex colors hold it";
+            offer(ui, "mask/open", "Open mask…", tip, MaskWish::Open);
+            let tip = "As a NumPy array, a PLY with the attribute “mask”, or gray vertex colors (GLB, OBJ)";
+            offer(ui, "mask/save", "Save mask…", tip, MaskWish::Save);
+            if !channels.is_empty() {
+                ui.separator();
+                ui.label(RichText::new("The shape's own").color(theme::palette(ui).weak));
+                for name in channels {
+                    let (id, tip) = (format!("mask/own/{name}"), "What the shape's file says of each vertex");
+                    offer(ui, &id, name, tip, MaskWish::Own(name.clone()));
                 }
-            });
-            curved.response.author_id("curvature").on_hover_text("The places that bend most");
+            }
         });
+        mask.response.author_id("mask").on_hover_text("The region from a file, or into one");
+        let curved = ui.menu_button("By curvature", |ui| {
+            let share = egui::Slider::new(&mut self.share_percent, 1.0..=60.0).suffix(" % of it");
+            let tip = "How much of the surface is taken";
+            ui.add(share.fixed_decimals(0)).accessible_name("Share of the surface").on_hover_text(tip);
+            for (name, tip, bend) in [
+                ("bumps", "Where the surface bends outward most, as at a nose", Bend::Bumps),
+                ("hollows", "Where it bends inward most, as in the corner of an eye", Bend::Hollows),
+                ("both", "Where it bends most, either way", Bend::Both),
+            ] {
+                let button = ui.button(theme::capitalized(name)).author_id(format!("curvature/{name}"));
+                if button.on_hover_text(tip).clicked() {
+                    let share = self.share_percent / 100.0;
+                    wish = Some(MaskWish::Curved(Curved { bend, share }));
+                    ui.close();
+                }
+            }
+        });
+        curved.response.author_id("curvature").on_hover_text("The places that bend most");
         wish
     }
 }

@@ -14,6 +14,7 @@ mod footer;
 mod gallery;
 mod head_sliders;
 mod heat;
+mod ink_panel;
 mod keyboard;
 mod landmarks;
 mod lasso;
@@ -23,6 +24,7 @@ mod loading;
 mod look;
 mod mask_menu;
 mod matches;
+mod named_parts;
 mod overlay;
 mod preview;
 mod recover;
@@ -46,7 +48,7 @@ use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
 use self::export::Export;
-use self::gallery::GalleryView;
+use self::gallery::ShapesGallery;
 use self::heat::Heat;
 use self::landmarks::Picking;
 use self::layers::LayerList;
@@ -92,7 +94,7 @@ pub struct CaricatureRoom {
     /// Landmarks of the selected layer are picked.
     picking: Option<Picking>,
     /// Twelve caricatures to choose from stand in the place of the shape.
-    gallery: Option<GalleryView>,
+    gallery: ShapesGallery,
     heat: Heat,
     look: Portrayal,
     stale: bool,
@@ -114,7 +116,7 @@ impl Room for CaricatureRoom {
     }
 
     fn shortcuts(&self) -> &'static [Shortcut] {
-        if self.gallery.is_some() { keys::breeding::ALL } else { keys::caricature::ALL }
+        if self.gallery.is_open() { keys::breeding::ALL } else { keys::caricature::ALL }
     }
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
@@ -172,9 +174,7 @@ impl Room for CaricatureRoom {
 
     fn change_device(&mut self, shared: &mut Shared<'_>) {
         (self.preview, self.thumbnails, self.stale) = (None, Thumbnails::default(), true);
-        if let Some(gallery) = &mut self.gallery {
-            gallery.change_device();
-        }
+        self.gallery.change_device();
         let stage = self.stage.take().map(|stage| stage.on(shared.screen));
         match stage.transpose() {
             Ok(stage) => self.stage = stage,
@@ -254,6 +254,8 @@ impl CaricatureRoom {
         self.thumbnails.clear();
         // Layers of another project, or of this one on another shape, may have the same names.
         (self.picking, self.layers, self.limbs) = (None, LayerList::default(), KnownLimbs::default());
+        self.gallery = ShapesGallery::default();
+        self.controls.named.forget();
         self.stage = Some(stage);
         self.session = Some(session);
         self.stale = true;
@@ -309,6 +311,9 @@ impl CaricatureRoom {
                 let mirror = session.known_mirror();
                 let kept = session.kept();
                 let channels: Vec<String> = session.subject.mesh.channels().map(str::to_owned).collect();
+                if self.controls.named.wants_search() {
+                    self.controls.named.search(session, &shared.ctx);
+                }
                 let measured =
                     Measured { spectrum: &spectrum, mirror, folds, crossings, kept, channels: &channels };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {

@@ -4,14 +4,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use chladni_task::Task;
-use chladni_view::ink::{self, Drawing};
+use chladni_view::ink::{self, Drawing, Plate};
 use chladni_view::{
     Background, Camera, Canvas, Cell, Device, Figure, Film, FilmSettings, ItemBuffers, Paint, Picture, Rect,
     Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
 };
 
 use super::look::Portrayal;
-use crate::work::{Error, plate};
+use crate::work::{Error, Inked};
 
 /// The source of the figures' color, with shared ownership.
 #[derive(Clone, Debug)]
@@ -51,6 +51,8 @@ pub struct Shot {
     pub triangles: Arc<[[u32; 3]]>,
     /// The figures, side by side.
     pub poses: Vec<Pose>,
+    /// How far the vertices of each are exaggerated; empty where none is.
+    pub moved: Vec<Vec<f64>>,
     /// Their color; must not be written any more.
     pub coat: Coat,
     /// The viewer's camera.
@@ -74,13 +76,20 @@ impl Shot {
 
     /// Draws it in ink, whatever its look.
     pub fn drawing(&self, width: u32, height: u32) -> Result<Drawing, Error> {
-        let ink = self.look.pen();
-        let mut drawing = Drawing::new(width, height, &ink)?;
-        for ((positions, _), cell) in self.poses.iter().zip(self.cells(width, height)) {
-            let plate = plate(positions, &self.triangles)?;
-            drawing.add(&plate, &ink, &self.camera, cell);
+        let ink = &self.look.pen.ink;
+        let mut drawing = Drawing::new(width, height, ink)?;
+        for (plate, cell) in self.plates()?.iter().zip(self.cells(width, height)) {
+            drawing.add(plate, ink, &self.camera, cell);
         }
         Ok(drawing)
+    }
+
+    /// The figures made ready to be drawn in ink.
+    fn plates(&self) -> Result<Vec<Plate>, ViewError> {
+        let moved = self.moved.iter().cloned().chain(std::iter::repeat_with(Vec::new));
+        let shapes: Vec<Inked<'_>> =
+            self.poses.iter().zip(moved).map(|((positions, _), moved)| Inked { positions, moved }).collect();
+        self.look.pen.plates(&shapes, &self.triangles)
     }
 
     /// Draws it on a canvas that is there, without waiting.
@@ -91,14 +100,10 @@ impl Shot {
     /// Films the figures turning once around, into the file at `path`, in ink where that is its look.
     pub fn turntable(&self, path: &Path, settings: FilmSettings, task: &Task) -> Result<(), ViewError> {
         if self.look.ink {
-            let cells = self.cells(settings.width, settings.height).into_iter();
-            let plates = self.poses.iter().map(|(positions, _)| plate(positions, &self.triangles));
-            let plates: Vec<_> = plates
-                .zip(cells)
-                .map(|(plate, cell)| Ok((plate?, cell)))
-                .collect::<Result<_, ViewError>>()?;
+            let cells = self.cells(settings.width, settings.height);
+            let plates: Vec<_> = self.plates()?.into_iter().zip(cells).collect();
             let film = Film::create(path, settings)?;
-            return ink::film_turntable(&plates, &self.look.pen(), self.camera, film, task);
+            return ink::film_turntable(&plates, &self.look.pen.ink, self.camera, film, task);
         }
         let (width, height, frames) = (settings.width, settings.height, settings.frames);
         let canvas = Canvas::new(&self.device, width, height)?;
@@ -162,7 +167,8 @@ mod tests {
         let poses = vec![(positions.clone(), positions)];
         let triangles = mesh.triangles.into();
         let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
-        Some(Shot { device, topology, triangles, poses, coat, camera, look, background })
+        let moved = Vec::new();
+        Some(Shot { device, topology, triangles, poses, moved, coat, camera, look, background })
     }
 
     #[test]

@@ -7,7 +7,6 @@ use egui::Ui;
 
 use super::CaricatureRoom;
 use super::edits::Edit;
-use super::gallery::GalleryView;
 use super::look::Show;
 use super::stage::Stage;
 use crate::studio::author_id::AuthorId;
@@ -15,7 +14,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{EXPORT, FIT, GALLERY, INK, NEXT_SHOW, OPEN, REDO, SAVE, UNDO, WIRE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::Quantity;
+use crate::work::{Quantity, USUAL_TONES};
 
 impl CaricatureRoom {
     /// Draws the bar.
@@ -81,11 +80,12 @@ impl CaricatureRoom {
             ui.selectable_value(&mut self.look.show, show, icon::text(mark)).on_hover_text(tip);
         }
         self.stale |= self.look.show != before;
-        let Some(session) = self.session.as_ref().filter(|_| self.loading.is_none()) else { return };
-        let shown = self.gallery.is_some();
-        let button = ui.selectable_label(shown, icon::text(Icon::LayoutGrid));
+        if self.session.is_none() || self.loading.is_some() {
+            return;
+        }
+        let button = ui.selectable_label(self.gallery.is_open(), icon::text(Icon::LayoutGrid));
         if button.on_hover_text(GALLERY.tooltip(ui.ctx())).clicked() {
-            self.gallery = (!shown).then(|| GalleryView::begin(session, ui.ctx()));
+            if self.gallery.is_open() { self.gallery.close() } else { self.gallery.open() }
         }
     }
 
@@ -120,9 +120,11 @@ impl CaricatureRoom {
         self.heat.choose(quantity, harmonic, map);
         let look = ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
             ui.toggle_value(&mut self.look.ink, "Ink on paper").on_hover_text(INK.tooltip(ui.ctx()));
-            ui.toggle_value(&mut self.look.tones, "Flat tones")
-                .author_id("flat-tones")
-                .on_hover_text("In ink: light as three flat tones instead of hatching");
+            let mut tones = self.look.pen.ink.tones > 0;
+            let flat = ui.toggle_value(&mut tones, "Flat tones").author_id("flat-tones");
+            if flat.on_hover_text("In ink: light as three flat tones instead of hatching").changed() {
+                self.look.pen = self.look.pen.toned(if tones { USUAL_TONES } else { 0 });
+            }
             ui.separator();
             ui.label(egui::RichText::new("Material").color(theme::palette(ui).weak));
             for (index, (name, _)) in Material::PRESETS.iter().enumerate() {

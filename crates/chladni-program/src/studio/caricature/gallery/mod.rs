@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{Group, Layer, Stack, surprise};
+use chladni_caricature::{Group, Layer, Stack, Template, surprise};
 use chladni_harmonics::Body;
+use chladni_match::MatchSettings;
 use chladni_task::Task;
 use chladni_view::layout;
 use egui::{RichText, Sense, Ui, vec2};
@@ -19,10 +20,13 @@ use crate::studio::keys::breeding::{
 };
 use crate::studio::room::Shared;
 use crate::studio::{theme, viewport};
-use crate::work::{Aside, Error, Exhibition, FIRST_SEED, Step, hung};
+use crate::work::{Aside, Error, Exhibition, FIRST_SEED, Step, hung, template_name};
 
 mod cell;
+mod of_shape;
 mod wall;
+
+pub use of_shape::ShapesGallery;
 
 use cell::Wanted;
 use wall::Wall;
@@ -35,8 +39,12 @@ struct Brought {
 }
 
 /// The gallery in the place of the stage.
-pub struct GalleryView {
+struct GalleryView {
     body: Arc<Body>,
+    /// The template that it was given.
+    given: Option<(Template, MatchSettings)>,
+    /// What was shown on other harmonics, until it is shown on these.
+    before: Option<Exhibition>,
     work: Option<Job<Brought>>,
     taking: Option<Job<Vec<Layer>>>,
     shown: Option<Exhibition>,
@@ -46,19 +54,29 @@ pub struct GalleryView {
 }
 
 impl GalleryView {
-    /// Prepares the gallery of the open shape.
-    pub fn begin(session: &Session, ctx: &egui::Context) -> Self {
+    /// Prepares the gallery of the open shape, with the generations of one `before` on other harmonics.
+    fn begin(
+        session: &Session,
+        given: Option<(Template, MatchSettings)>,
+        before: Option<Exhibition>,
+        ctx: &egui::Context,
+    ) -> Self {
         let body = Arc::clone(session.stack.body());
         let mesh = Arc::clone(&session.subject.mesh);
-        let given = Exhibition::template_of(session.project());
         let stack = session.stack.with_harmonics_of(Arc::clone(&body));
+        let (asked, known) = (given.clone(), before.clone());
         let work = move |task: &Task| {
             let (mut stack, aside) = (stack?, Aside::new(task));
-            let shown = Exhibition::open(&mesh, &mut stack, given, &aside)?;
+            let shown = match known {
+                Some(before) => before.reopen(&mesh, &mut stack, asked, &aside),
+                None => Exhibition::open(&mesh, &mut stack, asked, &aside),
+            }?;
             Ok(Brought { shown, stack: Some(stack) })
         };
         Self {
             body,
+            given,
+            before,
             work: Some(Job::start("Preparing the gallery", ctx, work)),
             taking: None,
             shown: None,
@@ -68,18 +86,13 @@ impl GalleryView {
         }
     }
 
-    /// Whether it shows the shape of `session`, with its harmonics.
-    pub fn belongs_to(&self, session: &Session) -> bool {
-        Arc::ptr_eq(&self.body, session.stack.body())
-    }
-
-    /// The device was lost.
-    pub fn change_device(&mut self) {
-        self.wall = None;
+    /// Whether it shows the shape of `session` with its harmonics, or is about to.
+    fn belongs_to(&self, session: &Session) -> bool {
+        (self.shown.is_some() || self.work.is_some()) && Arc::ptr_eq(&self.body, session.stack.body())
     }
 
     /// Draws it; false when it is to be left. A caricature that is taken becomes layers.
-    pub fn show(
+    fn show(
         &mut self,
         ui: &mut Ui,
         session: &mut Session,
@@ -93,6 +106,7 @@ impl GalleryView {
                 Ok(Brought { shown, stack }) => {
                     stack.iter().for_each(|stack| session.stack.learn(stack));
                     (self.shown, self.wall) = (Some(shown), self.wall.take().map(Wall::emptied));
+                    self.before = None;
                 }
                 // The gallery on screen stays.
                 Err(why) if self.shown.is_some() => shared.notices.failed(why),
@@ -152,6 +166,18 @@ impl GalleryView {
         let tip = format!("{}: one random caricature, at once", SURPRISE.tooltip(&ctx));
         if button(ui, Icon::Dices, "Surprise me", tip, ready) || (ready && idle && SURPRISE.pressed(&ctx)) {
             self.surprise(session, &ctx);
+        }
+        let (given, project) = (Exhibition::template_of(session.project()), session.project());
+        if let (Some((template, _)), Some(shown)) = (&given, &self.shown)
+            && !shown.sitter.compares_with(template)
+        {
+            let name = format!("Against {}", template_name(template, project));
+            let tip = "A new gallery, in which they are compared with the template of the topmost layer, too. \
+                       The favorites of this one go.";
+            if button(ui, Icon::GitCompareArrows, &name, tip.into(), true) {
+                *self = Self::begin(session, given, None, &ctx);
+                return;
+            }
         }
         ui.separator();
         let mut taken = None;

@@ -4,8 +4,10 @@ use chladni_view::{Rect, layout};
 use egui::Ui;
 
 use super::super::look::Show;
+use super::super::shot::Pose;
 use super::Stage;
 use crate::studio::viewport;
+use crate::work::{Inked, Pen};
 
 /// Figures that the stage holds room for: the result, the three models, the original, and the template.
 pub const FIGURES: usize = 6;
@@ -35,5 +37,21 @@ impl Stage {
             Show::Result | Show::Template => &[RESULT],
             Show::Original => &[ORIGINAL],
         }
+    }
+
+    /// How far each vertex of a figure is exaggerated, for a pen that shows it.
+    pub(super) fn moved(&self, figure: usize, pen: Pen) -> Vec<f64> {
+        moved(&self.poses, figure, pen)
+    }
+}
+
+/// How far each vertex of a figure is exaggerated, for a pen that shows it; empty where none is.
+pub(super) fn moved(poses: &[Pose], figure: usize, pen: Pen) -> Vec<f64> {
+    let exaggerated = figure == RESULT || (MODELS..ORIGINAL).contains(&figure);
+    match (poses.get(figure), poses.get(ORIGINAL)) {
+        (Some((positions, _)), Some((rest, _))) if pen.exaggeration && exaggerated => {
+            Inked::moved(positions, rest.iter().map(|p| p.map(f64::from))).moved
+        }
+        _ => Vec::new(),
     }
 }

@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
-use chladni_view::ink::{Drawing, Ink, Plate};
+use chladni_view::ink::{Drawing, Plate};
 use chladni_view::{Camera, Picture, Rect};
 use egui::{ColorImage, TextureHandle, TextureOptions, Ui};
 
 use super::super::shot::Pose;
+use super::figures::moved;
 use crate::studio::job::Job;
-use crate::work::{Depth, Error, plate};
+use crate::work::{Depth, Error, Inked, Pen};
 
 /// After this time without a change the shade is drawn, too.
 const REST_SECS: f64 = 0.25;
@@ -24,6 +25,7 @@ pub struct InkedStage {
     shown: Option<(TextureHandle, Scene, Depth)>,
     /// Shapes that were made ready before, by figure.
     plates: Vec<(Pictured, Arc<Plate>)>,
+    made: Option<Making>,
 }
 
 /// A figure, and how often it had been changed.
@@ -33,9 +35,24 @@ type Pictured = (usize, u64);
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub camera: Camera,
-    pub ink: Ink,
+    pub pen: Pen,
     pub size: [u32; 2],
     pub figures: Vec<(Pictured, Rect)>,
+}
+
+/// What the plates of a scene depend on beside each figure: of lines as wide as it is exaggerated, all figures, which
+/// have one measure.
+#[derive(Clone, Debug, PartialEq)]
+struct Making {
+    smoothing: f64,
+    weighted: Option<Vec<Pictured>>,
+}
+
+impl Scene {
+    fn making(&self) -> Making {
+        let all = || self.figures.iter().map(|(pictured, _)| *pictured).collect();
+        Making { smoothing: self.pen.smoothing, weighted: self.pen.exaggeration.then(all) }
+    }
 }
 
 struct Drawn {
@@ -93,50 +110,56 @@ impl InkedStage {
             }
             None => ui.ctx().load_texture("ink", image, TextureOptions::LINEAR),
         };
+        self.made = Some(scene.making());
         (self.shown, self.plates) = (Some((texture, scene, depth)), plates);
     }
 
     fn start(&mut self, ui: &Ui, scene: Scene, depth: Depth, poses: &[Pose], triangles: &Arc<[[u32; 3]]>) {
-        let ready: Vec<Ready> = scene
-            .figures
-            .iter()
-            .map(|(pictured, _)| {
-                let known = self.plates.iter().find(|(known, _)| known == pictured);
-                known.map_or_else(
-                    || Ready::Positions(poses[pictured.0].0.clone()),
-                    |(_, p)| Ready::Plate(p.clone()),
-                )
-            })
-            .collect();
-        let triangles = Arc::clone(triangles);
+        let as_made = self.made.as_ref() == Some(&scene.making());
+        let ready = scene.figures.iter().map(|(pictured, _)| {
+            let known = self.plates.iter().find(|(known, _)| as_made && known == pictured);
+            known.map_or_else(
+                || {
+                    let positions = poses.get(pictured.0).map_or_else(Vec::new, |pose| pose.0.clone());
+                    Ready::Shape(positions, moved(poses, pictured.0, scene.pen))
+                },
+                |(_, plate)| Ready::Plate(Arc::clone(plate)),
+            )
+        });
+        let (ready, triangles) = (ready.collect::<Vec<Ready>>(), Arc::clone(triangles));
         let job = Job::start("Drawing in ink", ui.ctx(), move |_| {
-            let ink = scene.ink;
+            let ink = scene.pen.ink;
             let mut drawing = Drawing::new(scene.size[0], scene.size[1], &ink)?;
-            let mut plates = Vec::with_capacity(ready.len());
-            for (ready, (pictured, cell)) in ready.into_iter().zip(&scene.figures) {
-                let plate = ready.plate(&triangles)?;
-                depth.draw(&mut drawing, &plate, &ink, &scene.camera, *cell);
-                plates.push((*pictured, plate));
+            let plates = plates(&ready, scene.pen, &triangles)?;
+            for (plate, (_, cell)) in plates.iter().zip(&scene.figures) {
+                depth.draw(&mut drawing, plate, &ink, &scene.camera, *cell);
             }
+            let pictured = scene.figures.iter().map(|(pictured, _)| *pictured);
+            let plates = pictured.zip(plates).collect();
             Ok(Drawn { picture: drawing.to_picture(), scene, depth, plates })
         });
         self.running = Some(job);
     }
 }
 
-/// A shape that is ready to be drawn, or its vertices.
+/// A shape that is ready to be drawn, or its vertices and how far they are exaggerated.
 enum Ready {
     Plate(Arc<Plate>),
-    Positions(Vec<[f32; 3]>),
+    Shape(Vec<[f32; 3]>, Vec<f64>),
 }
 
-impl Ready {
-    fn plate(self, triangles: &[[u32; 3]]) -> Result<Arc<Plate>, Error> {
-        match self {
-            Self::Plate(plate) => Ok(plate),
-            Self::Positions(positions) => Ok(Arc::new(plate(&positions, triangles)?)),
-        }
-    }
+/// All of them ready. Where lines have weights, either all are, or none.
+fn plates(ready: &[Ready], pen: Pen, triangles: &[[u32; 3]]) -> Result<Vec<Arc<Plate>>, Error> {
+    let raw = ready.iter().filter_map(|ready| match ready {
+        Ready::Shape(positions, moved) => Some(Inked { positions, moved: moved.clone() }),
+        Ready::Plate(_) => None,
+    });
+    let mut made = pen.plates(&raw.collect::<Vec<_>>(), triangles)?.into_iter();
+    let plate = |ready: &Ready| match ready {
+        Ready::Plate(plate) => Some(Arc::clone(plate)),
+        Ready::Shape(..) => made.next().map(Arc::new),
+    };
+    Ok(ready.iter().filter_map(plate).collect())
 }
 
 #[cfg(test)]
@@ -150,10 +173,10 @@ mod tests {
         let (poses, triangles) = (vec![(positions.clone(), positions)], ball.triangles.into());
         let (ctx, mut stage) = (egui::Context::default(), InkedStage::default());
         let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(200.0, 200.0));
-        let mut drawn_at = |secs: f64, yaw_rad: f32, wanted: Depth| {
+        let mut drawn_at = |secs: f64, yaw_rad: f32, wanted: Depth, pen: Pen| {
             let camera = Camera { yaw_rad, distance: 6.0, ..Camera::default() };
             let figures = vec![((0, 1), Rect::of_size(200, 200))];
-            let scene = Scene { camera, ink: Ink::default(), size: [200; 2], figures };
+            let scene = Scene { camera, pen, size: [200; 2], figures };
             let start = std::time::Instant::now();
             loop {
                 let input = egui::RawInput { time: Some(secs), ..egui::RawInput::default() };
@@ -162,15 +185,19 @@ mod tests {
                 });
                 let shown = stage.shown.as_ref().filter(|(_, shown, _)| *shown == scene);
                 if shown.is_some_and(|(.., depth)| *depth == wanted) {
-                    return;
+                    return Arc::clone(&stage.plates[0].1);
                 }
                 assert!(start.elapsed().as_secs() < 60, "{wanted:?} was never drawn");
                 std::thread::sleep(std::time::Duration::from_millis(5));
             }
         };
-        drawn_at(1.0, 0.0, Depth::Lines);
-        drawn_at(2.0, 0.0, Depth::Shade);
-        drawn_at(2.1, 0.5, Depth::Lines);
-        drawn_at(2.5, 0.5, Depth::Shade);
+        let usual = Pen::default();
+        let first = drawn_at(1.0, 0.0, Depth::Lines, usual);
+        let second = drawn_at(2.0, 0.0, Depth::Shade, usual);
+        assert!(Arc::ptr_eq(&first, &second), "made ready once");
+        let third = drawn_at(2.1, 0.5, Depth::Lines, Pen { exaggeration: true, ..usual });
+        assert!(!Arc::ptr_eq(&first, &third), "its lines have other widths");
+        let fourth = drawn_at(2.5, 0.5, Depth::Shade, Pen { exaggeration: true, smoothing: 0.05, ..usual });
+        assert!(!Arc::ptr_eq(&third, &fourth), "its lines are others");
     }
 }

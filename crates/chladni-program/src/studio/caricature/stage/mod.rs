@@ -5,6 +5,7 @@ mod figures;
 mod inked;
 mod linked;
 mod pointing;
+mod shots;
 
 pub use figures::{FIGURES, MODELS, ORIGINAL, RESULT};
 pub use pointing::{BrushInHand, Press};
@@ -17,14 +18,14 @@ use std::sync::Arc;
 
 use chladni_mesh::Orientation;
 use chladni_view::{
-    Background, BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Skin, Topology, VertexPaint,
-    View, ViewError,
+    BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Skin, Topology, VertexPaint, View,
+    ViewError,
 };
 use egui::Ui;
 
 use super::look::Portrayal;
 use super::overlay::{backdrop, show_legend, show_names};
-use super::shot::{Coat, Pose, Shot};
+use super::shot::{Coat, Pose};
 use crate::studio::keys;
 use crate::studio::screen::Screen;
 use crate::studio::viewport::{self, Viewport};
@@ -214,46 +215,6 @@ impl Stage {
         Ok(())
     }
 
-    /// The current picture, on its own, before a `background`.
-    pub fn shot(&self, look: Portrayal, background: Background) -> Result<Shot, ViewError> {
-        let device = self.viewport.device().clone();
-        let coat = match &self.coat {
-            Coat::Values(_, scale) => {
-                let own = VertexPaint::new(&device, self.heat.len());
-                own.write_values(&device, &self.heat)?;
-                Coat::Values(own, *scale)
-            }
-            constant => constant.clone(),
-        };
-        let poses = self.figures(look.show).iter().map(|figure| self.poses[*figure].clone()).collect();
-        let triangles = Arc::clone(&self.triangles);
-        Ok(Shot {
-            device,
-            topology: self.topology.clone(),
-            triangles,
-            poses,
-            coat,
-            camera: self.camera,
-            look,
-            background,
-        })
-    }
-
-    /// Another pose of this shape, on its own.
-    pub fn shot_of(&self, pose: Pose, coat: Coat, background: Background) -> Shot {
-        let (device, topology) = (self.viewport.device().clone(), self.topology.clone());
-        Shot {
-            device,
-            topology,
-            triangles: Arc::clone(&self.triangles),
-            poses: vec![pose],
-            coat,
-            camera: self.camera,
-            look: Portrayal::default(),
-            background,
-        }
-    }
-
     /// Moves the camera so that the figures fill the view.
     pub fn fit(&mut self) {
         self.fitted = false;
@@ -329,7 +290,7 @@ impl Stage {
         self.brushed = stroke.map(|(_, pointed)| pointed.at);
         let trail = match (stroke, from) {
             (Some((hand, pointed)), Some(from)) => {
-                self.trail(from, pointed, touch, 0.5 * hand.brush.radius as f32)
+                self.trail(from, pointed, touch, hand.brush.spacing() as f32)
             }
             _ => Vec::new(),
         };
@@ -351,7 +312,7 @@ impl Stage {
         if look.ink && brush.is_none() {
             let figures = shown.iter().map(|(figure, cell)| ((*figure, self.changes[*figure]), *cell));
             let (camera, size) = (self.camera, [canvas.width, canvas.height]);
-            let scene = Scene { camera, ink: look.pen(), size, figures: figures.collect() };
+            let scene = Scene { camera, pen: look.pen, size, figures: figures.collect() };
             self.inked.show(ui, rect, scene, &self.poses, &self.triangles)?;
         } else {
             self.draw(ui, rect, look, &shown)?;

@@ -1,4 +1,5 @@
-//! The parts of a shape that a click takes: those of a head, which have names, or whatever stands out.
+//! The parts of a shape that a click takes, in the window and on the page: those of a head, which have names, or whatever
+//! stands out.
 
 use chladni_caricature::{HEAD_PARTS, Limbs, Painted};
 use chladni_harmonics::Body;
@@ -9,6 +10,7 @@ use chladni_mesh::{MirrorPlane, ShapeSource, TriMesh, samples};
 pub struct Parts {
     /// For each operator vertex its part.
     pub part: Vec<u32>,
+    /// The names of all parts, by their numbers.
     pub names: Vec<String>,
     /// For each part that on the other side, where it is one of a pair.
     twins: Vec<Option<usize>>,
@@ -63,6 +65,7 @@ impl Parts {
         part.map_or_else(Vec::new, |part| self.with_twin(part))
     }
 
+    /// A part, and that on the other side.
     pub fn with_twin(&self, part: usize) -> Vec<usize> {
         std::iter::once(part).chain(self.twins.get(part).copied().flatten()).collect()
     }

@@ -1,0 +1,74 @@
+//! The gallery of a shape, which outlives that it is closed.
+
+use egui::Ui;
+
+use super::super::edits::Edits;
+use super::super::look::Portrayal;
+use super::super::session::Session;
+use super::GalleryView;
+use crate::studio::room::Shared;
+use crate::work::{Error, Exhibition};
+
+/// The gallery of the open shape. It stays as it was while it is closed.
+#[derive(Default)]
+pub struct ShapesGallery {
+    view: Option<GalleryView>,
+    open: bool,
+}
+
+impl ShapesGallery {
+    /// Whether it stands in the place of the shape.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Shows it as it was left.
+    pub fn open(&mut self) {
+        self.open = true;
+    }
+
+    /// Leaves it as it is; one that is still being prepared is given up.
+    pub fn close(&mut self) {
+        self.open = false;
+        self.view.take_if(|view| view.shown.is_none() && view.before.is_none());
+        if let Some(view) = &mut self.view {
+            (view.taking, view.wall) = (None, None);
+            view.work.take_if(|_| view.shown.is_none());
+        }
+    }
+
+    /// The device was lost.
+    pub fn change_device(&mut self) {
+        if let Some(view) = &mut self.view {
+            view.wall = None;
+        }
+    }
+
+    /// Draws it where it is open; false where it is closed. What is taken becomes layers.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        session: &mut Session,
+        look: Portrayal,
+        shared: &mut Shared<'_>,
+        edits: &mut Edits,
+    ) -> Result<bool, Error> {
+        if !self.open {
+            return Ok(false);
+        }
+        let view = match self.view.take() {
+            Some(view) if view.belongs_to(session) => view,
+            Some(view) => GalleryView::begin(session, view.given, view.shown.or(view.before), ui.ctx()),
+            None => GalleryView::begin(session, Exhibition::template_of(session.project()), None, ui.ctx()),
+        };
+        match self.view.insert(view).show(ui, session, look, shared, edits) {
+            Ok(true) => {}
+            Ok(false) => self.close(),
+            Err(why) => {
+                self.close();
+                return Err(why);
+            }
+        }
+        Ok(true)
+    }
+}

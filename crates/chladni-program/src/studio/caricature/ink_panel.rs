@@ -1,0 +1,65 @@
+//! How the stage is drawn in ink: a line of controls above it, while it is.
+
+use chladni_view::ink::Ink;
+use egui::{Slider, Ui};
+
+use crate::studio::author_id::AuthorId;
+use crate::studio::theme;
+use crate::work::Pen;
+
+/// Draws the controls of `pen`.
+pub fn show(ui: &mut Ui, pen: &mut Pen) {
+    theme::group(ui, "Ink", |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().slider_width = 72.0;
+            let ink = &mut pen.ink;
+            named(ui, "Detail", DETAIL, |ui| {
+                ui.add(Slider::new(&mut ink.detail, 0.0..=2.0).fixed_decimals(2))
+            });
+            named(ui, "Hatching", HATCHING, |ui| {
+                ui.add(Slider::new(&mut ink.hatching, 0.0..=1.0).fixed_decimals(2))
+            });
+            let mut tones = ink.tones;
+            named(ui, "Tones", TONES, |ui| {
+                let slider = Slider::new(&mut tones, 0..=Ink::MOST_TONES);
+                ui.add(slider.custom_formatter(|tones, _| match tones as usize {
+                    0 => "none".into(),
+                    tones => tones.to_string(),
+                }))
+            });
+            if tones != ink.tones {
+                // One tone would be the paper alone; on the way down the next is none.
+                let tones = if tones == 1 { if pen.ink.tones > 1 { 0 } else { 2 } } else { tones };
+                *pen = pen.toned(tones);
+            }
+            named(ui, "Smoothing", SMOOTHING, |ui| {
+                let slider = Slider::new(&mut pen.smoothing, 0.0..=Pen::MOST_SMOOTHING).fixed_decimals(3);
+                ui.add(slider)
+            });
+            named(ui, "Ink", "Color of the ink", |ui| ui.color_edit_button_srgb(&mut pen.ink.color));
+            named(ui, "Paper", "Color of the paper", |ui| ui.color_edit_button_srgb(&mut pen.ink.paper));
+            theme::checkbox(ui, &mut pen.exaggeration, "Wider where exaggerated")
+                .author_id("ink/exaggeration")
+                .on_hover_text("Lines are the wider the farther the shape is exaggerated there");
+            let usual = Pen::default();
+            if ui.add_enabled(*pen != usual, egui::Button::new("As usual")).clicked() {
+                *pen = usual;
+            }
+        });
+    });
+}
+
+const DETAIL: &str =
+    "How many lines there are inside the contours: 0 none, 1 as a draftsman would, 2 far more";
+const HATCHING: &str = "How far hatching reaches out of the shade: 0 none, 1 up to the light";
+const TONES: &str =
+    "Light as so few flat tones, the paper among them, with hatching over them where it is asked for";
+const SMOOTHING: &str = "How far curvature is averaged before lines are drawn along it, as a share of the shape's size: \
+                         more for a noisy scan, less for fine detail";
+
+fn named(ui: &mut Ui, name: &str, tip: &str, control: impl FnOnce(&mut Ui) -> egui::Response) {
+    let label = ui.label(name).on_hover_text(tip).id;
+    ui.label_inputs_by(label, |ui| {
+        control(ui).author_id(format!("ink/{}", name.to_lowercase())).on_hover_text(tip);
+    });
+}

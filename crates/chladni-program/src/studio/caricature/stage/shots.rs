@@ -1,0 +1,54 @@
+//! Pictures of the stage, independent of later edits.
+
+use std::sync::Arc;
+
+use chladni_view::{Background, VertexPaint, ViewError};
+
+use super::super::look::Portrayal;
+use super::super::shot::{Coat, Pose, Shot};
+use super::Stage;
+
+impl Stage {
+    /// What is shown now, on its own, before a `background`.
+    pub fn shot(&self, look: Portrayal, background: Background) -> Result<Shot, ViewError> {
+        let device = self.viewport.device().clone();
+        let coat = match &self.coat {
+            Coat::Values(_, scale) => {
+                let own = VertexPaint::new(&device, self.heat.len());
+                own.write_values(&device, &self.heat)?;
+                Coat::Values(own, *scale)
+            }
+            constant => constant.clone(),
+        };
+        let figures = self.figures(look.show).iter();
+        let (poses, moved) = figures.map(|f| (self.poses[*f].clone(), self.moved(*f, look.pen))).unzip();
+        let triangles = Arc::clone(&self.triangles);
+        Ok(Shot {
+            device,
+            topology: self.topology.clone(),
+            triangles,
+            poses,
+            moved,
+            coat,
+            camera: self.camera,
+            look,
+            background,
+        })
+    }
+
+    /// Another pose of this shape, on its own.
+    pub fn shot_of(&self, pose: Pose, coat: Coat, background: Background) -> Shot {
+        let (device, topology) = (self.viewport.device().clone(), self.topology.clone());
+        Shot {
+            device,
+            topology,
+            triangles: Arc::clone(&self.triangles),
+            poses: vec![pose],
+            moved: Vec::new(),
+            coat,
+            camera: self.camera,
+            look: Portrayal::default(),
+            background,
+        }
+    }
+}
