@@ -1,4 +1,4 @@
-"""Writes the rows of `chladni-bench limbs` into BENCHMARKS.md."""
+"""Writes the rows of `chladni-bench limbs` and of `chladni-bench head-parts` into BENCHMARKS.md."""
 
 import pathlib
 import sys
@@ -16,3 +16,15 @@ its axis by 43° where it is widest. Nested is the share of the area whose part 
 |---|---|---|---|---|---|---|
 {pathlib.Path(sys.argv[1]).read_text()}"""
 write_section("limbs", text)
+
+write_section(
+    "head-parts",
+    f"""## Parts of heads
+
+Made by `bench/limbs/run`. The parts of our own heads are known from the forms that they are modeled of: the sample head, and
+heads of the sliders. For each part intersection over union, by area, of what `parts` finds through a match with the sample template.
+
+| head | nose | brow | eyes | mouth | chin | jaw | cheeks | ears | crown | neck | mean |
+|---|---|---|---|---|---|---|---|---|---|---|---|
+{pathlib.Path(sys.argv[2]).read_text()}""",
+)

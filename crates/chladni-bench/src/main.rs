@@ -3,6 +3,7 @@
 
 mod breeding;
 mod caricature;
+mod head_parts;
 mod limbs;
 mod music;
 mod sand;
@@ -32,6 +33,7 @@ enum What {
     Breeding(breeding::BenchBreeding),
     Caricature(caricature::BenchCaricature),
     Gallery(caricature::BenchGallery),
+    HeadParts(head_parts::BenchHeadParts),
     Keeping(caricature::BenchKeeping),
     Limbs(limbs::BenchLimbs),
     Music(music::BenchMusic),
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         What::Breeding(breeding) => breeding.run(&terminal),
         What::Caricature(caricature) => caricature.run(&terminal),
         What::Gallery(gallery) => gallery.run(&terminal),
+        What::HeadParts(parts) => parts.run(&terminal),
         What::Keeping(keeping) => keeping.run(&terminal),
         What::Limbs(limbs) => limbs.run(&terminal),
         What::Music(music) => music.run(&terminal),

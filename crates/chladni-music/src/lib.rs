@@ -115,7 +115,7 @@ pub use resonance::{Resonators, Ringing};
 pub use sand::{Grain, SAND_STEP_SECS, Sand, Tray};
 pub use sand_mode::{SAND_MODE, experiment, without_sand};
 pub use settings::Settings;
-pub use show::{BeatReading, FileRef, Looks, Show, SongRef, Stretch, Viewpoint};
+pub use show::{BeatReading, FileRef, Looks, Recording, Show, SongRef, Stretch, Viewpoint, heard_again};
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react, smooth};
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};

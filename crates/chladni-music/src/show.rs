@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::appearance::{Looks, Viewpoint};
 use self::songs::MOST_OCTAVES;
-pub use self::songs::{BeatReading, FileRef, SongRef, Stretch};
+pub use self::songs::{BeatReading, FileRef, Recording, SongRef, Stretch, heard_again};
 use crate::gallery::GalleryShape;
 use crate::text_file::{self, FORMAT_VERSION};
 use crate::{ClockTrack, Instrument, LoggedAction, MusicError, Parameters, Settings};

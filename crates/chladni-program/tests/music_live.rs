@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use chladni_mesh::{samples, save_mesh};
-use chladni_music::{Histogram, MAX_FLASHES, Veil, most_flashes_per_second};
+use chladni_music::{Histogram, MAX_FLASHES, Show, Veil, most_flashes_per_second};
 use chladni_program::studio::{Folders, Opening};
 use chladni_sound::{Capture, CaptureFeed};
 use driving::{Answers, Window, control, no_time, open_with, shows, wait};
@@ -310,6 +310,47 @@ fn a_frozen_stage_that_goes_black_is_black_in_the_recording_too() {
     let means: Vec<f32> = gray_frames(&film).iter().map(mean).collect();
     let (first, darkest) = (means[0], means.iter().fold(f32::INFINITY, |least, mean| least.min(*mean)));
     assert!(first > 100.0 && darkest < 20.0, "{means:?}");
+}
+
+#[test]
+fn a_show_hears_live_input_again_from_its_recording() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let mut evening = Evening::begin(20, "", "");
+    let film = evening.record();
+    (0..60).for_each(|_| evening.step(kick));
+    evening.end_recording();
+    (0..10).for_each(|_| evening.step(|_| 0.0));
+    let path = evening._folder.path().join("set.toml");
+    evening.answers.add(&path);
+    evening.window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
+    wait(&mut evening.window, "the show", |_| path.exists());
+    let show = Show::load(&path).unwrap();
+    assert_eq!(show.songs.len(), 1);
+    assert!(film.ends_with(&show.songs[0].path), "{:?}", show.songs);
+    let songs: Vec<Option<usize>> = show.heard.iter().map(|stretch| stretch.song).collect();
+    assert_eq!(songs, [None, Some(0), None]);
+    let recorded = show.heard[2].at_secs - show.heard[1].at_secs;
+    assert!((2.8..3.4).contains(&recorded), "{:?}", show.heard);
+    // The film of the show hears what came in: the shape moves only while it is recorded.
+    let dance = Command::new(env!("CARGO_BIN_EXE_chladni"))
+        .args(["--quiet", "dance", "--show"])
+        .arg(&path)
+        .args(["--size", "96x96", "--fps", "10", "-o", "-"])
+        .output()
+        .unwrap();
+    assert!(dance.status.success(), "{}", String::from_utf8_lossy(&dance.stderr));
+    let frames: Vec<&[u8]> = dance.stdout.chunks_exact(4 * 96 * 96).collect();
+    let change = |of: &[&[u8]]| -> f64 {
+        let difference = |pair: &[&[u8]]| -> f64 {
+            pair[0].iter().zip(pair[1]).map(|(a, b)| f64::from(a.abs_diff(*b))).sum()
+        };
+        of.windows(2).map(difference).sum::<f64>() / (of.len() - 1) as f64
+    };
+    let begins = (10.0 * show.heard[1].at_secs).ceil() as usize;
+    let (live, heard) = (change(&frames[..begins]), change(&frames[begins + 5..begins + 25]));
+    assert!(heard > 5.0 * live + 1000.0, "{live} before the recording, {heard} in it");
 }
 
 /// Tests draw the second window into the first.

@@ -78,7 +78,7 @@ pub(super) const MOST_OCTAVES: i32 = 3;
 pub struct Stretch {
     /// Since the show began.
     pub at_secs: f64,
-    /// Which of the show's songs; `None` is live input, which is not recorded.
+    /// Which of the show's songs; `None` is live input, which no recording has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub song: Option<usize>,
     /// Where in the song.
@@ -103,9 +103,77 @@ impl Stretch {
     }
 }
 
+/// A recording of a set, as one of the show's songs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recording {
+    /// Its number among the songs.
+    pub song: usize,
+    /// Its beginning, since the show began.
+    pub at_secs: f64,
+    /// Its length.
+    pub duration_secs: f64,
+}
+
+/// The same stretches (ascending), with live input heard from `recordings` (ascending, apart) as far as they have it.
+pub fn heard_again(stretches: &[Stretch], recordings: &[Recording]) -> Vec<Stretch> {
+    let ends = stretches.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
+    let mut again = Vec::with_capacity(stretches.len());
+    for (stretch, end_secs) in stretches.iter().zip(ends) {
+        if stretch.song.is_some() {
+            again.push(*stretch);
+            continue;
+        }
+        let (mut rest, mut is_left) = (*stretch, true);
+        for recording in recordings {
+            let from_secs = recording.at_secs.max(rest.at_secs);
+            let to_secs = (recording.at_secs + recording.duration_secs).min(end_secs);
+            if from_secs >= to_secs {
+                continue;
+            }
+            if rest.at_secs < from_secs {
+                again.push(rest);
+                rest.crossfade_secs = 0.0;
+            }
+            let (song, song_secs) = (Some(recording.song), from_secs - recording.at_secs);
+            again.push(Stretch { at_secs: from_secs, song, song_secs, playing: true, ..rest });
+            (rest.at_secs, rest.crossfade_secs) = (to_secs, 0.0);
+            is_left = to_secs < end_secs;
+        }
+        again.extend(is_left.then_some(rest));
+    }
+    again
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn live_input_is_heard_from_what_was_recorded_of_it() {
+        let stretch = |at_secs, song, song_secs| Stretch {
+            at_secs,
+            song,
+            song_secs,
+            playing: true,
+            crossfade_secs: 0.0,
+        };
+        let heard = [stretch(0.0, Some(0), 7.0), stretch(10.0, None, 0.0), stretch(30.0, Some(1), 0.0)];
+        let recording = |at_secs, duration_secs| Recording { song: 2, at_secs, duration_secs };
+        assert_eq!(heard_again(&heard, &[]), heard);
+        // Within the live input, over its beginning, over its end, and over all of it.
+        let of = |at_secs, duration_secs| heard_again(&heard, &[recording(at_secs, duration_secs)]);
+        let [first, live, last] = heard;
+        assert_eq!(of(12.0, 5.0), [first, live, stretch(12.0, Some(2), 0.0), stretch(17.0, None, 0.0), last]);
+        assert_eq!(of(4.0, 10.0), [first, stretch(10.0, Some(2), 6.0), stretch(14.0, None, 0.0), last]);
+        assert_eq!(of(25.0, 50.0), [first, live, stretch(25.0, Some(2), 0.0), last]);
+        assert_eq!(of(2.0, 90.0), [first, stretch(10.0, Some(2), 8.0), last]);
+        // Two recordings of an input that still goes on.
+        let both =
+            heard_again(&[live], &[recording(11.0, 2.0), Recording { song: 3, ..recording(15.0, 1.0) }]);
+        let times: Vec<(f64, Option<usize>)> = both.iter().map(|s| (s.at_secs, s.song)).collect();
+        let expected = [(10.0, None), (11.0, Some(2)), (13.0, None), (15.0, Some(3)), (16.0, None)];
+        assert_eq!(times, expected);
+    }
 
     #[test]
     fn beats_are_read_twice_and_half_as_fast_and_later() {

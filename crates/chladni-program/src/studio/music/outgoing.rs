@@ -6,7 +6,7 @@ use chladni_music::Veil;
 use chladni_view::film::{CameraTarget, LiveCamera, RawFormat};
 use chladni_view::{Canvas, Device, Picture, Readback};
 
-use super::recorder::{RATE, Recorder};
+use super::recorder::{RATE, RecordedSet, Recorder};
 use crate::work::Error;
 
 /// Pictures on their way back from the device.
@@ -17,6 +17,8 @@ const FLYING: usize = 2;
 pub struct Outgoing {
     /// Films the set.
     pub recorder: Option<Recorder>,
+    /// Recordings of this show that are finished, the first one first.
+    pub recorded: Vec<RecordedSet>,
     camera: Option<(CameraTarget, LiveCamera)>,
     /// From when on pictures are counted.
     since_secs: f64,

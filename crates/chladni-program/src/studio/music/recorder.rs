@@ -15,6 +15,17 @@ pub const RATE: FrameRate = FrameRate::per_second(30);
 /// Rate of the film's sound.
 const SOUND_HZ: u32 = 48_000;
 
+/// A finished recording, from which live input can be heard again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedSet {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its beginning, since the show began.
+    pub at_secs: f64,
+    /// Its length.
+    pub duration_secs: f64,
+}
+
 /// One recording.
 pub struct Recorder {
     film: LiveFilm,
@@ -23,6 +34,10 @@ pub struct Recorder {
     asked_secs: f64,
     /// When it began: in the first frame after that, as choosing its file may have taken any time.
     since_secs: Option<f64>,
+    /// The same moment since the show began.
+    show_secs: Option<f64>,
+    /// Its length, once it ends.
+    duration_secs: f64,
     resampler: Option<(u32, StereoResampler)>,
     /// When something came last.
     last_secs: f64,
@@ -43,6 +58,8 @@ impl Recorder {
             path,
             asked_secs: now_secs,
             since_secs: None,
+            show_secs: None,
+            duration_secs: 0.0,
             resampler: None,
             last_secs: now_secs,
             ends: false,
@@ -116,10 +133,24 @@ impl Recorder {
         Ok(())
     }
 
+    /// Notes where in the show it begins: at `now_secs` of the window the show is at `show_secs`.
+    pub fn follow_show(&mut self, now_secs: f64, show_secs: f64) {
+        if let (Some(since_secs), None) = (self.since_secs, self.show_secs) {
+            self.show_secs = Some(show_secs - (now_secs - since_secs));
+        }
+    }
+
+    /// The set as it can be heard again, once it has ended; `None` if it never began.
+    pub fn set(&self) -> Option<RecordedSet> {
+        let (path, duration_secs) = (self.path.clone(), self.duration_secs);
+        Some(RecordedSet { path, at_secs: self.show_secs?, duration_secs })
+    }
+
     /// It ends now; its file appears a little later.
     pub fn finish(&mut self, now_secs: f64) {
         if !std::mem::replace(&mut self.ends, true) {
-            self.film.finish(self.at_secs(now_secs));
+            self.duration_secs = self.at_secs(now_secs);
+            self.film.finish(self.duration_secs);
         }
     }
 

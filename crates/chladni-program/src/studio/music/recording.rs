@@ -81,10 +81,13 @@ impl MusicRoom {
         {
             shared.notices.failed(why);
         }
+        recorder.follow_show(now_secs, listening.at_secs());
         let Some(ended) = recorder.ended() else { return };
         let (path, left_out) = (recorder.path().display().to_string(), recorder.progress(now_secs).1);
         listening.keep_sound(false);
+        let set = recorder.set();
         concert.outgoing.recorder = None;
+        concert.outgoing.recorded.extend(set.filter(|_| ended.is_ok()));
         match ended {
             Ok(frames) if left_out == 0 => shared.notices.done(format!("Recorded {path}: {frames} frames")),
             Ok(frames) => {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Action, BeatReading, FileRef, ItemId, Preset, Show, SongRef};
+use chladni_music::{Action, BeatReading, FileRef, ItemId, Preset, Recording, Show, SongRef, heard_again};
 
 use super::concert::Concert;
 use super::listening::{Listening, ShowSong};
@@ -174,11 +174,22 @@ pub fn the_show(
 ) -> Show {
     let (heard, songs) = listening.heard();
     let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path)) };
+    let mut songs: Vec<SongRef> = songs.iter().map(song).collect();
+    // What came in live is heard again from the recordings of the set.
+    let mut heard = heard;
+    for set in &concert.outgoing.recorded {
+        let of_set = Recording { song: songs.len(), at_secs: set.at_secs, duration_secs: set.duration_secs };
+        let again = heard_again(&heard, &[of_set]);
+        if again != heard {
+            songs.push(SongRef::of(refer(&set.path)));
+            heard = again;
+        }
+    }
     Show {
         body: Some(refer(&names.dancing)),
         looks: Some(shared.settings.music.looks()),
         viewpoint: concert.viewpoint(),
-        songs: songs.iter().map(song).collect(),
+        songs,
         heard,
         clock: listening.clock().clone(),
         duration_secs: Some(listening.at_secs()),

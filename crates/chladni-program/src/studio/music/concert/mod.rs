@@ -262,6 +262,7 @@ impl Concert {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
         self.instrument = show.replay(shape)?;
+        self.outgoing.recorded.clear();
         self.mark_saved();
         self.view = View::Gallery;
         self.viewpoint = show.viewpoint;
