@@ -25,8 +25,7 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
     let mut window = enter(Opening { folders, ..Opening::default() });
     click(&mut window, "drawer/songs");
     control(&window, "calibrate").click_accesskit();
-    window.run_steps(2);
-    assert!(shows(&window, "with each click"));
+    wait(&mut window, "the clicks", |w| shows(w, "with each click"));
     let playing =
         |window: &Window| control(window, "play").accesskit_node().label().as_deref() == Some("Pause");
     wait(&mut window, "the song's pause", |w| !playing(w));
@@ -38,7 +37,6 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
         window.key_press(Key::Space);
         window.run_steps(1);
     }
-    // The taps came at some place of a second; one of these is less than half a second away from it.
     tap_to_flashes(&mut window, 0.0);
     screenshot(&mut window, "calibrated.png");
     if shows(&window, "This cannot be used") {
@@ -53,8 +51,7 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
     assert!(!is_there(&window, "calibrate/tap"));
     wait(&mut window, "the song", playing);
     control(&window, "calibrate").click_accesskit();
-    window.run_steps(2);
+    wait(&mut window, "the clicks again", |w| shows(w, "with each click"));
     window.key_press(Key::Escape);
-    window.run_steps(3);
-    assert!(!is_there(&window, "calibrate/tap"));
+    wait(&mut window, "the window as it was", |w| !is_there(w, "calibrate/tap"));
 }

@@ -147,7 +147,7 @@ fn songs_input_clock_and_recording_obey() {
     desk.touch("record", 1.0);
     desk.window.run_steps(5);
     assert!(!is_there(&desk.window, "recording-end"));
-    answers.add(&desk.settings.with_file_name("set.mp4"));
+    answers.add(desk.settings.with_file_name("set.mp4"));
     desk.touch("record", 1.0);
     desk.until("the recording", |w| is_there(w, "recording-end"));
     desk.touch("record", 1.0);

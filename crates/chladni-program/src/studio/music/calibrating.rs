@@ -115,7 +115,7 @@ impl Calibrating {
         let light = (255.0 * self.light(now_secs)).round() as u8;
         let field = ui.allocate_rect(whole, Sense::click());
         ui.painter().rect_filled(whole, 0.0, Color32::from_gray(light));
-        field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Tap"));
+        field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Tap here"));
         let field = field.author_id("calibrate/tap");
         let (pressed, released) =
             ui.input(|input| (input.pointer.primary_pressed(), input.pointer.any_released()));

@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn what_dances_is_the_moment_ahead_of_the_one_that_is_heard() {
         let mut listening = listening();
-        let mut hear = |listening: &mut Listening, now_secs: f64| {
+        let hear = |listening: &mut Listening, now_secs: f64| {
             let heard = listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
             heard.at_secs
         };
