@@ -106,7 +106,7 @@ mod tests {
             std::fs::write(&made, "").unwrap();
             assert_eq!(mode(&path), old.unwrap_or(mode(&made)), "{old:?}");
             std::fs::remove_file(made).unwrap();
-            assert_eq!(files(folder.path()), [path.clone()], "nothing lies beside it");
+            assert_eq!(files(folder.path()), std::slice::from_ref(&path), "nothing lies beside it");
         }
     }
 
