@@ -1,6 +1,10 @@
 //! The cache where it is hard to keep one: a full disk, a read-only one, and another process that works in it.
 
-#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a panic is how a test fails, and a skipped one says so"
+)]
 
 mod shapes;
 
