@@ -54,7 +54,7 @@ fn on_a_small_disk(script: &str) {
     assert!(output.status.success(), "{said}");
 }
 
-/// What a run has left besides entries.
+/// Files that a run has left besides entries.
 fn besides_entries(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.extension().is_none_or(|ending| ending != "basis")).collect()

@@ -87,7 +87,7 @@ mod tests {
     fn only_its_owner_reads_a_file_that_is_being_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.chladni");
-        // Whoever could read the old file can read the new one, but not what may never become it.
+        // Those who could read the old file can read the new one, but not what may never become it.
         for old in [None, Some(0o644), Some(0o640), Some(0o600), Some(0o666)] {
             if let Some(old) = old {
                 std::fs::write(&path, "old").unwrap();
