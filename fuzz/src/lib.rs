@@ -3,6 +3,7 @@
 
 mod documents;
 mod pipeline;
+mod program;
 
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use chladni_task::Task;
 
 pub use documents::{bindings, landmarks, messages, preset, project, show};
 pub use pipeline::{Shape, pipeline};
+pub use program::{arguments, cache, mask_mesh, panorama, picture, settings};
 
 /// Reads a mesh, and where that works checks what the types promise.
 pub fn mesh(bytes: &[u8], format: Format) {

@@ -1,14 +1,19 @@
-//! Writes small good files for the fuzzer to start from: `seeds CORPUS_FOLDER`.
+//! Writes the small good files that the fuzzer starts from: `cargo run --bin seeds -- seeds` in this folder.
 
 use std::error::Error;
 use std::fs;
 use std::path::Path;
 
 use chladni_caricature::{Layer, Painted, Project, ShapeSource, Template};
-use chladni_harmonics::npz::write_npz;
+use chladni_harmonics::npz::{npy_of, write_npz};
+use chladni_harmonics::{BasisCache, BasisSettings, Body};
 use chladni_mesh::{Format, samples, write_mesh};
 use chladni_music::{Action, GalleryShape, Instrument, Moment, Parameter, Show, repertoire};
+use chladni_program::studio::Settings;
+use chladni_program::work::{Subject, mask};
 use chladni_sound::{Song, WavSample, wav_bytes};
+use chladni_task::Task;
+use chladni_view::Picture;
 
 const OFF: &str = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 const MEDIT: &str = "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n\
@@ -19,7 +24,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
     "buffers":[{"byteLength":48,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAAAAAAAAA"}]}"#;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let corpus = std::env::args().nth(1).ok_or("usage: seeds CORPUS_FOLDER")?;
+    let corpus = std::env::args().nth(1).ok_or("usage: seeds FOLDER")?;
     let save = |target: &str, name: &str, bytes: &[u8]| {
         let folder = Path::new(&corpus).join(target);
         fs::create_dir_all(&folder)?;
@@ -34,7 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("off", "tetrahedron", OFF.as_bytes())?;
     save("medit", "tetrahedron", MEDIT.as_bytes())?;
     save("gltf", "strip", GLTF.as_bytes())?;
-    let wave = |hz: f32| (0..8000).map(|n| (n as f32 * hz / 8000.0 * std::f32::consts::TAU).sin()).collect();
+    // A quarter of a second: small files are mutated more thoroughly.
+    let wave = |hz: f32| (0..2000).map(|n| (n as f32 * hz / 8000.0 * std::f32::consts::TAU).sin()).collect();
     let song = Song { rate_hz: 8000, left: wave(300.0), right: wave(500.0) };
     for (name, bytes) in documents()? {
         save(name, "good", &bytes)?;
@@ -44,7 +50,47 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_npz(&archive, |npz| npz.array("mask", &[3], [0.0f32, 0.25, 1.0]))?;
     save("song", "int.wav", &wav_bytes(&song, WavSample::Int16)?)?;
     save("song", "float.wav", &wav_bytes(&song, WavSample::Float32)?)?;
+    save("numbers", "mask.npy", &npy_of(&[0.0, 0.25, 1.0])?)?;
+    for (target, name, bytes) in of_the_program()? {
+        save(target, name, &bytes)?;
+    }
     Ok(())
+}
+
+/// A picture of four colors, or of steps of gray.
+fn painted(width: u32, height: u32, color: impl Fn(u32) -> [u8; 4]) -> Picture {
+    Picture { width, height, rgba: (0..width * height).flat_map(color).collect() }
+}
+
+/// A target, a name, and what it starts from.
+type NamedSeed = (&'static str, &'static str, Vec<u8>);
+
+/// Pictures, a mask, preferences, command lines and an entry of the cache: each with its target and name.
+fn of_the_program() -> Result<Vec<NamedSeed>, Box<dyn Error>> {
+    let colors =
+        painted(4, 2, |i| [(60 * i) as u8, 200, (255 - 30 * i) as u8, if i % 3 == 0 { 90 } else { 255 }]);
+    let hdr =
+        [&b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n"[..], &[128, 64, 32, 129].repeat(8)].concat();
+    let shape = Subject::from(samples::icosphere(0));
+    let painted_half = Painted::Vertices((0..12).map(|i| i as f32 / 11.0).collect());
+    let folder = tempfile::tempdir()?;
+    let basis = BasisSettings { threads: Some(1), ..BasisSettings::new(3) };
+    Body::load_or_build(&samples::icosphere(0), &basis, Some(&BasisCache::new(folder.path())), &Task::new())?;
+    let entry = fs::read_dir(folder.path())?.next().ok_or("an entry was made")??.path();
+    let mut settings = Settings { zoom: 1.25, ..Settings::default() };
+    settings.remember(Path::new("/somewhere/head.chladni"));
+    let film = "dance\nsample:octopus\nsong.flac\n--film\nout.mp4\n--size\n640x360\n--set\ngain=0.5\n";
+    let layers = "caricature\nhead.obj\n--template\nsphere\n--mu\n-2.5\n-o\nout.ply\n";
+    Ok(vec![
+        ("picture", "colors.png", colors.to_png()?),
+        ("panorama", "colors.png", colors.to_png()?),
+        ("panorama", "light.hdr", hdr),
+        ("mask_mesh", "ramp.ply", mask::to_bytes("ply", &painted_half, &shape)?.0),
+        ("settings", "good", settings.to_text()?.into_bytes()),
+        ("arguments", "film", film.into()),
+        ("arguments", "layers", layers.into()),
+        ("cache", "good", fs::read(entry)?),
+    ])
 }
 
 /// A target and what it starts from.

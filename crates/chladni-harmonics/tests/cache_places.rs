@@ -1,6 +1,10 @@
 //! The cache where it is hard to keep one: a full disk, a read-only one, and another process that works in it.
 
-#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a panic is how a test fails, and a skipped one says so"
+)]
 
 mod shapes;
 
@@ -50,7 +54,7 @@ fn on_a_small_disk(script: &str) {
     assert!(output.status.success(), "{said}");
 }
 
-/// What a run has left besides entries.
+/// Files that a run has left besides entries.
 fn besides_entries(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     entries.filter(|path| path.extension().is_none_or(|ending| ending != "basis")).collect()

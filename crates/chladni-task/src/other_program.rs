@@ -6,7 +6,7 @@
 use std::ffi::{OsStr, OsString};
 use std::process::Command;
 
-/// What a program needs to know of where it runs, besides how to find itself, a home and a language.
+/// The part of our environment that a program gets, besides the way to programs, a home and a language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// Files and pipes: an encoder.
@@ -35,7 +35,7 @@ const ALL: &[&str] = &[
     "DYLD_FALLBACK_LIBRARY_PATH",
 ];
 
-/// What programs do not start without on Windows, and where they find folders there.
+/// On Windows, variables without which no program starts, and the ways to folders.
 const WINDOWS: &[&str] = &[
     "SYSTEMROOT",
     "SYSTEMDRIVE",

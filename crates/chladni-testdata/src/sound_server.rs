@@ -44,6 +44,11 @@ impl SoundServer {
 
     /// Starts the server again after [`stop`](Self::stop).
     pub fn restart(&mut self) {
+        self.restart_at(48_000);
+    }
+
+    /// The same with a device of another rate.
+    pub fn restart_at(&mut self, rate_hz: u32) {
         let socket = self.folder.path().join("socket");
         // A server that was killed leaves its socket behind.
         let _ = std::fs::remove_file(&socket);
@@ -51,7 +56,7 @@ impl SoundServer {
             .command("pulseaudio")
             .env_remove("PULSE_SERVER")
             .args(["-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no"])
-            .args(["-L", "module-null-sink sink_name=null norewinds=1 rate=48000"])
+            .args(["-L", &format!("module-null-sink sink_name=null norewinds=1 rate={rate_hz}")])
             .args([
                 "-L",
                 &format!("module-native-protocol-unix auth-anonymous=1 socket={}", socket.display()),

@@ -117,6 +117,21 @@ where
     }
 }
 
+/// Whether a command line is understood, of which nothing is done.
+///
+/// # Errors
+/// [`Error::Input`], as [`run`] prints it. Asking for help or the version is understood.
+pub fn understand<I, T>(arguments: I) -> Result<(), Error>
+where
+    I: IntoIterator<Item = T>,
+    T: Into<std::ffi::OsString> + Clone,
+{
+    match Cli::try_parse_from(arguments) {
+        Err(error) if error.use_stderr() => Err(Error::Input(in_one_line(&error))),
+        _ => Ok(()),
+    }
+}
+
 /// 2 for bad input or arguments, 1 for anything else.
 pub fn exit_code(error: &Error) -> u8 {
     if error.is_of_input() { 2 } else { 1 }

@@ -39,6 +39,11 @@ impl Pictures {
         self.of(ctx, sample_path(name).to_string_lossy().into_owned(), move || portrait(&device, name))
     }
 
+    /// Whether the picture of a sample is still to come.
+    pub fn awaits_sample(&self, name: &str) -> bool {
+        !self.held.contains_key(&*sample_path(name).to_string_lossy())
+    }
+
     /// The picture that was kept of the file at `path`.
     pub fn of_file(&mut self, ctx: &egui::Context, path: &Path) -> Option<egui::TextureHandle> {
         let file = self.file(path)?;

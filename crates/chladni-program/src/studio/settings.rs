@@ -52,8 +52,24 @@ impl Settings {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
             Err(error) => return Err(error),
         };
-        let settings: Self = toml::from_str(&text).map_err(io::Error::other)?;
+        Self::from_text(&text)
+    }
+
+    /// What a file of preferences says, with numbers in their bounds.
+    ///
+    /// # Errors
+    /// One that says why it cannot be understood.
+    pub fn from_text(text: &str) -> io::Result<Self> {
+        let settings: Self = toml::from_str(text).map_err(io::Error::other)?;
         Ok(settings.bounded())
+    }
+
+    /// The text of a file of preferences.
+    ///
+    /// # Errors
+    /// A value that the file cannot hold.
+    pub fn to_text(&self) -> io::Result<String> {
+        toml::to_string_pretty(self).map_err(io::Error::other)
     }
 
     /// Keeps a file that could not be read beside `path`, where the next preferences do not replace it; returns where.
@@ -68,8 +84,7 @@ impl Settings {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let text = toml::to_string_pretty(self).map_err(io::Error::other)?;
-        chladni_task::write_atomic(path, text.as_bytes())
+        chladni_task::write_atomic(path, self.to_text()?.as_bytes())
     }
 
     /// Puts `path` first among the recent files.

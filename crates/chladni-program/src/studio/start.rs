@@ -82,9 +82,12 @@ impl Studio {
             ui.spacing_mut().item_spacing = Vec2::splat(theme::GAP_LARGE);
             for name in SAMPLES {
                 let picture = self.pictures.of_sample(ui.ctx(), name);
-                if card(ui, SAMPLE_CARD, picture.as_ref(), Icon::Box, "Open", &theme::capitalized(name))
-                    .clicked()
-                {
+                let card =
+                    card(ui, SAMPLE_CARD, picture.as_ref(), Icon::Box, "Open", &theme::capitalized(name));
+                if self.pictures.awaits_sample(name) {
+                    ui.ctx().accesskit_node_builder(card.id, egui::accesskit::Node::set_busy);
+                }
+                if card.clicked() {
                     chosen = Some((0, vec![sample_path(name)]));
                 }
             }

@@ -168,6 +168,12 @@ pub fn is_there(window: &Window, id: &str) -> bool {
     window.query_by(|node| node.author_id() == Some(id)).is_some()
 }
 
+/// Whether something says that it is still at work.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn is_busy(window: &Window) -> bool {
+    window.query_all_by(|node| node.is_busy()).next().is_some()
+}
+
 /// Whether something whose name contains `text` is there.
 pub fn shows(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()

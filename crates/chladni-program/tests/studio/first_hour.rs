@@ -64,8 +64,7 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
     person.click("flat-tones");
     person.press(Key::Escape);
     if driving::takes_pictures() {
-        let start = std::time::Instant::now();
-        person.wait("the drawing", |_| start.elapsed().as_secs() > 6);
+        person.wait("the drawing", |window| !driving::is_busy(window));
     }
     picture(&mut person, "ink");
     for (what, name) in [("export/svg", "me.svg"), ("export/gif", "me.gif"), ("export/glb", "me.glb")] {

@@ -28,6 +28,8 @@ pub(super) struct Clock {
     volume: AtomicU32,
     /// How far what is shown lies ahead of what is heard, in seconds.
     shown_ahead: AtomicU64,
+    /// When the last sound that was handed out has been heard, as nanoseconds after `origin`; the end of time while there is sound.
+    quiet_nanos: AtomicU64,
 }
 
 impl Clock {
@@ -48,6 +50,7 @@ impl Clock {
             lost: AtomicBool::new(false),
             volume: AtomicU32::new(1.0f32.to_bits()),
             shown_ahead: AtomicU64::new(0f64.to_bits()),
+            quiet_nanos: AtomicU64::new(0),
         }
     }
 
@@ -173,8 +176,23 @@ impl Clock {
         f32::from_bits(self.volume.load(Ordering::Relaxed))
     }
 
+    /// Called by the callback: from then on nothing is heard, or something is.
+    pub fn set_quiet_from(&self, from: Option<Instant>) {
+        let nanos = from.map_or(u64::MAX, |from| self.nanos(from));
+        // The first buffer of silence counts, not each that follows.
+        if nanos == u64::MAX || self.quiet_nanos.load(Ordering::Relaxed) == u64::MAX {
+            self.quiet_nanos.store(nanos, Ordering::Relaxed);
+        }
+    }
+
+    /// Whether nothing is heard at `now`, as all that was handed out has been.
+    pub fn is_quiet(&self, now: Instant) -> bool {
+        self.quiet_nanos.load(Ordering::Relaxed) <= self.nanos(now)
+    }
+
     /// Begins a new ring at frame 0.
     pub fn restart(&self) {
+        self.quiet_nanos.store(0, Ordering::Relaxed);
         let now = Instant::now();
         self.flush_before.store(0, Ordering::Release);
         self.lost.store(false, Ordering::Release);

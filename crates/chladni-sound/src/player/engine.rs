@@ -120,7 +120,7 @@ impl Engine {
     pub fn run(mut self) {
         loop {
             match self.commands.recv_timeout(STEP) {
-                Ok(Command::Quit) | Err(RecvTimeoutError::Disconnected) => return,
+                Ok(Command::Quit) | Err(RecvTimeoutError::Disconnected) => return self.hush(),
                 Ok(command) => self.obey(command),
                 Err(RecvTimeoutError::Timeout) => {}
             }

@@ -83,6 +83,20 @@ pub(super) struct Timeline {
 }
 
 impl Shared {
+    pub fn new(volume: f32) -> Self {
+        let clock = Arc::new(Clock::new());
+        clock.set_volume(volume.clamp(0.0, 1.0));
+        let timeline = Mutex::new(Timeline {
+            stretches: Stretches::default(),
+            history: History::new(0),
+            rate_hz: 0,
+            device: None,
+            playing: false,
+            stopped: true,
+        });
+        Self { clock, timeline }
+    }
+
     /// If another thread panicked while it held the lock, the music continues.
     pub fn timeline(&self) -> MutexGuard<'_, Timeline> {
         self.timeline.lock().unwrap_or_else(PoisonError::into_inner)
@@ -111,19 +125,7 @@ impl Player {
     /// # Errors
     /// The system cannot create the thread.
     pub fn start(settings: PlayerSettings) -> Result<Self, SoundError> {
-        let clock = Arc::new(Clock::new());
-        clock.set_volume(settings.volume.clamp(0.0, 1.0));
-        let shared = Arc::new(Shared {
-            clock,
-            timeline: Mutex::new(Timeline {
-                stretches: Stretches::default(),
-                history: History::new(0),
-                rate_hz: 0,
-                device: None,
-                playing: false,
-                stopped: true,
-            }),
-        });
+        let shared = Arc::new(Shared::new(settings.volume));
         let (commands, received) = channel();
         let (report, events) = channel();
         let engine_shared = Arc::clone(&shared);

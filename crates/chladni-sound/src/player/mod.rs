@@ -3,6 +3,7 @@
 mod clock;
 mod decoding;
 mod engine;
+mod hand_out;
 mod handle;
 mod output;
 mod queue;

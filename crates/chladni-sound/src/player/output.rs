@@ -8,6 +8,7 @@ use cpal::{BufferSize, ErrorKind, FromSample, SampleFormat, SizedSample, StreamC
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::clock::Clock;
+use super::hand_out::HandOut;
 use crate::SoundError;
 use crate::converters::is_converter;
 use crate::history::Frame;
@@ -19,8 +20,6 @@ const SILENT_RATE_HZ: u32 = 48_000;
 const BUFFER_FRAMES: u32 = 2048;
 /// Capacity of the ring.
 const RING_SECS: f64 = 1.0;
-/// Changes of volume and pauses fade over this time: no clicks.
-const RAMP_SECS: f32 = 0.008;
 
 /// A device that can play sound.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -133,10 +132,15 @@ impl Output {
 
     /// An output that plays silence in real time.
     pub fn silence() -> Self {
-        let (producer, consumer) = ring(SILENT_RATE_HZ);
+        Self::silence_at(SILENT_RATE_HZ)
+    }
+
+    /// The same at another rate.
+    pub(super) fn silence_at(rate_hz: u32) -> Self {
+        let (producer, consumer) = ring(rate_hz);
         let now = Instant::now();
         let sink = Sink::Silence { consumer, last: now, owed: 0.0 };
-        Self { rate_hz: SILENT_RATE_HZ, producer, device: None, opened: now, sink }
+        Self { rate_hz, producer, device: None, opened: now, sink }
     }
 
     /// Consumes the frames that would have been played by `now`, if this output is silent. A device does
@@ -184,7 +188,7 @@ fn ring(rate_hz: u32) -> (Producer<Frame>, Consumer<Frame>) {
 }
 
 /// Drops the frames that a seek has made stale. Returns the number of frames consumed so far.
-fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consumed: u64) -> u64 {
+pub(super) fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consumed: u64) -> u64 {
     let stale = clock.flushed_before().saturating_sub(consumed);
     let stale = consumer.slots().min(usize::try_from(stale).unwrap_or(usize::MAX));
     if let Ok(chunk) = consumer.read_chunk(stale) {
@@ -196,51 +200,14 @@ fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consumed: u64) ->
 fn stream<T: SizedSample + FromSample<f32>>(
     device: &cpal::Device,
     config: StreamConfig,
-    mut consumer: Consumer<Frame>,
+    consumer: Consumer<Frame>,
     clock: Arc<Clock>,
 ) -> Result<cpal::Stream, cpal::Error> {
-    let channels = usize::from(config.channels).max(1);
-    let ramp = 1.0 / (RAMP_SECS * config.sample_rate as f32);
-    let mut consumed = 0u64;
-    // The frame at which the current sound began; `None` during silence.
-    let mut run_begin = None;
-    let mut gain = 0.0f32;
     let counter = Arc::clone(&clock);
-    // This callback must not allocate, lock or log: a late callback is audible as a click.
+    let mut output = HandOut::new(consumer, clock, config.sample_rate, config.channels);
     let play = move |data: &mut [T], info: &cpal::OutputCallbackInfo| {
-        let now = Instant::now();
-        let wanted = data.len() / channels;
-        clock.tick(now, wanted);
-        let stamp = info.timestamp();
-        let heard = now + stamp.playback.duration_since(stamp.callback);
-        let first = drop_flushed(&mut consumer, &clock, consumed);
-        if first > consumed {
-            run_begin = None;
-        }
-        consumed = first;
-        let target = if clock.is_paused() { 0.0 } else { clock.volume() };
-        let mut played = 0;
-        for frame in data.chunks_mut(channels) {
-            gain += (target - gain).clamp(-ramp, ramp);
-            let silent = target == 0.0 && gain == 0.0 && clock.is_paused();
-            let sample = if silent { None } else { consumer.pop().ok() };
-            played += usize::from(sample.is_some());
-            let [left, right] = sample.unwrap_or([0.0; 2]);
-            write_frame(frame, gain * left, gain * right);
-        }
-        consumed += played as u64;
-        if played < wanted && target > 0.0 && !clock.is_drained() {
-            clock.count_underrun();
-        }
-        if played > 0 {
-            clock.anchor(first, heard, consumed, *run_begin.get_or_insert(first));
-            return;
-        }
-        run_begin = None;
-        // Before the first sample, the clock may still belong to another output.
-        if first > 0 && first != clock.consumed() {
-            clock.anchor(first, now, first, first);
-        }
+        let (now, stamp) = (Instant::now(), info.timestamp());
+        output.fill(data, now, now + stamp.playback.duration_since(stamp.callback));
     };
     let on_error = move |error: cpal::Error| match error.kind() {
         ErrorKind::Xrun => counter.count_underrun(),
@@ -250,16 +217,70 @@ fn stream<T: SizedSample + FromSample<f32>>(
     device.build_output_stream(config, play, on_error, Some(Duration::from_secs(2)))
 }
 
-/// Writes one frame. A single channel gets the mean of both; channels beyond the second are silent.
-fn write_frame<T: SizedSample + FromSample<f32>>(frame: &mut [T], left: f32, right: f32) {
-    let (left, right) = (left.clamp(-1.0, 1.0), right.clamp(-1.0, 1.0));
-    match frame {
-        [mono] => *mono = T::from_sample(0.5 * (left + right)),
-        [l, r, rest @ ..] => {
-            *l = T::from_sample(left);
-            *r = T::from_sample(right);
-            rest.fill(T::from_sample(0.0));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An output that passes for a device.
+    fn device() -> (Output, Clock) {
+        let clock = Clock::new();
+        clock.restart();
+        (Output { device: Some("test".into()), ..Output::silence() }, clock)
+    }
+
+    #[test]
+    fn time_in_silence_is_that_of_the_clock_and_what_is_missing_is_not_made_up_for() {
+        let (mut output, clock) = (Output::silence(), Clock::new());
+        let began = output.opened;
+        let at = |output: &mut Output, millis: u64| {
+            output.advance(&clock, began + Duration::from_millis(millis));
+            clock.consumed()
+        };
+        // Less than a frame may be owed.
+        let close = |found: u64, wanted: u64| assert!(found.abs_diff(wanted) <= 1, "{found}, not {wanted}");
+        for _ in 0..SILENT_RATE_HZ {
+            output.producer.push([0.5; 2]).unwrap();
         }
-        [] => {}
+        assert_eq!(at(&mut output, 300), 0, "nothing plays");
+        clock.set_paused(false);
+        for millis in [301, 307, 400, 401, 890] {
+            close(at(&mut output, millis), 48 * (millis - 300));
+        }
+        clock.set_paused(true);
+        close(at(&mut output, 891), 48 * 590);
+        close(at(&mut output, 5000), 48 * 590);
+        // A quarter of a second is missing in the end: 410 ms are there, 660 pass.
+        clock.set_paused(false);
+        assert_eq!(at(&mut output, 5660), 48_000);
+        for _ in 0..480 {
+            output.producer.push([0.5; 2]).unwrap();
+        }
+        close(at(&mut output, 5661), 48_048);
+    }
+
+    #[test]
+    fn a_device_that_asks_for_nothing_has_stopped() {
+        let (output, clock) = device();
+        let after = |secs: f64| output.opened + Duration::from_secs_f64(secs);
+        // It has time to begin, and may stumble.
+        assert_eq!(output.trouble(&clock, after(1.9)), None);
+        clock.tick(after(2.0), 2048);
+        assert_eq!(output.trouble(&clock, after(3.4)), None);
+        assert_eq!(output.trouble(&clock, after(3.6)).as_deref(), Some("test has stopped"));
+        // Called again and again without a frame to fill, it is there.
+        clock.tick(after(3.6), 0);
+        assert_eq!(output.trouble(&clock, after(3.7)), None);
+    }
+
+    #[test]
+    fn a_device_that_swallows_samples_keeps_no_time() {
+        let (output, clock) = device();
+        let now = output.opened + Duration::from_secs(1);
+        clock.tick(now, 3 * SILENT_RATE_HZ as usize);
+        assert_eq!(output.trouble(&clock, now), None, "a large buffer is filled at once");
+        clock.tick(now, SILENT_RATE_HZ as usize);
+        assert_eq!(output.trouble(&clock, now).as_deref(), Some("test does not keep time"));
+        clock.set_lost();
+        assert_eq!(output.trouble(&clock, now).as_deref(), Some("test is gone"));
     }
 }

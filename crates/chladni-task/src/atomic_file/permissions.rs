@@ -87,7 +87,7 @@ mod tests {
     fn only_its_owner_reads_a_file_that_is_being_written() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("p.chladni");
-        // Whoever could read the old file can read the new one, but not what may never become it.
+        // Those who could read the old file can read the new one, but not what may never become it.
         for old in [None, Some(0o644), Some(0o640), Some(0o600), Some(0o666)] {
             if let Some(old) = old {
                 std::fs::write(&path, "old").unwrap();
@@ -106,7 +106,7 @@ mod tests {
             std::fs::write(&made, "").unwrap();
             assert_eq!(mode(&path), old.unwrap_or(mode(&made)), "{old:?}");
             std::fs::remove_file(made).unwrap();
-            assert_eq!(files(folder.path()), [path.clone()], "nothing lies beside it");
+            assert_eq!(files(folder.path()), std::slice::from_ref(&path), "nothing lies beside it");
         }
     }
 

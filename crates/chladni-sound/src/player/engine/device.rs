@@ -11,6 +11,9 @@ use crate::player::tail::Tail;
 /// Pauses between attempts to find a device again; they double up to the longest one.
 pub(super) const FIRST_RETRY: Duration = Duration::from_secs(1);
 const LONGEST_RETRY: Duration = Duration::from_secs(16);
+/// How long a device may take to become quiet before it is closed: its buffers are heard out. Time between two looks at it.
+const LONGEST_HUSH: Duration = Duration::from_millis(250);
+const LOOK: Duration = Duration::from_millis(2);
 
 impl Engine {
     pub(super) fn look_after_output(&mut self) {
@@ -28,6 +31,7 @@ impl Engine {
     /// Tries the device again and continues at the position of the song; in silence if there is no device.
     pub(super) fn reopen(&mut self) {
         let was_silent = self.output.device.is_none();
+        self.hush();
         // The old stream is closed first: some devices allow only one.
         let place = if was_silent { None } else { self.change_output(Output::silence(), None) };
         match Output::device(self.device.as_deref(), &self.shared.clock) {
@@ -49,6 +53,19 @@ impl Engine {
                 self.retry_at = Some(Instant::now() + self.retry_after);
                 self.retry_after = (2 * self.retry_after).min(LONGEST_RETRY);
             }
+        }
+        self.shared.clock.set_paused(!self.playing);
+    }
+
+    /// Fades a device out that is about to be closed, as it would end with a click.
+    pub(super) fn hush(&self) {
+        if self.output.device.is_none() {
+            return;
+        }
+        self.shared.clock.set_paused(true);
+        let end = Instant::now() + LONGEST_HUSH;
+        while !self.shared.clock.is_quiet(Instant::now()) && Instant::now() < end {
+            std::thread::sleep(LOOK);
         }
     }
 
@@ -92,6 +109,52 @@ impl Engine {
     fn go_on_at(&mut self, place: Option<Stretch>) {
         if let Some(place) = place {
             self.start(Some(place.song), place.song_secs, self.playing);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::mpsc::channel;
+
+    use super::*;
+    use crate::player::handle::{PlayerSettings, Shared};
+    use crate::{Song, WavSample, write_wav};
+
+    #[test]
+    fn a_device_of_another_rate_goes_on_where_the_song_was_heard() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ramp.wav");
+        // Each sample says when it is heard.
+        let left: Vec<f32> = (0..10 * 8000).map(|n| n as f32 / 80_000.0).collect();
+        write_wav(&path, &Song { rate_hz: 8000, right: left.clone(), left }, WavSample::Float32).unwrap();
+        let (shared, (commands, received), (report, _events)) =
+            (Arc::new(Shared::new(1.0)), channel(), channel());
+        let settings = PlayerSettings { audible: false, ..PlayerSettings::default() };
+        let mut engine = Engine::new(Arc::clone(&shared), received, report, settings);
+        drop(commands);
+        engine.list.songs = vec![path];
+        engine.start(Some(0), 3.0, true);
+        for rate_hz in [44_100, 96_000, 22_050, 48_000] {
+            engine.fill();
+            // Time passes, as the silent output has it.
+            let later = Instant::now() + Duration::from_millis(100);
+            engine.output.advance(&shared.clock, later);
+            let before = engine.place().unwrap().song_secs;
+            let place = engine.change_output(Output::silence_at(rate_hz), None);
+            engine.go_on_at(place);
+            engine.fill();
+            let after = engine.place().unwrap();
+            assert!((after.song_secs - before).abs() < 0.02, "{} after {before}", after.song_secs);
+            let timeline = shared.timeline();
+            assert_eq!((timeline.rate_hz, timeline.playing), (rate_hz, true));
+            // What is in the ring is that part of the song, at the new rate.
+            let (mut left, mut right) = (vec![0.0; 2], vec![0.0; 2]);
+            let second = rate_hz as i64 / 10;
+            timeline.history.window(second, &mut left, &mut right);
+            let secs = f64::from(left[0]) * 10.0;
+            assert!((secs - (after.song_secs + 0.1)).abs() < 0.02, "{secs}, {}", after.song_secs);
         }
     }
 }

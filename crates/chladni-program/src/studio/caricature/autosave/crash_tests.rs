@@ -118,7 +118,7 @@ fn edits_until_killed() {
     }
 }
 
-/// What the child has said, by turns.
+/// The words of the child, by turns.
 #[derive(Default)]
 struct Said {
     did: Vec<f64>,

@@ -63,11 +63,12 @@ struct Drawn {
 }
 
 impl InkedStage {
-    /// Shows the newest drawing in `rect`, and has the next one drawn where `scene` is another.
+    /// Shows the newest drawing in the rectangle of the stage, and has the next one drawn where `scene` is another. Meanwhile the stage
+    /// is busy, for those who cannot see that.
     pub fn show(
         &mut self,
         ui: &Ui,
-        rect: egui::Rect,
+        (rect, stage): (egui::Rect, egui::Id),
         scene: Scene,
         poses: &[Pose],
         triangles: &Arc<[[u32; 3]]>,
@@ -88,6 +89,9 @@ impl InkedStage {
             .is_some_and(|(_, shown, has)| *shown == scene && (*has == depth || *has == Depth::Shade));
         if self.running.is_none() && !is_shown {
             self.start(ui, scene, depth, poses, triangles);
+        }
+        if !is_shown || !rests {
+            ui.ctx().accesskit_node_builder(stage, egui::accesskit::Node::set_busy);
         }
         if !rests {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
@@ -181,7 +185,7 @@ mod tests {
             loop {
                 let input = egui::RawInput { time: Some(secs), ..egui::RawInput::default() };
                 let _ = ctx.run_ui(input, |ui| {
-                    stage.show(ui, rect, scene.clone(), &poses, &triangles).unwrap();
+                    stage.show(ui, (rect, egui::Id::NULL), scene.clone(), &poses, &triangles).unwrap();
                 });
                 let shown = stage.shown.as_ref().filter(|(_, shown, _)| *shown == scene);
                 if shown.is_some_and(|(.., depth)| *depth == wanted) {

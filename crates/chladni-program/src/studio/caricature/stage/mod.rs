@@ -313,7 +313,7 @@ impl Stage {
             let figures = shown.iter().map(|(figure, cell)| ((*figure, self.changes[*figure]), *cell));
             let (camera, size) = (self.camera, [canvas.width, canvas.height]);
             let scene = Scene { camera, pen: look.pen, size, figures: figures.collect() };
-            self.inked.show(ui, rect, scene, &self.poses, &self.triangles)?;
+            self.inked.show(ui, (rect, response.id), scene, &self.poses, &self.triangles)?;
         } else {
             self.draw(ui, rect, look, &shown)?;
             if let Coat::Values(_, scale) = &self.coat {
