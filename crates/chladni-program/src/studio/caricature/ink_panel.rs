@@ -36,8 +36,13 @@ pub fn show(ui: &mut Ui, pen: &mut Pen) {
                 let slider = Slider::new(&mut pen.smoothing, 0.0..=Pen::MOST_SMOOTHING).fixed_decimals(3);
                 ui.add(slider)
             });
-            named(ui, "Ink", "Color of the ink", |ui| ui.color_edit_button_srgb(&mut pen.ink.color));
-            named(ui, "Paper", "Color of the paper", |ui| ui.color_edit_button_srgb(&mut pen.ink.paper));
+            for (name, id, spoken, color) in [
+                ("Ink", "ink/color", "Color of the ink", &mut pen.ink.color),
+                ("Paper", "ink/paper", "Color of the paper", &mut pen.ink.paper),
+            ] {
+                ui.label(name);
+                ui.color_edit_button_srgb(color).accessible_name(spoken).author_id(id);
+            }
             theme::checkbox(ui, &mut pen.exaggeration, "Wider where exaggerated")
                 .author_id("ink/exaggeration")
                 .on_hover_text("Lines are the wider the farther the shape is exaggerated there");
@@ -60,6 +65,7 @@ const SMOOTHING: &str = "How far curvature is averaged before lines are drawn al
 fn named(ui: &mut Ui, name: &str, tip: &str, control: impl FnOnce(&mut Ui) -> egui::Response) {
     let label = ui.label(name).on_hover_text(tip).id;
     ui.label_inputs_by(label, |ui| {
-        control(ui).author_id(format!("ink/{}", name.to_lowercase())).on_hover_text(tip);
+        // A tip of the control itself would be read out as its name.
+        control(ui).author_id(format!("ink/{}", name.to_lowercase()))
     });
 }
