@@ -11,7 +11,7 @@ use crate::work::Pen;
 pub fn show(ui: &mut Ui, pen: &mut Pen) {
     theme::group(ui, "Ink", |ui| {
         ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().slider_width = 72.0;
+            ui.spacing_mut().slider_width = 56.0;
             let ink = &mut pen.ink;
             named(ui, "Detail", DETAIL, |ui| {
                 ui.add(Slider::new(&mut ink.detail, 0.0..=2.0).fixed_decimals(2))
@@ -19,18 +19,12 @@ pub fn show(ui: &mut Ui, pen: &mut Pen) {
             named(ui, "Hatching", HATCHING, |ui| {
                 ui.add(Slider::new(&mut ink.hatching, 0.0..=1.0).fixed_decimals(2))
             });
-            let mut tones = ink.tones;
-            named(ui, "Tones", TONES, |ui| {
-                let slider = Slider::new(&mut tones, 0..=Ink::MOST_TONES);
-                ui.add(slider.custom_formatter(|tones, _| match tones as usize {
-                    0 => "none".into(),
-                    tones => tones.to_string(),
-                }))
-            });
-            if tones != ink.tones {
-                // One tone would be the paper alone; on the way down the next is none.
-                let tones = if tones == 1 { if pen.ink.tones > 1 { 0 } else { 2 } } else { tones };
-                *pen = pen.toned(tones);
+            ui.label("Tones").on_hover_text(TONES);
+            for (tones, name) in [(0, "None"), (2, "2"), (3, "3"), (Ink::MOST_TONES, "4")] {
+                let button = ui.selectable_label(pen.ink.tones == tones, name);
+                if button.author_id(format!("ink/tones/{tones}")).clicked() {
+                    *pen = pen.toned(tones);
+                }
             }
             named(ui, "Smoothing", SMOOTHING, |ui| {
                 let slider = Slider::new(&mut pen.smoothing, 0.0..=Pen::MOST_SMOOTHING).fixed_decimals(3);
