@@ -11,7 +11,7 @@ use crate::work::Pen;
 pub fn show(ui: &mut Ui, pen: &mut Pen) {
     theme::group(ui, "Ink", |ui| {
         ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().slider_width = 72.0;
+            ui.spacing_mut().slider_width = 56.0;
             let ink = &mut pen.ink;
             named(ui, "Detail", DETAIL, |ui| {
                 ui.add(Slider::new(&mut ink.detail, 0.0..=2.0).fixed_decimals(2))
@@ -19,25 +19,24 @@ pub fn show(ui: &mut Ui, pen: &mut Pen) {
             named(ui, "Hatching", HATCHING, |ui| {
                 ui.add(Slider::new(&mut ink.hatching, 0.0..=1.0).fixed_decimals(2))
             });
-            let mut tones = ink.tones;
-            named(ui, "Tones", TONES, |ui| {
-                let slider = Slider::new(&mut tones, 0..=Ink::MOST_TONES);
-                ui.add(slider.custom_formatter(|tones, _| match tones as usize {
-                    0 => "none".into(),
-                    tones => tones.to_string(),
-                }))
-            });
-            if tones != ink.tones {
-                // One tone would be the paper alone; on the way down the next is none.
-                let tones = if tones == 1 { if pen.ink.tones > 1 { 0 } else { 2 } } else { tones };
-                *pen = pen.toned(tones);
+            ui.label("Tones").on_hover_text(TONES);
+            for (tones, name) in [(0, "None"), (2, "2"), (3, "3"), (Ink::MOST_TONES, "4")] {
+                let button = ui.selectable_label(pen.ink.tones == tones, name);
+                if button.author_id(format!("ink/tones/{tones}")).clicked() {
+                    *pen = pen.toned(tones);
+                }
             }
             named(ui, "Smoothing", SMOOTHING, |ui| {
                 let slider = Slider::new(&mut pen.smoothing, 0.0..=Pen::MOST_SMOOTHING).fixed_decimals(3);
                 ui.add(slider)
             });
-            named(ui, "Ink", "Color of the ink", |ui| ui.color_edit_button_srgb(&mut pen.ink.color));
-            named(ui, "Paper", "Color of the paper", |ui| ui.color_edit_button_srgb(&mut pen.ink.paper));
+            for (name, id, spoken, color) in [
+                ("Ink", "ink/color", "Color of the ink", &mut pen.ink.color),
+                ("Paper", "ink/paper", "Color of the paper", &mut pen.ink.paper),
+            ] {
+                ui.label(name);
+                ui.color_edit_button_srgb(color).accessible_name(spoken).author_id(id);
+            }
             theme::checkbox(ui, &mut pen.exaggeration, "Wider where exaggerated")
                 .author_id("ink/exaggeration")
                 .on_hover_text("Lines are the wider the farther the shape is exaggerated there");
@@ -60,6 +59,7 @@ const SMOOTHING: &str = "How far curvature is averaged before lines are drawn al
 fn named(ui: &mut Ui, name: &str, tip: &str, control: impl FnOnce(&mut Ui) -> egui::Response) {
     let label = ui.label(name).on_hover_text(tip).id;
     ui.label_inputs_by(label, |ui| {
-        control(ui).author_id(format!("ink/{}", name.to_lowercase())).on_hover_text(tip);
+        // A tip of the control itself would be read out as its name.
+        control(ui).author_id(format!("ink/{}", name.to_lowercase()))
     });
 }
