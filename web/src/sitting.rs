@@ -18,7 +18,7 @@ use std::sync::Arc;
 use chladni_caricature::{Evaluation, History, LayerId, Project, ShapeSource, Stack};
 use chladni_harmonics::Body;
 use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation, TriMesh};
-use chladni_program::work::{Aside, Error, OwnLook, Subject, settled, source};
+use chladni_program::work::{Aside, Error, OwnLook, Parts, Subject, settled, source};
 use chladni_task::Task;
 use wasm_bindgen::prelude::*;
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use chladni_caricature::{Action, Layer, LayerId, Property, ScaleCurve};
 use chladni_mesh::Axis;
-use chladni_program::work::{Aside, Error, STARTING_POINTS, Stance, layer_against, layer_since};
+use chladni_program::work::{Aside, Error, Parts, STARTING_POINTS, Stance, layer_against, layer_since};
 use chladni_task::Task;
 use chladni_view::{Camera, View};
 use wasm_bindgen::prelude::*;

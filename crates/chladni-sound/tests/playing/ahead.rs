@@ -10,11 +10,11 @@ fn the_moment_that_is_shown_lies_ahead_of_the_one_that_is_heard_or_behind_it() {
     let song = write_tone(folder.path(), "tone.wav", 48_000, 10.0);
     let player = silent();
     player.play_list(vec![song]);
-    wait(5.0, "half a second", || player.status().position_secs > 0.5);
+    wait("half a second", || player.status().position_secs > 0.5);
     player.pause();
-    wait(2.0, "the pause", || player.status().state == PlayerState::Paused);
+    wait("the pause", || player.status().state == PlayerState::Paused);
     let mut heard = player.status().position_secs;
-    wait(2.0, "stillness", || std::mem::replace(&mut heard, player.status().position_secs) == heard);
+    wait("stillness", || std::mem::replace(&mut heard, player.status().position_secs) == heard);
     for ahead_secs in [0.1, -0.1, 0.5] {
         player.show_ahead(ahead_secs);
         let shown = player.status().position_secs;
@@ -41,9 +41,9 @@ fn the_next_song_is_shown_before_it_is_heard_and_a_jump_is_not_foreseen() {
     let player = silent();
     player.show_ahead(0.3);
     player.play_list(songs.to_vec());
-    wait(5.0, "the second song", || player.status().song == 1);
+    wait("the second song", || player.status().song == 1);
     player.pause();
-    wait(2.0, "the pause", || player.status().state == PlayerState::Paused);
+    wait("the pause", || player.status().state == PlayerState::Paused);
     let ahead = player.status();
     player.show_ahead(0.0);
     let heard = player.status();
@@ -56,9 +56,9 @@ fn the_next_song_is_shown_before_it_is_heard_and_a_jump_is_not_foreseen() {
     }
     player.show_ahead(-0.3);
     player.select(1);
-    wait(5.0, "the song that was chosen", || {
+    wait("the song that was chosen", || {
         player.status().song == 1 && player.status().position_secs < 0.05
     });
     player.play();
-    wait(5.0, "the end", || player.events().any(|event| event == PlayerEvent::Finished));
+    wait("the end", || player.events().any(|event| event == PlayerEvent::Finished));
 }

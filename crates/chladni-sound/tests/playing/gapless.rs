@@ -12,7 +12,7 @@ fn heard(songs: Vec<PathBuf>) -> [Vec<f32>; 2] {
     let player = silent();
     player.play_list(songs);
     let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
-    wait(20.0, "the end", || {
+    wait("the end", || {
         player.take_heard(&mut from, &mut left, &mut right);
         player.events().any(|event| event == PlayerEvent::Finished)
     });
