@@ -77,7 +77,7 @@ pub enum MusicError {
     #[error("symmetry: {0}")]
     Symmetry(String),
     /// Taps that do not say how far picture and sound are apart.
-    #[error("picture and sound: {why}")]
+    #[error("{why}")]
     Calibration {
         /// Too few, or too far apart.
         why: String,

@@ -56,9 +56,7 @@ fn the_next_song_is_shown_before_it_is_heard_and_a_jump_is_not_foreseen() {
     }
     player.show_ahead(-0.3);
     player.select(1);
-    wait("the song that was chosen", || {
-        player.status().song == 1 && player.status().position_secs < 0.05
-    });
+    wait("the song that was chosen", || player.status().song == 1 && player.status().position_secs < 0.05);
     player.play();
     wait("the end", || player.events().any(|event| event == PlayerEvent::Finished));
 }

@@ -104,9 +104,14 @@ impl Calibrating {
         self.player.play();
     }
 
+    /// Flashes are shown now.
+    fn flashes(&self) -> bool {
+        self.signal == Signal::Flash && !self.is_done()
+    }
+
     /// How bright the field is.
     fn light(&self, now_secs: f64) -> f32 {
-        if self.signal == Signal::Flash && !self.is_done() { calibration_flash(now_secs) } else { 0.0 }
+        if self.flashes() { calibration_flash(now_secs) } else { 0.0 }
     }
 
     /// Draws all over the window; what was chosen.
@@ -170,7 +175,7 @@ fn outcome(latency: &Result<Latency, MusicError>) -> String {
                 late_ms.abs()
             )
         }
-        Err(why) => format!("This cannot be used: {why}."),
+        Err(why) => format!("These taps cannot be used: {why}."),
     }
 }
 
@@ -210,6 +215,9 @@ impl MusicRoom {
         };
         let ctx = &shared.ctx;
         ctx.request_repaint();
+        if let Some(concert) = &mut self.concert {
+            concert.flashes = calibrating.flashes();
+        }
         let whole = ctx.content_rect();
         let area = egui::Area::new(Id::unique("calibrating")).order(Order::Foreground).fixed_pos(whole.min);
         let chosen = area.show(ctx, |ui| calibrating.show(ui, whole)).inner;
@@ -228,6 +236,9 @@ impl MusicRoom {
             listening.player().play();
         }
         self.calibrating = None;
+        if let Some(concert) = &mut self.concert {
+            concert.flashes = false;
+        }
     }
 }
 

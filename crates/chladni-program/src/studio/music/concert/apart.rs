@@ -1,6 +1,6 @@
 //! The stage in a window of its own, while the gallery goes on in the first.
 
-use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Target};
+use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Target, calibration_flash};
 use chladni_synth::Item;
 use egui::{Color32, Rect, TextureId, Ui, ViewportBuilder, ViewportCommand, ViewportId};
 
@@ -126,6 +126,10 @@ impl Concert {
             let (cells, _) = Staging::cells(area, apart.count);
             self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
             self.song_title.show(ui, rect, ui.input(|input| input.time), self.house.light());
+            if self.flashes {
+                let light = calibration_flash(ui.input(|input| input.time));
+                ui.painter().rect_filled(rect, 0.0, Color32::from_gray((255.0 * light).round() as u8));
+            }
             if self.adjusts {
                 shared.settings.music.projection.adjust(ui, rect);
             }

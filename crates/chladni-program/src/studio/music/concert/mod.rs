@@ -76,6 +76,8 @@ pub struct Concert {
     pub adjusts: bool,
     /// The other receivers of the stage's pictures.
     pub outgoing: Outgoing,
+    /// The second window shows the flashes to which a person taps.
+    pub flashes: bool,
     moving: bool,
     /// The pane that is drawn shows the stage.
     draws_stage: bool,
@@ -136,6 +138,7 @@ impl Concert {
             house: House::default(),
             adjusts: false,
             outgoing: Outgoing::default(),
+            flashes: false,
             moving: true,
             draws_stage: false,
             seconds: 0.0,
