@@ -136,7 +136,10 @@ impl Person {
         self.drag(&[pos]);
     }
 
-    pub fn place_of(&self, id: &str) -> Rect {
+    pub fn place_of(&mut self, id: &str) -> Rect {
+        // A person scrolls to it first.
+        driving::control(&self.0, id).scroll_to_me();
+        self.0.run_steps(20);
         driving::control(&self.0, id).rect()
     }
 

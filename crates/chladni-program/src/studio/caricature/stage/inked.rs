@@ -201,7 +201,7 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &second), "made ready once");
         let third = drawn_at(2.1, 0.5, Depth::Lines, Pen { exaggeration: true, ..usual });
         assert!(!Arc::ptr_eq(&first, &third), "its lines have other widths");
-        let fourth = drawn_at(2.5, 0.5, Depth::Shade, Pen { exaggeration: true, smoothing: 0.05, ..usual });
+        let fourth = drawn_at(2.5, 0.5, Depth::Lines, Pen { exaggeration: true, smoothing: 0.05, ..usual });
         assert!(!Arc::ptr_eq(&third, &fourth), "its lines are others");
     }
 }
