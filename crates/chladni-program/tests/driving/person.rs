@@ -136,11 +136,14 @@ impl Person {
         self.drag(&[pos]);
     }
 
-    pub fn place_of(&mut self, id: &str) -> Rect {
-        // A person scrolls to it first.
+    pub fn place_of(&self, id: &str) -> Rect {
+        driving::control(&self.0, id).rect()
+    }
+
+    /// Scrolls to a control that may lie beyond the edge of its panel.
+    pub fn scroll_to(&mut self, id: &str) {
         driving::control(&self.0, id).scroll_to_me();
         self.0.run_steps(20);
-        driving::control(&self.0, id).rect()
     }
 
     /// Asks the window to close, as its frame's cross does.

@@ -22,6 +22,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     // A model, a preset of the curve, and a bend of it.
     person.click("model/normal");
     person.click("curve/broad");
+    person.scroll_to("scale-curve");
     let curve = person.place_of("scale-curve");
     let at = |u: f32, v: f32| curve.lerp_inside(vec2(u, v));
     person.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
