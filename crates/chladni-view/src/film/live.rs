@@ -8,8 +8,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
+use fast_image_resize::images::{CroppedImageMut, Image, ImageRef};
+use fast_image_resize::{FilterType, PixelType, ResizeAlg, ResizeOptions, Resizer};
 use image::RgbaImage;
-use image::imageops::{FilterType, overlay, resize};
 
 use super::cut_off::RecordingFolder;
 use super::mp4::{Layout, Mp4};
@@ -251,21 +252,40 @@ impl Writer {
     }
 }
 
-/// A picture of another size as large as it fits, on black.
-pub(super) fn fit(picture: Picture, width: u32, height: u32) -> Picture {
+/// A picture of another size as large as it fits, on black. One that is a pixel wider or higher, since films want even
+/// sides, loses that: scaling all others by a thousandth would cost more than encoding them, and blur them.
+pub(super) fn fit(mut picture: Picture, width: u32, height: u32) -> Picture {
     if (picture.width, picture.height) == (width, height) {
         return picture;
     }
-    let mut whole = RgbaImage::from_pixel(width, height, image::Rgba([0, 0, 0, 255]));
-    if let Some(own) = RgbaImage::from_raw(picture.width, picture.height, picture.rgba) {
-        let scale = (f64::from(width) / f64::from(own.width().max(1)))
-            .min(f64::from(height) / f64::from(own.height().max(1)));
-        let scaled = |length: u32| ((f64::from(length) * scale).round() as u32).max(1);
-        let (w, h) = (scaled(own.width()).min(width), scaled(own.height()).min(height));
-        let own = resize(&own, w, h, FilterType::Triangle);
-        overlay(&mut whole, &own, i64::from((width - w) / 2), i64::from((height - h) / 2));
+    if (width..=width + 1).contains(&picture.width) && (height..=height + 1).contains(&picture.height) {
+        let [from, to] = [picture.width, width].map(|width| 4 * width as usize);
+        if picture.rgba.len() >= from * height as usize {
+            (0..height as usize).for_each(|y| picture.rgba.copy_within(y * from..y * from + to, y * to));
+            picture.rgba.truncate(to * height as usize);
+            return Picture { width, height, ..picture };
+        }
     }
-    Picture { width, height, rgba: whole.into_raw() }
+    let black = [0, 0, 0, 255].repeat(width as usize * height as usize);
+    let mut whole = Picture { width, height, rgba: black };
+    // Sizes are right for as many bytes, or nothing is laid on the black.
+    let _ = lay(&picture, &mut whole);
+    whole
+}
+
+/// Lays `picture` on the middle of `whole`, as large as it fits.
+fn lay(picture: &Picture, whole: &mut Picture) -> Option<()> {
+    let (width, height) = (whole.width, whole.height);
+    let scale = (f64::from(width) / f64::from(picture.width.max(1)))
+        .min(f64::from(height) / f64::from(picture.height.max(1)));
+    let scaled = |length: u32| ((f64::from(length) * scale).round() as u32).max(1);
+    let (w, h) = (scaled(picture.width).min(width), scaled(picture.height).min(height));
+    let from = ImageRef::new(picture.width, picture.height, &picture.rgba, PixelType::U8x4).ok()?;
+    let mut to = Image::from_slice_u8(width, height, &mut whole.rgba, PixelType::U8x4).ok()?;
+    let mut middle = CroppedImageMut::new(&mut to, (width - w) / 2, (height - h) / 2, w, h).ok()?;
+    let smooth =
+        ResizeOptions::new().resize_alg(ResizeAlg::Convolution(FilterType::Bilinear)).use_alpha(false);
+    Resizer::new().resize(&from, &mut middle, &smooth).ok()
 }
 
 #[cfg(test)]
@@ -281,6 +301,19 @@ mod tests {
 
     fn wait(film: &mut LiveFilm) -> u64 {
         film.wait().unwrap().unwrap()
+    }
+
+    #[test]
+    fn a_picture_with_a_pixel_too_many_loses_it_and_another_size_is_fitted_in() {
+        let rgba: Vec<u8> = (0..5 * 3).flat_map(|i| [i, 0, 0, 255]).collect();
+        let odd = Picture { width: 5, height: 3, rgba };
+        let even = fit(odd.clone(), 4, 2);
+        let reds: Vec<u8> = even.rgba.as_chunks::<4>().0.iter().map(|pixel| pixel[0]).collect();
+        assert_eq!((even.width, even.height, reds), (4, 2, vec![0, 1, 2, 3, 5, 6, 7, 8]));
+        // A wide one lies between black bars.
+        let wide = fit(flat(8, 2, 200), 4, 4);
+        let rows: Vec<u8> = wide.rgba.chunks(16).map(|row| row[0]).collect();
+        assert_eq!(rows, [0, 200, 0, 0]);
     }
 
     #[test]
