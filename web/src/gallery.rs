@@ -70,7 +70,7 @@ impl Wall {
             let request = MatchRequest { template: template.clone(), matching: matching.clone() };
             stack.matched(&request).is_some()
         });
-        let shown = Exhibition::open(&mesh, &mut stack, given, &watcher)?;
+        let shown = Exhibition::open(None, &mesh, &mut stack, given, &watcher)?;
         Ok(Self { shown, seeds: [FIRST_SEED; 2] })
     }
 

@@ -4,6 +4,7 @@ use chladni_caricature::HeadParts;
 use chladni_mesh::samples::{HEAD_PARTS, head_parts, sample};
 use chladni_mesh::surface::vertex_areas;
 
+use super::limbs::{overlap, shared_areas};
 use chladni_program::cli::Terminal;
 use chladni_program::work::{Error, Watcher};
 
@@ -31,17 +32,11 @@ impl BenchHeadParts {
                 .watch("parts", |task| HeadParts::of(&mesh, task))
                 .map_err(|why| Error::other(why.to_string()))?;
             let areas = vertex_areas(&mesh.positions, &mesh.triangles);
-            let overlaps: Vec<f64> = (0..HEAD_PARTS.len() as u8)
-                .map(|part| {
-                    let (mut both, mut either) = (0.0, 0.0);
-                    for ((found, known), area) in found.part.iter().zip(&known).zip(&areas) {
-                        let (found, known) = (*found == part, *known == part);
-                        both += if found && known { *area } else { 0.0 };
-                        either += if found || known { *area } else { 0.0 };
-                    }
-                    if either > 0.0 { both / either } else { 1.0 }
-                })
-                .collect();
+            let [found, known]: [Vec<u32>; 2] =
+                [&found.part, &known].map(|parts| parts.iter().copied().map(u32::from).collect());
+            let count = HEAD_PARTS.len();
+            let shared = shared_areas(&found, count, &known, count, &areas);
+            let overlaps: Vec<f64> = (0..count).map(|part| overlap(&shared, part, part)).collect();
             let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;
             let cells: Vec<String> = overlaps.iter().map(|overlap| format!("{overlap:.2}")).collect();
             terminal.result(format_args!("| `{name}` | {} | {mean:.2} |", cells.join(" | ")))?;

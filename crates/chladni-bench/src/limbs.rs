@@ -148,10 +148,7 @@ fn found(known: &Known, task: &Task) -> Result<Found, Error> {
     let count = usize::from(known.limb.iter().copied().max().unwrap_or(0)) + 1;
     let own: Vec<u32> = known.limb.iter().map(|limb| u32::from(*limb)).collect();
     let shared = shared_areas(&own, count, &limbs.part, limbs.parts.len(), mass);
-    let row = |i: usize| shared[i].iter().sum::<f64>();
-    let column = |j: usize| shared.iter().map(|row| row[j]).sum::<f64>();
-    let overlap = |i: usize, j: usize| shared[i][j] / (row(i) + column(j) - shared[i][j]);
-    let best = |i: usize| (0..limbs.parts.len()).map(|j| overlap(i, j)).fold(0.0, f64::max);
+    let best = |i: usize| (0..limbs.parts.len()).map(|j| overlap(&shared, i, j)).fold(0.0, f64::max);
     let finer = Limbs::of(&body, 0.6);
     let within = shared_areas(&finer.part, finer.parts.len(), &limbs.part, limbs.parts.len(), mass);
     let whole: f64 = mass.iter().sum();
@@ -160,8 +157,14 @@ fn found(known: &Known, task: &Task) -> Result<Found, Error> {
     Ok(Found { parts: limbs.parts.len(), overlaps: (0..count).map(best).collect(), nested: nested / whole })
 }
 
+/// Intersection over union of label `i` of one and `j` of the other, by the areas that they share.
+pub fn overlap(shared: &[Vec<f64>], i: usize, j: usize) -> f64 {
+    let (row, column): (f64, f64) = (shared[i].iter().sum(), shared.iter().map(|row| row[j]).sum());
+    shared[i][j] / (row + column - shared[i][j])
+}
+
 /// The area that each of `m` labels in `a` shares with each of `n` in `b`.
-fn shared_areas(a: &[u32], m: usize, b: &[u32], n: usize, mass: &[f64]) -> Vec<Vec<f64>> {
+pub fn shared_areas(a: &[u32], m: usize, b: &[u32], n: usize, mass: &[f64]) -> Vec<Vec<f64>> {
     let mut shared = vec![vec![0.0; n]; m];
     for ((a, b), mass) in a.iter().zip(b).zip(mass) {
         shared[*a as usize][*b as usize] += mass;

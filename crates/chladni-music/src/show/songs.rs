@@ -114,32 +114,25 @@ pub struct Recording {
     pub duration_secs: f64,
 }
 
-/// The same stretches (ascending), with live input heard from `recordings` (ascending, apart) as far as they have it.
-pub fn heard_again(stretches: &[Stretch], recordings: &[Recording]) -> Vec<Stretch> {
+/// The same stretches (ascending), with live input heard from `recording` as far as that has it.
+pub fn heard_again(stretches: &[Stretch], recording: Recording) -> Vec<Stretch> {
     let ends = stretches.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
-    let mut again = Vec::with_capacity(stretches.len());
+    let mut again = Vec::with_capacity(stretches.len() + 2);
     for (stretch, end_secs) in stretches.iter().zip(ends) {
-        if stretch.song.is_some() {
+        let from_secs = recording.at_secs.max(stretch.at_secs);
+        let to_secs = (recording.at_secs + recording.duration_secs).min(end_secs);
+        if stretch.song.is_some() || from_secs >= to_secs {
             again.push(*stretch);
             continue;
         }
-        let (mut rest, mut is_left) = (*stretch, true);
-        for recording in recordings {
-            let from_secs = recording.at_secs.max(rest.at_secs);
-            let to_secs = (recording.at_secs + recording.duration_secs).min(end_secs);
-            if from_secs >= to_secs {
-                continue;
-            }
-            if rest.at_secs < from_secs {
-                again.push(rest);
-                rest.crossfade_secs = 0.0;
-            }
-            let (song, song_secs) = (Some(recording.song), from_secs - recording.at_secs);
-            again.push(Stretch { at_secs: from_secs, song, song_secs, playing: true, ..rest });
-            (rest.at_secs, rest.crossfade_secs) = (to_secs, 0.0);
-            is_left = to_secs < end_secs;
-        }
-        again.extend(is_left.then_some(rest));
+        // Only its beginning is faded into.
+        let plain = Stretch { crossfade_secs: 0.0, ..*stretch };
+        let begins_with_it = from_secs == stretch.at_secs;
+        again.extend((!begins_with_it).then_some(*stretch));
+        let (song, song_secs) = (Some(recording.song), from_secs - recording.at_secs);
+        let heard = if begins_with_it { *stretch } else { plain };
+        again.push(Stretch { at_secs: from_secs, song, song_secs, playing: true, ..heard });
+        again.extend((to_secs < end_secs).then_some(Stretch { at_secs: to_secs, ..plain }));
     }
     again
 }
@@ -159,17 +152,17 @@ mod tests {
         };
         let heard = [stretch(0.0, Some(0), 7.0), stretch(10.0, None, 0.0), stretch(30.0, Some(1), 0.0)];
         let recording = |at_secs, duration_secs| Recording { song: 2, at_secs, duration_secs };
-        assert_eq!(heard_again(&heard, &[]), heard);
+        assert_eq!(heard_again(&heard, recording(90.0, 0.0)), heard);
         // Within the live input, over its beginning, over its end, and over all of it.
-        let of = |at_secs, duration_secs| heard_again(&heard, &[recording(at_secs, duration_secs)]);
+        let of = |at_secs, duration_secs| heard_again(&heard, recording(at_secs, duration_secs));
         let [first, live, last] = heard;
         assert_eq!(of(12.0, 5.0), [first, live, stretch(12.0, Some(2), 0.0), stretch(17.0, None, 0.0), last]);
         assert_eq!(of(4.0, 10.0), [first, stretch(10.0, Some(2), 6.0), stretch(14.0, None, 0.0), last]);
         assert_eq!(of(25.0, 50.0), [first, live, stretch(25.0, Some(2), 0.0), last]);
         assert_eq!(of(2.0, 90.0), [first, stretch(10.0, Some(2), 8.0), last]);
         // Two recordings of an input that still goes on.
-        let both =
-            heard_again(&[live], &[recording(11.0, 2.0), Recording { song: 3, ..recording(15.0, 1.0) }]);
+        let both = heard_again(&[live], recording(11.0, 2.0));
+        let both = heard_again(&both, Recording { song: 3, ..recording(15.0, 1.0) });
         let times: Vec<(f64, Option<usize>)> = both.iter().map(|s| (s.at_secs, s.song)).collect();
         let expected = [(10.0, None), (11.0, Some(2)), (13.0, None), (15.0, Some(3)), (16.0, None)];
         assert_eq!(times, expected);

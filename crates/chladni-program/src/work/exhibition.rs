@@ -45,38 +45,23 @@ impl Exhibition {
         MatchRequest::of(&layer.1).map(|request| (request.template, request.matching))
     }
 
-    /// The first twelve of a shape, as [`sitter()`] prepares it.
+    /// The gallery of a shape, as [`sitter()`] prepares it: with the generations and favorites of the one `before`, where
+    /// that has the same parts and templates on other harmonics, otherwise with its first twelve.
     ///
     /// # Errors
     /// As [`sitter()`].
     pub fn open(
+        before: Option<&Self>,
         mesh: &TriMesh,
         stack: &mut Stack,
         given: Option<(Template, MatchSettings)>,
         watcher: &impl Watcher,
     ) -> Result<Self, Error> {
         let sitter = Arc::new(sitter(mesh, stack, given, watcher)?);
-        Self::of(VariantGallery::new(FIRST_SEED, &sitter)?, sitter)
-    }
-
-    /// The same generations and favorites, where the shape has other harmonics now; the first twelve again if it has
-    /// other parts by them.
-    ///
-    /// # Errors
-    /// As [`sitter()`].
-    pub fn reopen(
-        &self,
-        mesh: &TriMesh,
-        stack: &mut Stack,
-        given: Option<(Template, MatchSettings)>,
-        watcher: &impl Watcher,
-    ) -> Result<Self, Error> {
-        let sitter = Arc::new(sitter(mesh, stack, given, watcher)?);
-        let kept = sitter.understands(&self.sitter).then(|| self.gallery.clone());
-        Self::of(kept.map_or_else(|| VariantGallery::new(FIRST_SEED, &sitter), Ok)?, sitter)
-    }
-
-    fn of(gallery: VariantGallery, sitter: Arc<Sitter>) -> Result<Self, Error> {
+        let gallery = match before {
+            Some(before) if sitter.understands(&before.sitter) => before.gallery.clone(),
+            _ => VariantGallery::new(FIRST_SEED, &sitter)?,
+        };
         let portraits = sitter.portray(&gallery.variants())?;
         Ok(Self { sitter, gallery, portraits })
     }
@@ -146,7 +131,7 @@ mod tests {
         let (mesh, task) = (chladni_mesh::samples::icosphere(3), Task::new());
         let body = Body::build(&mesh, &BasisSettings::new(20), &task).unwrap();
         let mut stack = Stack::new(Arc::new(body)).unwrap();
-        let mut first = Exhibition::open(&mesh, &mut stack, None, &Aside::new(&task)).unwrap();
+        let mut first = Exhibition::open(None, &mesh, &mut stack, None, &Aside::new(&task)).unwrap();
         assert_eq!((first.portraits.len(), first.chosen()), (GALLERY_SIZE, (0, true)));
         assert!(first.clone().after(Step::Breed).is_err());
         first.gallery.choose(2, true).unwrap();
@@ -162,16 +147,16 @@ mod tests {
         let (mesh, task) = (chladni_mesh::samples::icosphere(3), Task::new());
         let body = |k: usize| Arc::new(Body::build(&mesh, &BasisSettings::new(k), &task).unwrap());
         let mut stack = Stack::new(body(20)).unwrap();
-        let mut first = Exhibition::open(&mesh, &mut stack, None, &Aside::new(&task)).unwrap();
+        let mut first = Exhibition::open(None, &mesh, &mut stack, None, &Aside::new(&task)).unwrap();
         first.gallery.choose(2, true).unwrap();
         first.gallery.favor(3, true).unwrap();
         let bred = first.after(Step::Breed).unwrap();
         let mut finer = stack.with_harmonics_of(body(40)).unwrap();
-        let again = bred.reopen(&mesh, &mut finer, None, &Aside::new(&task)).unwrap();
+        let again = Exhibition::open(Some(&bred), &mesh, &mut finer, None, &Aside::new(&task)).unwrap();
         assert_eq!(again.gallery, bred.gallery);
         assert_eq!(again.sitter.body().basis.harmonics(), 40);
         let other = Some((Template::Sphere, MatchSettings::default()));
-        let other = bred.reopen(&mesh, &mut finer, other, &Aside::new(&task)).unwrap();
+        let other = Exhibition::open(Some(&bred), &mesh, &mut finer, other, &Aside::new(&task)).unwrap();
         assert!(other.chosen().1 && other.gallery.favorites().is_empty());
         assert!(
             other.sitter.compares_with(&Template::Sphere) && !bred.sitter.compares_with(&Template::Sphere)

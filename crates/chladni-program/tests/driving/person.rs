@@ -140,6 +140,12 @@ impl Person {
         driving::control(&self.0, id).rect()
     }
 
+    /// Adds a layer against a template of this kind.
+    pub fn add_layer(&mut self, template: &str) {
+        self.click("add");
+        self.click(&format!("template/{template}"));
+    }
+
     /// Scrolls to a control that may lie beyond the edge of its panel.
     pub fn scroll_to(&mut self, id: &str) {
         driving::control(&self.0, id).scroll_to_me();

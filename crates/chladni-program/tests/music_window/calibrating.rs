@@ -39,7 +39,7 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
     }
     tap_to_flashes(&mut window, 0.0);
     screenshot(&mut window, "calibrated.png");
-    if shows(&window, "This cannot be used") {
+    if shows(&window, "These taps cannot be used") {
         click(&mut window, "calibrate/cancel");
     } else {
         assert!(shows(&window, "than the sound is heard"));

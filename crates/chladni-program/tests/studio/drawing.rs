@@ -13,8 +13,7 @@ fn a_limb_is_taken_by_a_click_and_all_is_drawn_in_ink() {
     save_mesh(&samples::sample("octopus").unwrap(), &desk.path("octopus.obj")).unwrap();
     let mut person = desk.sit_down(&["octopus.obj"]);
     person.wait_to_see("Compare with a mesh");
-    person.click("add");
-    person.click("template/ellipsoid");
+    person.add_layer("ellipsoid");
     person.wait_until_gone("Matching");
     person.press(Key::B);
     person.click("parts");

@@ -27,8 +27,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     let at = |u: f32, v: f32| curve.lerp_inside(vec2(u, v));
     person.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
     // Another layer, taken back, and done again.
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     assert!(person.sees("Magnify all 2"));
     person.press_with(CTRL, Key::Z);
     assert!(!person.sees("Magnify all 2"));

@@ -15,8 +15,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     let copies = || std::fs::read_dir(desk.path("recovery")).into_iter().flatten().flatten();
     let kept = || copies().any(|entry| entry.path().extension().is_some_and(|e| e == "chladni"));
     person.wait("the recovery copy", |_| kept());
@@ -72,8 +71,7 @@ fn opening_another_project_asks_about_unsaved_work() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     let empty = Project::new(ShapeSource::File(desk.path("template.obj")), HARMONICS);
     empty.save(&desk.path("other.chladni")).unwrap();
     desk.answers.add(desk.path("other.chladni"));
@@ -108,8 +106,7 @@ fn meshes_opened_with_a_shape_become_layers_of_that_shape_only() {
     assert!(person.sees("broken.chladni") && !person.sees("Layer template"));
 
     // Nor does what waits until it is known what becomes of unsaved work.
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
     choose(&mut person, &["finer.obj", "template.obj"]);
     assert!(person.sees("Save before opening another?") && !person.sees("Layer template"));
@@ -136,14 +133,12 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     desk.answers.add(desk.path("igea 1.2"));
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 1);
     // Saved again, it keeps its name.
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 2);
     assert!(!desk.path("igea 1.2").exists());
@@ -210,8 +205,7 @@ fn a_program_that_is_asked_to_end_keeps_what_is_not_saved_for_the_next_time() {
     let ends = chladni_task::Task::new();
     let mut person = Person::new(Opening { ends: Some(ends.clone()), ..desk.opening(&["shape.obj"]) });
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     ends.cancel();
     person.0.run_steps(2);
     drop(person);

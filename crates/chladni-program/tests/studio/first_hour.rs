@@ -29,8 +29,7 @@ fn walk(desk: &Desk, mesh: &Path, pictures: &str) {
     let mut person = Person::new(opening);
     person.wait_to_see("Compare with a mesh");
     picture(&mut person, "opened");
-    person.click("add");
-    person.click("template/head");
+    person.add_layer("head");
     person.wait_to_see("Covered");
     for _ in 0..5 {
         person.press(Key::Comma);

@@ -117,8 +117,7 @@ fn the_first_stroke_of_a_brush_is_one_step() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.press(Key::B);
     let middle = pos2(620.0, 420.0);
     person.drag(&[middle, middle + vec2(10.0, 0.0), middle + vec2(20.0, 0.0)]);
@@ -142,8 +141,7 @@ fn a_soft_brush_leaves_a_soft_edge_and_is_remembered() {
     save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
     let mut person = desk.sit_down(&["finer.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.press(Key::B);
     let middle = pos2(620.0, 420.0);
     person.0.get_by_role_and_label(egui::accesskit::Role::Slider, "Size").set_value_accesskit(0.5);
@@ -181,8 +179,7 @@ fn a_mirrored_stroke_paints_both_sides_and_says_how_well_they_match() {
     save_mesh(&head, &desk.path("head.obj")).unwrap();
     let mut person = desk.sit_down(&["head.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.press(Key::B);
     assert!(!person.sees("mirror image misses"));
     person.click("mirror");
@@ -209,8 +206,7 @@ fn a_quick_stroke_of_a_small_brush_has_no_gaps() {
     save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
     let mut person = desk.sit_down(&["finer.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.press(Key::B);
     (0..6).for_each(|_| person.press(Key::OpenBracket));
     let (left, right) = (pos2(540.0, 420.0), pos2(740.0, 430.0));
@@ -340,8 +336,7 @@ fn what_is_encircled_is_painted_on_the_side_that_is_seen_and_undone_at_once() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.press(Key::B);
     person.click("lasso");
     let middle = pos2(620.0, 420.0);
@@ -369,8 +364,7 @@ fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.click("curvature");
     person.screenshot("studio-curvature.png");
     person.click("curvature/bumps");

@@ -46,8 +46,7 @@ fn the_keyboard_alone_reaches_every_control() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Compare with a mesh");
-    person.click("add");
-    person.click("template/ellipsoid");
+    person.add_layer("ellipsoid");
     person.wait_until_gone("Matching");
     // A small window, where panels scroll.
     person.0.set_size(egui::vec2(900.0, 600.0));

@@ -13,8 +13,7 @@ use crate::driving::person::{Desk, Person};
 fn at_a_layer_of(desk: &Desk, file: &str) -> Person {
     let mut person = desk.sit_down(&[file]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     person.click("head-parts");
     person
 }

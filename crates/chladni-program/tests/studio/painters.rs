@@ -25,8 +25,7 @@ fn both_painters_show_the_same_window() {
             person.0.run_steps(6);
         } else {
             person.wait_to_see("Compare with a mesh");
-            person.click("add");
-            person.click("template/ellipsoid");
+            person.add_layer("ellipsoid");
             person.wait_until_gone("Matching");
         }
         person.0.run_steps(8);

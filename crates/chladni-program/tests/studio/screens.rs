@@ -39,10 +39,8 @@ fn every_control_lies_inside_the_window_at_any_size() {
             person.wait_to_see("Compare with a mesh");
             all_inside(&person, size, &looks);
             person.screenshot(&format!("size-{looks}-empty.png"));
-            person.click("add");
-            person.click("template/magnify");
-            person.click("add");
-            person.click("template/ellipsoid");
+            person.add_layer("magnify");
+            person.add_layer("ellipsoid");
             person.wait("the match", |window| !driving::shows(window, "Matching"));
             person.press(Key::B);
             let middle = pos2(size[0] / 2.0, size[1] / 2.0);

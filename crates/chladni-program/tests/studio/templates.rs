@@ -35,8 +35,7 @@ fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_o
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/ellipsoid");
+    person.add_layer("ellipsoid");
     person.wait("the match", |window| !driving::shows(window, "Matching"));
     person.click("ellipsoid-by-hand");
     fill(&mut person, "semi-axes/x", "2.5");
@@ -51,8 +50,7 @@ fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_o
     person.click("ellipsoid-fit");
     assert_eq!(saved(&desk, &mut person)[0].template, Template::Ellipsoid);
 
-    person.click("add");
-    person.click("template/magnify");
+    person.add_layer("magnify");
     assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.9));
     fill_slider(&mut person, "Scale", 0.5);
     assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.5));
@@ -137,8 +135,7 @@ fn the_place_under_the_pointer_is_marked_on_the_template_beside_the_shape_and_ba
         person.press(Key::V);
     }
     assert!(!person.sees("Layer "), "no layer, no template: the result stands alone");
-    person.click("add");
-    person.click("template/ellipsoid");
+    person.add_layer("ellipsoid");
     person.wait("the match", |window| !driving::shows(window, "Matching"));
     person.click("colors");
     person.click("colors/place");
@@ -264,8 +261,7 @@ fn the_camera_comes_forward_again_when_an_exaggeration_is_undone() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
     person.wait_to_see("Layers");
-    person.click("add");
-    person.click("template/ellipsoid");
+    person.add_layer("ellipsoid");
     person.wait_to_see("No folds");
     fill_slider(&mut person, "μ", -0.5);
     person.0.run_steps(5);

@@ -28,8 +28,7 @@ fn the_start_screen_leads_to_a_caricature_of_the_sample_head() {
     assert!(person.sees("harmonics") && person.sees("vertices"));
 
     // Around the nose, and a second layer that exaggerates it.
-    person.click("add");
-    person.click("template/own-detail");
+    person.add_layer("own-detail");
     person.press(Key::B);
     person.drag(&[pos2(455.0, 520.0), pos2(470.0, 500.0), pos2(490.0, 470.0), pos2(500.0, 440.0)]);
     person.screenshot("window-painting.png");

@@ -7,6 +7,9 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 use crate::work::Pen;
 
+/// Points that a slider takes with its name and number.
+const WIDEST: f32 = 215.0;
+
 /// Draws the controls of `pen`.
 pub fn show(ui: &mut Ui, pen: &mut Pen) {
     theme::group(ui, "Ink", |ui| {
@@ -57,6 +60,10 @@ const SMOOTHING: &str = "How far curvature is averaged before lines are drawn al
                          more for a noisy scan, less for fine detail";
 
 fn named(ui: &mut Ui, name: &str, tip: &str, control: impl FnOnce(&mut Ui) -> egui::Response) {
+    // A slider and its number do not wrap by themselves.
+    if ui.available_size_before_wrap().x < WIDEST {
+        ui.end_row();
+    }
     let label = ui.label(name).on_hover_text(tip).id;
     ui.label_inputs_by(label, |ui| {
         // A tip of the control itself would be read out as its name.

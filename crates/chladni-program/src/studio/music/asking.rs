@@ -86,7 +86,7 @@ impl MusicRoom {
         match then {
             Then::Open | Then::AddSongs => self.open(files, shared),
             Then::Film => self.film_to(first, shared)?,
-            Then::Record => self.record_to(first, shared)?,
+            Then::Record => self.record_to(first, None, shared)?,
             Then::SavePreset(item) => self.save_preset(item, first, shared)?,
             Then::SaveShow => {
                 if let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) {

@@ -31,7 +31,7 @@ impl MusicRoom {
         let Some(concert) = self.concert.as_mut().filter(|concert| concert.has_picture()) else { return };
         let Some(SetOutput { to, size }) = self.output.take() else { return };
         let begun = match to {
-            SetTarget::Film(path) => self.record_in(&path, size, shared),
+            SetTarget::Film(path) => self.record_to(&path, size, shared),
             SetTarget::Frames(format) => {
                 concert.outgoing.stream(format, size.unwrap_or_else(|| concert.picture_size()))
             }
@@ -41,13 +41,8 @@ impl MusicRoom {
         }
     }
 
-    /// Records the set from now on.
-    pub(super) fn record_to(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
-        self.record_in(path, None, shared)
-    }
-
-    /// Records the set in pictures of `size`, or of the stage's.
-    fn record_in(
+    /// Records the set from now on, in pictures of `size` or of the stage's.
+    pub(super) fn record_to(
         &mut self,
         path: &Path,
         size: Option<[u32; 2]>,
@@ -104,26 +99,21 @@ impl MusicRoom {
 
     /// Gives the stage's pictures to the programs that the preferences name, or no longer.
     pub(super) fn follow_camera(&mut self, shared: &mut Shared<'_>) {
-        let Some(concert) = self.concert.as_mut().filter(|concert| !concert.outgoing.is_streaming()) else {
-            self.follow_stream(shared);
-            return;
+        let Some(concert) = &mut self.concert else { return };
+        // Frames on standard output take the camera's place.
+        let streams = concert.outgoing.is_streaming();
+        let opened = if streams {
+            Ok(())
+        } else {
+            let (target, size) = (shared.settings.music.camera.target(), concert.picture_size());
+            concert.outgoing.show_to(target.as_ref(), size)
         };
-        let target = shared.settings.music.camera.target();
-        let size = concert.picture_size();
-        let opened = concert.outgoing.show_to(target.as_ref(), size);
-        let lost = opened.err().or_else(|| concert.outgoing.lost_camera());
-        if let Some(why) = lost {
+        let Some(why) = opened.err().or_else(|| concert.outgoing.lost_camera()) else { return };
+        if !streams {
             // It is tried again when somebody asks for it again.
             shared.settings.music.camera = Camera::Off;
-            shared.notices.failed(why);
         }
-    }
-
-    /// Says once that the reader of the frames on standard output is gone.
-    fn follow_stream(&mut self, shared: &mut Shared<'_>) {
-        if let Some(why) = self.concert.as_mut().and_then(|concert| concert.outgoing.lost_camera()) {
-            shared.notices.failed(why);
-        }
+        shared.notices.failed(why);
     }
 
     /// The window closes: the film is ended first.

@@ -179,7 +179,7 @@ pub fn the_show(
     let mut heard = heard;
     for set in &concert.outgoing.recorded {
         let of_set = Recording { song: songs.len(), at_secs: set.at_secs, duration_secs: set.duration_secs };
-        let again = heard_again(&heard, &[of_set]);
+        let again = heard_again(&heard, of_set);
         if again != heard {
             songs.push(SongRef::of(refer(&set.path)));
             heard = again;

@@ -67,10 +67,7 @@ impl GalleryView {
         let (asked, known) = (given.clone(), before.clone());
         let work = move |task: &Task| {
             let (mut stack, aside) = (stack?, Aside::new(task));
-            let shown = match known {
-                Some(before) => before.reopen(&mesh, &mut stack, asked, &aside),
-                None => Exhibition::open(&mesh, &mut stack, asked, &aside),
-            }?;
+            let shown = Exhibition::open(known.as_ref(), &mesh, &mut stack, asked, &aside)?;
             Ok(Brought { shown, stack: Some(stack) })
         };
         Self {

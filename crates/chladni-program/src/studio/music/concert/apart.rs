@@ -2,11 +2,11 @@
 
 use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Target, calibration_flash};
 use chladni_synth::Item;
-use egui::{Color32, Rect, TextureId, Ui, ViewportBuilder, ViewportCommand, ViewportId};
+use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
 use super::super::place::{Change, Place};
 use super::super::preferences::Screen;
-use super::super::stillness::{self, StillPicture};
+use super::super::stillness;
 use super::super::wish::Wish;
 use super::Concert;
 use super::frame::Frame;
@@ -18,7 +18,8 @@ use crate::work::{Error, Lag, Staging};
 
 /// The parts of the second window that the first does not have.
 pub struct Apart {
-    pane: Pane,
+    /// Its picture.
+    pub pane: Pane,
     /// Plays the dance on stage; the first window's plays the gallery.
     ensemble: Ensemble,
     items: Vec<Item>,
@@ -61,21 +62,6 @@ impl Apart {
     /// The items that were on stage last.
     pub fn items(&self) -> &[Item] {
         &self.items[..self.count]
-    }
-
-    /// The picture that it drew last.
-    pub fn shown(&self) -> Option<&StillPicture> {
-        self.pane.shown.as_ref()
-    }
-
-    /// The same for painting, where flashes are limited once its brightness is known.
-    pub fn texture(&self, limited: bool) -> Option<TextureId> {
-        self.pane.texture(limited)
-    }
-
-    /// Lays the guard's veil of that picture over `rect`.
-    pub fn lay_veil(&self, ui: &Ui, rect: Rect) {
-        self.pane.lay_veil(ui, rect);
     }
 
     /// The window is closed; another stage gets another one.

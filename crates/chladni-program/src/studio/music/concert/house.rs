@@ -55,11 +55,20 @@ impl House {
 
     /// Darkens `rect`; whether that changes.
     pub fn cover(&mut self, ui: &Ui, rect: Rect, now_secs: f64) -> bool {
-        let (level, changes) = self.level(now_secs);
-        if level > 0.0 {
-            ui.painter().rect_filled(rect, 0.0, Color32::from_black_alpha((255.0 * level).round() as u8));
-        }
+        let (_, changes) = self.level(now_secs);
+        self.darken(ui, rect);
         changes
+    }
+
+    /// Darkens `rect` as it was when last looked at.
+    pub fn darken(&self, ui: &Ui, rect: Rect) {
+        if self.level > 0.0 {
+            ui.painter().rect_filled(
+                rect,
+                0.0,
+                Color32::from_black_alpha((255.0 * self.level).round() as u8),
+            );
+        }
     }
 }
 

@@ -245,7 +245,7 @@ impl Concert {
     /// Width and height of the picture that others get, in pixels: that of the stage, also where it has a window of its
     /// own; else that of the gallery.
     pub fn picture_size(&self) -> [u32; 2] {
-        let on_stage = self.apart.as_ref().and_then(Apart::shown);
+        let on_stage = self.apart.as_ref().and_then(|apart| apart.pane.shown.as_ref());
         on_stage.or(self.pane.shown.as_ref()).map_or([1280, 720], |shown| shown.staged.size())
     }
 

@@ -3,7 +3,8 @@
 use chladni_music::Switch;
 use egui::{Color32, Rect, Sense, Ui, pos2, vec2};
 
-use super::{Apart, Concert};
+use super::Concert;
+use super::pane::Pane;
 use crate::studio::author_id::AuthorId;
 
 /// Points that it is high in the bar, and under the pointer.
@@ -13,29 +14,24 @@ const LARGE: f32 = 270.0;
 impl Concert {
     /// Draws the picture of the stage, as dark as it is there; nothing before the stage has one of its own.
     pub fn preview(&self, ui: &mut Ui) {
-        let Some([width, height]) =
-            self.apart.as_ref().and_then(Apart::shown).map(|shown| shown.staged.size())
-        else {
-            return;
-        };
+        let Some(pane) = self.apart.as_ref().map(|apart| &apart.pane) else { return };
+        let Some([width, height]) = pane.shown.as_ref().map(|shown| shown.staged.size()) else { return };
         let aspect = width as f32 / height.max(1) as f32;
         let (rect, response) = ui.allocate_exact_size(vec2(HEIGHT * aspect, HEIGHT), Sense::hover());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "The stage"));
-        self.paint_stage(ui, rect);
+        self.paint_stage(ui, pane, rect);
         response.author_id("preview").on_hover_ui(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(LARGE * aspect, LARGE), Sense::hover());
-            self.paint_stage(ui, rect);
+            self.paint_stage(ui, pane, rect);
         });
     }
 
-    fn paint_stage(&self, ui: &Ui, rect: Rect) {
-        let Some(apart) = &self.apart else { return };
+    fn paint_stage(&self, ui: &Ui, pane: &Pane, rect: Rect) {
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        let Some(texture) = apart.texture(limited) else { return };
+        let Some(texture) = pane.texture(limited) else { return };
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         ui.painter().image(texture, rect, whole, Color32::WHITE);
-        apart.lay_veil(ui, rect);
-        let black = (255.0 * (1.0 - self.house.light())).round() as u8;
-        ui.painter().rect_filled(rect, 0.0, Color32::from_black_alpha(black));
+        pane.lay_veil(ui, rect);
+        self.house.darken(ui, rect);
     }
 }
