@@ -1,24 +1,24 @@
 //! How much later a picture is seen than sound is heard, from a person's taps.
 //!
-//! A person taps to clicks alone, then to flashes alone. What the person takes to tap is in both, and goes from their
-//! difference. Nothing here plays, draws or reads a clock: how long after a click or flash each tap came is an argument.
+//! A person taps to clicks alone, then to flashes alone. The person's own reaction time is part of both and cancels in
+//! their difference. Nothing here plays, draws or reads a clock: how long after a click or flash each tap came is an argument.
 
 use crate::MusicError;
 
-/// A click, or a flash, comes so often.
+/// Time between two clicks, or two flashes.
 pub const CALIBRATION_PERIOD_SECS: f64 = 1.0;
-/// So many taps of each kind are needed, without those that lie apart.
+/// Taps of each kind that are needed, outliers not counted.
 pub const CALIBRATION_TAPS: usize = 8;
-/// A picture that is farther from the sound than this cannot be told from one of the flash before or after.
+/// The largest measurable lateness: beyond it, a flash cannot be distinguished from the one before or after.
 const FARTHEST_SECS: f64 = 0.45;
 /// Of a person who taps along, three taps in four lie within this of the middle one.
 const WIDEST_SECS: f64 = 0.06;
 /// A tap that lies this many spreads from the middle one is left out, and never one that is nearer than the seconds.
 const OUTLIER: (f64, f64) = (3.0, 0.03);
-/// A flash grows, and fades, within these times.
+/// Rise and decay times of a flash.
 const FLASH_SECS: (f64, f64) = (0.05, 0.4);
 
-/// What a person taps to.
+/// A signal to tap to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Signal {
     /// Clicks, without a picture.
@@ -52,7 +52,7 @@ struct Taps {
 }
 
 impl Calibration {
-    /// A tap that came so long after some click or flash, whichever; all of them are a period apart.
+    /// Adds a tap at this time after any of the clicks or flashes, which are all a period apart.
     pub fn tap(&mut self, signal: Signal, after_secs: f64) {
         if after_secs.is_finite() {
             self.taps_mut(signal).push(after_secs.rem_euclid(CALIBRATION_PERIOD_SECS));

@@ -2,7 +2,7 @@
 
 use crate::Song;
 
-/// How loud a click begins, how high it is, and how soon it is gone.
+/// Initial amplitude, pitch and decay of a click.
 const LEVEL: f32 = 0.7;
 const TONE_HZ: f32 = 2_000.0;
 const FADE_SECS: f32 = 0.006;

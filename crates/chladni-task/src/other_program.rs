@@ -1,12 +1,12 @@
-//! Other programs that we start: each gets the variables that it needs, and no others of our environment.
+//! Programs that this one starts: each gets the environment variables that it needs, and no others.
 //!
-//! Variables can make a program write files (`FFREPORT`), load code or talk to machines. What somebody has set for a shell of his
-//! own was not meant for a program behind ours.
+//! Variables can make a program write files (`FFREPORT`), load code or reach other machines.
+//! Settings that a user made for a shell were not meant for a program started by this one.
 
 use std::ffi::{OsStr, OsString};
 use std::process::Command;
 
-/// The part of our environment that a program gets, besides the way to programs, a home and a language.
+/// The part of the environment that a program gets, besides the search path, the home folder and the language.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// Files and pipes: an encoder.
@@ -35,7 +35,7 @@ const ALL: &[&str] = &[
     "DYLD_FALLBACK_LIBRARY_PATH",
 ];
 
-/// On Windows, variables without which no program starts, and the ways to folders.
+/// On Windows, variables without which no program starts, and the paths of system folders.
 const WINDOWS: &[&str] = &[
     "SYSTEMROOT",
     "SYSTEMDRIVE",
@@ -71,7 +71,7 @@ const DESKTOP: &[&str] = &[
     "GST_PLUGIN_*",
 ];
 
-/// Which graphics device draws, and how keys and pointers are set up.
+/// The graphics device, and the setup of keyboard and pointer.
 const WINDOW: &[&str] = &[
     "CHLADNI_*",
     "WGPU_*",

@@ -1,4 +1,4 @@
-//! Frames on their way out of the ring into the buffers of a device, without a step that nobody recorded.
+//! Frames from the ring to the buffers of a device, without clicks: jumps and edges of silence are faded.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,10 +10,10 @@ use super::clock::Clock;
 use super::output::drop_flushed;
 use crate::history::Frame;
 
-/// Pauses, changes of volume, and jumps between what was handed out and what follows fade over this time: no clicks.
+/// Duration of the fades at pauses, changes of volume, jumps and underruns, which would click otherwise.
 const RAMP_SECS: f32 = 0.008;
 
-/// The reading end of a ring. [`fill`](Self::fill) is what the audio callback does: it must not allocate, lock or log, since a late
+/// The reading end of a ring. [`fill`](Self::fill) runs in the audio callback: it must not allocate, lock or log, since a late
 /// callback is audible as a click.
 pub(super) struct HandOut {
     consumer: Consumer<Frame>,
@@ -93,12 +93,12 @@ impl HandOut {
     }
 }
 
-/// Leads from what was handed out last to what follows where that does not belong to it: after a jump in the song, and at the
-/// edges of silence. The difference fades.
+/// Joins two sounds that do not follow from each other, at a jump in the song or an edge of silence: the step between them
+/// is added to the second and fades out.
 struct Seam {
     last: Frame,
     step: Frame,
-    /// Frames that are left of the fade, and those of a whole one.
+    /// Remaining frames of the fade, and the frames of a whole fade.
     left: u32,
     length: u32,
     begins: bool,
@@ -110,7 +110,7 @@ impl Seam {
         Self { last: [0.0; 2], step: [0.0; 2], left: 0, length, begins: false }
     }
 
-    /// One frame's part of a fade.
+    /// The share of a fade that one frame takes.
     fn share(&self) -> f32 {
         1.0 / self.length as f32
     }

@@ -1,4 +1,4 @@
-//! Who can read a file: while it is written nobody but its owner, then those who could read the old one.
+//! Permissions of written files: only the owner can read one while it is written; then the old file's permissions return.
 
 use std::fs::{File, Metadata};
 use std::io;

@@ -14,21 +14,21 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::Error;
 
-/// Of the clicks, which are repeated.
+/// Sample rate and number of the clicks, which are repeated.
 const CLICKS_HZ: u32 = 48_000;
 const CLICKS: usize = 16;
 /// After a change from clicks to flashes, taps still follow the clicks.
 const REST_SECS: f64 = 1.5;
 /// Keys that tap.
 const KEYS: [Key; 3] = [Key::Space, Key::Enter, Key::T];
-/// Of the words at the lower edge.
+/// Points of the area for words at the lower edge.
 const WORDS: f32 = 150.0;
 
 /// The clicks and flashes, and the taps so far.
 pub struct Calibrating {
-    /// On the same device as the songs.
+    /// Plays the clicks, on the device of the songs.
     player: Player,
-    /// Songs played before.
+    /// The songs played before and resume afterwards.
     resumes: bool,
     taps: Calibration,
     signal: Signal,
@@ -38,7 +38,7 @@ pub struct Calibrating {
     _folder: tempfile::TempDir,
 }
 
-/// What the person wants.
+/// A button that was pressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Choice {
     Leave,
@@ -69,7 +69,8 @@ impl Calibrating {
         })
     }
 
-    /// Takes the keys that tap, and Escape: they do nothing else then. What is done has buttons, which need them.
+    /// Takes Escape and the keys that tap, so that they do nothing else meanwhile. Once all taps are made, the buttons need
+    /// these keys.
     pub fn take_keys(&mut self, ctx: &egui::Context) {
         let now_secs = ctx.input(|input| input.time);
         self.leaves |= ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
@@ -114,7 +115,7 @@ impl Calibrating {
         if self.flashes() { calibration_flash(now_secs) } else { 0.0 }
     }
 
-    /// Draws all over the window; what was chosen.
+    /// Draws over the whole window; returns the choice that was made, if any.
     fn show(&mut self, ui: &mut Ui, whole: Rect) -> Option<Choice> {
         let now_secs = ui.input(|input| input.time);
         let light = (255.0 * self.light(now_secs)).round() as u8;

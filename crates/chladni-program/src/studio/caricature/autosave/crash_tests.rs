@@ -1,4 +1,4 @@
-//! Somebody edits at random, and the program is killed: what is missing then is no older than autosave allows.
+//! Random edits in a process that is killed: the lost edits are no older than autosave allows.
 //!
 //! A campaign: `CHLADNI_CASES=2000 cargo test --release -p chladni-program --lib crash_tests -- --nocapture` (docs/trust.md).
 
@@ -18,7 +18,7 @@ const SEED: &str = "CHLADNI_TEST_SEED";
 /// The program's own rules with a shorter time between two copies, so that many fit between two kills.
 const PERIOD_SECS: f64 = 0.03;
 
-/// Somebody who edits; the same seed edits the same.
+/// A random editor: the same seed makes the same edits.
 struct Editor {
     history: History,
     chance: Box<dyn FnMut() -> u64>,

@@ -1,4 +1,4 @@
-//! A live input that is asked for by its name, and how it is heard: how strongly, and at which level.
+//! Live input: finding it by name, its gain, and its level.
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -7,13 +7,13 @@ use egui::Context;
 
 use super::Listening;
 
-/// Live input can be made so much louder or softer.
+/// The largest gain of live input, and the largest attenuation.
 pub const MOST_GAIN_DB: f32 = 24.0;
 
-/// How live input is heard.
+/// Gain and level of live input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// Of its amplitude.
+    /// Factor on the amplitude.
     gain: f32,
     level: Level,
 }
@@ -25,7 +25,7 @@ impl Default for Input {
 }
 
 impl Input {
-    /// Louder by so many decibels, and at its own level where that is fixed.
+    /// A gain in decibels; with a fixed level, soft input stays soft.
     pub fn new(gain_db: f32, is_fixed: bool) -> Self {
         let gain_db = if gain_db.is_finite() { gain_db.clamp(-MOST_GAIN_DB, MOST_GAIN_DB) } else { 0.0 };
         let level = if is_fixed { Level::Fixed(1.0) } else { Level::Auto };
@@ -44,19 +44,19 @@ impl Input {
     }
 }
 
-/// Sources are looked for on a thread of its own: sound systems answer slowly.
+/// A search for an input by name. It has a thread of its own, since sound systems answer slowly.
 pub(super) struct Wanted {
     name: String,
     answer: Receiver<Result<Option<CaptureSource>, SoundError>>,
 }
 
 impl Listening {
-    /// How live input is heard from now on.
+    /// Sets gain and level from now on.
     pub fn set_input(&mut self, input: Input) {
         self.input = input;
     }
 
-    /// Live input of this name, or the songs again where it is heard.
+    /// Switches to the live input of this name, or back to the songs if live input is on.
     pub fn toggle_live(&mut self, name: Option<&str>, ctx: &Context) {
         if self.live.is_some() {
             return self.stop_listening();
