@@ -25,6 +25,8 @@ pub struct Histogram {
     cells: Vec<Cell>,
     /// Sum of the luminances of a dot, and its pixels.
     dots: Vec<[f32; 2]>,
+    /// The dot of each column and row of a picture of the size counted last.
+    dot_of: [Vec<u16>; 2],
 }
 
 /// Relative luminance (WCAG) of a linear color.
@@ -47,6 +49,7 @@ impl Default for Histogram {
             linear,
             cells: vec![Cell::default(); CELLS],
             dots: vec![[0.0; 2]; FINE * COLUMNS * FINE * ROWS],
+            dot_of: [Vec::new(), Vec::new()],
         }
     }
 }
@@ -62,16 +65,18 @@ impl Histogram {
         self.dots.fill([0.0; 2]);
     }
 
-    /// Counts the pixel in column and row `at` of a picture of `size` columns and rows.
+    /// Counts the pixel in column and row `at` of a picture of `size` columns and rows; one outside is not counted.
     #[inline]
     pub fn add(&mut self, at: [u32; 2], size: [u32; 2], rgb: [u8; 3]) {
+        if [0, 1].map(|axis| self.dot_of[axis].len()) != size.map(|side| side as usize) {
+            self.lay_out(size);
+        }
+        let [x, y] = at.map(|place| place as usize);
+        let (Some(&column), Some(&row)) = (self.dot_of[0].get(x), self.dot_of[1].get(y)) else { return };
+        let [column, row] = [column, row].map(usize::from);
         for (counts, value) in self.counts.iter_mut().zip(rgb) {
             counts[usize::from(value)] += 1;
         }
-        let [column, row] = [(0, FINE * COLUMNS), (1, FINE * ROWS)].map(|(axis, dots)| {
-            let dot = (at[axis] as f32 + 0.5) * (dots as f32 / size[axis].max(1) as f32);
-            (dot as usize).min(dots - 1)
-        });
         let light = rgb.map(|value| self.linear[usize::from(value)]);
         let cell = &mut self.cells[row / FINE * COLUMNS + column / FINE];
         (0..3).for_each(|i| cell.light[i] += light[i]);
@@ -79,6 +84,16 @@ impl Histogram {
         let [sum, pixels] = &mut self.dots[row * FINE * COLUMNS + column];
         *sum += relative_luminance(light);
         *pixels += 1.0;
+    }
+
+    /// Finds the dots of all columns and rows of a picture, so that pixels need not.
+    #[cold]
+    fn lay_out(&mut self, size: [u32; 2]) {
+        for ((dot_of, side), dots) in self.dot_of.iter_mut().zip(size).zip(Self::DOTS) {
+            dot_of.clear();
+            let scale = dots as f32 / side as f32;
+            dot_of.extend((0..side).map(|i| ((i as f32 + 0.5) * scale).min((dots - 1) as f32) as u16));
+        }
     }
 
     /// Writes the mean luminance of each dot, row by row. One without pixels is like the one on its left, a row without any

@@ -4,6 +4,7 @@ use std::ops::Deref;
 use std::sync::MutexGuard;
 
 use crate::buffers::Held;
+use crate::picture::is_opaque;
 use crate::{Device, Picture, Samples, ViewError, cpu, gpu};
 
 /// A surface to draw on, and the finished picture: a texture that a window can show, or pixels in
@@ -145,6 +146,19 @@ impl Readback {
         Ok(())
     }
 
+    /// As [`start`](Self::start), for a canvas on which a whole picture is drawn before it is read again: where the
+    /// processor draws, its pixels are taken instead of copied.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub(crate) fn take(&mut self, device: &Device, canvas: &Canvas) -> Result<(), ViewError> {
+        let Held::Cpu(taken) = &mut self.held else { return self.start(device, canvas) };
+        let mut pixels = canvas.held.cpu()?.pixels();
+        taken.resize(pixels.len(), 0);
+        std::mem::swap(&mut *pixels, taken);
+        Ok(())
+    }
+
     /// Waits for the copy and unpacks it into `rgba`, with straight alpha.
     ///
     /// # Errors
@@ -157,7 +171,9 @@ impl Readback {
                 held.cpu()?;
             }
         }
-        rgba.as_chunks_mut::<4>().0.iter_mut().for_each(straighten);
+        if !is_opaque(rgba) {
+            rgba.as_chunks_mut::<4>().0.iter_mut().for_each(straighten);
+        }
         Ok(())
     }
 }

@@ -13,6 +13,14 @@ pub struct Picture {
     pub rgba: Vec<u8>,
 }
 
+/// Whether nothing shines through any pixel, of four bytes each.
+pub(crate) fn is_opaque(rgba: &[u8]) -> bool {
+    // Piece by piece, without a branch for each pixel.
+    let opaque =
+        |piece: &[u8]| piece.as_chunks::<4>().0.iter().fold(255, |alpha, pixel| alpha & pixel[3]) == 255;
+    rgba.chunks(4096).all(opaque)
+}
+
 impl Picture {
     /// A picture of one color.
     pub fn filled(width: u32, height: u32, color: [u8; 4]) -> Self {

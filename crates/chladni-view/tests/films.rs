@@ -233,71 +233,73 @@ fn wrong_sizes_rates_and_endings_are_errors() {
 
 #[test]
 fn frames_are_shot_in_order_and_cancelling_leaves_nothing() {
-    let Some(gpu) = shapes::gpu() else { return };
-    let mut renderer = Renderer::new(&gpu);
-    let canvas = Canvas::new(&gpu, SIZE.0, SIZE.1).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("clip.png");
-    let shade = |frame: u64| Background::plain([20 * frame as u8; 3]);
-    let mut run = |task: &Task, stop_at: u64| {
-        let film = Film::create(&path, settings(8, 10)).unwrap();
-        shoot(&mut renderer, &canvas, film, task, |renderer, canvas, frame| {
-            if frame == stop_at {
-                task.cancel();
-            }
-            let cell = Cell {
-                viewport: Rect::of_size(SIZE.0, SIZE.1),
-                camera: Default::default(),
-                lights: Lights::STUDIO,
-                background: shade(frame),
-                figures: &[],
-                markers: &[],
-            };
-            renderer.draw(canvas, &[cell])?;
-            Ok::<(), ViewError>(())
-        })
-    };
-    assert!(matches!(run(&Task::new(), 5), Err(ViewError::Cancelled(_))));
-    assert!(names(folder.path()).is_empty());
-    let task = Task::new();
-    run(&task, u64::MAX).unwrap();
-    assert_eq!(task.progress().done, 8);
-    let bytes = std::fs::read(&path).unwrap();
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-    for frame in 0..8 {
-        let mut rgba = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut rgba).unwrap();
-        assert!(rgba[0].abs_diff(20 * frame) <= 1, "{} in frame {frame}", rgba[0]);
-    }
+    shapes::on_each_device(|device| {
+        let mut renderer = Renderer::new(device);
+        let canvas = Canvas::new(device, SIZE.0, SIZE.1).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("clip.png");
+        let shade = |frame: u64| Background::plain([20 * frame as u8; 3]);
+        let mut run = |task: &Task, stop_at: u64| {
+            let film = Film::create(&path, settings(8, 10)).unwrap();
+            shoot(&mut renderer, &canvas, film, task, |renderer, canvas, frame| {
+                if frame == stop_at {
+                    task.cancel();
+                }
+                let cell = Cell {
+                    viewport: Rect::of_size(SIZE.0, SIZE.1),
+                    camera: Default::default(),
+                    lights: Lights::STUDIO,
+                    background: shade(frame),
+                    figures: &[],
+                    markers: &[],
+                };
+                renderer.draw(canvas, &[cell])?;
+                Ok::<(), ViewError>(())
+            })
+        };
+        assert!(matches!(run(&Task::new(), 5), Err(ViewError::Cancelled(_))));
+        assert!(names(folder.path()).is_empty());
+        let task = Task::new();
+        run(&task, u64::MAX).unwrap();
+        assert_eq!(task.progress().done, 8);
+        let bytes = std::fs::read(&path).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        for frame in 0..8 {
+            let mut rgba = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut rgba).unwrap();
+            assert!(rgba[0].abs_diff(20 * frame) <= 1, "{} in frame {frame}", rgba[0]);
+        }
+    });
 }
 
 #[test]
 fn a_turntable_turns_once_and_ends_where_it_began() {
-    let Some(gpu) = shapes::gpu() else { return };
-    let (mut positions, triangles) = shapes::sphere(8);
-    for p in &mut positions {
-        p[0] *= 0.4;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("turn");
-    let request = PictureRequest {
-        shapes: &[PictureShape { positions: &positions, triangles: &triangles, ..Default::default() }],
-        width: SIZE.0,
-        height: SIZE.1,
-        from: Camera::looking(View::ThreeQuarter),
-        style: Style { background: Background::TRANSPARENT, ..Style::default() },
-    };
-    let film = Film::create(&path, settings(8, 8)).unwrap();
-    film_turntable(&mut Renderer::new(&gpu), &request, film, &Task::new()).unwrap();
-    let widths: Vec<usize> = names(&path)
-        .iter()
-        .map(|name| Picture::decode(&std::fs::read(path.join(name)).unwrap()).unwrap())
-        .map(|picture| (0..SIZE.0).filter(|x| picture.pixel(*x, SIZE.1 / 2).unwrap()[3] > 127).count())
-        .collect();
-    assert_eq!(widths.len(), 8);
-    // A flat body looks the same half a turn later, and not a quarter.
-    for i in 0..4 {
-        assert!(widths[i].abs_diff(widths[i + 4]) <= 1, "{widths:?}");
-    }
-    assert!(widths.iter().max().unwrap() - widths.iter().min().unwrap() > 8, "{widths:?}");
+    shapes::on_each_device(|device| {
+        let (mut positions, triangles) = shapes::sphere(8);
+        for p in &mut positions {
+            p[0] *= 0.4;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("turn");
+        let request = PictureRequest {
+            shapes: &[PictureShape { positions: &positions, triangles: &triangles, ..Default::default() }],
+            width: SIZE.0,
+            height: SIZE.1,
+            from: Camera::looking(View::ThreeQuarter),
+            style: Style { background: Background::TRANSPARENT, ..Style::default() },
+        };
+        let film = Film::create(&path, settings(8, 8)).unwrap();
+        film_turntable(&mut Renderer::new(device), &request, film, &Task::new()).unwrap();
+        let widths: Vec<usize> = names(&path)
+            .iter()
+            .map(|name| Picture::decode(&std::fs::read(path.join(name)).unwrap()).unwrap())
+            .map(|picture| (0..SIZE.0).filter(|x| picture.pixel(*x, SIZE.1 / 2).unwrap()[3] > 127).count())
+            .collect();
+        assert_eq!(widths.len(), 8);
+        // A flat body looks the same half a turn later, and not a quarter.
+        for i in 0..4 {
+            assert!(widths[i].abs_diff(widths[i + 4]) <= 1, "{widths:?}");
+        }
+        assert!(widths.iter().max().unwrap() - widths.iter().min().unwrap() > 8, "{widths:?}");
+    });
 }

@@ -49,9 +49,14 @@ impl FrameGuard {
     pub fn judge(&mut self, time_secs: f64, pixels: &[[u8; 4]], size: [u32; 2]) -> Veil {
         self.histogram.clear();
         let step = step(pixels.len(), size[0] as usize);
-        let places = (0u32..).step_by(step).map(|i| [i % size[0], i / size[0]]);
-        for ([r, g, b, _], at) in pixels.iter().step_by(step).zip(places) {
-            self.histogram.add(at, size, [*r, *g, *b]);
+        let [mut column, mut row] = [0, 0];
+        for [r, g, b, _] in pixels.iter().step_by(step) {
+            self.histogram.add([column, row], size, [*r, *g, *b]);
+            // Cheaper than a division for each.
+            column += step as u32;
+            while column >= size[0].max(1) {
+                (column, row) = (column - size[0].max(1), row + 1);
+            }
         }
         let veil = match &mut self.guard {
             Some(guard) => guard.veil(time_secs, &self.histogram),

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_task::temporary_beside;
 
+use crate::picture::is_opaque;
 use crate::{Picture, ViewError};
 
 pub use camera::{CameraTarget, HAS_SYPHON, LiveCamera, video_devices};
@@ -91,10 +92,10 @@ impl FilmFormat {
 
 /// Pixels without alpha, laid on black. `memory` holds them where any is.
 fn on_black<'a>(rgba: &'a [u8], memory: &'a mut Vec<u8>) -> &'a [u8] {
-    let pixels = rgba.as_chunks::<4>().0;
-    if pixels.iter().all(|pixel| pixel[3] == 255) {
+    if is_opaque(rgba) {
         return rgba;
     }
+    let pixels = rgba.as_chunks::<4>().0;
     memory.clear();
     memory.extend(pixels.iter().flat_map(|&[r, g, b, a]| {
         let dim = |c: u8| ((u16::from(c) * u16::from(a) + 127) / 255) as u8;

@@ -96,7 +96,7 @@ pub fn shoot_retouched<E: From<ViewError>>(
                 }
             };
             let start = Instant::now();
-            readback.start(&device, before)?;
+            readback.take(&device, before)?;
             device_secs += start.elapsed().as_secs_f64();
             flying.push_back(readback);
         }

@@ -11,32 +11,20 @@ mod one_sample;
 mod shapes;
 
 use chladni_view::{
-    Background, Camera, Canvas, Cell, ColorMap, Figure, ItemBuffers, Lights, Picture, PictureRequest,
+    Background, Camera, Canvas, Cell, ColorMap, Device, Figure, ItemBuffers, Lights, Picture, PictureRequest,
     PictureShape, Rect, Renderer, Samples, Scale, Style, Topology, View, ViewError, render_picture,
     render_picture_with, render_placed, smooth_normals,
 };
-use shapes::{gpu, sphere};
+use shapes::{gpu, on_each_device, sphere};
 
 fn transparent(
-    width: u32,
-    height: u32,
+    device: &Device,
+    (width, height): (u32, u32),
     shapes: &[PictureShape<'_>],
-    camera: Option<Camera>,
-) -> Option<Picture> {
+    from: Camera,
+) -> Picture {
     let style = Style { background: Background::TRANSPARENT, ..Style::default() };
-    Some(
-        render_picture(
-            &gpu()?,
-            &PictureRequest {
-                shapes,
-                width,
-                height,
-                from: camera.unwrap_or(Camera::looking(View::ThreeQuarter)),
-                style,
-            },
-        )
-        .unwrap(),
-    )
+    render_picture(device, &PictureRequest { shapes, width, height, from, style }).unwrap()
 }
 
 /// Left, top, right, bottom (inclusive) of what is covered.
@@ -54,131 +42,139 @@ fn silhouette(picture: &Picture) -> [u32; 4] {
 
 #[test]
 fn a_fitted_shape_fills_its_frame_and_stays_inside() {
-    let (mut positions, triangles) = sphere(24);
-    for p in &mut positions {
-        // An odd place and size: the fit must not depend on them.
-        *p = [100.0 + 7.0 * p[0], -40.0 + 7.0 * p[1], 3.0 + 7.0 * p[2]];
-    }
-    let mut camera = Camera::looking(View::ThreeQuarter);
-    camera.fit(positions.iter().copied(), 320.0 / 200.0, 0.9);
-    let shape = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
-    let Some(picture) = transparent(320, 200, &[shape], Some(camera)) else { return };
-    let [left, top, right, bottom] = silhouette(&picture);
-    // 90 % of 200 rows, from row 10 to row 190, and the same across, in the middle.
-    assert!(top.abs_diff(10) <= 1 && bottom.abs_diff(189) <= 1, "{top} {bottom}");
-    assert!(left.abs_diff(70) <= 2 && right.abs_diff(249) <= 2, "{left} {right}");
-    // The area of the disc, within 2 %.
-    let covered = picture.rgba.chunks(4).filter(|pixel| pixel[3] > 127).count() as f64;
-    let disc = std::f64::consts::PI * 90.0 * 90.0;
-    assert!((covered / disc - 1.0).abs() < 0.02, "{covered} {disc}");
+    on_each_device(|device| {
+        let (mut positions, triangles) = sphere(24);
+        for p in &mut positions {
+            // An odd place and size: the fit must not depend on them.
+            *p = [100.0 + 7.0 * p[0], -40.0 + 7.0 * p[1], 3.0 + 7.0 * p[2]];
+        }
+        let mut camera = Camera::looking(View::ThreeQuarter);
+        camera.fit(positions.iter().copied(), 320.0 / 200.0, 0.9);
+        let shape = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
+        let picture = transparent(device, (320, 200), &[shape], camera);
+        let [left, top, right, bottom] = silhouette(&picture);
+        // 90 % of 200 rows, from row 10 to row 190, and the same across, in the middle.
+        assert!(top.abs_diff(10) <= 1 && bottom.abs_diff(189) <= 1, "{top} {bottom}");
+        assert!(left.abs_diff(70) <= 2 && right.abs_diff(249) <= 2, "{left} {right}");
+        // The area of the disc, within 2 %.
+        let covered = picture.rgba.chunks(4).filter(|pixel| pixel[3] > 127).count() as f64;
+        let disc = std::f64::consts::PI * 90.0 * 90.0;
+        assert!((covered / disc - 1.0).abs() < 0.02, "{covered} {disc}");
+    });
 }
 
 #[test]
 fn edges_are_smooth_and_light_comes_from_above_left() {
-    let (positions, triangles) = sphere(32);
-    let shape = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
-    let camera = {
-        let mut camera = Camera::default();
-        camera.fit(positions.iter().copied(), 1.0, 0.9);
-        camera
-    };
-    let Some(picture) = transparent(200, 200, &[shape], Some(camera)) else { return };
-    let partial = picture.rgba.chunks(4).filter(|pixel| pixel[3] > 0 && pixel[3] < 255).count();
-    assert!(partial > 150, "{partial} pixels of the outline are partly covered");
-    let light = |x, y| picture.pixel(x, y).unwrap()[..3].iter().map(|c| u32::from(*c)).sum::<u32>();
-    assert!(light(65, 60) > light(140, 150) + 60);
+    on_each_device(|device| {
+        let (positions, triangles) = sphere(32);
+        let shape = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
+        let camera = {
+            let mut camera = Camera::default();
+            camera.fit(positions.iter().copied(), 1.0, 0.9);
+            camera
+        };
+        let picture = transparent(device, (200, 200), &[shape], camera);
+        let partial = picture.rgba.chunks(4).filter(|pixel| pixel[3] > 0 && pixel[3] < 255).count();
+        assert!(partial > 150, "{partial} pixels of the outline are partly covered");
+        let light = |x, y| picture.pixel(x, y).unwrap()[..3].iter().map(|c| u32::from(*c)).sum::<u32>();
+        assert!(light(65, 60) > light(140, 150) + 60);
+    });
 }
 
 #[test]
 fn each_item_is_drawn_in_its_own_cell_from_one_set_of_buffers() {
-    let Some(gpu) = gpu() else { return };
-    let (positions, triangles) = sphere(12);
-    let n = positions.len();
-    let topology = Topology::new(&gpu, n, &triangles).unwrap();
-    let buffers = ItemBuffers::new(&gpu, n, 3);
-    let normals = smooth_normals(&positions, &triangles);
-    for (item, size) in [1.0_f32, 0.6, 0.3].into_iter().enumerate() {
-        let scaled: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|c| c * size)).collect();
-        buffers.write(&gpu, item, &scaled, &normals).unwrap();
-    }
-    let mut camera = Camera::default();
-    camera.fit(positions.iter().copied(), 1.0, 0.9);
-    let figures: Vec<Figure<'_>> = (0..3).map(|item| Figure::new(&topology, &buffers, item)).collect();
-    let cells: Vec<Cell<'_>> = chladni_view::layout::grid(Rect::of_size(300, 100), 1, 3, 0, 3)
-        .into_iter()
-        .zip(&figures)
-        .map(|(viewport, figure)| Cell {
-            viewport,
-            camera,
-            lights: Lights::STUDIO,
-            background: Background::TRANSPARENT,
-            figures: std::slice::from_ref(figure),
-            markers: &[],
-        })
-        .collect();
-    let canvas = Canvas::new(&gpu, 300, 100).unwrap();
-    let mut renderer = Renderer::new(&gpu);
-    // Twice: nothing of the first frame may stay.
-    for _ in 0..2 {
-        renderer.draw(&canvas, &cells).unwrap();
-    }
-    let picture = canvas.read(&gpu).unwrap();
-    let width = |cell: u32| {
-        (100 * cell..100 * (cell + 1)).filter(|x| picture.pixel(*x, 50).unwrap()[3] > 127).count()
-    };
-    let widths = [width(0), width(1), width(2)];
-    for (found, wanted) in widths.into_iter().zip([90, 53, 26]) {
-        assert!(found.abs_diff(wanted) <= 3, "{widths:?}");
-    }
+    on_each_device(|device| {
+        let (positions, triangles) = sphere(12);
+        let n = positions.len();
+        let topology = Topology::new(device, n, &triangles).unwrap();
+        let buffers = ItemBuffers::new(device, n, 3);
+        let normals = smooth_normals(&positions, &triangles);
+        for (item, size) in [1.0_f32, 0.6, 0.3].into_iter().enumerate() {
+            let scaled: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|c| c * size)).collect();
+            buffers.write(device, item, &scaled, &normals).unwrap();
+        }
+        let mut camera = Camera::default();
+        camera.fit(positions.iter().copied(), 1.0, 0.9);
+        let figures: Vec<Figure<'_>> = (0..3).map(|item| Figure::new(&topology, &buffers, item)).collect();
+        let cells: Vec<Cell<'_>> = chladni_view::layout::grid(Rect::of_size(300, 100), 1, 3, 0, 3)
+            .into_iter()
+            .zip(&figures)
+            .map(|(viewport, figure)| Cell {
+                viewport,
+                camera,
+                lights: Lights::STUDIO,
+                background: Background::TRANSPARENT,
+                figures: std::slice::from_ref(figure),
+                markers: &[],
+            })
+            .collect();
+        let canvas = Canvas::new(device, 300, 100).unwrap();
+        let mut renderer = Renderer::new(device);
+        // Twice: nothing of the first frame may stay.
+        for _ in 0..2 {
+            renderer.draw(&canvas, &cells).unwrap();
+        }
+        let picture = canvas.read(device).unwrap();
+        let width = |cell: u32| {
+            (100 * cell..100 * (cell + 1)).filter(|x| picture.pixel(*x, 50).unwrap()[3] > 127).count()
+        };
+        let widths = [width(0), width(1), width(2)];
+        for (found, wanted) in widths.into_iter().zip([90, 53, 26]) {
+            assert!(found.abs_diff(wanted) <= 3, "{widths:?}");
+        }
+    });
 }
 
 #[test]
 fn a_heat_map_shows_the_colors_of_its_legend() {
-    let (positions, triangles) = sphere(24);
-    let values: Vec<f32> = positions.iter().map(|p| if p[0] < 0.0 { 0.0 } else { 1.0 }).collect();
-    let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
-    let mut camera = Camera::default();
-    camera.fit(positions.iter().copied(), 1.0, 0.9);
-    let shape = PictureShape {
-        positions: &positions,
-        triangles: &triangles,
-        values: Some((&values, scale)),
-        ..Default::default()
-    };
-    let Some(picture) = transparent(100, 100, &[shape], Some(camera)) else { return };
-    for (x, t) in [(30, 0.0), (70, 1.0)] {
-        let (found, legend) = (picture.pixel(x, 45).unwrap(), ColorMap::Viridis.color(t));
-        // Light only darkens a heat map, and gently: the hue stays.
-        for i in 0..3 {
-            let (found, legend) = (f32::from(found[i]), f32::from(legend[i]));
-            assert!(found <= legend + 12.0 && found >= 0.7 * legend - 12.0, "{found} {legend} at {x}");
+    on_each_device(|device| {
+        let (positions, triangles) = sphere(24);
+        let values: Vec<f32> = positions.iter().map(|p| if p[0] < 0.0 { 0.0 } else { 1.0 }).collect();
+        let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
+        let mut camera = Camera::default();
+        camera.fit(positions.iter().copied(), 1.0, 0.9);
+        let shape = PictureShape {
+            positions: &positions,
+            triangles: &triangles,
+            values: Some((&values, scale)),
+            ..Default::default()
+        };
+        let picture = transparent(device, (100, 100), &[shape], camera);
+        for (x, t) in [(30, 0.0), (70, 1.0)] {
+            let (found, legend) = (picture.pixel(x, 45).unwrap(), ColorMap::Viridis.color(t));
+            // Light only darkens a heat map, and gently: the hue stays.
+            for i in 0..3 {
+                let (found, legend) = (f32::from(found[i]), f32::from(legend[i]));
+                assert!(found <= legend + 12.0 && found >= 0.7 * legend - 12.0, "{found} {legend} at {x}");
+            }
         }
-    }
+    });
 }
 
 #[test]
 fn a_ghost_is_seen_through() {
-    let (positions, triangles) = sphere(24);
-    let ghost: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| 2.0 * x)).collect();
-    let mut camera = Camera::looking(View::Front);
-    camera.fit(ghost.iter().copied(), 1.0, 0.9);
-    let alone = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
-    let haunted = PictureShape { ghost: Some(&ghost), ..alone };
-    let Some(gpu) = gpu() else { return };
-    let drawn = |shape| {
-        let style = Style { background: Background::TRANSPARENT, ..Style::default() };
-        let request = PictureRequest { shapes: &[shape], width: 100, height: 100, from: camera, style };
-        let placed = [(Rect::of_size(100, 100), camera)];
-        render_placed(&mut Renderer::new(&gpu), &request, &placed).unwrap()
-    };
-    let (before, after) = (drawn(alone), drawn(haunted));
-    let at = |picture: &Picture, x| picture.pixel(x, 50).unwrap();
-    // Beyond both, on the ghost alone, and on both: there the shape is still what is seen most.
-    assert_eq!([at(&before, 1)[3], at(&after, 1)[3], at(&before, 15)[3]], [0; 3]);
-    assert!((60..230).contains(&at(&after, 15)[3]), "{:?}", at(&after, 15));
-    let (bare, covered) = (at(&before, 50), at(&after, 50));
-    assert_eq!((bare[3], covered[3]), (255, 255));
-    assert!(covered[0] < bare[0] && covered[0] > 90, "{bare:?} {covered:?}");
+    on_each_device(|device| {
+        let (positions, triangles) = sphere(24);
+        let ghost: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| 2.0 * x)).collect();
+        let mut camera = Camera::looking(View::Front);
+        camera.fit(ghost.iter().copied(), 1.0, 0.9);
+        let alone = PictureShape { positions: &positions, triangles: &triangles, ..Default::default() };
+        let haunted = PictureShape { ghost: Some(&ghost), ..alone };
+        let drawn = |shape| {
+            let style = Style { background: Background::TRANSPARENT, ..Style::default() };
+            let request = PictureRequest { shapes: &[shape], width: 100, height: 100, from: camera, style };
+            let placed = [(Rect::of_size(100, 100), camera)];
+            render_placed(&mut Renderer::new(device), &request, &placed).unwrap()
+        };
+        let (before, after) = (drawn(alone), drawn(haunted));
+        let at = |picture: &Picture, x| picture.pixel(x, 50).unwrap();
+        // Beyond both, on the ghost alone, and on both: there the shape is still what is seen most.
+        assert_eq!([at(&before, 1)[3], at(&after, 1)[3], at(&before, 15)[3]], [0; 3]);
+        assert!((60..230).contains(&at(&after, 15)[3]), "{:?}", at(&after, 15));
+        let (bare, covered) = (at(&before, 50), at(&after, 50));
+        assert_eq!((bare[3], covered[3]), (255, 255));
+        assert!(covered[0] < bare[0] && covered[0] > 90, "{bare:?} {covered:?}");
+    });
 }
 
 #[test]
@@ -217,43 +213,48 @@ fn every_target_format_shows_the_same_colors() {
 
 #[test]
 fn back_faces_are_seen_and_tinted() {
-    let positions = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
-    let shape = |triangles| PictureShape { positions: &positions, triangles, ..Default::default() };
-    let camera = Some(Camera::default());
-    let Some(front) = transparent(50, 50, &[shape(&[[0, 1, 2]])], camera) else { return };
-    let Some(back) = transparent(50, 50, &[shape(&[[0, 2, 1]])], camera) else { return };
-    let (front, back) = (front.pixel(25, 28).unwrap(), back.pixel(25, 28).unwrap());
-    assert_eq!((front[3], back[3]), (255, 255));
-    assert!(back[1] < front[1] && back[1] > front[1] / 3, "{front:?} {back:?}");
+    on_each_device(|device| {
+        let positions = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
+        let shape = |triangles| PictureShape { positions: &positions, triangles, ..Default::default() };
+        let camera = Camera::default();
+        let front = transparent(device, (50, 50), &[shape(&[[0, 1, 2]])], camera);
+        let back = transparent(device, (50, 50), &[shape(&[[0, 2, 1]])], camera);
+        let (front, back) = (front.pixel(25, 28).unwrap(), back.pixel(25, 28).unwrap());
+        assert_eq!((front[3], back[3]), (255, 255));
+        assert!(back[1] < front[1] && back[1] > front[1] / 3, "{front:?} {back:?}");
+    });
 }
 
 #[test]
 fn what_does_not_fit_is_an_error() {
-    let Some(gpu) = gpu() else { return };
-    let shape = |triangles| PictureShape { positions: &[[0.0; 3]; 3], triangles, ..Default::default() };
-    let mut renderer = Renderer::new(&gpu);
-    let mut ask = |shape, width| {
-        let request = PictureRequest {
-            shapes: &[shape],
-            width,
-            height: 8,
-            from: Camera::looking(View::ThreeQuarter),
-            style: Style::default(),
+    on_each_device(|device| {
+        let shape = |triangles| PictureShape { positions: &[[0.0; 3]; 3], triangles, ..Default::default() };
+        let mut renderer = Renderer::new(device);
+        let mut ask = |shape, width| {
+            let request = PictureRequest {
+                shapes: &[shape],
+                width,
+                height: 8,
+                from: Camera::looking(View::ThreeQuarter),
+                style: Style::default(),
+            };
+            render_picture_with(&mut renderer, &request)
         };
-        render_picture_with(&mut renderer, &request)
-    };
-    assert!(matches!(ask(shape(&[[0, 1, 3]]), 8), Err(ViewError::Shape(_))));
-    assert!(matches!(ask(shape(&[]), 0), Err(ViewError::Size { .. })));
-    assert!(matches!(ask(shape(&[]), 1 << 20), Err(ViewError::Size { .. })));
-    let short = PictureShape { normals: Some(&[[0.0; 3]; 2]), ..shape(&[]) };
-    assert!(matches!(ask(short, 8), Err(ViewError::Shape(_))));
-    // No triangle, no extent, no number: a picture of the background all the same.
-    assert!(ask(shape(&[]), 8).is_ok());
-    assert!(ask(shape(&[[0, 1, 2]]), 8).is_ok());
-    assert!(ask(PictureShape::default(), 8).is_ok());
-    let broken = [[f32::NAN, 0.0, 0.0], [f32::INFINITY; 3], [0.0; 3]];
-    assert!(ask(PictureShape { positions: &broken, ..shape(&[[0, 1, 2]]) }, 8).is_ok());
-    gpu.check().unwrap();
+        assert!(matches!(ask(shape(&[[0, 1, 3]]), 8), Err(ViewError::Shape(_))));
+        assert!(matches!(ask(shape(&[]), 0), Err(ViewError::Size { .. })));
+        assert!(matches!(ask(shape(&[]), 1 << 20), Err(ViewError::Size { .. })));
+        let short = PictureShape { normals: Some(&[[0.0; 3]; 2]), ..shape(&[]) };
+        assert!(matches!(ask(short, 8), Err(ViewError::Shape(_))));
+        // No triangle, no extent, no number: a picture of the background all the same.
+        assert!(ask(shape(&[]), 8).is_ok());
+        assert!(ask(shape(&[[0, 1, 2]]), 8).is_ok());
+        assert!(ask(PictureShape::default(), 8).is_ok());
+        let broken = [[f32::NAN, 0.0, 0.0], [f32::INFINITY; 3], [0.0; 3]];
+        assert!(ask(PictureShape { positions: &broken, ..shape(&[[0, 1, 2]]) }, 8).is_ok());
+        if let Some(gpu) = device.gpu() {
+            gpu.check().unwrap();
+        }
+    });
 }
 
 #[test]

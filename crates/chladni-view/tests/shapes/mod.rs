@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test uses some of them")]
 
-use chladni_view::{Gpu, ViewError};
+use chladni_view::{Device, Gpu, ViewError};
 
 /// A device, or `None` with a printed line where this machine cannot draw at all.
 pub fn gpu() -> Option<Gpu> {
@@ -14,6 +14,12 @@ pub fn gpu() -> Option<Gpu> {
         }
         Err(error) => panic!("{error}"),
     }
+}
+
+/// Runs a test by the processor and, where a graphics device is there, by that.
+pub fn on_each_device(test: impl Fn(&Device)) {
+    test(&Device::Processor);
+    gpu().iter().for_each(|gpu| test(&gpu.into()));
 }
 
 /// A unit sphere of `rings` × 2·`rings` quads, poles on y, wound outwards.
