@@ -7,7 +7,7 @@ use super::curves::{clamp, max, min, mix, smoothstep};
 use super::project::Grid;
 use super::shade::{self, rgb};
 use super::shadow::ShadowMap;
-use super::stage::Subject;
+use super::subjects::Subject;
 use crate::scene::{Grain, Grains};
 use crate::uniforms::{CellUniform, FigureUniform};
 
