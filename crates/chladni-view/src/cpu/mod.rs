@@ -21,7 +21,6 @@ mod markers;
 mod prepared;
 mod project;
 mod projected;
-mod pyramid;
 mod shade;
 mod shadow;
 mod subjects;
@@ -33,7 +32,6 @@ use rayon::prelude::*;
 
 pub(crate) use chroma::halved as halved_chroma;
 pub(crate) use instructions::Instructions;
-pub(crate) use pyramid::Pyramid;
 
 use self::finishing::Finishing;
 use self::focus::Focusing;
@@ -156,11 +154,6 @@ impl Renderer {
     fn with(instructions: Instructions) -> Self {
         Self { instructions, ..Self::default() }
     }
-}
-
-/// Linear light of eight bits of sRGB.
-fn linear_table() -> [f32; 256] {
-    std::array::from_fn(|i| linear([i as u8; 3])[0])
 }
 
 #[cfg(test)]

@@ -2,8 +2,7 @@
 
 use std::sync::{Arc, RwLock, RwLockReadGuard};
 
-use super::pyramid::Pyramid;
-use crate::buffers::{HostItems, Shared, read};
+use crate::buffers::{HostItems, Pyramid, Shared, read};
 use crate::uniforms::check_figure;
 use crate::{Cell, Figure, Paint, VertexPaint, ViewError};
 

@@ -10,10 +10,11 @@ use std::ops::Range;
 use super::batch::Batch;
 use super::curves::clamp;
 use super::fill::{Bias, Farthest, Fill, MARGIN, NONE, Target, Triangles};
+use super::instructions::Instructions;
 use super::prepared::{Prepared, PreparedCell, PreparedFigure};
 use super::project::TILE_BITS;
 use super::subjects::Subject;
-use super::{Instructions, Pyramid};
+use crate::buffers::Pyramid;
 use crate::focus::Circle;
 
 const WIDTH: usize = 1 << TILE_BITS[0];
