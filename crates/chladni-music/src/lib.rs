@@ -44,6 +44,7 @@ mod error;
 mod flash;
 mod flash_area;
 mod flash_field;
+mod flash_guard;
 mod gallery;
 mod harmony;
 mod histogram;
@@ -99,6 +100,7 @@ pub use ensemble::Ensemble;
 pub use error::MusicError;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
 pub use flash_field::FlashArea;
+pub use flash_guard::{FlashCount, FlashGuard};
 pub use gallery::{Gallery, GalleryItem, GalleryShape};
 pub use harmony::Harmony;
 pub use histogram::Histogram;
@@ -124,7 +126,7 @@ pub use tempo::Tempo;
 pub use text_file::FORMAT_VERSION;
 pub use timbre::{TONES, Timbre};
 pub use touch::{Control, Touch};
-pub use veil::{FlashCount, FlashGuard, Veil};
+pub use veil::Veil;
 pub use voice::{Driver, Voice, VoiceSettings, Voices};
 
 /// The examples of README.md, compiled.
