@@ -1,7 +1,7 @@
 //! The last look at a picture: the veil that keeps it from flashing, and a count of the flashes that are left.
 
 use crate::flash::WorstSecond;
-use crate::flash_area::{Places, Signal};
+use crate::flash_area::{Places, Quantity};
 use crate::flash_field::FlashArea;
 use crate::histogram::Histogram;
 use crate::stripes::Stripes;
@@ -33,8 +33,8 @@ pub struct FlashGuard {
 
 impl Default for FlashGuard {
     fn default() -> Self {
-        let [luminance, red] = [Signal::Luminance, Signal::Red].map(Places::guarding);
-        let [exact_luminance, exact_red] = [Signal::Luminance, Signal::Red].map(Places::rising);
+        let [luminance, red] = [Quantity::Luminance, Quantity::Red].map(Places::guarding);
+        let [exact_luminance, exact_red] = [Quantity::Luminance, Quantity::Red].map(Places::rising);
         let places = [luminance, red, exact_luminance, exact_red];
         let (limiter, area, stripes) = Default::default();
         Self { limiter, places, area, stripes, held: None }
@@ -144,7 +144,7 @@ impl FlashCount {
         Self {
             area,
             mean: WorstSecond::default(),
-            places: [Signal::Luminance, Signal::Red].map(Places::counting),
+            places: [Quantity::Luminance, Quantity::Red].map(Places::counting),
             most_in_places: 0,
             stripes: Stripes::default(),
             striped_since_secs: None,
