@@ -30,6 +30,7 @@
 #![warn(clippy::missing_errors_doc)]
 
 mod autopilot;
+mod bands;
 mod breeding;
 mod calibration;
 mod clock;
@@ -60,6 +61,7 @@ mod probes;
 mod pulses;
 mod repertoire;
 mod resonance;
+mod ringing;
 mod sand;
 mod sand_mode;
 mod settings;
@@ -81,6 +83,7 @@ mod veil;
 mod voice;
 
 pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
+pub use bands::Bands;
 pub use breeding::{breed, mutate};
 pub use calibration::{
     CALIBRATION_PERIOD_SECS, CALIBRATION_TAPS, Calibration, Latency, Signal, calibration_flash,
@@ -109,11 +112,12 @@ pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use osc::{LONGEST_OSC_PACKET, OscMessage};
 pub use paper_mode::PAPER_MODE;
 pub use parameter::{Parameter, Parameters, Switch};
-pub use player::{Bands, Player, blend};
+pub use player::{Player, blend};
 pub use playing::{Choir, Control as FormControl, Form, Playing};
 pub use preset::{Ancestor, Preset, lineage};
 pub use repertoire::repertoire;
-pub use resonance::{Resonators, Ringing};
+pub use resonance::Resonators;
+pub use ringing::Ringing;
 pub use sand::{Grain, SAND_STEP_SECS, Sand, Tray};
 pub use sand_mode::{SAND_MODE, experiment, without_sand};
 pub use settings::Settings;
