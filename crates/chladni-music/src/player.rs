@@ -33,7 +33,7 @@ impl Voiced {
 
 /// A band ω that drives harmonics.
 #[derive(Clone, Copy, Debug)]
-struct Driver {
+struct DrivingBand {
     /// The first of them.
     first: u32,
     band: u32,
@@ -50,7 +50,7 @@ struct Driver {
 pub struct Player {
     voiced: Vec<Voiced>,
     /// Ordered by the harmonics that they drive.
-    drivers: Vec<Driver>,
+    drivers: Vec<DrivingBand>,
     band_count: usize,
     stereo_mu: f32,
     playing: Playing,
@@ -113,7 +113,7 @@ impl Player {
                 Form::Filter | Form::HalfMask => [Some(dancer.unison(k).start), None],
                 Form::Modal => [Some(k), dancer.swing.partner(k)],
             };
-            drivers.extend(driven.into_iter().flatten().map(|first| Driver {
+            drivers.extend(driven.into_iter().flatten().map(|first| DrivingBand {
                 first,
                 band,
                 strength,
@@ -123,7 +123,7 @@ impl Player {
         drivers.retain(|driver| driver.strength != 0.0);
         drivers.sort_by_key(|driver| (driver.first, driver.band));
         let mut voiced: Vec<Voiced> = Vec::new();
-        for (i, &Driver { first, .. }) in drivers.iter().enumerate() {
+        for (i, &DrivingBand { first, .. }) in drivers.iter().enumerate() {
             match voiced.last_mut() {
                 Some(last) if last.first == first => last.end_driver = i as u32 + 1,
                 _ => voiced.push(Voiced {
