@@ -14,7 +14,7 @@
 //! }
 //! instrument.apply(now, Action::Breed)?;
 //! let child = instrument.gallery().items()[0].clone();
-//! let text = Preset::of(&instrument, &child, vec!["calm".into()]).to_text()?;
+//! let text = instrument.preset(&child, vec!["calm".into()]).to_text()?;
 //! assert_eq!(Preset::from_text(&text)?.mapping, child.genome);
 //! # Ok::<(), chladni_music::MusicError>(())
 //! ```
@@ -29,6 +29,7 @@
 
 #![warn(clippy::missing_errors_doc)]
 
+mod action;
 mod autopilot;
 mod bands;
 mod breeding;
@@ -54,6 +55,7 @@ mod mapping;
 mod osc;
 mod paper_mode;
 mod parameter;
+mod parameters;
 mod player;
 mod playing;
 mod preset;
@@ -82,6 +84,7 @@ mod unison;
 mod veil;
 mod voice;
 
+pub use action::{Action, LoggedAction, Moment};
 pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
 pub use bands::Bands;
 pub use breeding::{breed, mutate};
@@ -107,14 +110,15 @@ pub use flash_guard::{FlashCount, FlashGuard};
 pub use gallery::{Gallery, GalleryItem, GalleryShape};
 pub use harmony::Harmony;
 pub use histogram::Histogram;
-pub use instrument::{Action, Instrument, LoggedAction, Moment};
+pub use instrument::Instrument;
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use osc::{LONGEST_OSC_PACKET, OscMessage};
 pub use paper_mode::PAPER_MODE;
-pub use parameter::{Parameter, Parameters, Switch};
+pub use parameter::{Parameter, Switch};
+pub use parameters::Parameters;
 pub use player::{Player, blend};
 pub use playing::{Choir, Control as FormControl, Form, Playing};
-pub use preset::{Ancestor, Preset, lineage};
+pub use preset::{Ancestor, Preset};
 pub use repertoire::repertoire;
 pub use resonance::Resonators;
 pub use ringing::Ringing;

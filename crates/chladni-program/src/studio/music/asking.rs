@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{ItemId, Preset};
+use chladni_music::ItemId;
 
 use super::MusicRoom;
 use super::film::Filming;
@@ -104,7 +104,7 @@ impl MusicRoom {
             return Ok(());
         };
         let Some(item) = instrument.item(item) else { return Ok(()) };
-        Preset::of(instrument, item, Vec::new()).save(path).map_err(Error::unsaved)?;
+        instrument.preset(item, Vec::new()).save(path).map_err(Error::unsaved)?;
         shared.notices.done(format!("Saved {}", path.display()));
         Ok(())
     }
