@@ -8,7 +8,7 @@
 //! position minus its mean. Random onsets then favor no tempo, while a beat without an onset and an onset
 //! off the beat both count against a path.
 
-use super::onset::{ONSET_RATE_HZ, Onset};
+use crate::{ONSET_RATE_HZ, Onset};
 
 pub(super) const SLOWEST_BPM: f64 = 42.0;
 pub(super) const FASTEST_BPM: f64 = 216.0;
@@ -114,7 +114,8 @@ impl Normalizer {
 
     /// Normalizes all onsets of a song, using the future as much as the past.
     pub fn both_ways(onsets: &[Onset]) -> Vec<f32> {
-        let part = |of: fn(&Onset) -> f32| Level::both_ways(&onsets.iter().map(of).collect::<Vec<_>>());
+        let part =
+            |of: fn(&Onset) -> f32| Level::both_ways(&onsets.iter().map(of).collect::<Vec<_>>());
         let (all, bass) = (part(|onset| onset.all), part(|onset| onset.bass));
         all.iter().zip(&bass).map(|(&all, &bass)| mix(all, bass)).collect()
     }
