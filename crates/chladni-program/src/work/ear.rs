@@ -8,9 +8,6 @@ use chladni_sound::{
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
 
-/// Seed of the shots of sound that is not known as a whole.
-pub const LIVE_SEED: u64 = 1;
-
 /// An analyzer, a beat tracker, the resonators that they strike, and the chords.
 pub struct Ear {
     analyzer: SpectrumAnalyzer,
