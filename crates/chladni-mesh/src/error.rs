@@ -45,8 +45,13 @@ pub enum MeshError {
         reason: String,
     },
     /// A name that no sample has.
-    #[error("sample:{0}: there is no such sample; there are {list}", list = crate::samples::SAMPLES.join(", "))]
-    NoSample(String),
+    #[error("sample:{name}: there is no such sample; there are {list}", list = known.join(", "))]
+    NoSample {
+        /// The name.
+        name: String,
+        /// Those that there are.
+        known: &'static [&'static str],
+    },
     /// A head whose sliders do not stand so.
     #[error("sample:{name}: {why}")]
     Sliders {

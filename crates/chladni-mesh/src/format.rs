@@ -4,8 +4,6 @@ use std::ffi::OsStr;
 use std::fmt;
 use std::path::Path;
 
-use crate::MeshError;
-
 /// A mesh file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
@@ -78,23 +76,7 @@ impl Format {
             _ => None,
         }
     }
-
-    /// The format of a file by its extension and content. If the two disagree, the content decides.
-    pub(crate) fn of(extension: Option<&str>, bytes: &[u8]) -> Result<Self, MeshError> {
-        if bytes.starts_with(b"# vtk DataFile") {
-            return Err(MeshError::UnknownFormat("legacy VTK is not read; save it as PLY or OBJ".into()));
-        }
-        match (Self::from_content(bytes), extension.and_then(Self::from_extension)) {
-            (Some(format), _) | (None, Some(format)) => Ok(format),
-            (None, None) => Err(MeshError::UnknownFormat(match extension {
-                Some(extension) => format!("no mesh format is called .{extension} ({KNOWN})"),
-                None => format!("neither name nor content tells the mesh format ({KNOWN})"),
-            })),
-        }
-    }
 }
-
-const KNOWN: &str = "known are obj, ply, off, stl, gltf, glb, mesh";
 
 /// Whether the triangle count at byte 80 fits the length: the only sign of a binary STL, whose header may
 /// contain anything, even `solid`.

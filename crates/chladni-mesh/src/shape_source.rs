@@ -72,7 +72,8 @@ impl ShapeSource {
             },
             Self::Sample(name) => {
                 samples::portrait_sliders(name).transpose()?;
-                let mesh = samples::sample(name).ok_or_else(|| MeshError::NoSample(name.clone()))?;
+                let mesh = samples::sample(name)
+                    .ok_or_else(|| MeshError::NoSample { name: name.clone(), known: &samples::SAMPLES })?;
                 Ok(Loaded { mesh, mended: Vec::new(), stored_positions: None })
             }
         }

@@ -14,19 +14,19 @@ const RED_STEP: f32 = 20.0;
 
 /// The quantity in which a picture may flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Signal {
+pub(crate) enum Quantity {
     Luminance,
     Red,
 }
 
-/// One signal of all cells, and which cells changed within the last second.
+/// One quantity of all cells, and which cells changed within the last second.
 ///
 /// It notes all changes, or only rises. Rises and falls of a cell alternate, so that a cell with at most three rises in
 /// any second has at most seven changes in it: three flashes, which are pairs. A denser black veil lowers all cells,
 /// so it makes no rises, and under black nothing rises: limiting rises can always be done.
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
-    signal: Signal,
+    quantity: Quantity,
     /// From here on a red is saturated.
     red_share: f32,
     swings: Vec<Swings>,
@@ -38,14 +38,14 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// Notes all changes of a signal, exactly as defined.
-    pub(crate) fn counting(signal: Signal) -> Self {
-        let swings = match signal {
-            Signal::Luminance => Swings::of(FLASH_STEP, FLASH_DARK),
-            Signal::Red => Swings::of(RED_STEP, f32::INFINITY),
+    /// Notes all changes of a quantity, exactly as defined.
+    pub(crate) fn counting(quantity: Quantity) -> Self {
+        let swings = match quantity {
+            Quantity::Luminance => Swings::of(FLASH_STEP, FLASH_DARK),
+            Quantity::Red => Swings::of(RED_STEP, f32::INFINITY),
         };
         Self {
-            signal,
+            quantity,
             red_share: RED_SHARE,
             swings: vec![swings; CELLS],
             was_red: vec![false; CELLS],
@@ -55,20 +55,20 @@ impl Places {
         }
     }
 
-    /// Notes the rises of a signal, from somewhat less than what counts.
-    pub(crate) fn guarding(signal: Signal) -> Self {
-        let swings = match signal {
-            Signal::Luminance => Swings::of(GUARDED * FLASH_STEP, GUARDED_DARK),
-            Signal::Red => Swings::of(GUARDED * RED_STEP, f32::INFINITY),
+    /// Notes the rises of a quantity, from somewhat less than what counts.
+    pub(crate) fn guarding(quantity: Quantity) -> Self {
+        let swings = match quantity {
+            Quantity::Luminance => Swings::of(GUARDED * FLASH_STEP, GUARDED_DARK),
+            Quantity::Red => Swings::of(GUARDED * RED_STEP, f32::INFINITY),
         };
-        let exact = Self::counting(signal);
+        let exact = Self::counting(quantity);
         Self { red_share: RED_SHARE - 0.02, swings: vec![swings; CELLS], rises_only: true, ..exact }
     }
 
-    /// Notes the rises of a signal, exactly as defined. One that counts may come later than the smaller one that
+    /// Notes the rises of a quantity, exactly as defined. One that counts may come later than the smaller one that
     /// [`guarding`](Self::guarding) notes, and so fall into another second.
-    pub(crate) fn rising(signal: Signal) -> Self {
-        Self { rises_only: true, ..Self::counting(signal) }
+    pub(crate) fn rising(quantity: Quantity) -> Self {
+        Self { rises_only: true, ..Self::counting(quantity) }
     }
 
     /// Forgets changes more than a second before `time_secs`.
@@ -117,18 +117,18 @@ impl Places {
         (1..).take_while(|&flashes| have(flashes)).last().unwrap_or(0)
     }
 
-    /// The signal of a linear color, and whether the color is a saturated red.
+    /// The quantity of a linear color, and whether the color is a saturated red.
     fn read(&self, color: [f32; 3]) -> (f32, bool) {
         let [r, g, b] = color;
-        match self.signal {
-            Signal::Luminance => (relative_luminance(color), false),
-            Signal::Red => (320.0 * (r - g - b).max(0.0), r > 0.0 && r >= self.red_share * (r + g + b)),
+        match self.quantity {
+            Quantity::Luminance => (relative_luminance(color), false),
+            Quantity::Red => (320.0 * (r - g - b).max(0.0), r > 0.0 && r >= self.red_share * (r + g + b)),
         }
     }
 
     /// Which change it would be: of red only one to or from a saturated red.
     fn change(&self, cell: usize, value: f32, is_red: bool) -> i8 {
-        let counts = self.signal == Signal::Luminance || is_red || self.was_red[cell];
+        let counts = self.quantity == Quantity::Luminance || is_red || self.was_red[cell];
         if counts { self.swings[cell].change(value) } else { 0 }
     }
 }

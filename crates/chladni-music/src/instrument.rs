@@ -1,121 +1,24 @@
-//! Actions, the state they change, and the log that replays them.
+//! The state that actions change, and the log that replays them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
-use serde::{Deserialize, Serialize};
-
-use chladni_breeding::ItemId;
+use chladni_breeding::{ItemId, Origin};
 
 use crate::gallery::{Gallery, GalleryItem, GalleryShape, initial};
 use crate::stage::{Scene, Stage};
+use crate::text_file::FORMAT_VERSION;
 use crate::{
-    Choir, Form, Mapping, MusicError, Parameter, Parameters, Preset, Settings, Switch, VoiceSettings,
+    Action, Ancestor, LoggedAction, Mapping, Moment, MusicError, Parameters, Preset, Settings, VoiceSettings,
 };
-
-/// Everything a user can do to the instrument. The window emits these; only
-/// [`Instrument::apply`] changes state. Items are named by their place in the gallery shown.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
-#[allow(missing_docs, reason = "the fields say what the variants do")]
-pub enum Action {
-    /// Chooses a parent, or unchooses it.
-    Choose { item: usize, on: bool },
-    /// Replaces all items that are not locked by children of the chosen ones.
-    Breed,
-    /// Replaces all items that are not locked by the candidates of these numbers, one for each place
-    /// ([`Gallery::candidates`], [`suggest`](crate::suggest)).
-    BreedFrom { candidates: Vec<u16> },
-    /// Choices made so far no longer count when children are suggested.
-    ForgetPreference,
-    /// Changes one item a little at random; amount in [0, 1].
-    Mutate { item: usize, amount: f32 },
-    /// Locks an item in its place, or unlocks it.
-    Lock { item: usize, on: bool },
-    /// Adds an item to the favorites, or removes it.
-    #[serde(alias = "favourite")]
-    Favorite { item: usize, on: bool },
-    /// Names an item.
-    Rename { item: usize, name: String },
-    /// Shows a generation, counted from 0.
-    GoTo { generation: usize },
-    /// Starts over with another seed and size.
-    NewGallery { seed: u64, size: usize },
-    /// Draws t by hand.
-    SetTransfer { item: usize, transfer: Vec<f32> },
-    /// Draws a by hand.
-    SetAmplification { item: usize, amplification: Vec<f32> },
-    /// Turns an item's μ.
-    SetStereoMu { item: usize, stereo_mu: f32 },
-    /// Turns an item's own gain.
-    SetItemGain { item: usize, gain: f32 },
-    /// Puts a mapping made for this body in an item's place.
-    Load { item: usize, name: String, mapping: Mapping },
-    /// Puts a preset in an item's place, and sets the knobs that it was made with.
-    Take { item: usize, preset: Box<Preset> },
-    /// Turns a knob.
-    Set { parameter: Parameter, value: f32 },
-    /// Turns a switch.
-    Switch { switch: Switch, on: bool },
-    /// Chooses the form.
-    SetForm { form: Form },
-    /// Chooses which harmonics may sound.
-    SetChoir { choir: Choir },
-    /// Uses only the first `harmonics` harmonics; 0 is all.
-    SetHarmonics { harmonics: u32 },
-    /// Lets a voice, such as a layer of a caricature, listen to something else.
-    SetVoice { voice: usize, settings: VoiceSettings },
-    /// Puts an item of the gallery on stage.
-    Perform { item: usize },
-    /// Puts the favorites on stage, beginning with one.
-    #[serde(alias = "perform-favourites")]
-    PerformFavorites { first: usize },
-    /// Says which item of the gallery comes on stage next.
-    CueUp { item: usize },
-    /// Brings the next one on stage, within the beats of a transition.
-    Go,
-    /// Moves the fader between the one on stage and the next; share in [0, 1].
-    Crossfade { share: f32 },
-    /// Back to the gallery.
-    LeaveStage,
-    /// Sweeps the sand off the shape and pours it anew.
-    Sweep,
-    /// Puts a look of that name over the dance on stage, until something else comes there or the stage is left. An
-    /// empty name is the show's own look.
-    SetLook { look: String },
-}
-
-impl Action {
-    /// Whether it brings something on stage.
-    pub fn opens_stage(&self) -> bool {
-        matches!(self, Self::Perform { .. } | Self::PerformFavorites { .. } | Self::Go)
-    }
-}
 
 /// The longest name of a look, in characters.
 const LOOK_NAME: usize = 64;
 
+/// The longest lineage that is stored.
+const MAX_LINEAGE: usize = 256;
+
 /// The most voices that can be changed.
 const MAX_VOICES: usize = 256;
-
-/// When something was done: in seconds of the show, and in beats.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Moment {
-    /// Since the show began, whatever songs played meanwhile.
-    pub at_secs: f64,
-    /// Beats since then.
-    pub at_beat: f64,
-}
-
-/// One line of the log.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LoggedAction {
-    /// When.
-    #[serde(flatten)]
-    pub moment: Moment,
-    /// What.
-    #[serde(flatten)]
-    pub action: Action,
-}
 
 /// The instrument's whole state: a pure function of shape, seed, size, the initial settings, and the actions
 /// so far.
@@ -246,6 +149,44 @@ impl Instrument {
     /// An item by id, among favorites and all generations.
     pub fn item(&self, id: ItemId) -> Option<&GalleryItem> {
         self.gallery.find(id).or_else(|| self.favorites.iter().find(|item| item.id == id))
+    }
+
+    /// The origin of `item`, then those of its ancestors, newest first; at most 256 entries.
+    pub fn lineage(&self, item: &GalleryItem) -> Vec<Ancestor> {
+        let mut lineage: Vec<Ancestor> = Vec::new();
+        let mut queue = VecDeque::from([item.id]);
+        while let Some(id) = queue.pop_front() {
+            if lineage.len() == MAX_LINEAGE || lineage.iter().any(|a| a.id == id) {
+                continue;
+            }
+            let found = if id == item.id { Some(item) } else { self.item(id) };
+            let Some(found) = found else { continue };
+            match found.origin {
+                Origin::Bred { parents } => queue.extend(parents),
+                Origin::Mutated { parent } => queue.push_back(parent),
+                Origin::Initial { .. } | Origin::Loaded { .. } => {}
+            }
+            let (name, origin) = (found.name.clone(), found.origin.clone());
+            lineage.push(Ancestor { id, name, edited: found.edited, origin });
+        }
+        lineage
+    }
+
+    /// A preset of an item, with its lineage and the knobs where they stand.
+    pub fn preset(&self, item: &GalleryItem, tags: Vec<String>) -> Preset {
+        Preset {
+            format_version: FORMAT_VERSION,
+            name: if item.name.is_empty() { format!("item {}", item.id) } else { item.name.clone() },
+            tags,
+            seed: self.seed,
+            lineage: self.lineage(item),
+            mapping: Mapping {
+                amplification: item.genome.amplification_on(self.shape.eigenvalues.len()),
+                ..item.genome.clone()
+            },
+            waves_per_size: self.shape.waves_per_size(),
+            settings: self.parameters.of_a_dance(),
+        }
     }
 
     /// Does `action` and logs it. On error nothing changes and nothing is logged.

@@ -14,7 +14,7 @@
 //! }
 //! instrument.apply(now, Action::Breed)?;
 //! let child = instrument.gallery().items()[0].clone();
-//! let text = Preset::of(&instrument, &child, vec!["calm".into()]).to_text()?;
+//! let text = instrument.preset(&child, vec!["calm".into()]).to_text()?;
 //! assert_eq!(Preset::from_text(&text)?.mapping, child.genome);
 //! # Ok::<(), chladni_music::MusicError>(())
 //! ```
@@ -29,7 +29,9 @@
 
 #![warn(clippy::missing_errors_doc)]
 
+mod action;
 mod autopilot;
+mod bands;
 mod breeding;
 mod calibration;
 mod clock;
@@ -44,6 +46,7 @@ mod error;
 mod flash;
 mod flash_area;
 mod flash_field;
+mod flash_guard;
 mod gallery;
 mod harmony;
 mod histogram;
@@ -52,6 +55,7 @@ mod mapping;
 mod osc;
 mod paper_mode;
 mod parameter;
+mod parameters;
 mod player;
 mod playing;
 mod preset;
@@ -59,6 +63,7 @@ mod probes;
 mod pulses;
 mod repertoire;
 mod resonance;
+mod ringing;
 mod sand;
 mod sand_mode;
 mod settings;
@@ -79,7 +84,9 @@ mod unison;
 mod veil;
 mod voice;
 
+pub use action::{Action, LoggedAction, Moment};
 pub use autopilot::{Autopilot, Candidate, REPEAT_SECS, Turn};
+pub use bands::Bands;
 pub use breeding::{breed, mutate};
 pub use calibration::{
     CALIBRATION_PERIOD_SECS, CALIBRATION_TAPS, Calibration, Latency, Signal, calibration_flash,
@@ -99,19 +106,22 @@ pub use ensemble::Ensemble;
 pub use error::MusicError;
 pub use flash::{FLASH_DARK, FLASH_STEP, FlashLimiter, MAX_FLASHES, most_flashes_per_second};
 pub use flash_field::FlashArea;
+pub use flash_guard::{FlashCount, FlashGuard};
 pub use gallery::{Gallery, GalleryItem, GalleryShape};
 pub use harmony::Harmony;
 pub use histogram::Histogram;
-pub use instrument::{Action, Instrument, LoggedAction, Moment};
+pub use instrument::Instrument;
 pub use mapping::{MAX_GENES, Mapping, direct_transfer};
 pub use osc::{LONGEST_OSC_PACKET, OscMessage};
 pub use paper_mode::PAPER_MODE;
-pub use parameter::{Parameter, Parameters, Switch};
-pub use player::{Bands, Player, blend};
+pub use parameter::{Parameter, Switch};
+pub use parameters::Parameters;
+pub use player::{Player, blend};
 pub use playing::{Choir, Control as FormControl, Form, Playing};
-pub use preset::{Ancestor, Preset, lineage};
+pub use preset::{Ancestor, Preset};
 pub use repertoire::repertoire;
-pub use resonance::{Resonators, Ringing};
+pub use resonance::Resonators;
+pub use ringing::Ringing;
 pub use sand::{Grain, SAND_STEP_SECS, Sand, Tray};
 pub use sand_mode::{SAND_MODE, experiment, without_sand};
 pub use settings::Settings;
@@ -124,7 +134,7 @@ pub use tempo::Tempo;
 pub use text_file::FORMAT_VERSION;
 pub use timbre::{TONES, Timbre};
 pub use touch::{Control, Touch};
-pub use veil::{FlashCount, FlashGuard, Veil};
+pub use veil::Veil;
 pub use voice::{Driver, Voice, VoiceSettings, Voices};
 
 /// The examples of README.md, compiled.

@@ -1,10 +1,9 @@
 //! All knobs and switches of the instrument, with names and ranges. Sliders, MIDI controllers and OSC
 //! messages turn them.
 
-use chladni_synth::FrameSettings;
 use serde::{Deserialize, Serialize};
 
-use crate::{Choir, FlashArea, Form, MusicError, Playing, Settings, Timbre};
+use crate::{MusicError, Timbre};
 
 /// A number that a knob sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -81,7 +80,7 @@ impl Parameter {
     ];
 
     /// The parameters that change how one dance looks, on any stage.
-    const OF_A_DANCE: [Self; 14] = [
+    pub(crate) const OF_A_DANCE: [Self; 14] = [
         Self::Decay,
         Self::SideGain,
         Self::Bands,
@@ -111,6 +110,16 @@ impl Parameter {
     /// The default value.
     pub fn initial(self) -> f32 {
         self.row().3
+    }
+
+    /// Checks that `value` lies in the range.
+    pub(crate) fn check(self, value: f32) -> Result<(), MusicError> {
+        let (low, high) = self.range();
+        if (low..=high).contains(&value) {
+            return Ok(());
+        }
+        let range = format!("[{low}, {high}]");
+        Err(MusicError::OutOfRange { name: self.name(), value: value.into(), range })
     }
 
     /// The value at a share of the range in [0, 1]: in even steps, or in even factors if the range spans
@@ -208,7 +217,7 @@ impl Switch {
     ];
 
     /// The switches that change how one dance looks, on any stage.
-    const OF_A_DANCE: [Self; 4] = [Self::FlipSides, Self::LogBands, Self::OwnMu, Self::Resonate];
+    pub(crate) const OF_A_DANCE: [Self; 4] = [Self::FlipSides, Self::LogBands, Self::OwnMu, Self::Resonate];
 
     /// The name in show files and OSC addresses.
     pub fn name(self) -> &'static str {
@@ -226,125 +235,6 @@ impl Switch {
             Self::Sand => "sand",
             Self::Camera => "camera",
         }
-    }
-}
-
-/// The positions of all knobs and switches.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameters {
-    values: [f32; Parameter::ALL.len()],
-    on: [bool; Switch::ALL.len()],
-    /// Filter, modal or half-mask.
-    pub form: Form,
-    /// Which harmonics may move.
-    pub choir: Choir,
-    /// The number of harmonics in use; `None` for all.
-    pub harmonics: Option<u32>,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self {
-            values: Parameter::ALL.map(Parameter::initial),
-            on: [true, true, false, false, true, false, true, true, true, false, false, true],
-            form: Form::default(),
-            choir: Choir::default(),
-            harmonics: None,
-        }
-    }
-}
-
-impl Parameters {
-    /// The settings for synthesizing shapes from the items that these parameters play.
-    pub fn frame_settings(&self) -> FrameSettings {
-        // Blending at full strength is the paper's: the mean of the exact and the rest normal.
-        FrameSettings { normal_blending: 0.5 * self.get(Parameter::NormalBlending) }
-    }
-
-    /// The value of a knob.
-    pub fn get(&self, parameter: Parameter) -> f32 {
-        self.values[parameter as usize]
-    }
-
-    /// Sets a knob.
-    ///
-    /// # Errors
-    /// A value out of the knob's [range](Parameter::range).
-    pub fn set(&mut self, parameter: Parameter, value: f32) -> Result<(), MusicError> {
-        let (low, high) = parameter.range();
-        if !(low..=high).contains(&value) {
-            let range = format!("[{low}, {high}]");
-            return Err(MusicError::OutOfRange { name: parameter.name(), value: value.into(), range });
-        }
-        self.values[parameter as usize] = value;
-        Ok(())
-    }
-
-    /// Whether a switch is on.
-    pub fn is_on(&self, switch: Switch) -> bool {
-        self.on[switch as usize]
-    }
-
-    /// Where no more than a quarter may flash more than three times a second; `None` where nothing is limited.
-    pub fn flash_area(&self) -> Option<FlashArea> {
-        let area = if self.is_on(Switch::FlashFields) { FlashArea::Field } else { FlashArea::Screen };
-        self.is_on(Switch::FlashLimit).then_some(area)
-    }
-
-    /// Turns a switch on or off.
-    pub fn switch(&mut self, switch: Switch, on: bool) {
-        self.on[switch as usize] = on;
-    }
-
-    /// The parameters that players need.
-    pub fn playing(&self) -> Playing {
-        Playing {
-            form: self.form,
-            choir: self.choir,
-            gain: self.get(Parameter::Gain),
-            flip_sides: self.is_on(Switch::FlipSides),
-            calibration: self.get(Parameter::Calibration),
-            limit: self.get(Parameter::Limit),
-            detail: self.get(Parameter::Detail),
-            harmonics: self.harmonics,
-            stereo_mu: (!self.is_on(Switch::OwnMu)).then(|| self.get(Parameter::StereoMu)),
-            timbre: Timbre::of(self),
-        }
-    }
-
-    /// All settings.
-    pub fn settings(&self) -> Settings {
-        self.some(&Parameter::ALL, &Switch::ALL)
-    }
-
-    /// The settings that affect how one dance looks: those that a preset stores.
-    pub fn of_a_dance(&self) -> Settings {
-        self.some(&Parameter::OF_A_DANCE, &Switch::OF_A_DANCE)
-    }
-
-    fn some(&self, knobs: &[Parameter], switches: &[Switch]) -> Settings {
-        Settings {
-            form: Some(self.form),
-            choir: Some(self.choir),
-            harmonics: Some(self.harmonics.unwrap_or(0)),
-            knobs: knobs.iter().map(|&knob| (knob, self.get(knob))).collect(),
-            switches: switches.iter().map(|&switch| (switch, self.is_on(switch))).collect(),
-        }
-    }
-
-    /// Applies `settings`. Settings that they do not name stay. After an error nothing has changed.
-    ///
-    /// # Errors
-    /// A setting outside its range.
-    pub fn apply(&mut self, settings: &Settings) -> Result<(), MusicError> {
-        settings.validate()?;
-        self.form = settings.form.unwrap_or(self.form);
-        self.choir = settings.choir.unwrap_or(self.choir);
-        let harmonics = settings.harmonics.or(self.harmonics);
-        self.harmonics = harmonics.filter(|&harmonics| harmonics > 0);
-        settings.knobs.iter().try_for_each(|(&knob, &value)| self.set(knob, value))?;
-        settings.switches.iter().for_each(|(&switch, &on)| self.switch(switch, on));
-        Ok(())
     }
 }
 
@@ -367,8 +257,5 @@ mod tests {
         for (p, share) in Parameter::ALL.into_iter().flat_map(|p| [0.0, 0.3, 1.0].map(|share| (p, share))) {
             assert!((p.share(p.at_share(share)) - share).abs() < 1e-4, "{}", p.name());
         }
-        assert_eq!(Parameters::default().playing(), Playing::default());
-        assert!(Parameters::default().is_on(Switch::FlashLimit));
-        assert!(Parameters::default().set(Parameter::Gain, f32::NAN).is_err());
     }
 }

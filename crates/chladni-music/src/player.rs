@@ -8,26 +8,7 @@ use chladni_synth::{Coefficients, Item, Term};
 use crate::dancer::Reach;
 use crate::probes::Limits;
 use crate::stereo::Ear;
-use crate::{Choir, Class, Dancer, Form, Mapping, MusicError, Playing, Ringing};
-
-/// f at one moment: amplitudes of the sound bands, four slices of length #ω, about [0, 1], which belong to
-/// one pair of channels: |S|² + |U|² = ½ (|L|² + |R|²).
-#[derive(Clone, Copy, Debug)]
-pub struct Bands<'a> {
-    /// |L(ω)|.
-    pub left: &'a [f32],
-    /// |R(ω)|.
-    pub right: &'a [f32],
-    /// f_s = |L + R| / 2.
-    pub mid: &'a [f32],
-    /// f_u = |L − R| / 2, already amplified by the side gain.
-    pub side: &'a [f32],
-    /// g, the side gain.
-    pub side_gain: f32,
-    /// The state of these bands' resonators. Where this or the timbre of the dance is `None`, harmonics
-    /// follow the level.
-    pub ringing: Option<&'a Ringing>,
-}
+use crate::{Bands, Choir, Class, Dancer, Form, Mapping, MusicError, Playing};
 
 /// A typical level of music in most bands.
 const EVEN: f32 = 0.12;
@@ -52,7 +33,7 @@ impl Voiced {
 
 /// A band ω that drives harmonics.
 #[derive(Clone, Copy, Debug)]
-struct Driver {
+struct DrivingBand {
     /// The first of them.
     first: u32,
     band: u32,
@@ -69,7 +50,7 @@ struct Driver {
 pub struct Player {
     voiced: Vec<Voiced>,
     /// Ordered by the harmonics that they drive.
-    drivers: Vec<Driver>,
+    drivers: Vec<DrivingBand>,
     band_count: usize,
     stereo_mu: f32,
     playing: Playing,
@@ -132,12 +113,17 @@ impl Player {
                 Form::Filter | Form::HalfMask => [Some(dancer.unison(k).start), None],
                 Form::Modal => [Some(k), dancer.swing.partner(k)],
             };
-            drivers.extend(driven.into_iter().flatten().map(|first| Driver { first, band, strength, tone }));
+            drivers.extend(driven.into_iter().flatten().map(|first| DrivingBand {
+                first,
+                band,
+                strength,
+                tone,
+            }));
         }
         drivers.retain(|driver| driver.strength != 0.0);
         drivers.sort_by_key(|driver| (driver.first, driver.band));
         let mut voiced: Vec<Voiced> = Vec::new();
-        for (i, &Driver { first, .. }) in drivers.iter().enumerate() {
+        for (i, &DrivingBand { first, .. }) in drivers.iter().enumerate() {
             match voiced.last_mut() {
                 Some(last) if last.first == first => last.end_driver = i as u32 + 1,
                 _ => voiced.push(Voiced {
@@ -331,23 +317,6 @@ fn fit<T>(coefficients: &[T], harmonics: usize) -> Result<(), MusicError> {
         return Ok(());
     }
     Err(MusicError::Size { what: "coefficients", found: coefficients.len(), expected: harmonics })
-}
-
-pub(crate) fn scale_term(term: &mut Term, scale: f32) {
-    match &mut term.coefficients {
-        Coefficients::Vector(c) => c.iter_mut().for_each(|c| *c = c.map(|x| scale * x)),
-        Coefficients::Normal(c) => c.iter_mut().for_each(|c| *c *= scale),
-    }
-    term.residual_gain *= scale;
-}
-
-/// The factor for a movement that reaches `reach` times its limit: 1 up to half the limit, then falling
-/// smoothly so that the limit is never reached.
-pub(crate) fn soft_limit(reach: f32) -> f32 {
-    if reach <= 0.5 {
-        return 1.0;
-    }
-    (0.5 + 0.5 * (2.0 * reach - 1.0).tanh()) / reach
 }
 
 /// Moves `item` toward `other`, made by a player of the same form and dancer: weight 0 keeps it, 1 replaces

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gallery::{GalleryItem, GalleryShape};
-use crate::text_file::{self, FORMAT_VERSION};
-use crate::{Instrument, Mapping, MusicError, Origin, Settings};
+use crate::text_file;
+use crate::{GalleryShape, Mapping, MusicError, Origin, Settings};
 
 /// Wavelengths with a smaller relative difference count as equal: solves with different K agree to this.
 const SAME_WAVE: f32 = 1e-3;
@@ -55,48 +54,7 @@ pub struct Ancestor {
     pub origin: Origin,
 }
 
-/// The longest lineage that is stored.
-const MAX_LINEAGE: usize = 256;
-
-/// The origin of `item`, then those of its ancestors, newest first; at most 256 entries.
-pub fn lineage(instrument: &Instrument, item: &GalleryItem) -> Vec<Ancestor> {
-    let mut lineage: Vec<Ancestor> = Vec::new();
-    let mut queue = std::collections::VecDeque::from([item.id]);
-    while let Some(id) = queue.pop_front() {
-        if lineage.len() == MAX_LINEAGE || lineage.iter().any(|a| a.id == id) {
-            continue;
-        }
-        let found = if id == item.id { Some(item) } else { instrument.item(id) };
-        let Some(found) = found else { continue };
-        match found.origin {
-            Origin::Bred { parents } => queue.extend(parents),
-            Origin::Mutated { parent } => queue.push_back(parent),
-            Origin::Initial { .. } | Origin::Loaded { .. } => {}
-        }
-        let (name, origin) = (found.name.clone(), found.origin.clone());
-        lineage.push(Ancestor { id, name, edited: found.edited, origin });
-    }
-    lineage
-}
-
 impl Preset {
-    /// Makes a preset of an item, with its lineage.
-    pub fn of(instrument: &Instrument, item: &GalleryItem, tags: Vec<String>) -> Self {
-        Self {
-            format_version: FORMAT_VERSION,
-            name: if item.name.is_empty() { format!("item {}", item.id) } else { item.name.clone() },
-            tags,
-            seed: instrument.seed(),
-            lineage: lineage(instrument, item),
-            mapping: Mapping {
-                amplification: item.genome.amplification_on(instrument.shape().eigenvalues.len()),
-                ..item.genome.clone()
-            },
-            waves_per_size: instrument.shape().waves_per_size(),
-            settings: instrument.parameters().of_a_dance(),
-        }
-    }
-
     /// The mapping for a body: each driven harmonic is replaced by the one with the same wavelength
     /// relative to the size of the shape. Waves finer than the finest one of the body are muted.
     pub fn mapping_on(&self, shape: &GalleryShape) -> Mapping {

@@ -3,7 +3,6 @@
 use chladni_harmonics::Body;
 use chladni_synth::{Coefficients, Item, Residual, Term};
 
-use crate::player::{scale_term, soft_limit};
 use crate::steepness::Patch;
 
 /// Vertices at the extremes of the broad harmonics that move the shape most, and far from each other;
@@ -249,6 +248,24 @@ fn scale_group(coefficients: &mut Coefficients, group: &[u32], scale: f32) {
             Coefficients::Normal(c) => c[k as usize] *= scale,
         }
     }
+}
+
+/// Scales the movement of a term.
+pub(crate) fn scale_term(term: &mut Term, scale: f32) {
+    match &mut term.coefficients {
+        Coefficients::Vector(c) => c.iter_mut().for_each(|c| *c = c.map(|x| scale * x)),
+        Coefficients::Normal(c) => c.iter_mut().for_each(|c| *c *= scale),
+    }
+    term.residual_gain *= scale;
+}
+
+/// The factor for a movement that reaches `reach` times its limit: 1 up to half the limit, then falling
+/// smoothly so that the limit is never reached.
+pub(crate) fn soft_limit(reach: f32) -> f32 {
+    if reach <= 0.5 {
+        return 1.0;
+    }
+    (0.5 + 0.5 * (2.0 * reach - 1.0).tanh()) / reach
 }
 
 /// Area-weighted rest normals of all vertices, zero where there is none.

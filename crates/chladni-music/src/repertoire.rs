@@ -3,7 +3,9 @@
 use serde::Deserialize;
 
 use crate::text_file::FORMAT_VERSION;
-use crate::{Choir, Form, Mapping, MusicError, Parameter, Preset, Settings, Switch, Timbre, text_file};
+use crate::{
+    Action, Choir, Form, Mapping, MusicError, Parameter, Preset, Settings, Switch, Timbre, text_file,
+};
 
 /// One dance, as `repertoire.toml` describes it.
 #[derive(Deserialize)]
@@ -86,8 +88,8 @@ impl Entry {
             gain: 1.0,
         };
         let gain = self.strength * mapping.even_gain();
-        let knobs = timbre.actions().into_iter().filter_map(|action| match action {
-            crate::Action::Set { parameter, value } => Some((parameter, value)),
+        let knobs = Action::for_timbre(&timbre).into_iter().filter_map(|action| match action {
+            Action::Set { parameter, value } => Some((parameter, value)),
             _ => None,
         });
         let settings = Settings {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Choir, Form, MusicError, Parameter, Parameters, Switch};
+use crate::{Choir, Form, MusicError, Parameter, Switch};
 
 /// Values for some or all of the knobs and switches, as presets and shows store them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -74,7 +74,6 @@ impl Settings {
     }
 
     pub(crate) fn validate(&self) -> Result<(), MusicError> {
-        let mut tried = Parameters::default();
-        self.knobs.iter().try_for_each(|(&knob, &value)| tried.set(knob, value))
+        self.knobs.iter().try_for_each(|(knob, &value)| knob.check(value))
     }
 }

@@ -54,7 +54,7 @@ pub struct Scene {
 const FADED: f32 = 0.996;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Cue {
+enum Shown {
     Item(ItemId),
     /// The favorites in turn, from this one on.
     Favorites(usize),
@@ -63,7 +63,7 @@ enum Cue {
 /// The stage: at most one item, or the favorites in turn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stage {
-    cue: Option<Cue>,
+    shown: Option<Shown>,
     since_beat: f64,
     before: Option<ItemId>,
     /// The next item, and where the fader stood when it was chosen.
@@ -75,7 +75,7 @@ pub struct Stage {
 impl Stage {
     /// Whether something is on stage.
     pub fn is_empty(&self) -> bool {
-        self.cue.is_none()
+        self.shown.is_none()
     }
 
     pub(crate) fn show_item(
@@ -85,7 +85,7 @@ impl Stage {
         favorites: &[GalleryItem],
         parameters: &Parameters,
     ) {
-        self.enter(Cue::Item(id), beat, favorites, parameters);
+        self.enter(Shown::Item(id), beat, favorites, parameters);
     }
 
     pub(crate) fn show_favorites(
@@ -95,7 +95,7 @@ impl Stage {
         favorites: &[GalleryItem],
         parameters: &Parameters,
     ) {
-        self.enter(Cue::Favorites(first), beat, favorites, parameters);
+        self.enter(Shown::Favorites(first), beat, favorites, parameters);
     }
 
     pub(crate) fn clear(&mut self) {
@@ -123,16 +123,16 @@ impl Stage {
         self.fader = to.clamp(0.0, 1.0);
         if let Some((id, share)) = self.next()
             && share >= FADED
-            && self.cue.is_some()
+            && self.shown.is_some()
         {
-            (self.cue, self.before, self.next) = (Some(Cue::Item(id)), None, None);
+            (self.shown, self.before, self.next) = (Some(Shown::Item(id)), None, None);
         }
     }
 
-    fn enter(&mut self, cue: Cue, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) {
+    fn enter(&mut self, shown: Shown, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) {
         self.before =
             self.scene(beat, favorites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
-        self.cue = Some(cue);
+        self.shown = Some(shown);
         self.since_beat = beat;
         self.next = None;
     }
@@ -156,9 +156,9 @@ impl Stage {
             let from = self.before.unwrap_or(to);
             Scene { from, to, weight: if from == to { 1.0 } else { ease(gone, transition) } }
         };
-        match self.cue? {
-            Cue::Item(id) => Some(entering(id)),
-            Cue::Favorites(first) => {
+        match self.shown? {
+            Shown::Item(id) => Some(entering(id)),
+            Shown::Favorites(first) => {
                 let count = favorites.len();
                 if count == 0 {
                     return None;

@@ -1,6 +1,6 @@
 //! The signals that drive symmetric and antisymmetric harmonics in stereo sound (section 5c).
 
-use crate::resonance::Signal;
+use crate::ringing::Signal;
 use crate::{Bands, Playing, Ringing};
 
 /// How middle S = (L + R) / 2 and side U = (L − R) / 2 are mixed for one item at one moment.

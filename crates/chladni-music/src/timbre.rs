@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Action, Parameter, Parameters, Switch};
-
 /// The number of frequencies in the bank, in even factors from 0.4 to 12 Hz: neighbors differ by 5.5 %.
 pub const TONES: usize = 64;
 /// The lowest frequency of the bank.
@@ -42,30 +40,6 @@ impl Timbre {
     /// The timbre with that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::NAMED.into_iter().find(|(known, _)| *known == name).map(|(_, timbre)| timbre)
-    }
-
-    /// The timbre that the knobs describe; `None` while the resonators are off.
-    pub fn of(parameters: &Parameters) -> Option<Self> {
-        parameters.is_on(Switch::Resonate).then(|| Self {
-            damping: parameters.get(Parameter::Damping),
-            tuning_hz: parameters.get(Parameter::TuningHz),
-            stretch: parameters.get(Parameter::Stretch),
-            strike: parameters.get(Parameter::Strike),
-            hold: parameters.get(Parameter::Hold),
-        })
-    }
-
-    /// The actions that set an instrument's knobs to this timbre.
-    pub fn actions(&self) -> [Action; 6] {
-        let set = |parameter, value| Action::Set { parameter, value };
-        [
-            Action::Switch { switch: Switch::Resonate, on: true },
-            set(Parameter::Damping, self.damping),
-            set(Parameter::TuningHz, self.tuning_hz),
-            set(Parameter::Stretch, self.stretch),
-            set(Parameter::Strike, self.strike),
-            set(Parameter::Hold, self.hold),
-        ]
     }
 
     /// The tone of the bank in which a harmonic with eigenvalue `lambda` rings. `slowest` is the eigenvalue

@@ -3,8 +3,7 @@
 use chladni_synth::{Coefficients, Item, Term};
 use serde::{Deserialize, Serialize};
 
-use crate::player::{scale_term, soft_limit};
-use crate::probes::Probes;
+use crate::probes::{Probes, scale_term, soft_limit};
 use crate::stage::Beat;
 use crate::{Bands, Dancer, MusicError};
 

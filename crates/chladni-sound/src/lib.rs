@@ -34,6 +34,7 @@ mod decode;
 mod error;
 #[cfg(feature = "devices")]
 mod history;
+mod onset;
 #[cfg(feature = "devices")]
 mod player;
 mod spectrum;
@@ -41,10 +42,7 @@ mod structure;
 mod tune;
 mod windowed;
 
-pub use beat::{
-    BeatFollower, BeatMoment, BeatScore, Beats, ONSET_RATE_HZ, Onset, OnsetDetector, beat_score, track_beats,
-    track_beats_causally,
-};
+pub use beat::{BeatFollower, BeatMoment, BeatScore, Beats, beat_score, track_beats, track_beats_causally};
 #[cfg(feature = "devices")]
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
 pub use clicks::clicks;
@@ -54,6 +52,7 @@ pub use decode::{
     write_wav,
 };
 pub use error::SoundError;
+pub use onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 #[cfg(feature = "devices")]
 pub use player::{
     MOST_AHEAD_SECS, OutputDevice, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat,

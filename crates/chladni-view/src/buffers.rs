@@ -3,6 +3,7 @@
 mod brush;
 mod items;
 mod paint;
+mod pyramid;
 mod skin;
 mod topology;
 
@@ -14,6 +15,7 @@ pub(crate) use self::items::DeviceItems;
 pub(crate) use self::items::HostItems;
 pub use self::items::ItemBuffers;
 pub use self::paint::VertexPaint;
+pub(crate) use self::pyramid::Pyramid;
 pub use self::skin::Skin;
 pub use self::topology::Topology;
 use crate::ViewError;

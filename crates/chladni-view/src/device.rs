@@ -28,14 +28,14 @@ impl Draw {
 }
 
 impl FromStr for Draw {
-    type Err = String;
+    type Err = ViewError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ViewError> {
         match text {
             "auto" => Ok(Self::Auto),
             "cpu" => Ok(Self::Cpu),
             "gpu" => Ok(Self::Gpu),
-            _ => Err("expected auto, cpu or gpu".into()),
+            _ => Err(ViewError::Expected("auto, cpu or gpu")),
         }
     }
 }

@@ -65,6 +65,8 @@ mod request;
 mod rest;
 mod samples;
 mod scene;
+#[cfg(feature = "gpu")]
+mod sharing;
 mod style;
 mod surroundings;
 mod uniforms;

@@ -3,7 +3,7 @@
 use chladni_caricature::{Surface, flipped_triangles};
 use chladni_music::{
     Action, Bands, Beat, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Parameters, Player,
-    Playing, Resonators, Timbre, repertoire,
+    Playing, Resonators, repertoire,
 };
 use chladni_sound::{Song, SpectrumAnalyzer, SpectrumSettings};
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer, displacements_f64};
@@ -198,7 +198,7 @@ pub fn moved(ready: &Ready, instrument: &Instrument, song: &Song) -> Result<Move
     let settings = SpectrumSettings::new(song.rate_hz);
     let bands = settings.bands;
     let mut analyzer = SpectrumAnalyzer::new(settings)?;
-    let mut bank = Timbre::of(instrument.parameters()).map(|timbre| Resonators::new(&timbre, bands));
+    let mut bank = instrument.parameters().timbre().map(|timbre| Resonators::new(&timbre, bands));
     let mut ensemble = Ensemble::new(ready.dancer.clone());
     let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&ready.body)?);
     let mut last: Vec<Vec<[f32; 3]>> = vec![synthesizer.model().rest_positions().to_vec(); ITEMS];

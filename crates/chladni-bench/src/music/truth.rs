@@ -29,7 +29,7 @@ pub fn transfer(from: &Ready, to: &Ready) -> Result<Transfer, Error> {
     }
     own.apply(Moment::default(), Action::Breed)?;
     for (item, bred) in own.gallery().items().iter().enumerate() {
-        let text = Preset::of(&own, bred, Vec::new()).to_text()?;
+        let text = own.preset(bred, Vec::new()).to_text()?;
         let preset = Preset::from_text(&text)?;
         let mapping = preset.mapping_on(other.shape());
         let load = Action::Load { item, name: preset.name, mapping };

@@ -132,13 +132,29 @@ fn load(path: &Path) -> Result<Loaded, MeshError> {
 /// Those of [`read_mesh`], and [`MeshError::UnknownFormat`].
 pub fn read_named_mesh(name: &Path, bytes: &[u8], beside: &Beside<'_>) -> Result<Loaded, MeshError> {
     let extension = name.extension().and_then(|extension| extension.to_str());
-    let format = Format::of(extension, bytes)?;
+    let format = format_of(extension, bytes)?;
     let mut loaded = read_mesh_beside(bytes, format, beside)?;
     if Format::of_path(name).is_some_and(|promised| promised != format) {
         loaded.mended.insert(0, Mended::Misnamed(format));
     }
     Ok(loaded)
 }
+
+/// The format of a file by its extension and content. If the two disagree, the content decides.
+fn format_of(extension: Option<&str>, bytes: &[u8]) -> Result<Format, MeshError> {
+    if bytes.starts_with(b"# vtk DataFile") {
+        return Err(MeshError::UnknownFormat("legacy VTK is not read; save it as PLY or OBJ".into()));
+    }
+    match (Format::from_content(bytes), extension.and_then(Format::from_extension)) {
+        (Some(format), _) | (None, Some(format)) => Ok(format),
+        (None, None) => Err(MeshError::UnknownFormat(match extension {
+            Some(extension) => format!("no mesh format is called .{extension} ({KNOWN})"),
+            None => format!("neither name nor content tells the mesh format ({KNOWN})"),
+        })),
+    }
+}
+
+const KNOWN: &str = "known are obj, ply, off, stl, gltf, glb, mesh";
 
 /// Like [`read_mesh`]; `beside` gives the bytes of a file that the mesh names, or says why there are none.
 ///

@@ -1,4 +1,5 @@
 use super::*;
+use crate::ringing::Signal;
 use chladni_testdata::{DoubleDouble, TAU};
 use proptest::prelude::*;
 

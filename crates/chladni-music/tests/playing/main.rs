@@ -188,7 +188,7 @@ fn a_preset_bred_on_the_octopus_plays_on_the_head() {
     }
     instrument.apply(Moment::default(), Action::Breed).unwrap();
     let bred = instrument.gallery().items()[3].clone();
-    let preset = Preset::from_text(&Preset::of(&instrument, &bred, vec![]).to_text().unwrap()).unwrap();
+    let preset = Preset::from_text(&instrument.preset(&bred, vec![]).to_text().unwrap()).unwrap();
     assert_eq!(preset.mapping, bred.genome);
     assert!(preset.lineage.len() >= 3);
     for ready in [octopus(), head()] {
@@ -231,7 +231,7 @@ fn a_preset_moves_a_shape_alike_with_half_and_twice_as_many_harmonics() {
         let load = Action::Load { item: 1, name: "made".into(), mapping: mapping.clone() };
         instrument.apply(Moment::default(), load).unwrap();
         let item = &instrument.gallery().items()[1];
-        let text = Preset::of(&instrument, item, vec![]).to_text().unwrap();
+        let text = instrument.preset(item, vec![]).to_text().unwrap();
         let preset = Preset::from_text(&text).unwrap();
         let moved = |ready: &Ready| {
             displacements(ready, &preset.mapping_on(&shape(ready)), &bands, Playing::default())

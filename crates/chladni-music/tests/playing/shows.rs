@@ -10,7 +10,7 @@ fn a_preset_brings_its_form_and_knobs_and_an_old_one_says_that_it_has_none() {
     made.apply(now, Action::SetForm { form: Form::Modal }).unwrap();
     made.apply(now, Action::Set { parameter: chladni_music::Parameter::Decay, value: 0.9 }).unwrap();
     made.apply(now, Action::Set { parameter: chladni_music::Parameter::TurnRad, value: 2.0 }).unwrap();
-    let preset = Preset::of(&made, &made.gallery().items()[2], vec![]);
+    let preset = made.preset(&made.gallery().items()[2], vec![]);
     let preset = Preset::from_text(&preset.to_text().unwrap()).unwrap();
     assert_eq!(preset.caution(), None);
     let mut other = Instrument::new(4, 6, shape).unwrap();
@@ -34,7 +34,7 @@ fn what_was_kept_before_anything_resonated_does_not_resonate() {
     assert!(!show.begin(shape.clone()).unwrap().parameters().is_on(Switch::Resonate));
     let made = Instrument::new(3, 6, shape).unwrap();
     assert!(made.parameters().is_on(Switch::Resonate));
-    let text = Preset::of(&made, &made.gallery().items()[0], vec![]).to_text().unwrap();
+    let text = made.preset(&made.gallery().items()[0], vec![]).to_text().unwrap();
     assert!(Preset::from_text(&text).unwrap().settings.switches[&Switch::Resonate]);
     let old = text.replace("resonate = true\n", "").replace("format_version = 3", "format_version = 2");
     assert!(!Preset::from_text(&old).unwrap().settings.switches[&Switch::Resonate]);

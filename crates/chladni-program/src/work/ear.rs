@@ -1,15 +1,12 @@
 //! An ear that knows only the past: for live input, and for a song that is still being read.
 
-use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, Timbre};
+use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing};
 use chladni_sound::{
     BeatFollower, HeardBar, Level, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings,
 };
 
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
-
-/// Seed of the shots of sound that is not known as a whole.
-pub const LIVE_SEED: u64 = 1;
 
 /// An analyzer, a beat tracker, the resonators that they strike, and the chords.
 pub struct Ear {
@@ -116,7 +113,7 @@ impl Ear {
         self.analyzer.analyze(left, right, dt_secs);
         let (spectrum, dt_secs) = (self.analyzer.spectrum(), dt_secs as f32);
         self.harmony.hear(&spectrum.mid, self.analyzer.bands_hz(), dt_secs);
-        let timbre = Timbre::of(parameters);
+        let timbre = parameters.timbre();
         Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
         let ringing = self.resonators.as_mut().map(|bank| {
             bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, dt_secs));

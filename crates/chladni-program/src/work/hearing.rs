@@ -16,6 +16,9 @@ mod songs;
 #[cfg(test)]
 mod tests;
 
+/// Seed of the shots of sound that is not known as a whole.
+pub const LIVE_SEED: u64 = 1;
+
 /// A jump within a song, or to another one, is faded over this time.
 const FADE_SECS: f64 = 0.3;
 /// Jumps that happened this long before the earliest time asked for are ignored.

@@ -67,12 +67,12 @@ pub use clock::{Playing, ShowClock};
 pub use cover::cover_of;
 #[cfg(feature = "desktop")]
 pub use deformed::Deformed;
-pub use ear::{Ear, LIVE_SEED};
+pub use ear::Ear;
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{refer, resolve, unread};
 pub use frame_guard::FrameGuard;
-pub use hearing::{Heard, Hearing, KnownSong, bands_of};
+pub use hearing::{Heard, Hearing, KnownSong, LIVE_SEED, bands_of};
 pub use heat::{Coating, Quantity, Seen, coating};
 pub use ink::{Depth, Inked, Pen, USUAL_TONES, pen, plate};
 pub use lag::Lag;

@@ -22,7 +22,7 @@ impl Tuning {
             side_gain: parameters.get(Parameter::SideGain),
             front_end: if parameters.is_on(Switch::LogBands) { FrontEnd::LogBands } else { FrontEnd::Linear },
             // Tuning and stretch choose among the oscillators; they do not change them.
-            timbre: Timbre::of(parameters).map(|timbre| Timbre { tuning_hz: 1.0, stretch: 0.0, ..timbre }),
+            timbre: parameters.timbre().map(|timbre| Timbre { tuning_hz: 1.0, stretch: 0.0, ..timbre }),
         }
     }
 

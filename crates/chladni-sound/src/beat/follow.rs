@@ -1,9 +1,8 @@
 //! Beat tracking while listening, from past samples only.
 
 use super::meter::{Meter, Normalizer};
-use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
-use crate::SoundError;
 use crate::structure::{BarFollower, HeardBar};
+use crate::{ONSET_RATE_HZ, Onset, OnsetDetector, SoundError};
 
 /// The beat as known at some time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -8,7 +8,7 @@
 //! position minus its mean. Random onsets then favor no tempo, while a beat without an onset and an onset
 //! off the beat both count against a path.
 
-use super::onset::{ONSET_RATE_HZ, Onset};
+use crate::{ONSET_RATE_HZ, Onset};
 
 pub(super) const SLOWEST_BPM: f64 = 42.0;
 pub(super) const FASTEST_BPM: f64 = 216.0;
@@ -99,13 +99,13 @@ fn mix(all: f32, bass: f32) -> f32 {
 /// all bands and for the bass, and mixes the two.
 #[derive(Clone, Copy)]
 pub(super) struct Normalizer {
-    all: Level,
-    bass: Level,
+    all: RunningMoments,
+    bass: RunningMoments,
 }
 
 impl Normalizer {
     pub fn new() -> Self {
-        Self { all: Level::new(), bass: Level::new() }
+        Self { all: RunningMoments::new(), bass: RunningMoments::new() }
     }
 
     pub fn next(&mut self, onset: Onset) -> f32 {
@@ -114,7 +114,8 @@ impl Normalizer {
 
     /// Normalizes all onsets of a song, using the future as much as the past.
     pub fn both_ways(onsets: &[Onset]) -> Vec<f32> {
-        let part = |of: fn(&Onset) -> f32| Level::both_ways(&onsets.iter().map(of).collect::<Vec<_>>());
+        let part =
+            |of: fn(&Onset) -> f32| RunningMoments::both_ways(&onsets.iter().map(of).collect::<Vec<_>>());
         let (all, bass) = (part(|onset| onset.all), part(|onset| onset.bass));
         all.iter().zip(&bass).map(|(&all, &bass)| mix(all, bass)).collect()
     }
@@ -122,7 +123,7 @@ impl Normalizer {
 
 /// Running mean and standard deviation of one strength over the last seconds.
 #[derive(Clone, Copy)]
-struct Level {
+struct RunningMoments {
     mean: f64,
     square: f64,
     weight: f64,
@@ -133,7 +134,7 @@ const NORMAL_SECS: f64 = 3.7;
 /// Onsets are limited to this many standard deviations.
 const MOST: f64 = 4.0;
 
-impl Level {
+impl RunningMoments {
     fn new() -> Self {
         Self { mean: 0.0, square: 0.0, weight: 0.0 }
     }

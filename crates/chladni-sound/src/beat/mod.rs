@@ -1,12 +1,10 @@
-//! Onsets, tempo and beats, of a whole song or while listening.
+//! Tempo and beats, of a whole song or while listening.
 
 mod follow;
 mod meter;
-mod onset;
 mod score;
 mod track;
 
 pub use follow::{BeatFollower, BeatMoment};
-pub use onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 pub use score::{BeatScore, beat_score};
 pub use track::{Beats, track_beats, track_beats_causally};

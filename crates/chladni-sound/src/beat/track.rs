@@ -4,9 +4,8 @@ use chladni_task::{Cancelled, Task};
 
 use super::follow::BeatFollower;
 use super::meter::{FASTEST_BPM, Meter, Normalizer};
-use super::onset::{ONSET_RATE_HZ, Onset, OnsetDetector};
 use crate::structure::{HeardBar, structure};
-use crate::{Bar, ENERGY_RATE_HZ, Section, Song, SoundError};
+use crate::{Bar, ENERGY_RATE_HZ, ONSET_RATE_HZ, Onset, OnsetDetector, Section, Song, SoundError};
 
 /// The beats of a song, its bars and sections, and its energy.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]

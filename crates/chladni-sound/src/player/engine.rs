@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 
 use self::device::FIRST_RETRY;
 use super::decoding::Decoding;
-use super::handle::{PlayerSettings, Shared};
 use super::output::Output;
 use super::queue::{Playlist, Repeat, Stretch};
+use super::settings::PlayerSettings;
+use super::shared::Shared;
 use super::tail::Tail;
 use crate::StereoResampler;
 use crate::history::Frame;

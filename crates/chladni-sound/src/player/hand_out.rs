@@ -7,7 +7,6 @@ use cpal::{FromSample, SizedSample};
 use rtrb::Consumer;
 
 use super::clock::Clock;
-use super::output::drop_flushed;
 use crate::history::Frame;
 
 /// Duration of the fades at pauses, changes of volume, jumps and underruns, which would click otherwise.
@@ -148,6 +147,16 @@ fn write_frame<T: SizedSample + FromSample<f32>>(frame: &mut [T], [left, right]:
         }
         [] => {}
     }
+}
+
+/// Drops the frames that a seek has made stale. Returns the number of frames consumed so far.
+pub(super) fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consumed: u64) -> u64 {
+    let stale = clock.flushed_before().saturating_sub(consumed);
+    let stale = consumer.slots().min(usize::try_from(stale).unwrap_or(usize::MAX));
+    if let Ok(chunk) = consumer.read_chunk(stale) {
+        chunk.commit_all();
+    }
+    consumed + stale as u64
 }
 
 #[cfg(test)]

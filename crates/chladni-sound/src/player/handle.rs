@@ -1,36 +1,19 @@
 //! The handle that the rest of the program holds: commands go in, status and samples come out.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use super::clock::Clock;
 use super::engine::{Command, Engine, PlayerEvent};
-use super::queue::{Repeat, Stretches};
-use crate::history::History;
+use super::queue::Repeat;
+use super::settings::PlayerSettings;
+use super::shared::Shared;
 use crate::{LONGEST_CROSSFADE_SECS, SoundError};
 
 /// What is shown lies this far ahead of what is heard at most, or behind it.
 pub const MOST_AHEAD_SECS: f64 = 0.5;
-
-/// How a player starts.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlayerSettings {
-    /// The id of a device; `None` for the system's default.
-    pub device: Option<String>,
-    /// Amplitude, in [0, 1].
-    pub volume: f32,
-    /// If false, no device is opened, and time passes in silence (for tests and machines without sound).
-    pub audible: bool,
-}
-
-impl Default for PlayerSettings {
-    fn default() -> Self {
-        Self { device: None, volume: 1.0, audible: true }
-    }
-}
 
 /// Whether time passes in a song.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -65,42 +48,6 @@ pub struct PlayerStatus {
     pub rate_hz: u32,
     /// How often the device got silence because samples came too late.
     pub underruns: u64,
-}
-
-/// State that the engine and its handles share. The audio callback uses only the clock and never waits.
-pub(super) struct Shared {
-    pub clock: Arc<Clock>,
-    pub timeline: Mutex<Timeline>,
-}
-
-pub(super) struct Timeline {
-    pub stretches: Stretches,
-    pub history: History,
-    pub rate_hz: u32,
-    pub device: Option<String>,
-    pub playing: bool,
-    pub stopped: bool,
-}
-
-impl Shared {
-    pub fn new(volume: f32) -> Self {
-        let clock = Arc::new(Clock::new());
-        clock.set_volume(volume.clamp(0.0, 1.0));
-        let timeline = Mutex::new(Timeline {
-            stretches: Stretches::default(),
-            history: History::new(0),
-            rate_hz: 0,
-            device: None,
-            playing: false,
-            stopped: true,
-        });
-        Self { clock, timeline }
-    }
-
-    /// If another thread panicked while it held the lock, the music continues.
-    pub fn timeline(&self) -> MutexGuard<'_, Timeline> {
-        self.timeline.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 /// A player with a thread of its own. Dropping it ends the sound.

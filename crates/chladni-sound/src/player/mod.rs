@@ -7,9 +7,12 @@ mod hand_out;
 mod handle;
 mod output;
 mod queue;
+mod settings;
+mod shared;
 mod tail;
 
 pub use engine::PlayerEvent;
-pub use handle::{MOST_AHEAD_SECS, Player, PlayerSettings, PlayerState, PlayerStatus};
+pub use handle::{MOST_AHEAD_SECS, Player, PlayerState, PlayerStatus};
 pub use output::{OutputDevice, output_devices};
 pub use queue::Repeat;
+pub use settings::PlayerSettings;

@@ -8,7 +8,7 @@ use cpal::{BufferSize, ErrorKind, FromSample, SampleFormat, SizedSample, StreamC
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::clock::Clock;
-use super::hand_out::HandOut;
+use super::hand_out::{HandOut, drop_flushed};
 use crate::SoundError;
 use crate::converters::is_converter;
 use crate::history::Frame;
@@ -185,16 +185,6 @@ impl Output {
 
 fn ring(rate_hz: u32) -> (Producer<Frame>, Consumer<Frame>) {
     RingBuffer::new((f64::from(rate_hz) * RING_SECS) as usize)
-}
-
-/// Drops the frames that a seek has made stale. Returns the number of frames consumed so far.
-pub(super) fn drop_flushed(consumer: &mut Consumer<Frame>, clock: &Clock, consumed: u64) -> u64 {
-    let stale = clock.flushed_before().saturating_sub(consumed);
-    let stale = consumer.slots().min(usize::try_from(stale).unwrap_or(usize::MAX));
-    if let Ok(chunk) = consumer.read_chunk(stale) {
-        chunk.commit_all();
-    }
-    consumed + stale as u64
 }
 
 fn stream<T: SizedSample + FromSample<f32>>(

@@ -1,5 +1,6 @@
 //! Positions and normals where they are drawn.
 
+use std::ops::Range;
 use std::sync::{Arc, PoisonError, RwLock};
 
 use chladni_synth::{CpuSynthesizer, Synthesizer};
@@ -54,6 +55,13 @@ impl ItemBuffers {
     /// Number of vertices of each item.
     pub fn vertices(&self) -> usize {
         self.vertices
+    }
+
+    /// Where the positions of an item lie in the device's buffer, and its normals in theirs.
+    pub(crate) fn item_bytes(&self, item: usize) -> Range<u64> {
+        let bytes = (self.vertices * 12) as u64;
+        let start = item as u64 * bytes;
+        start..start + bytes
     }
 
     /// Writes positions and normals of the items from `item` on; each slice holds a multiple of N. A

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Held;
-use crate::cpu::Pyramid;
+use super::{Held, Pyramid};
 use crate::gpu;
 use crate::{Device, ViewError};
 

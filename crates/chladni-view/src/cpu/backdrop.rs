@@ -6,9 +6,9 @@ use rayon::prelude::*;
 
 use super::curves::{clamp, each, max, min, mix, packed, smoothstep};
 use super::instructions::{Instructions, Kernel};
-use super::pyramid::Pyramid;
 use super::shade::{to_srgb, wing};
 use crate::Rect;
+use crate::buffers::Pyramid;
 use crate::uniforms::CellUniform;
 
 /// The painted background of one cell, premultiplied.

@@ -2,10 +2,10 @@
 
 use glam::{Vec3, vec3};
 
-use super::Pyramid;
 use super::curves::{clamp, each, max, min, mix, packed, whole};
 use super::instructions::Kernel;
 use super::shade::{self, rgb};
+use crate::buffers::Pyramid;
 use crate::uniforms::{CellUniform, FigureUniform};
 
 /// Places in a batch: their data fits the first-level cache.

@@ -7,7 +7,7 @@ use super::curves::{clamp, max, min, mix, smoothstep};
 use super::project::Grid;
 use super::shade::{self, rgb};
 use super::shadow::ShadowMap;
-use super::stage::Subject;
+use super::subjects::Subject;
 use crate::scene::{Grain, Grains};
 use crate::uniforms::{CellUniform, FigureUniform};
 
@@ -49,9 +49,9 @@ impl GrainDiscs {
         map: Option<&ShadowMap>,
         (figure, subject, grains): (&FigureUniform, &Subject<'_>, Grains<'_>),
     ) {
-        let lens = Lens::new(cell, figure, map);
+        let projector = Projector::new(cell, figure, map);
         let discs = grains.grains.par_iter().enumerate().with_min_len(CHUNK);
-        self.discs.par_extend(discs.filter_map(|(i, grain)| lens.disc(i, grain, subject)));
+        self.discs.par_extend(discs.filter_map(|(i, grain)| projector.disc(i, grain, subject)));
     }
 
     /// Sorts them into the tiles of `grid`, in their order.
@@ -143,7 +143,7 @@ impl GrainDisc {
 }
 
 /// From grains to discs.
-struct Lens<'a> {
+struct Projector<'a> {
     cell: &'a CellUniform,
     figure: &'a FigureUniform,
     map: Option<&'a ShadowMap>,
@@ -153,7 +153,7 @@ struct Lens<'a> {
     shadow: Mat4,
 }
 
-impl<'a> Lens<'a> {
+impl<'a> Projector<'a> {
     fn new(cell: &'a CellUniform, figure: &'a FigureUniform, map: Option<&'a ShadowMap>) -> Self {
         let matrix = |columns: &[[f32; 4]; 4]| Mat4::from_cols_array_2d(columns);
         Self {

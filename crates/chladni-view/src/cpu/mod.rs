@@ -18,12 +18,12 @@ mod focus;
 mod grains;
 mod instructions;
 mod markers;
+mod prepared;
 mod project;
 mod projected;
-mod pyramid;
 mod shade;
 mod shadow;
-mod stage;
+mod subjects;
 mod tile;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -32,12 +32,13 @@ use rayon::prelude::*;
 
 pub(crate) use chroma::halved as halved_chroma;
 pub(crate) use instructions::Instructions;
-pub(crate) use pyramid::Pyramid;
 
 use self::finishing::Finishing;
 use self::focus::Focusing;
-use self::stage::{Locks, Stage};
-use self::tile::{Scratch, TILE_BITS};
+use self::prepared::Prepared;
+use self::project::TILE_BITS;
+use self::subjects::Locks;
+use self::tile::Scratch;
 use crate::focus::Circle;
 use crate::style::linear;
 use crate::{Cell, ColorMap, Finish, Palette, Surroundings, ViewError};
@@ -64,7 +65,7 @@ impl Canvas {
 #[derive(Debug)]
 pub(crate) struct Renderer {
     instructions: Instructions,
-    stage: Stage,
+    prepared: Prepared,
     finishing: Finishing,
     focusing: Focusing,
     surroundings: Surroundings,
@@ -81,7 +82,7 @@ impl Default for Renderer {
         let palettes = Palette::ALL.iter().map(|palette| row(&|t| palette.color(t)));
         Self {
             instructions: Instructions::fastest(),
-            stage: Stage::default(),
+            prepared: Prepared::default(),
             finishing: Finishing::default(),
             focusing: Focusing::default(),
             surroundings: Surroundings::default(),
@@ -108,7 +109,7 @@ impl Renderer {
     ) -> Result<(), ViewError> {
         let locks = Locks::of(cells)?;
         let subjects = locks.subjects(cells)?;
-        self.stage.set(self.instructions, canvas, (cells, &self.surroundings), &subjects)?;
+        self.prepared.prepare(self.instructions, canvas, (cells, &self.surroundings), &subjects)?;
         let around = self.surroundings.around.as_ref();
         let size = [canvas.width, canvas.height];
         let circles: Vec<Circle> = if finish.blur > 0.0 {
@@ -118,7 +119,7 @@ impl Renderer {
         };
         let picture = tile::Picture {
             instructions: self.instructions,
-            stage: &self.stage,
+            prepared: &self.prepared,
             subjects: &subjects,
             maps: &self.maps,
             around: around.map(|(skin, _)| skin.held.cpu()).transpose()?.map(|pyramid| &**pyramid),
@@ -153,11 +154,6 @@ impl Renderer {
     fn with(instructions: Instructions) -> Self {
         Self { instructions, ..Self::default() }
     }
-}
-
-/// Linear light of eight bits of sRGB.
-fn linear_table() -> [f32; 256] {
-    std::array::from_fn(|i| linear([i as u8; 3])[0])
 }
 
 #[cfg(test)]

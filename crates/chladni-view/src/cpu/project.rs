@@ -87,6 +87,9 @@ pub(super) fn area([a, b, c]: &[Corner; 3]) -> i64 {
     wide(a.x, b.x) * wide(a.y, c.y) - wide(a.y, b.y) * wide(a.x, c.x)
 }
 
+/// Binary logarithms of a tile's width and height: its samples fit the first cache.
+pub(super) const TILE_BITS: [u32; 2] = [5, 5];
+
 /// Tiles that cover a rectangle of pixels; they lie on one grid for the whole canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Grid {

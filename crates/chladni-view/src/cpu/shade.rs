@@ -2,8 +2,8 @@
 
 use glam::{Vec3, vec3};
 
-use super::Pyramid;
 use super::curves::{clamp, cos, exp, exp2, max, min, mix, pow, smoothstep};
+use crate::buffers::Pyramid;
 use crate::uniforms::{CellUniform, FigureUniform};
 
 #[inline(always)]

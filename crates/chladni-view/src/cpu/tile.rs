@@ -10,12 +10,12 @@ use std::ops::Range;
 use super::batch::Batch;
 use super::curves::clamp;
 use super::fill::{Bias, Farthest, Fill, MARGIN, NONE, Target, Triangles};
-use super::stage::{Stage, StagedCell, StagedFigure, Subject};
-use super::{Instructions, Pyramid};
+use super::instructions::Instructions;
+use super::prepared::{Prepared, PreparedCell, PreparedFigure};
+use super::project::TILE_BITS;
+use super::subjects::Subject;
+use crate::buffers::Pyramid;
 use crate::focus::Circle;
-
-/// Binary logarithms of a tile's width and height: its samples fit the first cache.
-pub(super) const TILE_BITS: [u32; 2] = [5, 5];
 
 const WIDTH: usize = 1 << TILE_BITS[0];
 const HEIGHT: usize = 1 << TILE_BITS[1];
@@ -48,7 +48,7 @@ impl Scratch {
 /// Data that all tiles draw from.
 pub(super) struct Picture<'a> {
     pub(super) instructions: Instructions,
-    pub(super) stage: &'a Stage,
+    pub(super) prepared: &'a Prepared,
     pub(super) subjects: &'a [Subject<'a>],
     pub(super) maps: &'a [[[f32; 3]; 256]],
     /// The panorama that shines on all figures.
@@ -80,7 +80,7 @@ impl Picture<'_> {
         let (top, rows) = (row << TILE_BITS[1], pixels.len() / (4 * self.width));
         for column in 0..self.width.div_ceil(WIDTH) as i32 {
             let left = column << TILE_BITS[0];
-            for (i, cell) in self.stage.cells.iter().enumerate() {
+            for (i, cell) in self.prepared.cells.iter().enumerate() {
                 let grid = &cell.grid;
                 let low = [grid.low[0].max(left), grid.low[1].max(top)];
                 let high =
@@ -107,7 +107,7 @@ impl Picture<'_> {
 /// The part of a cell that lies in a tile.
 struct Tile<'a, 'p> {
     picture: &'a Picture<'a>,
-    cell: &'a StagedCell,
+    cell: &'a PreparedCell,
     /// Among those of the cell's grid.
     index: usize,
     /// First pixel of the tile.
@@ -125,9 +125,8 @@ struct Tile<'a, 'p> {
 impl Tile<'_, '_> {
     fn draw(mut self) {
         self.backdrop();
-        let stage = self.picture.stage;
-        let here = |figure: &StagedFigure| figure.projected.chunks.iter().any(|c| !c.is_empty(self.index));
-        let any = stage.figures[self.cell.figures.clone()].iter().any(here);
+        let here = |figure: &PreparedFigure| figure.projected.chunks.iter().any(|c| !c.is_empty(self.index));
+        let any = self.picture.prepared.figures[self.cell.figures.clone()].iter().any(here);
         if !any && self.cell.discs.is_empty() && self.cell.grains.is_empty(self.index) {
             return self.focus(false);
         }
@@ -230,7 +229,8 @@ impl Tile<'_, '_> {
         let farthest = std::mem::take(&mut self.scratch.farthest);
         let mut target = self.target();
         let mut base = 0_u32;
-        for (figure, subject) in picture.stage.figures[figures.clone()].iter().zip(&picture.subjects[figures])
+        for (figure, subject) in
+            picture.prepared.figures[figures.clone()].iter().zip(&picture.subjects[figures])
         {
             for chunk in figure.projected.chunks.iter().filter(|chunk| !chunk.tile(tile, front).is_empty()) {
                 let (triangles, corners) = (subject.triangles, &figure.projected.corners);

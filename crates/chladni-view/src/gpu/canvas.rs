@@ -2,7 +2,8 @@
 
 use std::sync::mpsc::{Receiver, sync_channel};
 
-use super::pipelines::{DEPTH, smooth_layout};
+use super::bindings::smooth_layout;
+use super::screen::DEPTH;
 use crate::{Gpu, Samples, ViewError};
 
 /// Color samples, depth, and the finished picture.
@@ -21,13 +22,16 @@ pub(crate) struct Canvas {
 }
 
 impl Canvas {
+    /// The format of pictures.
+    pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
     pub(crate) fn for_pictures(
         gpu: &Gpu,
         width: u32,
         height: u32,
         samples: Samples,
     ) -> Result<Self, ViewError> {
-        Self::new(gpu, width, height, crate::Canvas::FORMAT, samples)
+        Self::new(gpu, width, height, Self::FORMAT, samples)
     }
 
     /// Another canvas like this one.

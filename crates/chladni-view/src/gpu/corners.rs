@@ -3,59 +3,14 @@
 
 use wgpu::{Buffer, TextureFormat};
 
-use super::pipelines::{Coat, layout};
-use super::renderer::item_bytes;
+use super::lookup::{Lookup, ROW};
+use super::pipelines::Coat;
 use crate::{Cell, Figure, Paint, ViewError};
-
-/// Texels in a row of such a texture.
-const ROW: u32 = 2048;
-
-/// Where numbers are looked up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Lookup {
-    Storage,
-    Textures,
-}
-
-impl Lookup {
-    /// The look-up that suits devices with these limits.
-    pub(crate) fn within(limits: &wgpu::Limits) -> Self {
-        if limits.max_storage_buffers_per_shader_stage < 5 { Self::Textures } else { Self::Storage }
-    }
-
-    /// Its part of the shader.
-    fn shader(self) -> String {
-        match self {
-            Self::Storage => include_str!("shader/storage.wgsl").into(),
-            Self::Textures => format!("const ROW = {ROW}u;\n{}", include_str!("shader/textures.wgsl")),
-        }
-    }
-
-    fn layout(self, device: &wgpu::Device) -> wgpu::BindGroupLayout {
-        let texture = |sample_type| wgpu::BindingType::Texture {
-            sample_type,
-            view_dimension: wgpu::TextureViewDimension::D2,
-            multisampled: false,
-        };
-        let float = texture(wgpu::TextureSampleType::Float { filterable: false });
-        let uint = texture(wgpu::TextureSampleType::Uint);
-        let storage = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let bindings = match self {
-            Self::Storage => [storage; 5],
-            Self::Textures => [float, float, uint, float, uint],
-        };
-        layout(device, "corners", &bindings.map(|binding| (wgpu::ShaderStages::VERTEX, binding)))
-    }
-}
 
 /// The bind groups of a picture's figures.
 pub(crate) struct Corners {
     lookup: Lookup,
-    pub(crate) layout: wgpu::BindGroupLayout,
+    layout: wgpu::BindGroupLayout,
     /// By figure; none of those that look nothing up.
     groups: Vec<Option<wgpu::BindGroup>>,
     /// The first of them hold numbers of this picture, those behind are left from others.
@@ -79,14 +34,9 @@ struct Numbers {
 }
 
 impl Corners {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let lookup = Lookup::within(&device.limits());
-        Self { lookup, layout: lookup.layout(device), groups: Vec::new(), sheets: Vec::new() }
-    }
-
-    /// The part of the shader that looks them up.
-    pub(crate) fn shader(&self) -> String {
-        self.lookup.shader()
+    /// `layout` is that of `lookup`.
+    pub(crate) fn new(lookup: Lookup, layout: wgpu::BindGroupLayout) -> Self {
+        Self { lookup, layout, groups: Vec::new(), sheets: Vec::new() }
     }
 
     /// The bind group of a figure, by its number in the picture.
@@ -95,7 +45,7 @@ impl Corners {
     }
 
     /// Prepares the data that the figures of a picture look up.
-    pub(crate) fn stage(
+    pub(crate) fn prepare(
         &mut self,
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
@@ -137,7 +87,7 @@ impl Corners {
         filled: &mut usize,
     ) -> Result<wgpu::BindGroup, ViewError> {
         let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
-        let item = item_bytes(figure, figure.item);
+        let item = figure.buffers.item_bytes(figure.item);
         let paint = paint(figure)?;
         // Grains read positions and normals only.
         let has_corners = Coat::of(figure) == Coat::Corners;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::bindings::{IMAGE, SAMPLER, layout};
 use super::canvas::Canvas;
-use super::pipelines::{IMAGE, SAMPLER, layout};
 use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
 use crate::finish::{FinishUniform, step};
 use crate::{Finish, Gpu, ViewError};
@@ -48,7 +48,7 @@ impl Finishing {
         if kept.as_ref().is_some_and(|kept| kept.size == size) {
             return Ok(());
         }
-        if canvas.format != crate::Canvas::FORMAT {
+        if canvas.format != Canvas::FORMAT {
             return Err(ViewError::Shape(format!("a finish on a canvas of {:?}", canvas.format)));
         }
         let pipelines = match kept.take() {
@@ -66,8 +66,8 @@ impl Finishing {
         let smaller = small.map(|side| side.div_ceil(4));
         let [near, near_half] = ["near", "near half"].map(|label| view(&texture(label, small, SMALL, drawn)));
         let [far, far_half] = ["far", "far half"].map(|label| view(&texture(label, smaller, SMALL, drawn)));
-        let bare = view(&texture("bare picture", size, crate::Canvas::FORMAT, drawn));
-        let last = texture("last picture", size, crate::Canvas::FORMAT, wgpu::TextureUsages::COPY_DST);
+        let bare = view(&texture("bare picture", size, Canvas::FORMAT, drawn));
+        let last = texture("last picture", size, Canvas::FORMAT, wgpu::TextureUsages::COPY_DST);
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("finish"),
             size: size_of::<FinishUniform>() as u64,
@@ -146,7 +146,7 @@ impl Pipelines {
         let pipeline = |entry_point, format| pipes.pipeline(entry_point, &[format]);
         let small = ["bright_fragment", "smaller_fragment", "across_fragment", "down_fragment"];
         let mut made: Vec<_> = small.into_iter().map(|name| pipeline(name, SMALL)).collect();
-        made.push(pipeline("finish_fragment", crate::Canvas::FORMAT));
+        made.push(pipeline("finish_fragment", Canvas::FORMAT));
         let sampler = smooth_sampler(device);
         Self { layout: groups, sampler, made }
     }

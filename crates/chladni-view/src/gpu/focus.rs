@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use wgpu::util::DeviceExt;
 
+use super::bindings::{IMAGE, SAMPLER, layout};
 use super::canvas::Canvas;
-use super::corners::Lookup;
-use super::pipelines::{DEPTH, IMAGE, SAMPLER, layout};
-use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
+use super::lookup::Lookup;
+use super::screen::{self, DEPTH, Pipes, group, smooth_sampler, texture, view};
 use super::uniforms::Uniforms;
 use crate::focus::{Circle, Spread, step};
 use crate::{Cell, Finish, Gpu, Samples, ViewError};
@@ -111,7 +111,7 @@ impl Focusing {
             Depths::Fine => (1, FINE),
         };
         let depth = view(&texture(device, "kept depth", size.map(|side| by * side), DEPTH, (depths, drawn)));
-        let sharp = image("sharp picture", size, crate::Canvas::FORMAT);
+        let sharp = image("sharp picture", size, Canvas::FORMAT);
         let circles = image("circles", size, NUMBER);
         let few = size.map(|side| side.div_ceil(step(size[1])));
         let small = [image("small picture", few, LIGHT), image("small circles", few, NUMBER)];
@@ -233,7 +233,7 @@ impl Pipelines {
             shrink: of_images.pipeline("shrink_fragment", &[LIGHT, NUMBER]),
             gather: of_images.pipeline("gather_fragment", &[LIGHT, LIGHT, NUMBER]),
             even: of_images.pipeline("even_fragment", &[LIGHT, LIGHT, NUMBER]),
-            compose: of_images.pipeline("compose_fragment", &[crate::Canvas::FORMAT]),
+            compose: of_images.pipeline("compose_fragment", &[Canvas::FORMAT]),
             sampler: smooth_sampler(device),
             depth_sampler: device.create_sampler(&wgpu::SamplerDescriptor::default()),
             cell,

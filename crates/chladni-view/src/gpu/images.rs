@@ -1,8 +1,8 @@
 //! The images that every pipeline reads: color maps, the skin, and the key light's shadow maps.
 
-use super::depths::depth_pass;
 use super::memory::image;
-use super::pipelines::{DEPTH, Layouts};
+use super::pipelines::Layouts;
+use super::screen::{DEPTH, depth_pass};
 use crate::uniforms::arrangement;
 use crate::{ColorMap, Gpu, Palette, Samples};
 

@@ -3,7 +3,7 @@
 use wgpu::BufferUsages;
 use wgpu::util::DeviceExt;
 
-use super::corners::Lookup;
+use super::lookup::Lookup;
 use crate::Gpu;
 
 pub(crate) type Buffer = wgpu::Buffer;

@@ -1,17 +1,17 @@
 //! The device that draws, with or without a window.
 
+mod bindings;
 mod canvas;
 mod corners;
-mod depths;
 mod finishing;
 mod focus;
 mod grains;
 mod images;
+mod lookup;
 mod memory;
 mod pipelines;
 mod renderer;
 mod screen;
-mod sharing;
 mod uniforms;
 
 use chladni_synth::DeviceLoss;
@@ -20,6 +20,7 @@ pub(crate) use canvas::{Canvas, Readback};
 pub(crate) use memory::{Buffer, Image, Use, filled, image, looked_up, room, size, write};
 pub(crate) use renderer::Renderer;
 
+use self::lookup::Lookup;
 use crate::{Samples, ViewError};
 
 /// A graphics device and its queue. Clones share them.
@@ -163,8 +164,8 @@ impl Gpu {
     }
 
     /// Where vertex stages look up numbers.
-    pub(crate) fn lookup(&self) -> corners::Lookup {
-        corners::Lookup::within(&self.device.limits())
+    pub(crate) fn lookup(&self) -> Lookup {
+        Lookup::within(&self.device.limits())
     }
 
     /// Longest side of a picture, pixels.

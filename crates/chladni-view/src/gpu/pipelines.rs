@@ -4,17 +4,16 @@ use std::collections::HashMap;
 
 use wgpu::{BindGroupLayout, RenderPipeline, TextureFormat};
 
-use super::corners::Corners;
+use super::bindings::{IMAGE, SAMPLER, layout, smooth_layout};
 use super::grains::GRAIN_BYTES;
+use super::lookup::Lookup;
+use super::screen::DEPTH;
 use crate::{Figure, Paint, Samples};
-
-/// Depth of a canvas.
-pub(crate) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 
 /// Bytes of one marker: position, radius, color.
 pub(crate) const MARKER_BYTES: u64 = 20;
 
-/// The shader, in parts that use each other's names and those of `gpu/corners.rs`, which look up the vertices.
+/// The shader, in parts that use each other's names and those of `gpu/lookup.rs`, which look up the vertices.
 const SHADER: &str = concat!(
     include_str!("shader/scene.wgsl"),
     include_str!("shader/surface.wgsl"),
@@ -31,6 +30,7 @@ pub(crate) struct Layouts {
     pub(crate) cell: BindGroupLayout,
     pub(crate) figure: BindGroupLayout,
     pub(crate) images: BindGroupLayout,
+    pub(crate) corners: BindGroupLayout,
 }
 
 /// The task of a pipeline. Each pipeline is compiled when first needed, so that a picture waits only for its own.
@@ -106,7 +106,7 @@ impl Kind {
 }
 
 impl Layouts {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, lookup: Lookup) -> Self {
         use wgpu::ShaderStages;
         let both = ShaderStages::VERTEX_FRAGMENT;
         let uniform = |label| {
@@ -140,38 +140,9 @@ impl Layouts {
                     (fragment, SAMPLER),
                 ],
             ),
+            corners: lookup.layout(device),
         }
     }
-}
-
-/// The layout of the picture whose edges are to be smoothed.
-pub(crate) fn smooth_layout(device: &wgpu::Device) -> BindGroupLayout {
-    layout(device, "smooth", &[(wgpu::ShaderStages::FRAGMENT, IMAGE)])
-}
-
-pub(super) const SAMPLER: wgpu::BindingType = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-pub(super) const IMAGE: wgpu::BindingType = wgpu::BindingType::Texture {
-    sample_type: wgpu::TextureSampleType::Float { filterable: true },
-    view_dimension: wgpu::TextureViewDimension::D2,
-    multisampled: false,
-};
-
-pub(super) fn layout(
-    device: &wgpu::Device,
-    label: &str,
-    bindings: &[(wgpu::ShaderStages, wgpu::BindingType)],
-) -> BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(bindings)
-        .map(|(binding, &(visibility, ty))| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility,
-            ty,
-            count: None,
-        })
-        .collect();
-    device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
 /// The pipelines that were needed so far.
@@ -190,7 +161,7 @@ impl Pipelines {
     pub(crate) fn new(
         device: &wgpu::Device,
         layouts: &Layouts,
-        corners: &Corners,
+        lookup: Lookup,
         format: TextureFormat,
     ) -> Self {
         let smooth = smooth_layout(device);
@@ -201,11 +172,11 @@ impl Pipelines {
                 immediate_size: 0,
             })
         };
-        let groups = [&layouts.cell, &layouts.figure, &layouts.images, &corners.layout].map(Some);
+        let groups = [&layouts.cell, &layouts.figure, &layouts.images, &layouts.corners].map(Some);
         Self {
             module: device.create_shader_module(wgpu::ShaderModuleDescriptor {
                 label: Some("gpu/shader"),
-                source: wgpu::ShaderSource::Wgsl((corners.shader() + SHADER).into()),
+                source: wgpu::ShaderSource::Wgsl((lookup.shader() + SHADER).into()),
             }),
             shadowed: layout(&groups[..2]),
             indexed: layout(&groups[..3]),

@@ -1,5 +1,7 @@
 //! Drawing on a graphics device.
 
+mod depths;
+
 use bytemuck::{Pod, Zeroable};
 
 use super::canvas::Canvas;
@@ -19,13 +21,13 @@ use crate::{Cell, Figure, Finish, Gpu, Paint, Samples, Surroundings, ViewError};
 /// The pipelines of one device and target format, and the uniform buffers they share. Make one
 /// and keep it: each pipeline is compiled when a picture needs it first, and kept here.
 pub(crate) struct Renderer {
-    pub(super) gpu: Gpu,
+    gpu: Gpu,
     format: wgpu::TextureFormat,
     layouts: Layouts,
-    pub(super) pipelines: Pipelines,
-    pub(super) images: Images,
-    pub(super) cells: Uniforms<CellUniform>,
-    pub(super) figures: Uniforms<FigureUniform>,
+    pipelines: Pipelines,
+    images: Images,
+    cells: Uniforms<CellUniform>,
+    figures: Uniforms<FigureUniform>,
     markers: wgpu::Buffer,
     marker_bytes: Vec<MarkerInstance>,
     /// None before the first picture that has a finish.
@@ -55,15 +57,16 @@ struct MarkerInstance {
 
 impl Renderer {
     pub(crate) fn for_pictures(gpu: &Gpu) -> Self {
-        Self::new(gpu, crate::Canvas::FORMAT)
+        Self::new(gpu, Canvas::FORMAT)
     }
 
     /// A renderer for canvases of one eight-bit format.
     pub(crate) fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         let device = &gpu.device;
-        let layouts = Layouts::new(device);
-        let corners = Corners::new(device);
-        let pipelines = Pipelines::new(device, &layouts, &corners, format);
+        let lookup = gpu.lookup();
+        let layouts = Layouts::new(device, lookup);
+        let corners = Corners::new(lookup, layouts.corners.clone());
+        let pipelines = Pipelines::new(device, &layouts, lookup, format);
         let images = Images::new(gpu, &layouts);
         let cells = Uniforms::new(device, &layouts.cell, "cells");
         let figures = Uniforms::new(device, &layouts.figure, "figures");
@@ -109,10 +112,10 @@ impl Renderer {
             let (wanted, found) = (self.format, canvas.format);
             return Err(ViewError::Shape(format!("a canvas of {found:?} for a renderer of {wanted:?}")));
         }
-        self.stage(canvas, cells)?;
+        self.prepare(canvas, cells)?;
         let device = self.gpu.device.clone();
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.corners.stage(&device, &mut encoder, cells)?;
+        self.corners.prepare(&device, &mut encoder, cells)?;
         self.draw_shadows(&mut encoder, cells)?;
         let mut finishing = self.finishing.take();
         let finished = !finish.is_nothing();
@@ -226,7 +229,7 @@ impl Renderer {
         if coat == Coat::Corners {
             self.bind_corners(pass, figure, index)?;
         } else {
-            let item = item_bytes(figure, figure.item);
+            let item = figure.buffers.item_bytes(figure.item);
             pass.set_vertex_buffer(0, buffers.positions.slice(item.clone()));
             pass.set_vertex_buffer(1, buffers.normals.slice(item));
             if let Paint::Values(paint, _) | Paint::Colors(paint) = figure.paint {
@@ -237,7 +240,7 @@ impl Renderer {
             }
             if coat == Coat::Figured {
                 // Without a lag, the buffer bound there has no effect.
-                let lag = item_bytes(figure, figure.lag.unwrap_or(figure.item));
+                let lag = figure.buffers.item_bytes(figure.lag.unwrap_or(figure.item));
                 pass.set_vertex_buffer(3, buffers.positions.slice(lag));
             }
             pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
@@ -257,7 +260,7 @@ impl Renderer {
         }
         if let Some(ring) = figure.brush.filter(|ring| ring.corners > 0) {
             pass.set_pipeline(self.pipelines.get(&self.gpu.device, Kind::new(Part::Brush, samples)));
-            pass.set_vertex_buffer(0, buffers.positions.slice(item_bytes(figure, figure.item)));
+            pass.set_vertex_buffer(0, buffers.positions.slice(figure.buffers.item_bytes(figure.item)));
             pass.set_vertex_buffer(1, ring.reach.held.gpu()?.slice(..));
             pass.set_index_buffer(ring.triangles.gpu()?.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..ring.corners, 0, 0..1);
@@ -281,7 +284,7 @@ impl Renderer {
     }
 
     /// Checks the scene and queues its uniforms.
-    fn stage(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
+    fn prepare(&mut self, canvas: &Canvas, cells: &[Cell<'_>]) -> Result<(), ViewError> {
         self.cells.clear();
         self.figures.clear();
         self.marker_bytes.clear();
@@ -334,13 +337,6 @@ impl Renderer {
 /// inside out, and a large deformation turns it over.
 fn sides(figure: &Figure<'_>) -> [Side; 2] {
     if figure.opacity < 1.0 { [Side::Back, Side::Front] } else { [Side::Front, Side::Back] }
-}
-
-/// Where the positions (and normals) of an item lie in a figure's buffers.
-pub(super) fn item_bytes(figure: &Figure<'_>, item: usize) -> std::ops::Range<u64> {
-    let bytes = (figure.buffers.vertices * 12) as u64;
-    let start = item as u64 * bytes;
-    start..start + bytes
 }
 
 fn marker_buffer(device: &wgpu::Device, count: u64) -> wgpu::Buffer {

@@ -1,4 +1,7 @@
-//! Passes over a whole picture: textures, pipelines and bind groups of the finish.
+//! Passes over a whole picture: textures, pipelines and bind groups of the finish, and of depths.
+
+/// Depth of a canvas.
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// A texture of one level to draw into and to read; `usage` says what else.
 pub(super) fn texture(
@@ -124,6 +127,24 @@ pub(super) fn begin<'e>(
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("finish"),
         color_attachments: &targets,
+        ..Default::default()
+    })
+}
+
+/// Begins a pass over a whole target of depths, cleared to the farthest depth.
+pub(super) fn depth_pass<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
+    view: &wgpu::TextureView,
+) -> wgpu::RenderPass<'e> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: Some(ops),
+            stencil_ops: None,
+        }),
         ..Default::default()
     })
 }

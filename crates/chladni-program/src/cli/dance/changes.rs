@@ -13,7 +13,7 @@ impl Dance {
         changes.extend(self.paper.then_some(PAPER_MODE).into_iter().flatten());
         changes.extend(self.form.map(|form| Action::SetForm { form }));
         match self.timbre {
-            Some(Ring::As(timbre)) => changes.extend(timbre.actions()),
+            Some(Ring::As(timbre)) => changes.extend(Action::for_timbre(&timbre)),
             Some(Ring::Not) => changes.push(Action::Switch { switch: Switch::Resonate, on: false }),
             None => {}
         }

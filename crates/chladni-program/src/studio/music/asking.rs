@@ -2,37 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{ItemId, Preset};
+use chladni_music::ItemId;
 
 use super::MusicRoom;
 use super::film::Filming;
 use super::shows::write_show;
+use super::wish::Then;
 use crate::studio::choose::FileKind;
 use crate::studio::file_window::Request;
 use crate::studio::room::{Room, Shared};
 use crate::work::formats::{LISTS, MESHES, PROJECT, SONGS, TEXT};
 use crate::work::{Error, FILMS, PANORAMAS, PICTURES};
-
-/// The use of the file that a person is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Then {
-    /// All that dances or sounds is opened.
-    Open,
-    /// Songs are added to the list.
-    AddSongs,
-    /// The film of the form is made.
-    Film,
-    /// The set is recorded from now on.
-    Record,
-    /// A dance is saved as a preset.
-    SavePreset(ItemId),
-    /// The show is saved.
-    SaveShow,
-    /// The background is this picture or film.
-    Picture,
-    /// The light is that of this panorama.
-    Panorama,
-}
 
 impl MusicRoom {
     /// Opens a dialog; the dance goes on meanwhile.
@@ -104,7 +84,7 @@ impl MusicRoom {
             return Ok(());
         };
         let Some(item) = instrument.item(item) else { return Ok(()) };
-        Preset::of(instrument, item, Vec::new()).save(path).map_err(Error::unsaved)?;
+        instrument.preset(item, Vec::new()).save(path).map_err(Error::unsaved)?;
         shared.notices.done(format!("Saved {}", path.display()));
         Ok(())
     }

@@ -3,11 +3,10 @@
 use chladni_music::{Action, GalleryItem, Instrument, ItemId, Mapping};
 use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui, UiBuilder, pos2, vec2};
 
-use super::asking::Then;
 use super::curve;
 use super::lineage;
 use super::view::View;
-use super::wish::Wish;
+use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{DRAW, FAVORITE, LOCK, MUTATE, STAGE};

@@ -3,12 +3,11 @@
 use chladni_music::{Action, Cue, Target, preceding};
 
 use super::MusicRoom;
-use super::asking::Then;
 use super::hands::Stand;
 use super::listening::Listening;
 use super::remote::{Asked, NUDGE_SECS, Now};
 use super::view::View;
-use super::wish::Wish;
+use super::wish::{Then, Wish};
 use crate::studio::keys::music::{
     AUTOPILOT, BACK, BLACKOUT, BREED, CHOOSE, DOUBLE, DRAW, FAVORITE, FILM, FOLLOW_CLOCK, FORTH, FREEZE, GO,
     HALVE, HOLD, LEAVE, LIVE, LOCK, LOCK_BEAT, MARK_ABOVE, MARK_BELOW, MARK_LEFT, MARK_RIGHT, MUTATE,

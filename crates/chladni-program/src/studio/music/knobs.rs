@@ -94,7 +94,7 @@ fn form(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
 
 /// Choice of the material that the shape seems to ring like.
 fn timbre(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
-    let now = Timbre::of(parameters);
+    let now = parameters.timbre();
     ui.horizontal_wrapped(|ui| {
         let tip = "Follows the level of the sound, as in the paper";
         if ui.selectable_label(now.is_none(), "None").on_hover_text(tip).clicked() {
@@ -104,7 +104,7 @@ fn timbre(ui: &mut Ui, parameters: &Parameters, wishes: &mut Vec<Wish>) {
             let tip = "Rings as a damped oscillator when the sound strikes it";
             if ui.selectable_label(now == Some(timbre), theme::capitalized(name)).on_hover_text(tip).clicked()
             {
-                wishes.extend(timbre.actions().map(Wish::Do));
+                wishes.extend(Action::for_timbre(&timbre).map(Wish::Do));
             }
         }
     });

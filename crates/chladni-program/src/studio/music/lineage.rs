@@ -1,6 +1,6 @@
 //! The family tree of dances, and the way back to where an ancestor was.
 
-use chladni_music::{Action, Gallery, GalleryItem, Instrument, ItemId, Origin, lineage};
+use chladni_music::{Action, Gallery, GalleryItem, Instrument, ItemId, Origin};
 use egui::{RichText, ScrollArea, Ui};
 
 use super::wish::Wish;
@@ -12,7 +12,7 @@ pub fn menu(ui: &mut Ui, label: &str, instrument: &Instrument, item: &GalleryIte
     let button = ui.menu_button(label, |ui| {
         ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
             let gallery = instrument.gallery();
-            for ancestor in lineage(instrument, item) {
+            for ancestor in instrument.lineage(item) {
                 let mut text = format!(
                     "{}: {}",
                     name(gallery, ancestor.id, &ancestor.name),

@@ -6,9 +6,8 @@ use egui::{RichText, Ui};
 
 use std::path::Path;
 
-use super::asking::Then;
 use super::preferences::{Camera, Screen};
-use super::wish::Wish;
+use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;

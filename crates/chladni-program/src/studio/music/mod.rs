@@ -52,7 +52,6 @@ use std::path::PathBuf;
 use chladni_music::Show;
 use chladni_sound::Capture;
 
-use self::asking::Then;
 use self::calibrating::Calibrating;
 use self::concert::Concert;
 use self::curtain::Curtain;
@@ -67,6 +66,7 @@ use self::loading::Ready;
 pub use self::preferences::Preferences;
 use self::salvage::Salvage;
 use self::shows::MOST_HARMONICS;
+use self::wish::Then;
 use super::Trace;
 use super::awake::Awake;
 use super::job::Job;

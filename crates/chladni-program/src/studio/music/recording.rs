@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::MusicRoom;
-use super::asking::Then;
 use super::preferences::Camera;
 use super::recorder::Recorder;
+use super::wish::Then;
 use crate::studio::opening::{SetOutput, SetTarget};
 use crate::studio::room::Shared;
 use crate::work::Error;

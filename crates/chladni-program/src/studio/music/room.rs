@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use egui::Ui;
 
 use super::MusicRoom;
-use super::asking::Then;
 use super::concert::Concert;
 use super::curtain::Curtain;
 use super::film::Scene;
 use super::listening::Listening;
 use super::shows::{songs_of, the_show};
-use super::wish::Wish;
+use super::wish::{Then, Wish};
 use super::{meters, show_bar, transport};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};

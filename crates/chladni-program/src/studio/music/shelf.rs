@@ -168,7 +168,7 @@ impl Shelf {
         let folder = folder.ok_or_else(|| Error::other("this system has no folder for preferences"))?;
         let item = instrument.item(form.item).ok_or_else(|| Error::input("this dance is no longer there"))?;
         let tags = form.tags.split(',').map(str::trim).filter(|tag| !tag.is_empty());
-        let mut preset = Preset::of(instrument, item, tags.map(str::to_owned).collect());
+        let mut preset = instrument.preset(item, tags.map(str::to_owned).collect());
         preset.name = form.name.trim().to_owned();
         std::fs::create_dir_all(folder).map_err(|why| Error::unwritten(folder, why))?;
         let path = free_path(folder, &preset.name);

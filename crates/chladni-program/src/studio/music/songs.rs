@@ -6,11 +6,10 @@ use chladni_sound::{
 };
 use egui::{RichText, Ui, vec2};
 
-use super::asking::Then;
 use super::listening::{Listening, MOST_GAIN_DB};
 use super::meters;
 use super::preferences::{MOST_LATE_MS, Preferences};
-use super::wish::Wish;
+use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job::Job;

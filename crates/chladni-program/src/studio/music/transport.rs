@@ -4,12 +4,11 @@ use chladni_music::{Action, Switch};
 use chladni_sound::PlayerState;
 use egui::{RichText, ScrollArea, Slider, Ui};
 
-use super::asking::Then;
 use super::concert::Concert;
 use super::film;
 use super::listening::Listening;
 use super::view::View;
-use super::wish::Wish;
+use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{

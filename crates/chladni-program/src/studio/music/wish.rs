@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use chladni_music::{Action, ItemId, Preset, Target};
 
-use super::asking::Then;
 use super::view::View;
 
 /// One wish; the room fulfills it after the frame's panels are drawn.
@@ -43,4 +42,25 @@ pub enum Wish {
     Press(Target),
     /// On stage: the favorite after (true) or before the one that plays.
     StepFavorite(bool),
+}
+
+/// The use of the file that a person is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Then {
+    /// All that dances or sounds is opened.
+    Open,
+    /// Songs are added to the list.
+    AddSongs,
+    /// The film of the form is made.
+    Film,
+    /// The set is recorded from now on.
+    Record,
+    /// A dance is saved as a preset.
+    SavePreset(ItemId),
+    /// The show is saved.
+    SaveShow,
+    /// The background is this picture or film.
+    Picture,
+    /// The light is that of this panorama.
+    Panorama,
 }

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
-use chladni_music::{Ensemble, Instrument, Preset};
+use chladni_music::{Ensemble, Instrument};
 use chladni_sound::{WavSample, write_wav};
 use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
 
@@ -176,7 +176,7 @@ fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
     for (i, item) in instrument.gallery().items().iter().enumerate() {
         let path = folder.join(format!("item-{:02}.toml", i + 1));
-        Preset::of(instrument, item, Vec::new()).save(&path).map_err(Error::unsaved)?;
+        instrument.preset(item, Vec::new()).save(&path).map_err(Error::unsaved)?;
     }
     Ok(())
 }

@@ -3,8 +3,7 @@
 
 use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing};
 
-use super::Hearing;
-use crate::work::LIVE_SEED;
+use super::{Hearing, LIVE_SEED};
 
 /// A clock, and who films to it.
 #[derive(Default)]

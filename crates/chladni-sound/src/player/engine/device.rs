@@ -119,7 +119,8 @@ mod tests {
     use std::sync::mpsc::channel;
 
     use super::*;
-    use crate::player::handle::{PlayerSettings, Shared};
+    use crate::player::settings::PlayerSettings;
+    use crate::player::shared::Shared;
     use crate::{Song, WavSample, write_wav};
 
     #[test]

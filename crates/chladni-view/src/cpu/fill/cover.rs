@@ -56,7 +56,7 @@ impl Setup {
         if low[0] > high[0] || low[1] > high[1] {
             return;
         }
-        let plane = Plane::new(self, bias);
+        let plane = Plane::new(self.corners, self.area, bias);
         // Where differences have 14 bits, sums of two products have 30.
         if right - left < 1 << 14 && bottom - top < 1 << 14 {
             self.cover::<i32, PER, SEEN>(target, (low, high), &plane, id);

@@ -1,7 +1,6 @@
 //! The depth of a triangle's own plane.
 
 use super::Bias;
-use super::cover::Setup;
 use crate::cpu::project::{Corner, SUBPIXELS};
 
 /// Depth over the screen.
@@ -17,9 +16,8 @@ pub(super) struct Plane {
 
 impl Plane {
     #[inline(always)]
-    pub(super) fn new(setup: &Setup, bias: Bias) -> Self {
-        let [a, b, c] = setup.corners;
-        let area = setup.area as f32;
+    pub(super) fn new([a, b, c]: [Corner; 3], area: i64, bias: Bias) -> Self {
+        let area = area as f32;
         let (dx, dy) = ([(b.x - a.x) as f32, (c.x - a.x) as f32], [(b.y - a.y) as f32, (c.y - a.y) as f32]);
         let (db, dc) = (b.z - a.z, c.z - a.z);
         let across = (db * dy[1] - dc * dy[0]) / area;

@@ -2,22 +2,22 @@
 
 use super::super::batch::{Answered, PLACES};
 use super::super::curves::{clamp, max, min, mix, smoothstep};
-use super::super::stage::Coat;
+use super::super::subjects::Coat;
 use super::Tile;
 
 impl Tile<'_, '_> {
     /// The bare colors of the batch, linear light.
     pub(super) fn colors(&mut self, figure: usize) {
-        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
+        let (prepared, subject) = (&self.picture.prepared.figures[figure], &self.picture.subjects[figure]);
         let batch = &mut *self.scratch.batch;
-        let [low, scale, map, _] = staged.uniform.scale;
-        batch.glow.fill(staged.uniform.glow[0]);
+        let [low, scale, map, _] = prepared.uniform.scale;
+        batch.glow.fill(prepared.uniform.glow[0]);
         for i in 0..batch.count {
             let triangle = batch.triangle[i] as usize;
             let weights: [f32; 3] = std::array::from_fn(|k| batch.weights[k][i]);
             let color = match subject.coat {
                 Coat::Material => {
-                    let [r, g, b, _] = staged.uniform.color;
+                    let [r, g, b, _] = prepared.uniform.color;
                     [r, g, b]
                 }
                 Coat::Values(values) => {
@@ -61,10 +61,10 @@ impl Tile<'_, '_> {
 
     /// The same by palette, which has much to compute.
     fn answered(&mut self, figure: usize) {
-        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
+        let (prepared, subject) = (&self.picture.prepared.figures[figure], &self.picture.subjects[figure]);
         let batch = &mut *self.scratch.batch;
         let mut answers = [[0.0; PLACES]; 2];
-        let phase = staged.uniform.figured[2];
+        let phase = prepared.uniform.figured[2];
         for i in 0..batch.count {
             let corners = subject.triangles[batch.triangle[i] as usize];
             let weights: [f32; 3] = std::array::from_fn(|corner| batch.weights[corner][i]);
@@ -72,14 +72,14 @@ impl Tile<'_, '_> {
                 let ([a, b, c], [u, v, w]) = (corners.map(|corner| &of[corner as usize]), weights);
                 [u * a[0] + v * b[0] + w * c[0], u * a[1] + v * b[1] + w * c[1]]
             };
-            let [mut place, own] = at(&staged.answers);
+            let [mut place, own] = at(&prepared.answers);
             if phase != 0.0 {
-                let [x, y] = at(&staged.outward);
-                place += phase * turns_of(x, y, PHASED * staged.uniform.line[1]);
+                let [x, y] = at(&prepared.outward);
+                place += phase * turns_of(x, y, PHASED * prepared.uniform.line[1]);
             }
             (answers[0][i], answers[1][i]) = (place, own);
         }
-        let (figure, answers) = (&staged.uniform, &answers);
+        let (figure, answers) = (&prepared.uniform, &answers);
         if let Some(map) = self.picture.maps.get(figure.scale[2] as usize) {
             self.picture.instructions.run(Answered { figure, map, answers, batch });
         }
@@ -104,21 +104,21 @@ impl Tile<'_, '_> {
 
     /// Lays nodal lines over the batch's colors.
     pub(super) fn nodal_lines(&mut self, figure: usize) {
-        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
-        let [width, farthest, ..] = staged.uniform.line;
+        let (prepared, subject) = (&self.picture.prepared.figures[figure], &self.picture.subjects[figure]);
+        let [width, farthest, ..] = prepared.uniform.line;
         let width = max(width * self.cell.uniform.viewport[3], 0.6);
         let batch = &mut *self.scratch.batch;
         for i in 0..batch.count {
             let corners =
-                subject.triangles[batch.triangle[i] as usize].map(|v| staged.outward[v as usize][0]);
+                subject.triangles[batch.triangle[i] as usize].map(|v| prepared.outward[v as usize][0]);
             let at = |weights: &[[f32; PLACES]; 3]| (0..3).map(|k| weights[k][i] * corners[k]).sum::<f32>();
             let here = at(&batch.weights);
             let slope = (at(&batch.right) - here).abs() + (at(&batch.below) - here).abs();
             let near = 1.0 - smoothstep(width - 0.5, width + 0.5, here.abs() / max(slope, 1e-12));
             let stirred = smoothstep(STILL * farthest, STIRRED * farthest, slope);
             for k in 0..3 {
-                let line = staged.uniform.lines[3] * near * stirred;
-                batch.color[k][i] = mix(batch.color[k][i], staged.uniform.lines[k], line);
+                let line = prepared.uniform.lines[3] * near * stirred;
+                batch.color[k][i] = mix(batch.color[k][i], prepared.uniform.lines[k], line);
             }
         }
     }

@@ -11,16 +11,16 @@ const RING: Bias = Bias { units: -2.0, slope: -1.0 };
 impl Tile<'_, '_> {
     /// Lays a brush's ring, and a breath of its color, over a figure that is there.
     pub(super) fn ring(&mut self, figure: usize) {
-        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
+        let (prepared, subject) = (&self.picture.prepared.figures[figure], &self.picture.subjects[figure]);
         let Some((triangles, reach)) = subject.ring else { return };
         let instructions = self.picture.instructions;
         for (id, triangle) in (0..).zip(triangles) {
-            for corners in staged.projected.pieces(&staged.lens, subject.positions, *triangle) {
+            for corners in prepared.projected.pieces(&prepared.lens, subject.positions, *triangle) {
                 let mut target = self.target();
                 instructions.run(FillOne { target: &mut target, corners, id, bias: RING });
             }
         }
-        let [r, g, b, radius] = staged.uniform.brush;
+        let [r, g, b, radius] = prepared.uniform.brush;
         let lay = |tile: &mut Self| {
             tile.locate::<true>(figure, triangles);
             let batch = &mut *tile.scratch.batch;

@@ -5,8 +5,9 @@ use std::ops::Range;
 use super::super::batch::{Light, LightMap, PLACES, Pack, Place, Setting};
 use super::super::curves::{clamp, max, min};
 use super::super::fill::NONE;
+use super::super::prepared::PreparedFigure;
 use super::super::shadow::AskKey;
-use super::super::stage::{Coat, StagedFigure};
+use super::super::subjects::Coat;
 use super::{SAMPLES, Tile};
 
 impl Tile<'_, '_> {
@@ -72,8 +73,8 @@ impl Tile<'_, '_> {
 
     /// Fetches the corners of the batch's triangles and finds the places on them.
     pub(super) fn locate<const EDGES: bool>(&mut self, figure: usize, triangles: &[[u32; 3]]) {
-        let (staged, subject) = (&self.picture.stage.figures[figure], &self.picture.subjects[figure]);
-        let setting = self.setting(staged);
+        let (prepared, subject) = (&self.picture.prepared.figures[figure], &self.picture.subjects[figure]);
+        let setting = self.setting(prepared);
         let batch = &mut *self.scratch.batch;
         for i in 0..batch.count {
             for (corner, v) in triangles[batch.triangle[i] as usize].into_iter().enumerate() {
@@ -87,7 +88,7 @@ impl Tile<'_, '_> {
         self.picture.instructions.run(Place::<EDGES>(&setting, batch));
     }
 
-    fn setting<'s>(&self, figure: &'s StagedFigure) -> Setting<'s>
+    fn setting<'s>(&self, figure: &'s PreparedFigure) -> Setting<'s>
     where
         Self: 's,
     {
@@ -107,16 +108,16 @@ impl Tile<'_, '_> {
             return;
         }
         let subject = &self.picture.subjects[figure];
-        let staged = &self.picture.stage.figures[figure];
-        let wired = staged.uniform.wire_width[0] > 0.0;
-        let lined = matches!(subject.coat, Coat::Answer(..)) && staged.uniform.lines[3] > 0.0;
+        let prepared = &self.picture.prepared.figures[figure];
+        let wired = prepared.uniform.wire_width[0] > 0.0;
+        let lined = matches!(subject.coat, Coat::Answer(..)) && prepared.uniform.lines[3] > 0.0;
         if wired || lined || matches!(subject.coat, Coat::Skin(_)) {
             self.locate::<true>(figure, subject.triangles);
         } else {
             self.locate::<false>(figure, subject.triangles);
         }
         self.colors(figure);
-        let setting = self.setting(staged);
+        let setting = self.setting(prepared);
         let (instructions, cell) = (self.picture.instructions, self.cell);
         let batch = &mut *self.scratch.batch;
         if matches!(subject.coat, Coat::Values(_)) {
@@ -127,9 +128,9 @@ impl Tile<'_, '_> {
                 instructions.run(AskKey { map: &cell.map, strength: cell.uniform.shadow_map[0], batch });
             }
             if let Some(around) = self.picture.around {
-                batch.surround(&cell.uniform, around, staged.uniform.material[0]);
+                batch.surround(&cell.uniform, around, prepared.uniform.material[0]);
             }
-            match (staged.uniform.material[3] > 0.0, self.picture.around.is_some()) {
+            match (prepared.uniform.material[3] > 0.0, self.picture.around.is_some()) {
                 (false, false) => instructions.run(Light::<false, false>(&setting, batch)),
                 (true, false) => instructions.run(Light::<true, false>(&setting, batch)),
                 (false, true) => instructions.run(Light::<false, true>(&setting, batch)),
@@ -140,7 +141,7 @@ impl Tile<'_, '_> {
             self.nodal_lines(figure);
         }
         if wired {
-            self.wire(&staged.uniform.wire, staged.uniform.wire_width[0]);
+            self.wire(&prepared.uniform.wire, prepared.uniform.wire_width[0]);
         }
         self.lay(clamp(subject.opacity, 0.0, 1.0));
     }

@@ -9,6 +9,7 @@ mod marking;
 mod pane;
 mod piloted;
 mod preview;
+mod show;
 mod standing;
 mod suggesting;
 

@@ -2,10 +2,13 @@
 
 use image::RgbaImage;
 
+use crate::style::linear;
+
 /// Levels of an image, the largest first, in linear light.
 #[derive(Debug)]
 pub(crate) struct Pyramid {
     levels: Vec<RgbaImage>,
+    /// Linear light of eight bits of sRGB.
     linear: Box<[f32; 256]>,
 }
 
@@ -14,17 +17,17 @@ const ANISOTROPY: f32 = 4.0;
 
 impl Pyramid {
     pub(crate) fn new(levels: impl Iterator<Item = RgbaImage>) -> Self {
-        Self { levels: levels.collect(), linear: Box::new(super::linear_table()) }
+        Self { levels: levels.collect(), linear: Box::new(std::array::from_fn(|i| linear([i as u8; 3])[0])) }
     }
 
     /// Linear light at `uv`, v down, where a step to the right changes it by `right` and one down by
     /// `down`. The image repeats.
-    pub(super) fn sample(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
+    pub(crate) fn sample(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
         self.filtered(uv, right, down, Self::bilinear)
     }
 
     /// The same of an image that ends at its edges.
-    pub(super) fn sample_within(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
+    pub(crate) fn sample_within(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
         self.filtered(uv, right, down, Self::bilinear_within)
     }
 
@@ -58,7 +61,7 @@ impl Pyramid {
     }
 
     /// Linear light at `uv` of a level between two. The image repeats to the sides, not up and down.
-    pub(super) fn level(&self, [u, v]: [f32; 2], level: f32) -> [f32; 3] {
+    pub(crate) fn level(&self, [u, v]: [f32; 2], level: f32) -> [f32; 3] {
         let (low, share) = (level.max(0.0) as usize, level.max(0.0).fract());
         let at = |level: usize| {
             let rows = self.levels.get(level).or(self.levels.last()).map_or(1, RgbaImage::height) as f32;

@@ -1,9 +1,10 @@
 //! Passes that draw only depths: those that the key light sees, and, where a device cannot read the samples of a
 //! picture's own depths, those that the viewer sees.
 
-use super::focus::FINE;
-use super::pipelines::{Kind, Part};
-use super::renderer::{Renderer, item_bytes};
+use super::Renderer;
+use crate::gpu::focus::FINE;
+use crate::gpu::pipelines::{Kind, Part};
+use crate::gpu::screen::depth_pass;
 use crate::uniforms::casts_shadows;
 use crate::{Cell, Figure, Samples, ViewError};
 
@@ -69,28 +70,10 @@ impl Renderer {
             pass.set_pipeline(self.pipelines.get(&self.gpu.device, Kind::new(part, Samples::One)));
             pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
             let (items, triangles) = (figure.buffers.held.gpu()?, figure.topology.held.gpu()?);
-            pass.set_vertex_buffer(0, items.positions.slice(item_bytes(figure, figure.item)));
+            pass.set_vertex_buffer(0, items.positions.slice(figure.buffers.item_bytes(figure.item)));
             pass.set_index_buffer(triangles.indices.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..3 * figure.topology.triangles as u32, 0, 0..1);
         }
         Ok(())
     }
-}
-
-/// Begins a pass over a whole target of depths, cleared to the farthest depth.
-pub(super) fn depth_pass<'e>(
-    encoder: &'e mut wgpu::CommandEncoder,
-    label: &str,
-    view: &wgpu::TextureView,
-) -> wgpu::RenderPass<'e> {
-    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: Some(ops),
-            stencil_ops: None,
-        }),
-        ..Default::default()
-    })
 }

@@ -1,12 +1,11 @@
 //! Textures and buffers shared with a window or a synthesizer on the same device, without a copy.
 
-use super::{Canvas as DeviceCanvas, Renderer as DeviceRenderer};
 use crate::buffers::{DeviceItems, Held};
-use crate::{Canvas, Gpu, ItemBuffers, Renderer, Samples, ViewError};
+use crate::{Canvas, Gpu, ItemBuffers, Renderer, Samples, ViewError, gpu};
 
 impl Canvas {
     /// The format of pictures and of what egui shows: sRGB-encoded numbers, premultiplied alpha.
-    pub const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+    pub const FORMAT: wgpu::TextureFormat = gpu::Canvas::FORMAT;
 
     /// A canvas of a graphics device in another eight-bit format, `…Unorm` or `…UnormSrgb`; the
     /// renderer that draws on it must have been made for the same.
@@ -20,7 +19,7 @@ impl Canvas {
         format: wgpu::TextureFormat,
         samples: Samples,
     ) -> Result<Self, ViewError> {
-        Ok(Self { held: Held::Gpu(DeviceCanvas::new(gpu, width, height, format, samples)?) })
+        Ok(Self { held: Held::Gpu(gpu::Canvas::new(gpu, width, height, format, samples)?) })
     }
 
     /// The finished picture, to show in a window: `Renderer::register_native_texture` of
@@ -36,7 +35,7 @@ impl Canvas {
 impl Renderer {
     /// A renderer of a graphics device for canvases of another eight-bit format.
     pub fn with_format(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
-        Self { device: gpu.into(), held: Held::Gpu(Box::new(DeviceRenderer::new(gpu, format))) }
+        Self { device: gpu.into(), held: Held::Gpu(Box::new(gpu::Renderer::new(gpu, format))) }
     }
 }
 

@@ -1,7 +1,6 @@
 //! A picture's cells before they are drawn: checked, projected, their shadows drawn.
 
 use std::ops::Range;
-use std::sync::{Arc, RwLock, RwLockReadGuard};
 
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
@@ -11,135 +10,25 @@ use super::backdrop::Backdrop;
 use super::grains::GrainDiscs;
 use super::instructions::Instructions;
 use super::markers::Disc;
-use super::project::{Grid, Lens};
+use super::project::{Grid, Lens, TILE_BITS};
 use super::projected::Projected;
-use super::pyramid::Pyramid;
 use super::shadow::ShadowMap;
-use super::tile::TILE_BITS;
-use crate::buffers::{HostItems, Shared, read};
+use super::subjects::{Coat, Subject};
 use crate::uniforms::{
-    CellUniform, FigureUniform, arrangement, casts_shadows, cell_uniform, check_cell, check_figure,
-    figure_uniform, key_light_view,
+    CellUniform, FigureUniform, arrangement, casts_shadows, cell_uniform, check_cell, figure_uniform,
+    key_light_view,
 };
-use crate::{Cell, Figure, Paint, Projection, Samples, Surroundings, VertexPaint, ViewError};
-
-/// Read locks on the data of all figures, held while they are drawn.
-pub(super) struct Locks<'a> {
-    items: Vec<Lock<'a, HostItems>>,
-    paints: Vec<Lock<'a, Vec<[u8; 4]>>>,
-}
-
-/// A thing and its lock. Whatever many figures share is locked once: a thread must not wait for itself.
-type Lock<'a, T> = (*const RwLock<T>, RwLockReadGuard<'a, T>);
-
-fn lock<'a, T>(locks: &mut Vec<Lock<'a, T>>, shared: &'a Shared<T>) {
-    if held(locks, shared).is_none() {
-        locks.push((Arc::as_ptr(shared), read(shared)));
-    }
-}
-
-fn held<'l, T>(locks: &'l [Lock<'_, T>], shared: &Shared<T>) -> Option<&'l T> {
-    locks.iter().find(|(of, _)| std::ptr::eq(*of, Arc::as_ptr(shared))).map(|(_, guard)| &**guard)
-}
-
-/// The paints of a figure: its own, and its brush's reach.
-fn paints<'a>(figure: &Figure<'a>) -> [Option<&'a VertexPaint>; 2] {
-    let own = match figure.paint {
-        Paint::Values(paint, _) | Paint::Colors(paint) => Some(paint),
-        Paint::Material | Paint::Skin(_) | Paint::Answer(..) => None,
-    };
-    [own, figure.brush.map(|ring| &ring.reach)]
-}
-
-impl<'a> Locks<'a> {
-    pub(super) fn of(cells: &[Cell<'a>]) -> Result<Self, ViewError> {
-        let mut all = Self { items: Vec::new(), paints: Vec::new() };
-        for figure in cells.iter().flat_map(|cell| cell.figures) {
-            check_figure(figure)?;
-            lock(&mut all.items, figure.buffers.held.cpu()?);
-            for paint in paints(figure).into_iter().flatten() {
-                lock(&mut all.paints, paint.held.cpu()?);
-            }
-        }
-        Ok(all)
-    }
-
-    /// The figures of all cells, one after the other.
-    pub(super) fn subjects<'l>(&'l self, cells: &[Cell<'l>]) -> Result<Vec<Subject<'l>>, ViewError> {
-        cells.iter().flat_map(|cell| cell.figures).map(|figure| self.subject(figure)).collect()
-    }
-
-    fn subject<'l>(&'l self, figure: &Figure<'l>) -> Result<Subject<'l>, ViewError> {
-        let lost = || ViewError::Shape("a figure's buffers changed while it was drawn".into());
-        let items = held(&self.items, figure.buffers.held.cpu()?).ok_or_else(lost)?;
-        let paint = |paint: &VertexPaint| -> Result<&'l [[u8; 4]], ViewError> {
-            Ok(held(&self.paints, paint.held.cpu()?).ok_or_else(lost)?)
-        };
-        let n = figure.buffers.vertices;
-        let vertices = figure.item * n..(figure.item + 1) * n;
-        let triangles = figure.topology.held.cpu()?;
-        if triangles.corners.len() >= 1 << 31 {
-            return Err(ViewError::Shape(format!("{} triangles", triangles.corners.len())));
-        }
-        let coat = match figure.paint {
-            Paint::Material => Coat::Material,
-            Paint::Values(values, _) => Coat::Values(paint(values)?),
-            Paint::Colors(colors) => Coat::Colors(paint(colors)?),
-            Paint::Skin(skin) => Coat::Skin(skin.held.cpu()?),
-            Paint::Answer(rest, _) => {
-                let lag = figure.lag.map(|lag| &items.positions[lag * n..(lag + 1) * n]);
-                Coat::Answer(rest.held.cpu()?, lag)
-            }
-        };
-        let ring = match figure.brush.filter(|ring| ring.corners > 0) {
-            Some(ring) => Some((&ring.triangles.cpu()?[..], paint(&ring.reach)?)),
-            None => None,
-        };
-        Ok(Subject {
-            triangles: &triangles.corners,
-            uvs: &triangles.uvs,
-            positions: &items.positions[vertices.clone()],
-            normals: &items.normals[vertices],
-            coat,
-            ring,
-            opacity: figure.opacity,
-        })
-    }
-}
-
-/// The data of one figure.
-pub(super) struct Subject<'a> {
-    pub(super) triangles: &'a [[u32; 3]],
-    pub(super) uvs: &'a [[f32; 2]],
-    pub(super) positions: &'a [[f32; 3]],
-    pub(super) normals: &'a [[f32; 3]],
-    pub(super) coat: Coat<'a>,
-    /// Triangles of a brush's ring, and how far each vertex is from its center.
-    pub(super) ring: Option<Ring<'a>>,
-    pub(super) opacity: f32,
-}
-
-type Ring<'a> = (&'a [[u32; 3]], &'a [[u8; 4]]);
-
-/// Where a figure's color comes from.
-pub(super) enum Coat<'a> {
-    Material,
-    Values(&'a [[u8; 4]]),
-    Colors(&'a [[u8; 4]]),
-    Skin(&'a Pyramid),
-    /// Per vertex: the rest position with its two palette numbers, and the lag behind itself, if known.
-    Answer(&'a [[f32; 5]], Option<&'a [[f32; 3]]>),
-}
+use crate::{Cell, Figure, Projection, Samples, Surroundings, ViewError};
 
 /// All that is known of a picture before its pixels.
 #[derive(Debug, Default)]
-pub(super) struct Stage {
-    pub(super) cells: Vec<StagedCell>,
-    pub(super) figures: Vec<StagedFigure>,
+pub(super) struct Prepared {
+    pub(super) cells: Vec<PreparedCell>,
+    pub(super) figures: Vec<PreparedFigure>,
 }
 
 #[derive(Debug, Default)]
-pub(super) struct StagedCell {
+pub(super) struct PreparedCell {
     pub(super) uniform: CellUniform,
     pub(super) grid: Grid,
     /// Its figures among all.
@@ -154,7 +43,7 @@ pub(super) struct StagedCell {
 }
 
 #[derive(Debug, Default)]
-pub(super) struct StagedFigure {
+pub(super) struct PreparedFigure {
     pub(super) uniform: FigureUniform,
     /// Rows x, y and w of the matrix from the item to clip space.
     pub(super) clip: [[f32; 4]; 3],
@@ -177,28 +66,29 @@ const SMALL: u32 = 10_000;
 /// Texels of a side that all maps together may take.
 const MAPS_SIDE: u32 = 8192;
 
-impl Stage {
+impl Prepared {
     /// Takes `cells` in, whose figures are `subjects`.
-    pub(super) fn set(
+    pub(super) fn prepare(
         &mut self,
         with: Instructions,
         canvas: &Canvas,
         (cells, surroundings): (&[Cell<'_>], &Surroundings),
         subjects: &[Subject<'_>],
     ) -> Result<(), ViewError> {
-        self.cells.resize_with(cells.len(), StagedCell::default);
-        self.figures.resize_with(subjects.len(), StagedFigure::default);
+        self.cells.resize_with(cells.len(), PreparedCell::default);
+        self.figures.resize_with(subjects.len(), PreparedFigure::default);
         let shadowed = cells.iter().filter(|cell| casts_shadows(cell)).count();
         let (size, ..) = arrangement(shadowed.max(1) as u32, Samples::Four, MAPS_SIDE);
         let mut first = 0;
-        for (staged, cell) in self.cells.iter_mut().zip(cells) {
+        for (prepared, cell) in self.cells.iter_mut().zip(cells) {
             check_cell(cell, canvas.width, canvas.height)?;
-            staged.figures = first..first + cell.figures.len();
-            first = staged.figures.end;
-            staged.set(with, (cell, surroundings), size)?;
-            for (figure, staged_figure) in cell.figures.iter().zip(&mut self.figures[staged.figures.clone()])
+            prepared.figures = first..first + cell.figures.len();
+            first = prepared.figures.end;
+            prepared.set(with, (cell, surroundings), size)?;
+            for (figure, prepared_figure) in
+                cell.figures.iter().zip(&mut self.figures[prepared.figures.clone()])
             {
-                staged_figure.set(figure, staged);
+                prepared_figure.set(figure, prepared);
             }
         }
         let grids = self.cells.iter().flat_map(|cell| std::iter::repeat_n(cell.grid, cell.figures.len()));
@@ -221,22 +111,22 @@ impl Stage {
                 casting.map(|(figure, subject)| (&figure.shadow, subject.triangles)).collect();
             cell.map.draw(with, size, &casting);
         });
-        for (staged, cell) in self.cells.iter_mut().zip(cells) {
-            let StagedCell { grains, uniform, map, shadows, .. } = staged;
+        for (prepared, cell) in self.cells.iter_mut().zip(cells) {
+            let PreparedCell { grains, uniform, map, shadows, .. } = prepared;
             grains.clear();
-            for (figure, i) in cell.figures.iter().zip(staged.figures.clone()) {
+            for (figure, i) in cell.figures.iter().zip(prepared.figures.clone()) {
                 if let Some(of) = figure.grains {
                     let on = (&self.figures[i].uniform, &subjects[i], of);
                     grains.add(uniform, Some(&*map).filter(|_| *shadows), on);
                 }
             }
-            grains.sort(&staged.grid);
+            grains.sort(&prepared.grid);
         }
         Ok(())
     }
 }
 
-impl StagedCell {
+impl PreparedCell {
     fn set(
         &mut self,
         with: Instructions,
@@ -273,7 +163,7 @@ impl StagedCell {
     }
 }
 
-impl StagedFigure {
+impl PreparedFigure {
     /// Computes the palette position and the glow of each vertex, as `answered` of `gpu/shader` does.
     fn answer(&mut self, subject: &Subject<'_>) {
         let Coat::Answer(rest, lag) = subject.coat else { return };
@@ -304,7 +194,7 @@ impl StagedFigure {
         }));
     }
 
-    fn set(&mut self, figure: &Figure<'_>, cell: &StagedCell) {
+    fn set(&mut self, figure: &Figure<'_>, cell: &PreparedCell) {
         self.uniform = figure_uniform(figure);
         let matrix = |columns: &[[f32; 4]; 4]| Mat4::from_cols_array_2d(columns);
         let model = matrix(&self.uniform.model);
