@@ -26,7 +26,7 @@ type Limited = (Arc<Vec<Vec3>>, Option<Arc<Kept>>);
 type ResultMemo = Memo<(Same<Base>, Same<Vec<Vec3>>), Arc<Base>>;
 
 /// The last results of one layer.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct LayerMemo {
     painted: PaintedSpectrum,
     mask: Memo<(Painted, Smoothing), Mask>,
@@ -40,7 +40,6 @@ pub(crate) struct LayerMemo {
     /// The fields of all three, where they are shown side by side.
     all_fields: Memo<(Same<Difference>, ScaleCurve), [Arc<Field>; 3]>,
     displacement: DisplacementMemo,
-    pub kept: Option<(KeepRequest, Answer<Kept>)>,
     capped: CapMemo,
     result: ResultMemo,
     pub signals: Memo<Same<Difference>, Signals>,
@@ -56,6 +55,8 @@ pub(crate) struct Scene<'a> {
     pub all_models: bool,
     /// Where layers are limited.
     pub keeper: Option<&'a Arc<SharedKeeper>>,
+    /// How far the layer was limited last.
+    pub kept: Option<&'a (KeepRequest, Answer<Kept>)>,
     /// The layer.
     pub id: LayerId,
 }
@@ -119,7 +120,7 @@ impl LayerMemo {
         mask: &Mask,
         unlimited: &Arc<Vec<Vec3>>,
     ) -> Result<Limited, CaricatureError> {
-        let (Some(keeper), Some((request, kept))) = (scene.keeper, &self.kept) else {
+        let (Some(keeper), Some((request, kept))) = (scene.keeper, scene.kept) else {
             return Ok((unlimited.clone(), None));
         };
         let (base, mask, keeper) = (base.clone(), mask.clone(), keeper.clone());

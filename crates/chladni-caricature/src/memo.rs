@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 /// One remembered value and the inputs it came from.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Memo<K, V>(Option<(K, V)>);
 
 impl<K, V> Default for Memo<K, V> {
@@ -29,6 +29,12 @@ impl<K: PartialEq, V: Clone> Memo<K, V> {
 /// A shared value that equals only itself, whatever it holds.
 #[derive(Debug)]
 pub(crate) struct Same<T: ?Sized>(pub Arc<T>);
+
+impl<T: ?Sized> Clone for Same<T> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
 
 impl<T: ?Sized> PartialEq for Same<T> {
     fn eq(&self, other: &Self) -> bool {

@@ -1,6 +1,8 @@
 //! The transform of a painted signal, which follows the brush: a stroke costs only the rows of the vertices that it
 //! touches.
 
+use std::sync::Arc;
+
 use chladni_harmonics::Basis;
 use rayon::prelude::*;
 
@@ -15,10 +17,10 @@ const DENSE: usize = BLOCK / 8;
 /// Each addend is rounded to a multiple of 2⁻⁴⁴, so sums below 2⁹ are exact (|χ̃01_k| is at most the root of
 /// the area). The order of additions and subtractions does not matter: undoing a stroke, or loading the
 /// project again, gives the same bits.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct PaintedSpectrum {
-    painted: Vec<f32>,
-    spectrum: Vec<f64>,
+    painted: Arc<[f32]>,
+    spectrum: Arc<[f64]>,
 }
 
 /// Adding and then subtracting it rounds to a multiple of 2⁻⁴⁴.
@@ -32,8 +34,8 @@ impl PaintedSpectrum {
     /// The first `harmonics` coefficients, or more, of `painted` (N values).
     pub(crate) fn follow(&mut self, basis: &Basis, painted: &[f32], harmonics: usize) -> &[f64] {
         if self.painted.len() != painted.len() || self.spectrum.len() < harmonics {
-            self.painted = vec![0.0; painted.len()];
-            self.spectrum = vec![0.0; harmonics];
+            self.painted = vec![0.0; painted.len()].into();
+            self.spectrum = vec![0.0; harmonics].into();
         }
         let (before, known) = (&self.painted, self.spectrum.len());
         let sums = painted
@@ -51,10 +53,11 @@ impl PaintedSpectrum {
                 a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
                 a
             });
-        for (sum, change) in self.spectrum.iter_mut().zip(sums.into_iter().flatten()) {
-            *sum += change;
+        // New ones, as the clones of a stack share those before.
+        if let Some(changes) = sums {
+            self.spectrum = self.spectrum.iter().zip(changes).map(|(sum, change)| sum + change).collect();
+            self.painted = painted.into();
         }
-        self.painted.copy_from_slice(painted);
         &self.spectrum
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{Body, HarmonicsError, HeatFlow, HeatStep};
 
 /// The heat steps that the layers of a stack ask for. Layers of equal softness share a factorization.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Softening {
     flow: Arc<SharedFlow>,
     /// By their length, the last used at the end.

@@ -24,13 +24,18 @@ use chladni_mesh::surface::vec3::{Vec3, add};
 ///
 /// Basis and correspondences never change; a layer whose inputs have not changed costs nothing, so a change
 /// to layer i is paid for only from i up.
-#[derive(Debug)]
+///
+/// A clone shares all that is remembered, and costs next to nothing: it evaluates on another thread, and what it then
+/// remembers is taken over by [`remember`](Self::remember).
+#[derive(Clone, Debug)]
 pub struct Stack {
     body: Arc<Body>,
     surface: Arc<Surface>,
-    file_positions: Vec<Vec3>,
+    file_positions: Arc<[Vec3]>,
     original: Arc<Base>,
     matches: Vec<(MatchRequest, Answer<Matched>)>,
+    /// How far each layer was limited last.
+    kept: HashMap<LayerId, (KeepRequest, Answer<Kept>)>,
     layers: HashMap<LayerId, LayerMemo>,
     softening: Softening,
     keeper: Arc<SharedKeeper>,
@@ -49,8 +54,8 @@ impl Stack {
     pub fn new(body: Arc<Body>) -> Result<Self, CaricatureError> {
         let surface = Arc::new(Surface::new(&body));
         let original = Base::new(body.basis.clone(), surface.clone(), body.positions.clone())?;
-        let file_positions = surface.file_positions();
-        let (matches, layers) = (Vec::new(), HashMap::new());
+        let file_positions = surface.file_positions().into();
+        let (matches, kept, layers) = (Vec::new(), HashMap::new(), HashMap::new());
         let softening = Softening::of(body.clone());
         let keeper = Arc::new(SharedKeeper::of(surface.clone(), softening.flow()));
         let (original, all_models_of) = (Arc::new(original), None);
@@ -60,6 +65,7 @@ impl Stack {
             file_positions,
             original,
             matches,
+            kept,
             layers,
             softening,
             keeper,
@@ -173,33 +179,45 @@ impl Stack {
         if !project.keep_triangles {
             return None;
         }
-        let keeper = self.keeper.clone();
-        self.evaluate(project)
-            .layers
-            .into_iter()
-            .find(|l| l.unlimited.is_some() && l.kept.is_none())
-            .and_then(|l| {
-                let (layer, base, mask) = (l.id, l.base, l.mask);
-                Some(KeepRequest { layer, base, unlimited: l.unlimited?, mask, keeper })
-            })
+        let evaluation = self.evaluate(project);
+        self.unsettled_in(&evaluation)
+    }
+
+    /// The same of an `evaluation` that this stack, or a clone of it, has made of a project that keeps triangles.
+    pub fn unsettled_in(&self, evaluation: &Evaluation) -> Option<KeepRequest> {
+        let l = evaluation.layers.iter().find(|l| l.unlimited.is_some() && l.kept.is_none())?;
+        let (base, mask, keeper) = (l.base.clone(), l.mask.clone(), self.keeper.clone());
+        Some(KeepRequest { layer: l.id, base, unlimited: l.unlimited.clone()?, mask, keeper })
     }
 
     /// Keeps the answer to a request; a failed one puts its layer in [`LayerState::Failed`].
     pub fn settle(&mut self, request: KeepRequest, kept: Result<Kept, CaricatureError>) {
-        if let Some(memo) = self.layers.get_mut(&request.layer) {
-            memo.kept = Some((request, kept.map(Arc::new).map_err(Arc::new)));
+        self.kept.insert(request.layer, (request, kept.map(Arc::new).map_err(Arc::new)));
+    }
+
+    /// Takes over what a clone of this stack remembers. Matches and limits stay: of those this one may have newer ones.
+    pub fn remember(&mut self, clone: Self) {
+        if Arc::ptr_eq(&self.body, &clone.body) {
+            (self.layers, self.softening) = (clone.layers, clone.softening);
         }
     }
 
-    /// Evaluates every layer of `project`, lowest first. Layers that cannot act leave the shape
-    /// as it is and say why in their state.
-    pub fn evaluate(&mut self, project: &Project) -> Evaluation {
+    /// Drops limits of layers that `project` does not have, and a match that no layer of it uses where there are too
+    /// many. [`evaluate`](Self::evaluate) does so itself; a stack whose clones evaluate does not.
+    pub fn forget_unused(&mut self, project: &Project) {
+        self.kept.retain(|id, _| project.layer(*id).is_some());
         if self.matches.len() > MAX_MATCHES {
             let wanted: Vec<_> = project.layers().iter().filter_map(|(_, l)| MatchRequest::of(l)).collect();
             if let Some(oldest) = self.matches.iter().position(|(known, _)| !wanted.contains(known)) {
                 drop(self.matches.remove(oldest));
             }
         }
+    }
+
+    /// Evaluates every layer of `project`, lowest first. Layers that cannot act leave the shape
+    /// as it is and say why in their state.
+    pub fn evaluate(&mut self, project: &Project) -> Evaluation {
+        self.forget_unused(project);
         let mut memos = std::mem::take(&mut self.layers);
         let mut base = self.original.clone();
         let mut layers = Vec::with_capacity(project.layers().len());
@@ -207,13 +225,13 @@ impl Stack {
             let memo = self.layers.entry(*id).or_insert_with(|| memos.remove(id).unwrap_or_default());
             let all_models = self.all_models_of == Some(*id);
             let (matches, places) = (&self.matches, &self.file_positions);
-            let keeper = project.keep_triangles.then_some(&self.keeper);
+            let (keeper, kept) = (project.keep_triangles.then_some(&self.keeper), self.kept.get(id));
             let template = match layer.template {
                 Template::Original => Some(&self.original),
                 Template::Layer(below) => result_of(below, &layers, &base),
                 _ => Some(&base),
             };
-            let scene = Scene { matches, template, places, all_models, keeper, id: *id };
+            let scene = Scene { matches, template, places, all_models, keeper, kept, id: *id };
             let mut evaluated = EvaluatedLayer {
                 id: *id,
                 name: layer.name.clone(),

@@ -7,6 +7,7 @@ mod rehearsal;
 pub use gallery::BenchGallery;
 pub use keeping::BenchKeeping;
 
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -48,7 +49,7 @@ pub struct BenchCaricature {
 /// One thing a user does.
 #[derive(Serialize)]
 struct Row {
-    what: &'static str,
+    what: String,
     vertices: usize,
     harmonics: usize,
     threads: usize,
@@ -67,14 +68,16 @@ impl BenchCaricature {
         let mut stack = make(subject, Arc::new(body), &project, false, terminal)?.stack;
         let mut history = History::new(project);
         let basis = stack.body().basis.clone();
-        let mut rows = Vec::new();
+        let rows = RefCell::new(Vec::new());
+        let row = |what: String, (median_ms, fastest_ms): (f64, f64)| {
+            let threads = rayon::current_num_threads();
+            rows.borrow_mut().push(Row { what, vertices, harmonics, threads, median_ms, fastest_ms });
+        };
         let mut time = |what: &'static str, act: &mut dyn FnMut(usize) -> Result<(), Trouble>| {
             if !what.contains(&self.only) {
                 return Ok(());
             }
-            let (median_ms, fastest_ms) = timed(self.repeats.max(1), act).map_err(Error::other)?;
-            let threads = rayon::current_num_threads();
-            rows.push(Row { what, vertices, harmonics, threads, median_ms, fastest_ms });
+            row(what.to_owned(), timed(self.repeats.max(1), act).map_err(Error::other)?);
             Ok(())
         };
         time("reading H once: the floor of a transform or a synthesis", &mut |_| {
@@ -85,7 +88,8 @@ impl BenchCaricature {
         controls(&mut stack, &mut history, &mut time)?;
         folds(&mut stack, &mut history, &mut time)?;
         drop(stack);
-        rehearsal::rehearse(&self.shape, harmonics, &mut time)?;
+        rehearsal::rehearse(&self.shape, harmonics, &mut time, &row)?;
+        let rows = rows.into_inner();
         if self.json {
             return terminal.json(&rows);
         }
@@ -250,6 +254,11 @@ fn timed(repeats: usize, act: &mut dyn FnMut(usize) -> Result<(), Trouble>) -> R
         act(i + 1)?;
         times.push(start.elapsed().as_secs_f64() * 1e3);
     }
+    Ok(median_and_fastest(times))
+}
+
+/// Of at least one time.
+fn median_and_fastest(mut times: Vec<f64>) -> (f64, f64) {
     times.sort_by(f64::total_cmp);
-    Ok((times[repeats / 2], times[0]))
+    (times[times.len() / 2], times[0])
 }

@@ -1,5 +1,5 @@
-//! The same, as the window does it: from an action to the figures that are drawn in the next
-//! frame, drawing itself left out.
+//! The same, as the window does it: from an action to the figures that are drawn as soon as its shape is there, and how long
+//! the window's own thread is busy with that, drawing itself left out.
 
 use chladni_caricature::{
     Action, Layer, LayerId, Model, PaintEdit, Project, Property, RollOff, ScaleCurve, ShapeSource, Smoothing,
@@ -8,7 +8,7 @@ use chladni_caricature::{
 use chladni_task::Task;
 use chladni_view::{Device, Draw};
 
-use super::{Error, Timer, press};
+use super::{Error, Timer, median_and_fastest, press};
 use chladni_program::studio::Rehearsal;
 
 /// Two layers against things without files, the upper one selected.
@@ -20,8 +20,23 @@ fn project(shape: &str, harmonics: usize) -> Result<(Project, [LayerId; 2]), Err
     Ok((project, [lower, upper]))
 }
 
+/// Takes a row: median and fastest in ms.
+type Note<'a> = dyn Fn(String, (f64, f64)) + 'a;
+
+/// Times all that an action needs, and notes how much of it keeps the window's thread busy.
+struct Clock<'a> {
+    time: &'a mut Timer<'a>,
+    note: &'a Note<'a>,
+}
+
 /// Times all actions that a user repeats often.
-pub fn rehearse(shape: &str, harmonics: usize, time: &mut Timer<'_>) -> Result<(), Error> {
+pub fn rehearse<'a>(
+    shape: &str,
+    harmonics: usize,
+    time: &'a mut Timer<'a>,
+    note: &'a Note<'a>,
+) -> Result<(), Error> {
+    let time = &mut Clock { time, note };
     let (project, [lower, upper]) = project(shape, harmonics)?;
     let device = Device::open(Draw::Auto)?;
     let mut room = Rehearsal::of(project, &device, &Task::new())?;
@@ -36,24 +51,33 @@ fn set(layer: LayerId, to: Property) -> Action {
 }
 
 fn act(room: &mut Rehearsal, action: Action) -> Result<(), Error> {
-    room.act(vec![action]).and_then(|()| room.release())
+    room.act(vec![action]).and_then(|_| room.release())
 }
 
 /// Times `action`, which gets how often it ran before.
 fn timed(
     what: &'static str,
     room: &mut Rehearsal,
-    time: &mut Timer<'_>,
+    clock: &mut Clock<'_>,
     mut action: impl FnMut(usize, &Rehearsal) -> Action,
 ) -> Result<(), Error> {
-    time(what, &mut |i| {
+    let mut frames_ms = Vec::new();
+    (clock.time)(what, &mut |i| {
         let next = action(i, room);
-        Ok(room.act(vec![next])?)
+        let busy_ms = room.act(vec![next])?.as_secs_f64() * 1e3;
+        // The first is not counted, as with all that is timed.
+        if i > 0 {
+            frames_ms.push(busy_ms);
+        }
+        Ok(())
     })?;
+    if !frames_ms.is_empty() {
+        (clock.note)(what.replacen("window:", "frame:", 1), median_and_fastest(frames_ms));
+    }
     room.release()
 }
 
-fn strokes(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result<(), Error> {
+fn strokes(room: &mut Rehearsal, layer: LayerId, time: &mut Clock<'_>) -> Result<(), Error> {
     let mirror = room.mirror();
     for (what, roll_off, radius, smoothed) in [
         ("window: stroke mirrored, sharp, region as painted", RollOff::Sharp, 0.1, false),
@@ -96,7 +120,7 @@ fn curve(i: usize) -> Property {
     Property::Curve(curve)
 }
 
-fn top_layer(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result<(), Error> {
+fn top_layer(room: &mut Rehearsal, layer: LayerId, time: &mut Clock<'_>) -> Result<(), Error> {
     timed("window: μ", room, time, |i, _| set(layer, mu(i)))?;
     timed("window: strength", room, time, |i, _| set(layer, Property::Strength(1.0 - 0.001 * i as f64)))?;
     for (what, model) in [
@@ -116,7 +140,7 @@ fn top_layer(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Resu
 }
 
 /// A drag while triangles are kept: how far each place may go is known from before, and is searched anew once the hand rests.
-fn keeping(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result<(), Error> {
+fn keeping(room: &mut Rehearsal, layer: LayerId, time: &mut Clock<'_>) -> Result<(), Error> {
     act(room, Action::KeepTriangles(true))?;
     for (what, model) in [
         ("window: μ, triangles kept, coordinate model", Model::Coordinate),
@@ -124,7 +148,7 @@ fn keeping(room: &mut Rehearsal, layer: LayerId, time: &mut Timer<'_>) -> Result
         ("window: μ, triangles kept, distance model", Model::Distance),
     ] {
         act(room, set(layer, Property::Model(model)))?;
-        room.settle();
+        room.settle()?;
         timed(what, room, time, |i, _| set(layer, mu(i)))?;
     }
     timed("window: scale curve, triangles kept", room, time, |i, _| set(layer, curve(i)))?;
@@ -136,7 +160,7 @@ fn new_shape(
     room: &mut Rehearsal,
     lower: LayerId,
     upper: LayerId,
-    time: &mut Timer<'_>,
+    time: &mut Clock<'_>,
 ) -> Result<(), Error> {
     for (what, model) in [
         ("window: a result as the new shape, coordinate model, curved", Model::Coordinate),

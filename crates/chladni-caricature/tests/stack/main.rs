@@ -4,6 +4,7 @@
 
 #[path = "../bodies/mod.rs"]
 mod bodies;
+mod clones;
 mod keeping;
 mod pieces;
 

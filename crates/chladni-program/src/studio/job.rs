@@ -1,6 +1,6 @@
 //! Long work in the background: it reports progress, can be cancelled, and never blocks a frame.
 
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use chladni_task::{Progress, Task};
@@ -38,10 +38,15 @@ impl<T: Send + 'static> Job<T> {
     /// Its result, returned once; `None` while it is running. [`Error::BrokeOff`] where the thread ended
     /// without a result.
     pub fn ended(&self) -> Option<Result<T, Error>> {
-        match self.result.try_recv() {
+        self.ended_within(Duration::ZERO)
+    }
+
+    /// The same, waiting no longer than `patience` for it.
+    pub fn ended_within(&self, patience: Duration) -> Option<Result<T, Error>> {
+        match self.result.recv_timeout(patience) {
             Ok(result) => Some(result),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(Error::BrokeOff(self.label.clone()))),
+            Err(RecvTimeoutError::Timeout) => None,
+            Err(RecvTimeoutError::Disconnected) => Some(Err(Error::BrokeOff(self.label.clone()))),
         }
     }
 }

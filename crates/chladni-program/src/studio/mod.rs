@@ -22,6 +22,7 @@ mod key_sheet;
 mod keys;
 mod measure;
 mod music;
+mod newest;
 mod notices;
 mod opening;
 mod pictures;
@@ -126,6 +127,7 @@ impl Studio {
             output,
             handover,
             now,
+            patience,
             ends,
             ..
         } = opening;
@@ -162,7 +164,7 @@ impl Studio {
             None => {
                 let current = live.is_some().then_some(MUSIC);
                 let music = music::MusicRoom::listening_to(input, live, trace, output);
-                (vec![Box::new(caricature::CaricatureRoom::default()), Box::new(music)], current)
+                (vec![Box::new(caricature::CaricatureRoom::waiting(patience)), Box::new(music)], current)
             }
         };
         let mut studio = Self {

@@ -12,6 +12,7 @@ use chladni_view::film::RawFormat;
 use winit::window::Window;
 
 use super::Studio;
+use super::caricature::PATIENCE;
 use super::choose::{Chooser, SystemDialogs};
 use super::device::wgpu_options;
 use super::error::StudioError;
@@ -162,6 +163,9 @@ pub struct Opening {
     /// The clock that measures how long work takes, to reduce quality on a slow machine. Tests pass their own
     /// clock, so that they behave the same on every machine.
     pub now: fn() -> Instant,
+    /// How long a frame of the caricature room waits for the shape that its edits make, before it shows the last one
+    /// again. Tests wait for ever, so that each frame shows the same on every machine.
+    pub patience: Duration,
 }
 
 impl Default for Opening {
@@ -180,6 +184,7 @@ impl Default for Opening {
             draw: Draw::Auto,
             ends: None,
             now: Instant::now,
+            patience: PATIENCE,
         }
     }
 }

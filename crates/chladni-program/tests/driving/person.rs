@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use chladni_mesh::{TriMesh, samples, save_mesh};
 use chladni_program::studio::{Folders, Opening};
@@ -47,6 +48,7 @@ impl Desk {
             },
             chooser: Box::new(self.answers.clone()),
             files: files.iter().map(|name| self.path(name)).collect(),
+            patience: Duration::MAX,
             ..Opening::default()
         }
     }

@@ -10,6 +10,7 @@ mod export;
 mod file_window;
 mod files;
 mod first_hour;
+mod following;
 mod gallery;
 mod layers;
 mod lost_device;

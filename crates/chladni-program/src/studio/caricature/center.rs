@@ -3,14 +3,15 @@
 use chladni_caricature::{Brush, Limbs, Model, Property};
 use egui::{RichText, Ui};
 
+use super::CaricatureRoom;
 use super::brush::BrushTool;
 use super::edits::Edits;
+use super::evaluating::Sight;
 use super::heat::{Heat, Painting};
 use super::lasso::LassoTool;
 use super::look::{Portrayal, Show};
 use super::session::Session;
 use super::stage::{self, BrushInHand, Stage, StageResponse};
-use super::{CaricatureRoom, single};
 use crate::studio::keys::caricature::COMPARE;
 use crate::studio::room::Shared;
 use crate::studio::{job, theme, viewport};
@@ -80,6 +81,11 @@ impl CaricatureRoom {
                     ui.add_space(2.0);
                 });
             }
+            // The toolbar or the layers may have chosen something else to be seen.
+            let sight = Sight::of(session.selected, self.look);
+            if let Err(why) = session.follow(&shared.ctx, sight, self.patience) {
+                shared.notices.failed(why);
+            }
             let shown =
                 update_stage(session, stage, &mut self.heat, self.look, &mut self.stale).and_then(|()| {
                     let brush = (&mut self.brush, limbs.as_deref());
@@ -100,7 +106,7 @@ fn nothing_open(ui: &mut Ui) {
     });
 }
 
-/// Brings the figures on the stage up to date with the evaluation.
+/// Copies the figures of a new evaluation to the stage, and paints what is shown.
 pub(super) fn update_stage(
     session: &mut Session,
     stage: &mut Stage,
@@ -108,29 +114,13 @@ pub(super) fn update_stage(
     look: Portrayal,
     stale: &mut bool,
 ) -> Result<(), Error> {
+    if let Some(figures) = session.take_figures() {
+        stage.take(figures)?;
+        *stale = true;
+    }
     if !std::mem::take(stale) && !heat.take_stale() {
         return Ok(());
     }
-    let result = &session.evaluation.result;
-    stage.set_figure(stage::RESULT, &single(&result.positions), &single(result.normals()))?;
-    if look.show == Show::Models {
-        let project = session.project().clone();
-        let models = session.selected.and_then(|layer| session.stack.three_models(&project, layer));
-        for (index, _) in Model::ALL.iter().enumerate() {
-            let positions = match &models {
-                Some(models) => &models[index],
-                None => &result.positions,
-            };
-            let normals = single(&session.stack.surface().normals(positions));
-            stage.set_figure(stage::MODELS + index, &single(positions), &normals)?;
-        }
-    }
-    let evaluated = &session.evaluation.layers;
-    let seen = look.ghost || look.show == Show::Template;
-    let selected = evaluated.iter().find(|layer| seen && Some(layer.id) == session.selected);
-    let difference = selected.and_then(|layer| layer.difference.as_ref());
-    let template = difference.map(|difference| single(&difference.target.points));
-    stage.set_template(template.as_deref())?;
     stage.set_coating(heat.coating(session), look).map_err(Error::from)
 }
 

@@ -8,6 +8,7 @@ use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::CaricatureRoom;
+use super::center::update_stage;
 use super::overlay::backdrop;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
@@ -141,7 +142,7 @@ impl CaricatureRoom {
     }
 
     fn begin_export(&mut self, ui: &Ui, shared: &mut Shared<'_>) {
-        let (Some(session), Some(stage)) = (&self.session, &self.stage) else { return };
+        let (Some(session), Some(stage)) = (&mut self.session, &mut self.stage) else { return };
         if session.is_working() {
             return shared.notices.warn(STILL_WORKING);
         }
@@ -150,6 +151,13 @@ impl CaricatureRoom {
         let Some(path) = shared.chooser.save(&[(&extension.to_uppercase(), &[extension])], &suggested) else {
             return;
         };
+        // What is written is the document as it is now.
+        let newest = session
+            .catch_up(&shared.ctx)
+            .and_then(|()| update_stage(session, stage, &mut self.heat, self.look, &mut self.stale));
+        if let Err(why) = newest {
+            return shared.notices.failed(why);
+        }
         if session.is_settling() {
             shared.notices.warn(STILL_SETTLING);
         }

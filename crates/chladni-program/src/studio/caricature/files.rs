@@ -12,10 +12,11 @@ use egui::Context;
 use super::CaricatureRoom;
 use super::autosave::Autosave;
 use super::edits::Edit;
+use super::evaluating::on_own_threads;
 use super::loading::{self, Candidate};
 use super::preview::Preview;
 use super::session::Session;
-use super::shot::Shot;
+use super::shot::{Pose, Shot};
 use super::single;
 use crate::studio::job::Job;
 use crate::studio::pictures;
@@ -193,13 +194,16 @@ impl CaricatureRoom {
     /// Keeps a picture of the result for the start screen.
     pub(super) fn keep_picture(&self, path: &Path, shared: &mut Shared<'_>) {
         let (Some(session), Some(stage)) = (&self.session, &self.stage) else { return };
-        let result = &session.evaluation.result;
-        let pose = (single(&result.positions), single(result.normals()));
+        let (mut stack, project) = (session.stack.clone(), session.project().clone());
         let [width, height] = pictures::SIZE;
         let mut camera = Camera::on(session.stands(), View::ThreeQuarter);
-        camera.fit(pose.0.iter().copied(), width as f32 / height as f32, 0.9);
-        let shot = Shot { camera, ..stage.shot_of(pose, stage.own_coat(), Background::TRANSPARENT) };
-        shared.pictures.keep(&shared.ctx, path, move || shot.picture(width, height).ok());
+        let empty = stage.shot_of(Pose::default(), stage.own_coat(), Background::TRANSPARENT);
+        shared.pictures.keep(&shared.ctx, path, move || {
+            let result = on_own_threads(|| stack.evaluate(&project)).ok()?.result;
+            let pose = (single(&result.positions), single(result.normals()));
+            camera.fit(pose.0.iter().copied(), width as f32 / height as f32, 0.9);
+            Shot { camera, poses: vec![pose], ..empty }.picture(width, height).ok()
+        });
     }
 
     pub(super) fn has_unsaved_work(&self) -> bool {

@@ -1,5 +1,7 @@
 //! The foot of the layer panel: the shape's size, and its harmonics with their certificate.
 
+use std::time::Duration;
+
 use chladni_caricature::Action;
 use chladni_harmonics::{Basis, Certificate, Laplacian};
 use egui::{RichText, Ui};
@@ -14,6 +16,8 @@ use crate::studio::theme;
 
 /// Numbers of harmonics on offer.
 const CHOICES: [usize; 5] = [64, 128, 256, 512, 1024];
+/// In place of the shape's size while what is shown is long behind the document.
+const BEHIND: &str = "Following the last change…";
 const PAPER_MODE: &str = "The paper's plain cotangent Laplacian, which not every shape can have; new layers begin \
                           with the paper's settings";
 
@@ -26,13 +30,19 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
         job::show_progress(ui, solving);
         return;
     }
+    let slow_in = session.slow_in();
+    if let Some(rest) = slow_in {
+        ui.ctx().request_repaint_after(rest.max(Duration::from_millis(100)));
+    }
     ui.horizontal(|ui| {
         let [worked_on, all] = [&session.subject.mesh, session.subject.whole()].map(|m| m.positions.len());
         let vertices = match worked_on == all {
             true => format!("{} vertices", grouped(all)),
             false => format!("{} of {} vertices", grouped(worked_on), grouped(all)),
         };
-        ui.label(RichText::new(vertices).small().color(palette.weak));
+        let slow = slow_in.is_some_and(|rest| rest.is_zero());
+        let text = if slow { BEHIND.into() } else { vertices };
+        ui.label(RichText::new(text).small().color(palette.weak));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let good = body.basis.certificate.is_precise();
             let (mark, color) =

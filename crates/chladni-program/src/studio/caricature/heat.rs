@@ -1,9 +1,8 @@
-//! The heat map, and the spectrum behind the scale curve.
+//! The heat map.
 
 use chladni_view::ColorMap;
 
 use super::session::Session;
-use crate::work::scale_plot::Spectrum;
 use crate::work::{Coating, Quantity, Seen, coating, with_pointed};
 
 /// The user's choice, and whether the stage shows it already.
@@ -98,11 +97,11 @@ impl Heat {
             Some(Painting::Smoothed) => Quantity::Region,
             None => self.quantity,
         };
-        let folds: Vec<u32> = session.folds.iter().flatten().copied().collect();
+        let folds: Vec<u32> = session.shown.folds.iter().flat_map(|folds| folds.iter()).copied().collect();
         let seen = Seen {
             project: session.project(),
             stack: &session.stack,
-            evaluation: &session.evaluation,
+            evaluation: &session.shown.evaluation,
             selected: session.selected,
             folds: &folds,
             crossings: session.crossings.triangles(),
@@ -116,12 +115,4 @@ impl Heat {
             other => other,
         }
     }
-}
-
-/// The spectrum that the model of the selected layer exaggerates, over wavelength.
-pub fn spectrum(session: &Session) -> Spectrum {
-    let layer = session.selected.and_then(|id| session.project().layer(id));
-    let difference = session.selected_layer().and_then(|layer| layer.difference.as_ref());
-    let (Some(layer), Some(difference)) = (layer, difference) else { return Spectrum::default() };
-    Spectrum::of(difference, layer.model, &session.stack.body().basis)
 }

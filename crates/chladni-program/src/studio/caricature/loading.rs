@@ -8,6 +8,7 @@ use chladni_caricature::{Painted, Project, Recovered, Stack};
 use chladni_mesh::{Estimate, Orientation, TriMesh};
 use chladni_task::Task;
 
+use super::evaluating::{Evaluated, Sight, on_own_threads};
 use crate::work::{Aside, Error, OwnLook, Subject, Warning, Watcher, body};
 
 /// A project that will replace the open one.
@@ -42,8 +43,10 @@ pub struct Loaded {
     pub recovered: Option<Recovered>,
     pub subject: Subject,
     pub stands: Estimate,
-    /// On the shape with its harmonics.
-    pub stack: Stack,
+    /// What of it is seen first.
+    pub sight: Sight,
+    /// Its evaluation on the shape with its harmonics.
+    pub evaluated: Evaluated,
     /// The colors that the file has.
     pub look: Option<OwnLook>,
     /// Repairs made to the file, and faults of the harmonics.
@@ -86,6 +89,9 @@ pub fn load(
     if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
         stack.brush_preparation()();
     }
+    let selected = project.layers().last().map(|(id, _)| *id);
+    let sight = Sight { selected, ..Sight::default() };
+    let evaluated = on_own_threads(|| Evaluated::of(stack, &project, sight, None))?;
     let warnings = aside.warnings();
-    Ok(Loaded { project, path, new, recovered, subject, stands, stack, look, warnings })
+    Ok(Loaded { project, path, new, recovered, subject, stands, sight, evaluated, look, warnings })
 }

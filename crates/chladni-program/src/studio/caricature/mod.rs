@@ -8,6 +8,7 @@ mod controls;
 mod crossings;
 mod curve;
 mod edits;
+mod evaluating;
 mod export;
 mod files;
 mod footer;
@@ -37,16 +38,20 @@ mod thumbnails;
 mod toolbar;
 
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
 
 use chladni_caricature::{Property, Recovered};
 use egui::Ui;
 
+pub use self::evaluating::PATIENCE;
 pub use self::rehearsal::Rehearsal;
 
 use self::autosave::Autosave;
 use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
 use self::edits::Edits;
+use self::evaluating::Sight;
 use self::export::Export;
 use self::gallery::ShapesGallery;
 use self::heat::Heat;
@@ -54,7 +59,7 @@ use self::landmarks::Picking;
 use self::layers::LayerList;
 use self::limb_tool::KnownLimbs;
 use self::loading::{Candidate, Loaded};
-use self::look::{Portrayal, Show};
+use self::look::Portrayal;
 use self::preview::Preview;
 use self::recover::Offer;
 use self::session::Session;
@@ -97,7 +102,10 @@ pub struct CaricatureRoom {
     gallery: ShapesGallery,
     heat: Heat,
     look: Portrayal,
+    /// What colors the shape may have changed.
     stale: bool,
+    /// How long a frame waits for the newest evaluation.
+    patience: Duration,
     /// Opening failed: do not open the sample automatically.
     refused: bool,
 }
@@ -126,13 +134,12 @@ impl Room for CaricatureRoom {
         self.poll(shared);
         let mut edits = Edits::default();
         self.handle_keys(shared, &mut edits);
+        self.follow(shared);
         self.panels(ui, shared, &mut edits);
         self.center(ui, shared, &mut edits);
         self.show_export(ui, shared);
         let requests = edits.take();
         if let Some(session) = &mut self.session {
-            let models_of = session.selected.filter(|_| self.look.show == Show::Models);
-            session.stack.prepare_models_of(models_of);
             match session.apply(requests) {
                 Ok(changed) => self.stale |= changed,
                 Err(why) => {
@@ -140,6 +147,8 @@ impl Room for CaricatureRoom {
                     shared.notices.failed(why);
                 }
             }
+            // It is evaluated while this frame is brought to the screen.
+            session.hand_over(&shared.ctx, Sight::of(session.selected, self.look));
         }
     }
 
@@ -175,6 +184,10 @@ impl Room for CaricatureRoom {
     fn change_device(&mut self, shared: &mut Shared<'_>) {
         (self.preview, self.thumbnails, self.stale) = (None, Thumbnails::default(), true);
         self.gallery.change_device();
+        if let Some(session) = &mut self.session {
+            // The context that it would wake is gone.
+            session.evaluate_anew();
+        }
         let stage = self.stage.take().map(|stage| stage.on(shared.screen));
         match stage.transpose() {
             Ok(stage) => self.stage = stage,
@@ -206,6 +219,11 @@ impl Room for CaricatureRoom {
 }
 
 impl CaricatureRoom {
+    /// A room whose frames wait this long for what their edits make.
+    pub fn waiting(patience: Duration) -> Self {
+        Self { patience, ..Self::default() }
+    }
+
     /// Takes the results of finished jobs.
     fn poll(&mut self, shared: &mut Shared<'_>) {
         if let Some(loaded) = self.loading.as_ref().and_then(Job::ended) {
@@ -230,6 +248,16 @@ impl CaricatureRoom {
                 shared.notices.warn(message);
             }
             self.stale |= changed;
+        }
+    }
+
+    /// Shows the document as it is now, and finds what can be found while the hand rests.
+    fn follow(&mut self, shared: &mut Shared<'_>) {
+        if let Some(session) = &mut self.session {
+            let sight = Sight::of(session.selected, self.look);
+            if let Err(why) = session.follow(&shared.ctx, sight, self.patience) {
+                shared.notices.failed(why);
+            }
             let resting = !shared.ctx.input(|input| input.pointer.any_down());
             self.stale |= session.pump_keeping(&shared.ctx, resting);
             match session.pump_crossings(&shared.ctx, resting) {
@@ -305,17 +333,17 @@ impl CaricatureRoom {
                     ui.label(egui::RichText::new(hint).color(theme::palette(ui).weak));
                     return;
                 };
-                let spectrum = heat::spectrum(session);
-                let crossings = session.crossings.count(&session.evaluation);
-                let folds = (!session.failed_layers().contains(&id)).then(|| session.folds_of(id));
+                let crossings = session.crossings.count(&session.shown.evaluation);
+                let folds = session.folds_of(id).filter(|_| !session.failed_layers().contains(&id));
                 let mirror = session.known_mirror();
                 let kept = session.kept();
                 let channels: Vec<String> = session.subject.mesh.channels().map(str::to_owned).collect();
                 if self.controls.named.wants_search() {
                     self.controls.named.search(session, &shared.ctx);
                 }
-                let measured =
-                    Measured { spectrum: &spectrum, mirror, folds, crossings, kept, channels: &channels };
+                let shown = Arc::clone(&session.shown);
+                let spectrum = &shown.spectrum;
+                let measured = Measured { spectrum, mirror, folds, crossings, kept, channels: &channels };
                 match self.controls.show(ui, id, &layer, &measured, &mut self.brush, edits) {
                     Some(Wish::AsFarAsItGoes) => {
                         as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);
@@ -337,7 +365,10 @@ impl CaricatureRoom {
 }
 
 /// Moves μ of the selected layer to where it folds no more than a share of the triangles.
-fn as_far_as_it_goes(session: &Session, may_fold: f64, edits: &mut Edits, shared: &mut Shared<'_>) {
+fn as_far_as_it_goes(session: &mut Session, may_fold: f64, edits: &mut Edits, shared: &mut Shared<'_>) {
+    if let Err(why) = session.catch_up(&shared.ctx) {
+        return shared.notices.failed(why);
+    }
     match (session.selected, session.furthest_mu(may_fold)) {
         (Some(layer), Some(mu)) => edits.set(layer, Property::Mu(mu)),
         _ => shared.notices.warn("This layer never folds in that direction, or does not act yet."),

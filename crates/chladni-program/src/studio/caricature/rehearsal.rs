@@ -2,6 +2,7 @@
 //! it can be timed.
 
 use std::sync::mpsc::channel;
+use std::time::{Duration, Instant};
 
 use chladni_caricature::{Action, Project, Surface};
 use chladni_mesh::MirrorPlane;
@@ -10,7 +11,8 @@ use chladni_view::Device;
 
 use super::center::update_stage;
 use super::edits::Edit;
-use super::heat::{self, Heat, Painting};
+use super::evaluating::Sight;
+use super::heat::{Heat, Painting};
 use super::loading::{self, Candidate};
 use super::look::{Portrayal, Show};
 use super::session::Session;
@@ -26,6 +28,7 @@ pub struct Rehearsal {
     heat: Heat,
     look: Portrayal,
     screen: Screen,
+    nobody: egui::Context,
 }
 
 impl Rehearsal {
@@ -39,29 +42,33 @@ impl Rehearsal {
             if let (Some(why), _) = session.pump_matches(&nobody) {
                 return Err(Error::Input(why.to_string()));
             }
-            std::thread::sleep(std::time::Duration::from_millis(5));
+            std::thread::sleep(Duration::from_millis(5));
         }
         session.refresh();
+        session.catch_up(&nobody)?;
         let screen = Screen::unseen(device);
         let body = session.stack.body();
         let stage = Stage::new(&screen, &single(&body.positions), &body.triangles, None);
         let stage = stage?;
-        Ok(Self { session, stage, heat: Heat::default(), look: Portrayal::default(), screen })
+        Ok(Self { session, stage, heat: Heat::default(), look: Portrayal::default(), screen, nobody })
     }
 
-    /// Applies the user's actions of one frame and updates the figures of the next one.
-    pub fn act(&mut self, actions: Vec<Action>) -> Result<(), Error> {
-        let models_of = self.session.selected.filter(|_| self.look.show == Show::Models);
-        self.session.stack.prepare_models_of(models_of);
+    /// Applies the user's actions of one frame, and waits until the figures of the shape that they make are there. Returns
+    /// how long the window's own thread was busy with it.
+    pub fn act(&mut self, actions: Vec<Action>) -> Result<Duration, Error> {
+        let began = Instant::now();
         self.session.apply(actions.into_iter().map(Edit::Live).collect())?;
-        // The panel draws it behind the scale curve.
-        heat::spectrum(&self.session);
+        self.session.hand_over(&self.nobody, Sight::of(self.session.selected, self.look));
+        let handed_over = began.elapsed();
+        self.session.wait(Duration::MAX);
+        let began = Instant::now();
+        self.session.take_in()?;
         update_stage(&mut self.session, &mut self.stage, &mut self.heat, self.look, &mut true)?;
         // Drawing would send off the work queued for the device.
         if let Some(gpu) = self.screen.device().gpu() {
             gpu.queue.submit([]);
         }
-        Ok(())
+        Ok(handed_over + began.elapsed())
     }
 
     /// Ends the drag or the stroke.
@@ -70,10 +77,13 @@ impl Rehearsal {
     }
 
     /// Waits until it is known how far layers that keep triangles may go.
-    pub fn settle(&mut self) {
-        let nobody = egui::Context::default();
-        while self.session.pump_keeping(&nobody, true) || self.session.is_settling() {
-            std::thread::sleep(std::time::Duration::from_millis(5));
+    pub fn settle(&mut self) -> Result<(), Error> {
+        loop {
+            self.session.catch_up(&self.nobody)?;
+            if !self.session.pump_keeping(&self.nobody, true) && !self.session.is_settling() {
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(5));
         }
     }
 

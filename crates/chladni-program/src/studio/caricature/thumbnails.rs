@@ -44,7 +44,7 @@ impl Thumbnails {
 
     /// Draws one picture that is missing or out of date; true where more are.
     pub fn update(&mut self, screen: &Screen, stage: &Stage, session: &Session) -> Result<bool, ViewError> {
-        let layers = &session.evaluation.layers;
+        let layers = &session.shown.evaluation.layers;
         self.pictures.retain(|id, _| layers.iter().any(|layer| layer.id == *id));
         let current = |layer: &EvaluatedLayer| match (&layer.displacement, self.pictures.get(&layer.id)) {
             (Some(displacement), Some(picture)) => Arc::ptr_eq(displacement, &picture.of),
@@ -64,10 +64,10 @@ impl Thumbnails {
         session: &Session,
         index: usize,
     ) -> Result<(), ViewError> {
-        let layers = &session.evaluation.layers;
+        let layers = &session.shown.evaluation.layers;
         let Some(layer) = layers.get(index) else { return Ok(()) };
         let Some(displacement) = &layer.displacement else { return Ok(()) };
-        let shape = layers.get(index + 1).map_or(&session.evaluation.result, |above| &above.base);
+        let shape = layers.get(index + 1).map_or(&session.shown.evaluation.result, |above| &above.base);
         let pose = (single(&shape.positions), single(shape.normals()));
         let length: Vec<f32> = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2]) as f32).collect();
         if self.camera.is_some_and(|camera| camera.stands != session.stands()) {

@@ -59,7 +59,11 @@ impl Session {
     /// Limits, while the hand rests, the layers that would fold the surface, the lowest first; true where one was
     /// settled.
     pub fn pump_keeping(&mut self, ctx: &egui::Context, resting: bool) -> bool {
-        let wanted = self.stack.unsettled(self.history.project());
+        if self.is_behind() {
+            // The next evaluation shows whether a running search is still needed.
+            return false;
+        }
+        let wanted = self.unsettled();
         if self
             .keeping
             .as_ref()
@@ -122,6 +126,7 @@ impl Session {
         self.solved = self.asked;
         // Matches do not depend on harmonics: finished ones are kept, and a running one continues.
         self.stack = self.stack.with_harmonics_of(Arc::new(body))?;
+        self.evaluate_anew();
         self.brush = None;
         self.crossings = CrossingMeter::default();
         self.refresh();
@@ -131,7 +136,8 @@ impl Session {
     /// Counts where the result passes through itself, while the hand rests. True where the count
     /// is new; an error says why there is none.
     pub fn pump_crossings(&mut self, ctx: &egui::Context, resting: bool) -> Result<bool, Error> {
-        self.crossings.pump(ctx, &self.stack, &self.evaluation, resting)
+        let resting = resting && !self.is_behind();
+        self.crossings.pump(ctx, &self.stack, &self.shown.evaluation, resting)
     }
 
     /// The harmonics that are being solved for.

@@ -1,5 +1,6 @@
 //! An open project in the window: document, body, evaluation, and the jobs that feed them.
 
+mod following;
 mod jobs;
 mod names;
 mod selection;
@@ -11,8 +12,8 @@ use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
 use chladni_caricature::{
-    Action, EvaluatedLayer, Evaluation, History, KeepRequest, Kept, LayerId, LayerState, MatchRequest,
-    Project, Stack, Surface,
+    Action, EvaluatedLayer, History, KeepRequest, Kept, LayerId, LayerState, MatchRequest, Project, Stack,
+    Surface,
 };
 use chladni_harmonics::Laplacian;
 use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation};
@@ -20,8 +21,10 @@ use chladni_task::{Cancelled, Task};
 
 use super::crossings::CrossingMeter;
 use super::edits::Edit;
+use super::evaluating::{Evaluated, Figures, Shown, Sight};
 use super::loading::Loaded;
 use crate::studio::job::Job;
+use crate::studio::newest::Newest;
 use crate::work::{Error, Sculpture, Subject};
 
 /// A project with everything it needs to be drawn and changed.
@@ -32,14 +35,17 @@ pub struct Session {
     pub path: Option<PathBuf>,
     /// The shape.
     pub subject: Subject,
-    /// Evaluates the document.
+    /// Knows matches and limits, and what was evaluated; its clones evaluate the document.
     pub stack: Stack,
-    /// The result of the document as it is now.
-    pub evaluation: Evaluation,
+    /// The newest evaluation that has arrived. While the document changes it may be a step behind.
+    pub shown: Arc<Shown>,
+    /// Its figures, until the stage takes them.
+    figures: Option<Figures>,
+    evaluating: Newest<Evaluated>,
+    /// What of the project is seen.
+    sight: Sight,
     /// The layer that the panels edit.
     pub selected: Option<LayerId>,
-    /// Triangles that each layer folds, in the order of the evaluation.
-    pub folds: Vec<Vec<u32>>,
     /// Where the result passes through itself.
     pub crossings: CrossingMeter,
     matching: Option<(MatchRequest, Job<Found>)>,
@@ -60,11 +66,9 @@ pub struct Session {
 impl Session {
     /// A session on a loaded project.
     pub fn new(loaded: Loaded) -> Self {
-        let mut stack = loaded.stack;
-        let evaluation = stack.evaluate(&loaded.project);
-        let selected = loaded.project.layers().last().map(|(id, _)| *id);
         let asked = (loaded.project.harmonics, loaded.project.laplacian);
-        let mut session = Self {
+        let (selected, Evaluated { stack, shown, figures }) = (loaded.sight.selected, loaded.evaluated);
+        Self {
             history: if loaded.new {
                 History::recovered(loaded.project)
             } else {
@@ -73,9 +77,11 @@ impl Session {
             path: loaded.path,
             subject: loaded.subject,
             stack,
-            evaluation,
+            shown: Arc::new(shown),
+            figures: Some(figures),
+            evaluating: Newest::default(),
+            sight: loaded.sight,
             selected,
-            folds: Vec::new(),
             crossings: CrossingMeter::default(),
             matching: None,
             keeping: None,
@@ -85,9 +91,7 @@ impl Session {
             solved: asked,
             solving: None,
             stands: loaded.stands,
-        };
-        session.refresh();
-        session
+        }
     }
 
     /// Prepares, in the background, the data that the first stroke of a brush needs.
@@ -177,39 +181,29 @@ impl Session {
         label
     }
 
-    /// Evaluates the document again.
-    pub fn refresh(&mut self) {
-        let project = self.history.project().clone();
-        if self.selected.is_none_or(|id| project.layer(id).is_none()) {
-            self.selected = project.layers().last().map(|(id, _)| *id);
+    /// The document has changed, or what its layers were waiting for has arrived: it is to be evaluated again.
+    pub(super) fn refresh(&mut self) {
+        if self.selected.is_none_or(|id| self.project().layer(id).is_none()) {
+            self.selected = self.project().layers().last().map(|(id, _)| *id);
         }
-        let before = std::mem::replace(&mut self.evaluation, self.stack.evaluate(&project));
-        let mut known: Vec<_> = before.layers.into_iter().zip(std::mem::take(&mut self.folds)).collect();
-        let surface = self.stack.surface();
-        let folds = self.evaluation.layers.iter().map(|layer| {
-            match known.iter_mut().find(|(same, _)| moves_alike(same, layer)) {
-                Some((_, folds)) => std::mem::take(folds),
-                None => layer.folded_triangles(surface),
-            }
-        });
-        self.folds = folds.collect();
+        self.evaluating.outdate();
     }
 
     /// Layers whose template could not be read or matched: they do nothing.
     pub fn failed_layers(&self) -> Vec<LayerId> {
         let failed = |layer: &&EvaluatedLayer| matches!(layer.state, LayerState::Failed(_));
-        self.evaluation.layers.iter().filter(failed).map(|layer| layer.id).collect()
+        self.shown.evaluation.layers.iter().filter(failed).map(|layer| layer.id).collect()
     }
 
-    /// Triangles folded by `layer`.
-    pub fn folds_of(&self, layer: LayerId) -> usize {
-        let index = self.evaluation.layers.iter().position(|evaluated| evaluated.id == layer);
-        index.and_then(|index| self.folds.get(index)).map_or(0, Vec::len)
+    /// Triangles folded by `layer`; `None` until it is evaluated.
+    pub fn folds_of(&self, layer: LayerId) -> Option<usize> {
+        let index = self.shown.evaluation.layers.iter().position(|evaluated| evaluated.id == layer)?;
+        Some(self.shown.folds.get(index)?.len())
     }
 
     /// Whether it is still being found how far layers must be held back: until then the last known limit is shown.
     pub fn is_settling(&self) -> bool {
-        self.keeping.is_some()
+        self.keeping.is_some() || self.unsettled().is_some()
     }
 
     /// Whether layers still wait for a match, or other harmonics are being solved for: the result is to change by itself.
@@ -217,14 +211,14 @@ impl Session {
         self.solving.is_some() || !self.stack.missing(self.project()).is_empty()
     }
 
-    /// The current result; later edits do not change it.
+    /// The result that is shown; later edits do not change it.
     pub fn sculpture(&self) -> Sculpture {
         let (source, subject) = (self.project().shape.clone(), self.subject.clone());
         Sculpture {
             source,
             subject,
             body: Arc::clone(self.stack.body()),
-            evaluation: self.evaluation.clone(),
+            evaluation: self.shown.evaluation.clone(),
         }
     }
 }
@@ -233,15 +227,6 @@ impl Session {
 fn own_mirror(surface: &Surface, task: &Task) -> Result<Option<MirrorPlane>, Cancelled> {
     let search = MirrorSearch::of(&surface.positions, &surface.triangles);
     search.map_or(Ok(None), |search| search.best(&[], task))
-}
-
-/// Whether the two are the same layer that moves the same shape in the same way.
-fn moves_alike(a: &EvaluatedLayer, b: &EvaluatedLayer) -> bool {
-    let displaced = match (&a.displacement, &b.displacement) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (a, b) => a.is_none() && b.is_none(),
-    };
-    a.id == b.id && displaced && Arc::ptr_eq(&a.base, &b.base)
 }
 
 #[cfg(test)]
@@ -268,7 +253,7 @@ mod tests {
         chladni_mesh::save_mesh(&soup, &path).unwrap();
         let project = Project::new(ShapeSource::File(path), 100);
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
-        let body = loaded.stack.body();
+        let body = loaded.evaluated.stack.body();
         assert_eq!((body.positions.len(), body.basis.harmonics()), (42, 42));
     }
 
@@ -325,6 +310,7 @@ mod tests {
                 assert!(std::time::Instant::now() < deadline);
                 session.pump_harmonics(&ctx).unwrap();
                 session.pump_matches(&ctx);
+                session.catch_up(&ctx).unwrap();
                 std::thread::sleep(std::time::Duration::from_millis(5));
             }
         };
@@ -337,7 +323,7 @@ mod tests {
         wait_for(&mut session, &|session| session.stack.body().basis.harmonics() == 24);
         assert!(session.running_match().is_none() && session.stack.missing(session.project()).is_empty());
         assert!(Arc::ptr_eq(&before, session.selected_match().unwrap()));
-        let acting = &session.evaluation.layers[0];
+        let acting = &session.shown.evaluation.layers[0];
         assert_eq!((acting.id, acting.state.clone()), (layer, LayerState::Acts));
         assert_eq!(acting.difference.as_ref().unwrap().target.spectrum().len(), 24);
     }
@@ -353,7 +339,8 @@ mod tests {
         let remove = || Edit::Once(Action::Remove(first));
         // The second time it is not there any more.
         assert!(session.apply(vec![add(), add(), remove(), remove()]).is_err());
-        assert_eq!((session.project().layers().len(), session.evaluation.layers.len()), (1, 1));
+        session.catch_up(&egui::Context::default()).unwrap();
+        assert_eq!((session.project().layers().len(), session.shown.evaluation.layers.len()), (1, 1));
         assert!(session.selected.is_some());
     }
 }

@@ -22,11 +22,11 @@ impl Session {
     /// The evaluation of the selected layer.
     pub fn selected_layer(&self) -> Option<&EvaluatedLayer> {
         let selected = self.selected?;
-        self.evaluation.layers.iter().find(|layer| layer.id == selected)
+        self.shown.evaluation.layers.iter().find(|layer| layer.id == selected)
     }
 
     /// The μ with the strongest exaggeration before the selected layer folds more than this share of the
-    /// triangles.
+    /// triangles. What is shown must have [caught up](Self::catch_up).
     pub fn furthest_mu(&self, may_fold: f64) -> Option<f64> {
         let layer = self.project().layer(self.selected?)?;
         let evaluated = self.selected_layer()?;

@@ -31,10 +31,10 @@ impl Stage {
     /// The figures that are shown, from left to right.
     pub(super) fn figures(&self, show: Show) -> &'static [usize] {
         match show {
-            Show::Models => &[MODELS, MODELS + 1, MODELS + 2, ORIGINAL],
+            Show::Models if self.shows_models => &[MODELS, MODELS + 1, MODELS + 2, ORIGINAL],
             Show::BeforeAfter => &[ORIGINAL, RESULT],
             Show::Template if self.has_template => &[RESULT, TEMPLATE],
-            Show::Result | Show::Template => &[RESULT],
+            Show::Result | Show::Models | Show::Template => &[RESULT],
             Show::Original => &[ORIGINAL],
         }
     }

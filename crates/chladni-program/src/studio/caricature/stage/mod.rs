@@ -23,6 +23,7 @@ use chladni_view::{
 };
 use egui::Ui;
 
+use super::evaluating::Figures;
 use super::look::Portrayal;
 use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose};
@@ -60,6 +61,8 @@ pub struct Stage {
     poses: Vec<Pose>,
     /// How often each figure was replaced.
     changes: Vec<u64>,
+    /// The three models were evaluated.
+    shows_models: bool,
     /// There is a template to be seen.
     has_template: bool,
     inked: InkedStage,
@@ -122,6 +125,7 @@ impl Stage {
             own_look,
             poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
             changes: vec![0; FIGURES],
+            shows_models: false,
             has_template: false,
             inked: InkedStage::default(),
             triangles: triangles.into(),
@@ -135,47 +139,43 @@ impl Stage {
             last_look: None,
         };
         for figure in 0..FIGURES {
-            stage.set_figure(figure, positions, &normals)?;
+            stage.set_figure(figure, (positions.to_vec(), normals.clone()))?;
         }
         Ok(stage)
     }
 
-    /// The same shape on another device, seen from the same place; all figures are at rest.
+    /// The same figures on another device, seen from the same place.
     pub fn on(self, screen: &Screen) -> Result<Self, ViewError> {
-        let (original, _) = &self.poses[ORIGINAL];
-        let stage = Self::new(screen, original, &self.triangles, self.own_look)?;
-        Ok(Self { camera: self.camera, fitted: self.fitted, ..stage })
+        let Self { camera, fitted, shows_models, has_template, poses, .. } = self;
+        let stage = Self::new(screen, &poses[ORIGINAL].0, &self.triangles, self.own_look)?;
+        let mut stage = Self { camera, fitted, shows_models, has_template, ..stage };
+        for (figure, pose) in poses.into_iter().enumerate() {
+            stage.set_figure(figure, pose)?;
+        }
+        Ok(stage)
+    }
+
+    /// Takes the figures of an evaluation.
+    pub fn take(&mut self, figures: Figures) -> Result<(), ViewError> {
+        let Figures { result, models, template } = figures;
+        (self.shows_models, self.has_template) = (models.is_some(), template.is_some());
+        self.set_figure(RESULT, result)?;
+        for (index, pose) in models.into_iter().flatten().enumerate() {
+            self.set_figure(MODELS + index, pose)?;
+        }
+        template.map_or(Ok(()), |template| self.set_figure(TEMPLATE, template))
     }
 
     /// Replaces one figure.
-    pub fn set_figure(
-        &mut self,
-        figure: usize,
-        positions: &[[f32; 3]],
-        normals: &[[f32; 3]],
-    ) -> Result<(), ViewError> {
+    fn set_figure(&mut self, figure: usize, pose: Pose) -> Result<(), ViewError> {
+        let (positions, normals) = &pose;
         self.buffers.write(self.viewport.device(), figure, positions, normals)?;
-        let (held_positions, held_normals) = &mut self.poses[figure];
+        self.poses[figure] = pose;
         self.changes[figure] += 1;
-        held_positions.clear();
-        held_positions.extend_from_slice(positions);
-        held_normals.clear();
-        held_normals.extend_from_slice(normals);
         if self.pick.as_ref().is_some_and(|(picked, _)| *picked == figure) {
             self.pick = None;
         }
         self.grown = true;
-        self.viewport.invalidate();
-        Ok(())
-    }
-
-    /// Takes the template that is to be seen, where there is one; `positions` are where the shape's vertices lie on it.
-    pub fn set_template(&mut self, positions: Option<&[[f32; 3]]>) -> Result<(), ViewError> {
-        self.has_template = positions.is_some();
-        if let Some(positions) = positions {
-            let normals = chladni_view::smooth_normals(positions, &self.triangles);
-            return self.set_figure(TEMPLATE, positions, &normals);
-        }
         self.viewport.invalidate();
         Ok(())
     }
