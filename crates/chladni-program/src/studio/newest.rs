@@ -90,18 +90,17 @@ mod tests {
         let (ctx, mut newest) = (Context::default(), Newest::default());
         let (begun, begins) = channel();
         let (go, gate) = channel::<()>();
-        let begin =
-            |newest: &mut Newest<u32>, state: u32, gate: Option<std::sync::mpsc::Receiver<()>>| {
-                if !newest.is_due() {
-                    return;
-                }
-                let begun = begun.clone();
-                newest.begin(&ctx, move || {
-                    begun.send(state).unwrap();
-                    gate.into_iter().for_each(|gate| gate.recv().unwrap());
-                    Ok(state)
-                });
-            };
+        let begin = |newest: &mut Newest<u32>, state: u32, gate: Option<std::sync::mpsc::Receiver<()>>| {
+            if !newest.is_due() {
+                return;
+            }
+            let begun = begun.clone();
+            newest.begin(&ctx, move || {
+                begun.send(state).unwrap();
+                gate.into_iter().for_each(|gate| gate.recv().unwrap());
+                Ok(state)
+            });
+        };
         assert!(!newest.is_behind());
         newest.outdate();
         begin(&mut newest, 0, Some(gate));
