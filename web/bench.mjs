@@ -1,9 +1,9 @@
-// What a page costs: sizes, the first picture, pictures a second, a caricature, a solve. node web/bench.mjs PAGE OUT [solves]
+// What a page costs: sizes, the first picture, pictures a second, a caricature, a solve. node web/bench.mjs PAGE OUT [weights|music|caricature|clock|shares|solves]
 import { execFileSync } from "node:child_process";
 import { existsSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
-import { ISOLATED, launch, serve, torus } from "./browser.mjs";
+import { ISOLATED, WITH_CARD, launch, serve, torus } from "./browser.mjs";
 
 const [folder, out] = process.argv.slice(2).map((path) => resolve(path));
 const mb = (bytes) => `${(bytes / 1e6).toFixed(2)} MB`;
@@ -15,10 +15,13 @@ const sizes = (names) => {
 };
 const threads = ["thread.js", "chladni_threads.js", "chladni_threads_bg.wasm"].filter((name) => files(".").includes(name));
 const first = files(".").filter((name) => !threads.includes(name));
-console.log(`module and page: ${sizes(first)}`);
-console.log(`for the first picture, with the plate: ${sizes([...first, "bodies/plate.body"])}`);
-console.log(`for threads, once something is solved: ${sizes(threads)}`);
-console.log(`octopus: ${sizes(["bodies/octopus.body"])}`);
+/** Bytes to be fetched. */
+function weights() {
+  console.log(`module and page: ${sizes(first)}`);
+  console.log(`for the first picture, with the plate: ${sizes([...first, "bodies/plate.body"])}`);
+  console.log(`for threads, once something is solved: ${sizes(threads)}`);
+  console.log(`octopus: ${sizes(["bodies/octopus.body"])}`);
+}
 
 const { address, stop } = await serve(folder);
 const browser = await launch(out);
@@ -43,7 +46,7 @@ async function measured(name, viewport, enter) {
 
 const laptop = { width: 1440, height: 900 };
 const gallery = async (page) => {
-  await page.click("#enter");
+  await page.click("#enter", { timeout: 180_000 });
   await page.waitForFunction(() => window.chladni.state.body === "sample:octopus", null, { timeout: 180_000 });
 };
 
@@ -137,11 +140,88 @@ async function solves() {
   isolated.stop();
 }
 
-const only = process.argv[4];
-if (!only) {
-  await music();
-  await caricature();
+const opened = async (within, query = "") => {
+  const page = await (await within.newContext({ viewport: { width: 1280, height: 720 } })).newPage();
+  await page.goto(`${address}${query}`);
+  await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, { timeout: 180_000 });
+  return page;
+};
+const onStage = async (page) => {
+  await gallery(page);
+  await page.locator(".cell:nth-child(5) .stage").dispatchEvent("click");
+  await page.waitForFunction(() => window.chladni.state.on_stage && window.chladni.sound.isHeard, null, { timeout: 60_000 });
+  await page.waitForTimeout(5000);
+};
+
+/** How far the picture's place in the song lies behind that of the sound, when the next picture begins, beside how long that takes. */
+async function clock() {
+  const page = await opened(browser);
+  await onStage(page);
+  const found = await page.evaluate(async () => {
+    const { Concert } = await import("./chladni_web.js");
+    const { frame } = Concert.prototype;
+    const [behind, lengths, apart] = [[], [], []];
+    let last;
+    return new Promise((done) => {
+      Concert.prototype.frame = function (...given) {
+        const [position, now] = [given[2], performance.now() / 1000];
+        const late = window.chladni.sound.position() - (last?.position ?? position);
+        if (last && late > 0 && late < 2) {
+          behind.push(late);
+          lengths.push(now - last.now);
+          apart.push(Math.abs(position - last.position - (now - last.now)));
+        }
+        last = { position, now };
+        if (behind.length === 300) { Concert.prototype.frame = frame; done([behind, lengths, apart]); }
+        return frame.apply(this, given);
+      };
+    });
+  });
+  const told = found.map((secs) => {
+    const sorted = secs.toSorted((a, b) => a - b);
+    return [0.5, 0.95, 1].map((share) => (1000 * sorted[Math.min(299, Math.floor(share * 300))]).toFixed(1)).join(", ");
+  });
+  console.log(`300 pictures on stage, median, 95 %, most: the sound is ahead of a picture by ${told[0]} ms when the next begins, ` +
+    `which a picture's length explains (${told[1]} ms); the song's clock and the page's differ in one by ${told[2]} ms`);
+  await page.close();
 }
-await solves();
+
+/** What deforming takes of a picture beside drawing it, by the processor and by a card, which a processor plays here. */
+async function shares() {
+  const withCard = await launch(out, WITH_CARD);
+  for (const [name, within, query] of [["the processor draws", browser, "?draw=cpu"], ["a software card draws", withCard, "?draw=gpu"]]) {
+    for (const [what, enter] of [["gallery of twelve", gallery], ["stage", onStage]]) {
+      const page = await opened(within, query);
+      await enter(page);
+      await page.waitForTimeout(4000);
+      const [deform, draw, length, vertices] = await page.evaluate(async () => {
+        const { Concert } = await import("./chladni_web.js");
+        const { frame } = Concert.prototype;
+        const all = [];
+        let [last, vertices] = [];
+        await new Promise((done) => {
+          Concert.prototype.frame = function (...given) {
+            const drawn = frame.apply(this, given);
+            vertices = this.vertices();
+            const now = performance.now();
+            if (last) all.push([...this.took_ms(), now - last]);
+            last = now;
+            if (all.length === 100) { Concert.prototype.frame = frame; done(); }
+            return drawn;
+          };
+        });
+        return [...[0, 1, 2].map((i) => all.map((each) => each[i]).sort((a, b) => a - b)[50]), vertices];
+      });
+      console.log(`${name}, ${what}, ${vertices} vertices each: medians of 100: deforming ${deform.toFixed(1)} ms, drawing ${draw.toFixed(1)} ms, ` +
+        `from one picture to the next ${length.toFixed(1)} ms: deforming takes ${((100 * deform) / length).toFixed(0)} %`);
+      await page.close();
+    }
+  }
+  await withCard.close();
+}
+
+const only = process.argv[4];
+const parts = { weights, music, caricature, clock, shares, solves };
+for (const [name, part] of Object.entries(parts)) if (!only || only === name) await part();
 await browser.close();
 stop();

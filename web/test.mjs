@@ -1,7 +1,9 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|shows|returns|films|microphone|caricature|tools|ways|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|beats|shows|returns|films|microphone|caricature|tools|ways|access|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+import * as access from "./tests/access.mjs";
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
+import { beats } from "./tests/beats.mjs";
 import * as caricature from "./tests/caricature.mjs";
 import { firefox } from "./tests/firefox.mjs";
 import * as microphone from "./tests/microphone.mjs";
@@ -17,6 +19,7 @@ import * as ways from "./tests/ways.mjs";
 const only = process.argv[4];
 const rooms = {
   music: [music.laptop, music.phone],
+  beats: [beats],
   shows: [shows.shows, shows.films],
   returns: [returns.dances, returns.layers],
   films: [shows.wholeFilms, shows.stoppedFilms],
@@ -24,6 +27,7 @@ const rooms = {
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],
   ways: [ways.music, ways.caricature],
+  access: [access.names, access.fullScreen, access.motion, access.large, access.pictures],
   models: [models.chosen],
   card: [card.webgpu.pictures, card.webgpu.loss],
   webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.looks, card.webgl.skin],

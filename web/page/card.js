@@ -45,7 +45,7 @@ function lendsWebGl(page) {
 
 function tell() {
   const text = !canvas ? "Drawn by the processor."
-    : byWebGl ? "Drawn by the graphics card through WebGL2." : "Drawn by the graphics card.";
+    : byWebGl ? "Drawn by the graphics card through WebGL2, deformed by the processor." : "Drawn by the graphics card, deformed by the processor.";
   for (const place of document.querySelectorAll(".drawn-by")) place.textContent = text;
 }
 

@@ -3,6 +3,7 @@ import { Sitting, needs_of_project, samples, starting_points } from "./chladni_w
 import { ask, giveUp, obsolete } from "./work.js";
 import { attempt, base, busy, label, of, on, options, report, say } from "./page.js";
 import { scale, show as showPicture, stir } from "./picture.js";
+import * as chosen from "./chosen.js";
 import * as exports from "./exports.js";
 import * as heat from "./heat.js";
 import * as ink from "./ink.js";
@@ -29,8 +30,9 @@ let waiting;
 let opened = 0;
 /** The shape that is being matched. */
 let matching = 0;
-/** Its harmonics are being solved for. */
+/** Its harmonics are being solved for, as many as were asked for last. */
 let solving = false;
+let harmonicsAsked;
 
 export const viewer = () => sitting;
 export const view = () => JSON.parse(sitting.state());
@@ -99,6 +101,8 @@ async function solve(mine) {
   const { name, bytes } = shape;
   const { harmonics, laplacian } = JSON.parse(sitting.needs());
   const asked = { work: "solve", name, bytes: bytes?.slice(), harmonics, laplacian };
+  const before = harmonicsAsked;
+  harmonicsAsked = harmonics;
   solving = true;
   refresh();
   try {
@@ -110,10 +114,21 @@ async function solve(mine) {
     const { vertices } = state;
     say(sitting.take_notes() || `${label(name)}: ${vertices} vertices, ${harmonics} harmonics in ${secs.toFixed(1)} s`);
   } catch (error) {
-    if (mine === opened) throw error;
+    if (mine !== opened || harmonics !== harmonicsAsked) return;
+    // Those that are there stay.
+    if (state.solved) { harmonicsAsked = before; sitting.act(JSON.stringify({ set_harmonics: before })); }
+    throw error;
   } finally {
-    if (mine === opened) { solving = false; refresh(); }
+    if (mine === opened && harmonics === harmonicsAsked) { solving = false; refresh(); }
   }
+}
+
+/** Solves for other harmonics where the project asks for them. */
+async function solveAgain() {
+  if (!state.solved || state.wanted_harmonics === harmonicsAsked) return;
+  giveUp(obsolete(), ["solve"]);
+  wall.leave();
+  await solve(opened);
 }
 
 /** Has the worker match what layers wait for, one after the other. */
@@ -172,13 +187,19 @@ export async function takeMesh(name, bytes) {
   }
 }
 
+/** The last question: each waits for the answer to the one before. */
+let question = Promise.resolve();
+
 /** What is to become of a mesh. */
 function whichOf(name) {
   const dialog = of("which");
-  of("which-name").textContent = name;
-  dialog.returnValue = "";
-  dialog.showModal();
-  return new Promise((done) => { dialog.onclose = () => done(dialog.returnValue); });
+  question = question.then(() => new Promise((done) => {
+    of("which-name").textContent = name;
+    dialog.returnValue = "";
+    dialog.onclose = () => done(dialog.returnValue);
+    dialog.showModal();
+  }));
+  return question;
 }
 
 // ---- what is done
@@ -186,7 +207,7 @@ function whichOf(name) {
 /** The project has changed by more than its numbers. */
 async function changed() {
   refresh();
-  await match();
+  await Promise.all([solveAgain(), match()]);
 }
 
 let resting;
@@ -205,7 +226,7 @@ function refresh() {
   of("sitter").value = option ? state.shape : "";
   of("sitter").querySelector("[value='']").textContent = option ? "Other…" : state.shape;
   of("solve").hidden = state.solved || solving;
-  of("gallery").disabled = !state.solved;
+  of("gallery").disabled = !state.solved || solving || wall.isOpening();
   heat.drawHeat(state);
   of("keep").checked = state.keep_triangles;
   of("up").value = state.up;
@@ -218,6 +239,9 @@ function refresh() {
   of("pointed").textContent = state.pointed.join(", ");
   drawParts(of("parts"), state.parts, layer?.parts ?? [], partChoices);
   if (layer) showLayer(layer);
+  chosen.show(layer);
+  if (document.activeElement !== of("wanted-harmonics")) of("wanted-harmonics").value = state.wanted_harmonics;
+  of("wanted-harmonics").disabled = !state.solved;
   scaleCurve.show();
   showLandmarks(layer);
   clearTimeout(resting);
@@ -425,7 +449,9 @@ export function listen() {
   heat.listen((quantity, harmonic, map) => { sitting.show_heat(quantity, harmonic, map); refresh(); });
   on("landmarks", pickLandmarks);
   for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
-  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, changed };
+  of("wanted-harmonics").addEventListener("change", () => act({ set_harmonics: Math.round(Number(of("wanted-harmonics").value)) || state.wanted_harmonics }));
+  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, changed, act, set, slide };
+  chosen.listen(caricature);
   exports.listen(caricature);
   scaleCurve.listen(caricature);
   wall.listen(caricature);

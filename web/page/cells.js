@@ -6,23 +6,28 @@ let current;
 
 function cell(item) {
   const box = document.createElement("div");
-  const [choose, stage, favor] = Array.from({ length: 3 }, () => document.createElement("button"));
-  choose.className = "choose";
-  choose.onclick = () => current.choose(item);
+  const button = (name, act) => Object.assign(document.createElement("button"), { className: name, onclick: act });
+  const choose = button("choose", () => current.choose(item));
   choose.ondblclick = () => current.perform?.(item);
-  stage.className = "stage";
-  stage.onclick = () => current.perform(item);
-  favor.className = "favor";
-  favor.onclick = () => current.favor(item);
-  box.append(choose, favor, stage);
-  return { box, choose, stage, favor };
+  const favor = button("favor", () => current.favor(item));
+  const deeds = Object.assign(document.createElement("div"), { className: "deeds" });
+  const vary = button("vary", () => current.vary(item));
+  const lock = button("lock", () => current.lock(item));
+  const stage = button("stage", () => current.perform(item));
+  vary.textContent = "Vary";
+  vary.title = "Change it a little, at random";
+  lock.textContent = "Lock";
+  lock.title = "It keeps its place when others are bred";
+  deeds.append(vary, lock, stage);
+  box.append(choose, favor, deeds);
+  return { box, choose, stage, favor, vary, lock };
 }
 
 /**
  * Lays the buttons over cells of a picture of `width` × `height` pixels: x, y, width and height of each. `choices` has
  * what they do, `choose(item)` and `perform(item)`; what the second is called, `performs` and, aloud, `says(item)`;
- * `name(item)` for items without a name; and, where there are favorites, `favor(item)`. Items may have a `text` in place
- * of their number, and be `idle`: nothing is chosen by them.
+ * `name(item)` for items without a name; and, where there is such a thing, `favor(item)`, `lock(item)` and `vary(item)`. Items
+ * may have a `text` in place of their number, and be `idle`: nothing is chosen by them.
  * Where `isNamed`, the texts are names.
  */
 export function drawCells(parent, cells, items, width, height, choices) {
@@ -34,9 +39,9 @@ export function drawCells(parent, cells, items, width, height, choices) {
     parent.append(next.box);
     made.push(next);
   }
-  made.forEach(({ box, choose, stage, favor }, item) => {
+  made.forEach(({ box, choose, stage, favor, vary, lock }, item) => {
     const [x, y, w, h] = cells.slice(4 * item, 4 * item + 4);
-    const { chosen = false, favorite = false, name, idle = false, text = item + 1 } = items[item] ?? {};
+    const { chosen = false, favorite = false, locked = false, name, idle = false, text = item + 1 } = items[item] ?? {};
     const at = `left:${(100 * x) / width}%;top:${(100 * y) / height}%;width:${(100 * w) / width}%;height:${(100 * h) / height}%`;
     if (box.dataset.at !== at) box.style.cssText = box.dataset.at = at;
     box.className = ["cell", chosen && "chosen", choices.isNamed && "named"].filter(Boolean).join(" ");
@@ -48,6 +53,11 @@ export function drawCells(parent, cells, items, width, height, choices) {
     stage.hidden = !choices.perform;
     stage.textContent = choices.performs ?? "";
     if (choices.says) stage.setAttribute("aria-label", choices.says(item));
+    vary.hidden = !choices.vary;
+    vary.setAttribute("aria-label", `Vary ${item + 1}`);
+    lock.hidden = !choices.lock;
+    lock.setAttribute("aria-pressed", locked);
+    lock.setAttribute("aria-label", `Lock ${item + 1}`);
     favor.hidden = !choices.favor;
     favor.textContent = favorite ? "★" : "☆";
     favor.setAttribute("aria-pressed", favorite);

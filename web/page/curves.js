@@ -2,7 +2,7 @@
 // harmonic answers.
 import { draw_curve, smooth_curve } from "./chladni_web.js";
 import * as drawn from "./drawn.js";
-import { of } from "./page.js";
+import { attempt, of } from "./page.js";
 
 const CURVES = [
   { id: "transfer", range: [0, 1], color: "#78bedc" },
@@ -11,8 +11,8 @@ const CURVES = [
 
 let item;
 
-/** What is drawn becomes a dance by `act`, once the hand rests. */
-export function listen(act) {
+/** What is drawn becomes a dance by `act`, once the hand rests; `begin(item, name)` gives it a ready-made curve. */
+export function listen(act, begin) {
   for (const curve of CURVES) {
     const [low, high] = curve.range;
     const value = ([x, y]) => [x, low + y * (high - low)];
@@ -28,6 +28,11 @@ export function listen(act) {
       done: () => act({ do: `set-${curve.id}`, item, [curve.id]: [...curve.values] }),
     });
     drawn.listen(of(curve.id), curve);
+    of(`begin-${curve.id}`).addEventListener("change", attempt(() => {
+      const { value } = of(`begin-${curve.id}`);
+      of(`begin-${curve.id}`).value = "";
+      return begin(item, value);
+    }));
     of(`smooth-${curve.id}`).addEventListener("click", () => { curve.values = smooth_curve(curve.values); paint(curve); curve.done(); });
   }
 }

@@ -1,17 +1,13 @@
 // What the caricature room gives away and takes beside meshes and projects: pictures, drawings, masks, landmarks.
 import { inkFile } from "./ink.js";
 import { attempt, busy, of, on, save, say } from "./page.js";
+import { LONGEST, sizeOf } from "./picture.js";
 
-/** Pixels of the longer side of a picture. */
-const LONGEST = 2000;
+const TYPES = { glb: "model/gltf-binary", obj: "model/obj", ply: "application/octet-stream", stl: "model/stl" };
 
 let room;
 
-function size() {
-  const { clientWidth, clientHeight } = of("picture");
-  const by = LONGEST / Math.max(clientWidth, clientHeight);
-  return [clientWidth, clientHeight].map((side) => Math.round(by * side));
-}
+const size = () => sizeOf(LONGEST);
 
 /** A picture as it is seen: drawn in ink or not. */
 async function savePicture() {
@@ -42,9 +38,9 @@ function ask(accept, take) {
 export function listen(caricature) {
   room = caricature;
   on("save-project", () => { save(`${room.stem()}.chladni`, room.sitting().save_project()); room.refresh(); });
-  for (const format of ["glb", "obj"]) {
+  for (const format of ["glb", "obj", "ply", "stl"]) {
     on(`export-${format}`, () => {
-      save(`${room.stem()}-caricature.${format}`, room.sitting().export(format), "model/" + (format === "glb" ? "gltf-binary" : "obj"));
+      save(`${room.stem()}-caricature.${format}`, room.sitting().export(format), TYPES[format]);
       const notes = room.sitting().take_notes();
       if (notes) say(notes);
     });

@@ -1,4 +1,5 @@
 // Films of the stage as it is seen: a live recording by the browser, with what is heard.
+import { copier } from "./picture.js";
 
 /** What the browser may write, the best first. */
 const KINDS = ["video/mp4;codecs=avc1.42E01F,mp4a.40.2", "video/webm;codecs=vp8,opus", "video/webm", "video/mp4"];
@@ -17,9 +18,10 @@ export class LiveFilm {
     const by = Math.min(1, LONGEST / Math.max(width, height));
     // Encoders want even numbers of pixels.
     const [w, h] = [width, height].map((side) => 2 * Math.max(8, Math.round((by * side) / 2)));
-    this.canvas = Object.assign(document.createElement("canvas"), { width: w, height: h });
-    this.brush = this.canvas.getContext("2d", { alpha: false });
-    const stream = this.canvas.captureStream();
+    const { canvas, take } = copier(w, h);
+    /** Takes a picture as it is seen: a canvas, and the veil over it as a color. */
+    this.take = take;
+    const stream = canvas.captureStream();
     for (const track of tracks) stream.addTrack(track);
     this.recorder = new MediaRecorder(stream, { mimeType: kind, videoBitsPerSecond: BITS_PER_SECOND });
     this.pieces = [];
@@ -31,19 +33,6 @@ export class LiveFilm {
   }
 
   get secs() { return (performance.now() - this.began) / 1000; }
-
-  /** Takes a picture as it is seen: a canvas, and the veil over it as a color. */
-  take(picture, veil) {
-    const { width, height } = this.canvas;
-    const by = Math.min(width / picture.width, height / picture.height);
-    const [w, h] = [by * picture.width, by * picture.height];
-    this.brush.fillStyle = "#000";
-    this.brush.fillRect(0, 0, width, height);
-    this.brush.drawImage(picture, (width - w) / 2, (height - h) / 2, w, h);
-    if (!veil) return;
-    this.brush.fillStyle = veil;
-    this.brush.fillRect(0, 0, width, height);
-  }
 
   /** The whole film, once it has ended. */
   async end() {

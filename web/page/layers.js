@@ -22,7 +22,7 @@ const said = ({ state, why, mu, template, folds }) => {
   return `μ ${number(mu)} · ${template}${folded}`;
 };
 
-function row(layer, chosen, top, choices) {
+function row(layer, chosen, top, bottom, choices) {
   const item = document.createElement("li");
   item.className = `${chosen ? "chosen" : ""} ${layer.state}`;
   const key = (what) => `${layer.id} ${what}`;
@@ -33,7 +33,7 @@ function row(layer, chosen, top, choices) {
   name.dataset.key = key("name");
   name.setAttribute("aria-pressed", chosen);
   const [title, small] = [document.createElement("strong"), document.createElement("small")];
-  title.textContent = layer.name;
+  title.textContent = layer.solo ? `${layer.name} (solo)` : layer.name;
   small.textContent = said(layer);
   name.append(title, small);
   name.onclick = () => choices.select(layer);
@@ -41,16 +41,18 @@ function row(layer, chosen, top, choices) {
   if (layer.state === "failed") item.append(button(key("again"), "↻", `Try the match of ${layer.name} again`, () => choices.retry(layer)));
   const up = button(key("up"), "▲", `Move ${layer.name} up`, () => choices.move(layer, 1));
   up.disabled = top;
-  item.append(up, button(key("delete"), "✕", `Delete ${layer.name}`, () => choices.remove(layer)));
+  const down = button(key("down"), "▼", `Move ${layer.name} down`, () => choices.move(layer, -1));
+  down.disabled = bottom;
+  item.append(up, down, button(key("delete"), "✕", `Delete ${layer.name}`, () => choices.remove(layer)));
   return item;
 }
 
 /** Shows the layers of a sitting's state, where they have changed. */
 export function drawLayers(parent, { layers, selected }, choices) {
-  const shown = JSON.stringify([selected, layers.map(({ id, name, enabled, state, ...rest }) => [id, name, enabled, state, said({ state, ...rest })])]);
+  const shown = JSON.stringify([selected, layers.map(({ id, name, enabled, solo, state, ...rest }) => [id, name, enabled, solo, state, said({ state, ...rest })])]);
   if (parent.dataset.shown === shown) return;
   parent.dataset.shown = shown;
-  refill(parent, layers.map((layer, i) => row(layer, layer.id === selected, i === layers.length - 1, choices)).reverse());
+  refill(parent, layers.map((layer, i) => row(layer, layer.id === selected, i === layers.length - 1, i === 0, choices)).reverse());
 }
 
 /** Offers the results of the layers as templates of a layer above them. */
@@ -82,11 +84,12 @@ export function drawParts(parent, names, taken, choices) {
 export function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, warnings }) {
   of("mu").min = least_mu;
   of("mu").value = mu;
-  of("mu-value").textContent = number(mu);
+  if (document.activeElement !== of("mu-value")) of("mu-value").value = mu.toFixed(2);
   of("strength").value = strength;
   of("model").value = model;
   of("curve").value = curve;
   of("softness").value = Math.log(smoothing.wavelength);
+  of("softness").setAttribute("aria-valuetext", `${Math.round(100 * smoothing.wavelength)} % of the shape's size`);
   of("everywhere").setAttribute("aria-pressed", everywhere);
   const covered = coverage === null ? "" : `The match covers ${Math.round(100 * coverage)} % of the shape.`;
   of("quality").textContent = [covered, ...warnings].join(" ");

@@ -1,5 +1,5 @@
 // The page: its front, the way into both rooms, and the files that are brought.
-import init, { kind } from "./chladni_web.js";
+import init, { kind, songs_in_list } from "./chladni_web.js";
 import { ask, compiled, giveUp } from "./work.js";
 import { openCard } from "./card.js";
 import { hands } from "./hands.js";
@@ -38,7 +38,7 @@ async function take(name, bytes) {
       enterMusic();
       return music.openMesh(name, bytes);
     case "mask": enterCaricature(); return caricature.takeMask(name, bytes);
-    default: throw new Error(`${name}: the page opens meshes, songs, shows, dances, projects and masks.`);
+    default: throw new Error(`${name}: the page opens meshes, songs and lists of them, shows, dances, projects and masks.`);
   }
 }
 
@@ -52,12 +52,23 @@ const order = ({ name }) => (["text", "project"].includes(kind(name)) ? 0 : 1);
 
 const open = attempt(async (files) => {
   if (music.isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
-  const songs = files.filter(({ name }) => kind(name) === "song");
-  for (const file of files.toSorted((a, b) => order(a) - order(b))) if (!songs.includes(file)) await takeFile(file);
-  if (!songs.length) return;
-  enterMusic();
-  await music.openSongs(songs);
+  const [songs, lists] = ["song", "list"].map((wanted) => files.filter(({ name }) => kind(name) === wanted));
+  for (const file of files.toSorted((a, b) => order(a) - order(b))) if (![...songs, ...lists].includes(file)) await takeFile(file);
+  const { inOrder, missing } = await inOrderOf(lists, songs);
+  if (inOrder.length) {
+    enterMusic();
+    await music.openSongs(inOrder);
+  }
+  if (missing.length) throw new Error(`${lists[0].name}: a page finds no files by itself. Open these together with the list: ${missing.slice(0, 5).join(", ")}${missing.length > 5 ? `, and ${missing.length - 5} more` : ""}.`);
 });
+
+/** Songs in the order of the lists that came with them, those of no list behind them; and what the lists name besides. */
+async function inOrderOf(lists, songs) {
+  const names = [];
+  for (const list of lists) names.push(...songs_in_list(new Uint8Array(await list.arrayBuffer())));
+  const place = ({ name }) => (names.includes(name) ? names.indexOf(name) : names.length);
+  return { inOrder: songs.toSorted((a, b) => place(a) - place(b)), missing: names.filter((name) => !songs.some((song) => song.name === name)) };
+}
 
 /** Whoever closes the page is asked, where a caricature or a gallery would be lost. */
 function asksBeforeClosing(event) {
@@ -72,6 +83,8 @@ function listen() {
   for (const id of ["open", "open-project"]) on(id, () => of("file").click());
   on("home", async () => { music.leave(); delete dataset.empty; dataset.view = "front"; await music.front(); });
   on("cancel", () => giveUp());
+  // An iPhone's browser has none for pages.
+  of("full").hidden = !document.fullscreenEnabled;
   on("full", async () => {
     if (document.fullscreenElement) return document.exitFullscreen();
     await document.documentElement.requestFullscreen();

@@ -1,5 +1,5 @@
 // The music room: it shows a concert, and passes on what a person does. All that dances is in the module.
-import { Concert, looks, needs_of_show, samples } from "./chladni_web.js";
+import { Concert, needs_of_show, samples } from "./chladni_web.js";
 import { Microphone } from "./microphone.js";
 import { Sound } from "./sound.js";
 import * as shows from "./shows.js";
@@ -7,9 +7,14 @@ import * as songs from "./songs.js";
 import { ask, giveUp, obsolete, works } from "./work.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
+import * as dance from "./dance.js";
 import { LiveFilm } from "./film.js";
+import * as plate from "./front_plate.js";
+import * as knobs from "./knobs.js";
+import * as looks from "./looks.js";
 import { attempt, base, busy, label, of, ofFile, on, options, report, save, say } from "./page.js";
-import { nextPicture, show as showPicture, watch } from "./picture.js";
+import * as playlist from "./playlist.js";
+import { LONGEST, show as showPicture, takePicture, watch } from "./picture.js";
 import * as wholeFilm from "./whole_film.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
@@ -113,7 +118,7 @@ async function stopListening() {
 
 /** How often something was bred, loved or drawn that no file has. */
 let edits = 0;
-const KEPT = ["breed", "mutate", "favorite", "set-transfer", "set-amplification"];
+const KEPT = ["breed", "mutate", "favorite", "lock", "rename", "set-transfer", "set-amplification", "set-item-gain", "set-stereo-mu"];
 
 /** Whether dances would be lost. */
 export const isUnsaved = () => (atFront ? parked?.edits ?? 0 : edits) > 0;
@@ -129,7 +134,7 @@ function mayReplace() {
 /** What another shape was prepared for is not wanted any more. */
 const forget = () => works("work") && giveUp(obsolete(), ["work"]);
 
-async function dance(name) {
+async function danceOn(name) {
   const mine = ++visit;
   forget();
   say(`${label(name)}…`);
@@ -173,7 +178,7 @@ async function playSong(song) {
       if (mine !== turn) return;
       const aloud = !!song.file || sound.isHeard;
       songs.play(song, decoded);
-      sound.load(decoded, songs.count() === 1);
+      sound.load(decoded, isRepeated());
       hear();
       if (microphone) await stopListening();
       if (aloud) await playAloud();
@@ -193,7 +198,28 @@ async function playSong(song) {
 export const openSongs = (files) => playSong(songs.add(files));
 
 const playBeside = attempt((steps) => playSong(songs.beside(wanted ?? songs.current(), steps)));
-sound.onend = () => { if (!concert.plays_show()) playBeside(1); };
+sound.onend = () => {
+  if (concert.plays_show()) return;
+  const isLast = songs.place() === songs.count() - 1;
+  if (playlist.repeats() !== "off" || !isLast) return playBeside(1);
+  sound.pause();
+  sound.seek(0);
+  refresh();
+};
+
+/** Whether the song that plays begins anew at its end. */
+const isRepeated = () => playlist.repeats() === "song" || (playlist.repeats() === "list" && songs.count() === 1);
+
+const ofTheList = {
+  plays: attempt((song) => playSong(song)),
+  takesOut: attempt(async (song) => {
+    const next = songs.takeOut(song);
+    if (next) await playSong(next); else sound.setRepeats(isRepeated());
+    refresh();
+  }),
+  louder: (volume) => sound.setVolume(volume),
+  repeats: () => { if (!concert.plays_show()) sound.setRepeats(isRepeated()); },
+};
 
 export async function openText(name, bytes) {
   const text = new TextDecoder().decode(bytes);
@@ -208,7 +234,7 @@ export async function openText(name, bytes) {
     refresh();
     return say(`${name}: this dance is in the gallery now.`);
   }
-  if (needs.body?.startsWith("sample:") && needs.body !== state.body) await dance(needs.body);
+  if (needs.body?.startsWith("sample:") && needs.body !== state.body) await danceOn(needs.body);
   concert.open_show(text);
   shows.know(text, needs);
   heard.splice(0, heard.length, ...needs.songs.map((song) => songs.find(song) ?? { name: song }));
@@ -216,6 +242,8 @@ export async function openText(name, bytes) {
   refresh();
   edits = 0;
   const missing = needs.songs.filter((song) => !songs.names().includes(song));
+  const behind = [state.looks.picture, state.looks.panorama].filter(Boolean).map(base);
+  if (behind.length) needs.caution = [needs.caution, `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`].filter(Boolean).join(" ");
   if (needs.body && needs.body !== state.body) say(`${name} was danced by ${needs.body}: drop that mesh, then the show again.`);
   else say(missing.length ? `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.` : needs.caution ?? `${name} is open.`);
 }
@@ -302,11 +330,32 @@ const stage = {
 
 // ---- the picture
 
+/** The plate of the front, which is to stand still. */
+function stands(now, width, height) {
+  const at = { clock: shows.clockSecs(now), position: sound.position(), isKnown: sound.duration > 0 };
+  const frame = (clock, position, w, h) => concert.frame(clock, sound.number, position, sound.duration, w, h);
+  const goOn = (clock, position) => concert.go_on(clock, sound.number, position, sound.duration);
+  return plate.drawStill(now, at, width, height, { frame, goOn });
+}
+
+/** The plate is to stand still from now on, or to go on where it stood. */
+function holdStill() {
+  if (!concert || concert !== atFront) return;
+  const stood = plate.letGo();
+  if (plate.isStill()) return sound.pause();
+  if (stood) {
+    shows.skip(shows.clockSecs(performance.now()) - stood.clock);
+    sound.seek(stood.position);
+  }
+  sound.playing = true;
+}
+
 const room = {
   name: "A shape that moves with the sound.",
   frame: (now, width, height) => {
     if (!concert) return false;
     if (filmed) return concert.frame(filmed.clock, sound.number, filmed.position, sound.duration, width, height);
+    if (concert === atFront && plate.isStill()) return stands(now, width, height);
     if (concert.plays_show()) followShow();
     return !shows.isWaiting() && concert.frame(shows.clockSecs(now), sound.number, sound.position(), sound.duration, width, height);
   },
@@ -343,13 +392,35 @@ const act = attempt((action) => {
 });
 /** The dance that is saved: the one on stage, else the first that is chosen. */
 const theDance = () => JSON.parse(concert.curves())?.item ?? Math.max(0, state.dances.findIndex((dance) => dance.chosen));
+/** Gives all dances up for others, where their user may. */
+function newGallery(seed, size) {
+  if (isUnsaved() && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
+  act({ do: "new-gallery", seed, size });
+  edits = 0;
+}
+
 const choices = {
   choose: (item) => act({ do: "choose", item, on: !state.dances[item].chosen }),
   perform: (item) => act({ do: "perform", item }),
   performs: "Stage",
   says: (item) => `Put dance ${item + 1} on stage`,
   name: (item) => `Dance ${item + 1}`,
+  favor: (item) => act({ do: "favorite", item, on: !state.dances[item].favorite }),
+  lock: (item) => act({ do: "lock", item, on: !state.dances[item].locked }),
+  vary: (item) => act({ do: "mutate", item, amount: 0.2 }),
 };
+
+/** Breeds; where children are suggested, the page stands still for it. */
+async function breed() {
+  if (state.settings.switches.suggest) {
+    say("The best of two hundred children are looked for…");
+    await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+  }
+  concert.breed();
+  edits++;
+  say("");
+  refresh();
+}
 
 /** Sand is of the stage: it goes with it. */
 function settle() {
@@ -368,9 +439,21 @@ function refresh() {
   if (!concert) return;
   state = report.state = JSON.parse(concert.state());
   const chosen = state.dances.filter((dance) => dance.chosen).length;
-  of("breed").textContent = chosen > 1 ? `Breed ${chosen}` : "Breed";
-  of("breed").disabled = chosen < 2 || state.on_stage;
-  of("breed").title = chosen < 2 ? "Choose two dances or more that you love" : "Their children take the place of all";
+  const least = state.settings.switches.suggest ? 1 : 2;
+  of("breed").textContent = chosen >= least ? `Breed ${chosen}` : "Breed";
+  of("breed").disabled = chosen < least || state.on_stage;
+  of("breed").title = chosen < least ? `Choose ${least === 1 ? "a dance" : "two dances"} or more that you love` : "Their children take the place of all but the locked ones";
+  of("generations").hidden = state.generations < 2 || state.on_stage;
+  of("generation").textContent = `${state.generation + 1} of ${state.generations}`;
+  for (const [id, to] of [["earlier", state.back], ["later", state.forth]]) of(id).disabled = to === null;
+  of("favorites").hidden = state.favorites === 0;
+  of("favorites").textContent = `★ ${state.favorites} on stage`;
+  of("gallery-size").value = state.dances.length;
+  of("seed").textContent = state.seed;
+  of("sweep").disabled = !state.sand;
+  knobs.show(state);
+  dance.show(state.dances.length ? theDance() : undefined, state);
+  playlist.show();
   of("back").disabled = !state.on_stage;
   const shown = JSON.parse(concert.curves());
   of("draw").disabled = !shown;
@@ -379,19 +462,16 @@ function refresh() {
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
   if (shows.draw(state.played)) say("The show is over, and yours from here on.");
-  of("film").setAttribute("aria-pressed", !!filming);
   of("film-song").disabled = !!filming || !!microphone || state.played;
+  of("film").classList.toggle("going", !!filming);
   if (!filming) of("film").textContent = "Film";
   of("listen").setAttribute("aria-pressed", !!microphone);
   of("heard").hidden = !microphone;
   of("where-in-song").hidden = !!microphone;
   of("song").textContent = of("song").title = songName();
   for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || !!microphone;
-  of("play").setAttribute("aria-pressed", sound.isHeard);
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
-  // That of a sheet, which is made for sand, is not offered for others.
-  if (state.look && ![...of("look").options].some(({ value }) => value === state.look)) of("look").append(...options([state.look], (name) => name));
-  of("look").value = state.look;
+  looks.show(state.looks);
   of("gain").value = state.settings.knobs?.gain ?? 1;
   const option = [...of("shape").options].find((option) => option.value === state.body);
   of("shape").value = option ? state.body : "";
@@ -406,7 +486,7 @@ async function playAloud() {
 export async function enter() {
   const goesOn = !!parked;
   open();
-  await Promise.all([playAloud().then(refresh), goesOn || dance("sample:octopus")]);
+  await Promise.all([playAloud().then(refresh), goesOn || danceOn("sample:octopus")]);
 }
 
 /** Goes in with what is there, for a file that was brought. */
@@ -435,13 +515,15 @@ function unpark() {
     refresh();
   }
   atFront = undefined;
+  if (plate.letGo()) sound.playing = true;
 }
 
 /** The plate with sand on it, which moves as soon as the tune is there. */
 export async function front() {
   const mine = ++visit;
   showPicture(room);
-  sound.playing = true;
+  plate.letGo();
+  sound.playing = !plate.isStill();
   const body = await bodyOf("sample:plate");
   if (mine !== visit) return;
   if (concert && concert !== atFront) {
@@ -467,24 +549,52 @@ export async function know(tune) {
   hear();
 }
 
+/** Keys of the desktop, where nothing else has them: in full screen there are no controls. */
+const onKey = attempt((event) => {
+  if (document.body.dataset.view !== "music" || event.ctrlKey || event.altKey || event.metaKey) return undefined;
+  if (event.target.closest("button, input, select, textarea, summary, dialog, [role=slider]")) return undefined;
+  const acts = { " ": playOrPause, PageUp: () => playBeside(-1), PageDown: () => playBeside(1) }[event.key];
+  if (!acts) return undefined;
+  event.preventDefault();
+  return acts();
+});
+
+async function playOrPause() {
+  await stopListening();
+  // From the first touch on it is the user's own.
+  if (concert.plays_show()) concert.stop_show();
+  if (sound.isHeard) sound.pause(); else await playAloud();
+  refresh();
+}
+
 export function listen() {
   of("shape").append(...options(JSON.parse(samples()).map(([name]) => name), (name) => `sample:${name}`), new Option("Other…", ""));
-  of("look").append(...options(JSON.parse(looks()), (name) => name));
-  on("play", async () => {
-    await stopListening();
-    // From the first touch on it is the user's own.
-    if (concert.plays_show()) concert.stop_show();
-    if (sound.isHeard) sound.pause(); else await playAloud();
-    refresh();
-  });
-  curves.listen(act);
+  looks.listen((shown) => { concert.set_look(JSON.stringify(shown)); refresh(); }, () => state.looks);
+  knobs.listen(act, (name) => { concert.set_timbre(name); refresh(); });
+  dance.listen(act, choices);
+  playlist.listen(ofTheList);
+  on("play", playOrPause);
+  plate.listen(holdStill);
+  addEventListener("keydown", onKey);
+  curves.listen(act, (item, name) => { concert.begin_curve(item, name); edits++; refresh(); });
   wholeFilm.listen(stage);
   on("draw", () => { drawing = !drawing; refresh(); });
   on("previous", () => playBeside(-1));
   on("next", () => playBeside(1));
   on("listen", () => (microphone ? stopListening() : listenTo()));
   of("microphone").addEventListener("change", attempt(() => listenTo(of("microphone").value)));
-  on("breed", () => act({ do: "breed" }));
+  on("breed", breed);
+  on("earlier", () => act({ do: "go-to", generation: state.back }));
+  on("later", () => act({ do: "go-to", generation: state.forth }));
+  on("favorites", () => act({ do: "perform-favorites", first: 0 }));
+  on("sweep", () => act({ do: "sweep" }));
+  on("other-dances", () => newGallery(state.seed + 1, state.dances.length));
+  of("gallery-size").addEventListener("change", () => newGallery(state.seed, Number(of("gallery-size").value)));
+  on("more", () => {
+    const isOpen = !document.body.toggleAttribute("data-drawer");
+    of("drawer").hidden = isOpen;
+    of("more").setAttribute("aria-expanded", !isOpen);
+  });
   on("back", () => {
     if (!state.piloted && !state.sand) return act({ do: "leave-stage" });
     if (state.piloted) concert.autopilot(false);
@@ -496,16 +606,15 @@ export function listen() {
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(theDance())));
   on("play-show", playShow);
   on("film", () => (filming ? endFilm() : beginFilm()));
-  on("save-picture", async () => save("chladni.png", await nextPicture()));
+  on("save-picture", async () => save("chladni.png", await takePicture(LONGEST)));
   of("seek").addEventListener("input", () => {
     if (concert.plays_show()) { concert.stop_show(); refresh(); }
     sound.seek(of("seek").value * sound.duration);
   });
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
-  of("look").addEventListener("change", () => { concert.set_look(JSON.stringify({ look: of("look").value })); refresh(); });
   of("shape").addEventListener("change", attempt(() => {
     const name = of("shape").value;
-    if (name) return mayReplace() && dance(name);
+    if (name) return mayReplace() && danceOn(name);
     // Until a file has been chosen, the shape is the one that is there.
     refresh();
     return of("file").click();

@@ -14,6 +14,9 @@ const COARSEST = 0.55;
 /** Milliseconds after which a picture that changes only by hand gets all its pixels. */
 const REST = 200;
 
+/** Pixels of the longer side of a picture that is saved. */
+export const LONGEST = 2000;
+
 const finest = () => Math.min(devicePixelRatio, 1.5);
 let detail = finest();
 let sinceChange = 0;
@@ -24,8 +27,6 @@ let memory;
 let held = false;
 /** All rooms that were shown. */
 const rooms = new Set();
-/** Those who wait for the next picture. */
-const waiting = [];
 /** Those who take each. */
 const watching = new Set();
 let across = 1;
@@ -49,6 +50,8 @@ export function show(next) {
 
 /** A hand moves what is shown: until it rests, a picture may have fewer pixels. */
 export const stir = () => { stirredAt = performance.now(); };
+/** Whether a hand moves it, or did a moment ago. */
+export const isStirred = (now) => now - stirredAt <= REST;
 
 /** Draws for ever. */
 export function start(moduleMemory) {
@@ -59,7 +62,7 @@ export function start(moduleMemory) {
 function draw(now) {
   requestAnimationFrame(draw);
   if (!room || held) return;
-  const resting = room.rests && now - stirredAt > REST;
+  const resting = room.rests && !isStirred(now);
   const pixelsFor = resting ? finest() : detail;
   const [width, height] = [picture.clientWidth, picture.clientHeight].map((side) => Math.max(16, Math.round(side * pixelsFor)));
   const began = performance.now();
@@ -89,7 +92,6 @@ function drawAt(now, width, height, takes) {
   const own = room.drawing?.();
   if (own) lay(own);
   else if (card()) { uncover(); veil(); } else paint(width, height);
-  for (const done of waiting.splice(0)) (card() ?? picture).toBlob(done, "image/png");
   for (const take of takes) take(own ? picture : card() ?? picture, picture.style.background);
   return true;
 }
@@ -105,7 +107,41 @@ export function hold() {
 export function drawOnce(width, height, take) {
   const draws = () => drawAt(performance.now(), width, height, [take]);
   // Once more where the graphics card was lost: the processor goes on.
-  if (!draws() && !draws()) throw new Error("There is nothing to be filmed yet.");
+  if (!draws() && !draws()) throw new Error("There is nothing to be seen yet.");
+}
+
+/** The size of a picture of the page's shape, so many pixels long. */
+export function sizeOf(longest) {
+  const { clientWidth, clientHeight } = picture;
+  const by = longest / Math.max(clientWidth, clientHeight);
+  return [clientWidth, clientHeight].map((side) => Math.max(1, Math.round(by * side)));
+}
+
+/** A canvas of its own, and what lays pictures on it as they are seen: as large as they fit in, under their veil. */
+export function copier(width, height) {
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  const brush = canvas.getContext("2d", { alpha: false });
+  const take = (picture, veil) => {
+    const by = Math.min(width / picture.width, height / picture.height);
+    const [w, h] = [by * picture.width, by * picture.height];
+    brush.fillStyle = "#000";
+    brush.fillRect(0, 0, width, height);
+    brush.drawImage(picture, (width - w) / 2, (height - h) / 2, w, h);
+    if (!veil) return;
+    brush.fillStyle = veil;
+    brush.fillRect(0, 0, width, height);
+  };
+  return { canvas, take };
+}
+
+/** The picture as it is seen now, drawn anew so many pixels long: a PNG. */
+export async function takePicture(longest) {
+  const [width, height] = sizeOf(longest);
+  const { canvas, take } = copier(width, height);
+  drawOnce(width, height, take);
+  const png = await new Promise((done) => canvas.toBlob(done, "image/png"));
+  if (!png) throw new Error("The browser has no memory for a picture of this size.");
+  return png;
 }
 
 /** Shows the pixels of the processor. */
@@ -149,9 +185,6 @@ export function watch(take) {
   watching.add(take);
   return () => watching.delete(take);
 }
-
-/** The next picture, as a PNG. */
-export const nextPicture = () => new Promise((done) => waiting.push(done));
 
 function suit() {
   if (++sinceChange < (room.rests ? 3 : 12)) return;

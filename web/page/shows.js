@@ -53,7 +53,6 @@ export async function follow(concert, all, hear) {
 export function draw(played) {
   of("play-show").hidden = !opened;
   of("play-show").textContent = played ? "Stop show" : "Play show";
-  of("play-show").setAttribute("aria-pressed", played);
   const ended = wasPlayed && !played;
   wasPlayed = played;
   return ended;

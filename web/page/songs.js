@@ -13,6 +13,7 @@ let ahead;
 
 export const current = () => playing;
 export const count = () => list.length;
+export const all = () => list;
 export const place = () => list.indexOf(playing);
 export const names = () => list.map(({ name }) => name);
 
@@ -36,6 +37,22 @@ export function begin(sound) {
 /** So many places after a song, or before it; the first comes after the last. */
 export const beside = (song, steps) => list.at((list.indexOf(song) + steps) % list.length);
 
+/** Takes out a song; the last one makes room for the tune. Gives what is to play in its place, where it was the one that played. */
+export function takeOut(song) {
+  const next = strike(song) ?? list[0];
+  if (!next) list.push({ name: TUNE });
+  return song === playing ? next ?? list[0] : undefined;
+}
+
+/** Puts the songs in an order by chance; the one that plays comes first. */
+export function shuffle() {
+  list.sort((a, b) => (b === playing) - (a === playing));
+  for (let last = list.length - 1; last > 1; last--) {
+    const other = 1 + Math.floor(Math.random() * last);
+    [list[last], list[other]] = [list[other], list[last]];
+  }
+}
+
 /** Takes out a song that cannot be read; gives what stands in its place, if anything does. */
 export function strike(song) {
   const index = list.indexOf(song);
@@ -53,9 +70,18 @@ export async function soundOf(song) {
   const { sound, warnings } = ahead?.song === song ? ahead : {};
   ahead = undefined;
   const early = await sound?.catch(() => undefined);
-  if (!early) return busy(song.name, (tell) => decode(song, tell));
-  if (warnings.length) say(warnings.join(" "), false, 20);
+  if (!early) return busy(song.name, (tell) => decode(song, (kind, text) => { if (kind !== "warning" || isNews(song, text)) tell(kind, text); }));
+  const news = warnings.filter((text) => isNews(song, text));
+  if (news.length) say(news.join(" "), false, 20);
   return early;
+}
+
+/** Whether that was not said of a song before: each is decoded again whenever it comes round. */
+function isNews(song, text) {
+  song.told ??= new Set();
+  const isKnown = song.told.has(text);
+  song.told.add(text);
+  return !isKnown;
 }
 
 /** A song plays from now on, as it sounds. */

@@ -11,6 +11,7 @@ export class Sound {
     this.silentSince = performance.now() / 1000;
     this.from = 0;
     this.playing = true;
+    this.volume = 1;
   }
 
   /** A song from its beginning. One that does not repeat calls `onend` at its end, where it is heard. */
@@ -100,8 +101,25 @@ export class Sound {
     if (this.out) return this.out;
     this.context ??= new AudioContext();
     this.out = this.context.createGain();
-    this.out.connect(this.context.destination);
+    this.loudness = this.context.createGain();
+    this.loudness.gain.value = this.volume;
+    this.out.connect(this.loudness).connect(this.context.destination);
     return this.out;
+  }
+
+  /** How loud it is, from 0 to 1; films and dances are as they are. */
+  setVolume(volume) {
+    this.volume = volume;
+    if (this.loudness) this.loudness.gain.value = volume;
+  }
+
+  /** The song that plays begins anew at its end, or no more. */
+  setRepeats(on) {
+    if (this.repeats === on) return;
+    // Its place among all of its rounds is one in this round.
+    const at = this.position();
+    this.repeats = on;
+    this.seek(at);
   }
 
   /** What is heard, for a film: its tracks, and `end()` when they are no longer wanted. */

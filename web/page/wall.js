@@ -7,6 +7,8 @@ const NAME = "gallery";
 
 let room;
 let shown;
+/** It is being made. */
+let opening = false;
 
 /** Without its worker there is no gallery any more. */
 const asks = (call, ...args) => ask({ work: "wall", call, args }, undefined, NAME).catch((error) => {
@@ -52,9 +54,19 @@ async function open() {
   const { name, bytes, basis } = room.shape();
   const sitting = room.sitting();
   const asked = { work: "openWall", name, bytes: bytes?.slice(), basis, project: sitting.project_text(), matches: sitting.matches() };
-  const brought = await busy("the gallery", (tell) => ask(asked, tell, NAME));
-  if (room.sitting() === sitting) take(brought);
+  opening = true;
+  room.refresh();
+  try {
+    const brought = await busy("the gallery", (tell) => ask(asked, tell, NAME));
+    if (room.sitting() === sitting) take(brought);
+  } finally {
+    opening = false;
+    room.refresh();
+  }
 }
+
+/** Whether it is being made: nobody needs to ask for it again. */
+export const isOpening = () => opening;
 
 /** Back to the figure. */
 export function leave() {

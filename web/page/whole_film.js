@@ -2,7 +2,7 @@
 // clock of the dance goes on by one picture after the other, however long each takes.
 import { EncodedFilm, encodes } from "./encoder.js";
 import { attempt, of, on, save, say } from "./page.js";
-import { drawOnce, hold } from "./picture.js";
+import { copier, drawOnce, hold } from "./picture.js";
 
 /** Milliseconds after which the page is told how far it is. */
 const TELL = 250;
@@ -41,14 +41,7 @@ async function shoot(mine) {
   const [from, to] = span(sound);
   const count = Math.max(1, Math.round((to - from) * rate));
   const film = await EncodedFilm.open(width, height, rate, sound.rate);
-  const canvas = Object.assign(document.createElement("canvas"), { width, height });
-  const brush = canvas.getContext("2d", { alpha: false });
-  const take = (picture, veil) => {
-    brush.drawImage(picture, 0, 0);
-    if (!veil) return;
-    brush.fillStyle = veil;
-    brush.fillRect(0, 0, width, height);
-  };
+  const { canvas, take } = copier(width, height);
   const sample = (n) => Math.min(sound.left.length, Math.round((from + n / rate) * sound.rate));
   const began = performance.now();
   let told = 0;

@@ -4,6 +4,7 @@
 mod curves;
 mod doings;
 mod files;
+mod knobs;
 mod live;
 mod playing;
 mod stage;
@@ -16,8 +17,8 @@ use chladni_music::{
     Viewpoint,
 };
 use chladni_program::work::{
-    Error, Hearing, KnownSong, Lag, Playing, Programme, SandTable, ShowClock, Staging, along, chooses_shots,
-    look_named, look_on_stage, opening_looks, opening_view,
+    Error, Hearing, KnownSong, Lag, Playing, Programme, Recent, SandTable, ShowClock, Staging, along,
+    chooses_shots, look_named, look_on_stage, opening_looks, opening_view,
 };
 use chladni_sound::Song;
 use chladni_synth::SynthModel;
@@ -27,6 +28,7 @@ use wasm_bindgen::prelude::*;
 use self::live::Live;
 use self::playing::Script;
 use self::stage::{Figures, Stage};
+use crate::now_ms;
 use crate::parcel::Parcel;
 
 /// A shape, its dances, the sound, and the picture of it.
@@ -46,10 +48,14 @@ pub struct Concert {
     programme: Option<Programme>,
     /// The rest of a show that is being played.
     script: Option<Script>,
+    /// What was heard of late, by which children are suggested.
+    recent: Recent,
     /// The knobs as they stood before there was sand.
     before_sand: Option<Parameters>,
     looks: Looks,
     viewpoint: Viewpoint,
+    /// See [`took_ms`](Self::took_ms).
+    took_ms: [f64; 2],
     /// Names of its songs, by number.
     songs: Vec<String>,
     stage: Stage,
@@ -96,9 +102,11 @@ impl Concert {
             sand: SandTable::new(body, 0.0),
             programme: None,
             script: None,
+            recent: Recent::default(),
             before_sand: None,
             looks: opening_looks(&name),
             viewpoint: opening_view(&name),
+            took_ms: [0.0; 2],
             songs: Vec::new(),
             name,
         })
@@ -144,46 +152,32 @@ impl Concert {
         width: u32,
         height: u32,
     ) -> Result<bool, JsError> {
-        let playing = match usize::try_from(song).ok().filter(|_| self.live.is_none()) {
-            None => Playing { song: None, position_secs: 0.0, duration_secs: None, crossfade_secs: 0.0 },
-            song => {
-                let duration_secs = Some(duration_secs).filter(|secs| *secs > 0.0);
-                Playing { song, position_secs, duration_secs, crossfade_secs: 0.0 }
-            }
-        };
-        if let Some(stretch) = self.clock.follow(now_secs, playing) {
-            self.hearing.begin(stretch)?;
-        }
-        let at_secs = self.clock.at_secs();
-        self.follow_script(at_secs)?;
-        self.follow_programme(at_secs)?;
-        let feels_speed = self.look().feels_speed();
-        let (hearing, ensemble) = (&mut self.hearing, &mut self.ensemble);
-        let is_live = self.live.is_some();
-        let (heard, framing) = match &mut self.live {
-            Some(live) => {
-                let framing = live.framing();
-                (live.hear(at_secs, self.instrument.parameters())?, framing)
-            }
-            None => {
-                self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
-                let framing = hearing.framing_at(at_secs, self.instrument.seed());
-                let Some(heard) = hearing.hear(at_secs)? else { return Ok(false) };
-                (heard, framing)
-            }
-        };
-        let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
-        let (reaction, mood) = (heard.reaction(&self.instrument), heard.mood());
-        let items = ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
-        let shot = Shot { at_secs, reaction, framing, mood, count: items.len() };
-        while is_live && self.sand.due(at_secs).is_some() {
-            self.sand.step(items, &self.instrument);
-        }
-        let mut items = items.to_vec();
-        self.lag.follow(&mut items, at_secs, feels_speed);
-        self.stage.deform(&items, &self.instrument.parameters().frame_settings())?;
+        let Some(shot) = self.dance(now_secs, song, position_secs, duration_secs)? else { return Ok(false) };
+        let began_ms = now_ms();
         self.draw(shot, width, height)?;
+        self.took_ms[1] = now_ms() - began_ms;
         Ok(true)
+    }
+
+    /// The same without a picture: the sand and all that swings go on to that time.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn go_on(
+        &mut self,
+        now_secs: f64,
+        song: i32,
+        position_secs: f64,
+        duration_secs: f64,
+    ) -> Result<(), JsError> {
+        self.dance(now_secs, song, position_secs, duration_secs)?;
+        Ok(())
+    }
+
+    /// Milliseconds that the last picture took: to deform its bodies, and to draw them, or to tell the graphics card what
+    /// to draw.
+    pub fn took_ms(&self) -> Vec<f64> {
+        self.took_ms.to_vec()
     }
 
     /// Where the pixels of the last picture begin in the module's memory: RGBA, rows from the top.
@@ -231,6 +225,58 @@ impl Concert {
     /// The look by its names, or that of the dance on stage.
     fn look(&self) -> Look {
         look_on_stage(&self.instrument).unwrap_or_else(|| look_named(&self.looks).0)
+    }
+
+    /// Hears, dances and deforms; none where nothing is known of the song yet.
+    fn dance(
+        &mut self,
+        now_secs: f64,
+        song: i32,
+        position_secs: f64,
+        duration_secs: f64,
+    ) -> Result<Option<Shot>, Error> {
+        let playing = match usize::try_from(song).ok().filter(|_| self.live.is_none()) {
+            None => Playing { song: None, position_secs: 0.0, duration_secs: None, crossfade_secs: 0.0 },
+            song => {
+                let duration_secs = Some(duration_secs).filter(|secs| *secs > 0.0);
+                Playing { song, position_secs, duration_secs, crossfade_secs: 0.0 }
+            }
+        };
+        if let Some(stretch) = self.clock.follow(now_secs, playing) {
+            self.hearing.begin(stretch)?;
+        }
+        let at_secs = self.clock.at_secs();
+        self.follow_script(at_secs)?;
+        self.follow_programme(at_secs)?;
+        let feels_speed = self.look().feels_speed();
+        let (hearing, ensemble) = (&mut self.hearing, &mut self.ensemble);
+        let is_live = self.live.is_some();
+        let (heard, framing) = match &mut self.live {
+            Some(live) => {
+                let framing = live.framing();
+                (live.hear(at_secs, self.instrument.parameters())?, framing)
+            }
+            None => {
+                self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
+                let framing = hearing.framing_at(at_secs, self.instrument.seed());
+                let Some(heard) = hearing.hear(at_secs)? else { return Ok(None) };
+                (heard, framing)
+            }
+        };
+        let framing = Some(framing).filter(|_| chooses_shots(&self.instrument, heard.beat));
+        let (reaction, mood) = (heard.reaction(&self.instrument), heard.mood());
+        self.recent.hear(at_secs, &heard.bands);
+        let items = ensemble.play(&self.instrument, &heard.bands, heard.beat)?;
+        let shot = Shot { at_secs, reaction, framing, mood, count: items.len() };
+        while is_live && self.sand.due(at_secs).is_some() {
+            self.sand.step(items, &self.instrument);
+        }
+        let mut items = items.to_vec();
+        self.lag.follow(&mut items, at_secs, feels_speed);
+        let began_ms = now_ms();
+        self.stage.deform(&items, &self.instrument.parameters().frame_settings())?;
+        self.took_ms[0] = now_ms() - began_ms;
+        Ok(Some(shot))
     }
 
     fn draw(&mut self, shot: Shot, width: u32, height: u32) -> Result<(), Error> {

@@ -34,7 +34,8 @@ mod screen;
 #[cfg(feature = "page")]
 mod sitting;
 
-use chladni_program::work::formats;
+use chladni_program::work::{formats, playlist};
+use chladni_view::{Background, Lights, Material, Palette};
 #[cfg(feature = "page")]
 pub use concert::Concert;
 pub use decode::{DecodedSong, decode};
@@ -46,7 +47,7 @@ pub use prepare::prepare;
 #[cfg(feature = "page")]
 pub use screen::{close_card, open_card};
 #[cfg(feature = "page")]
-pub use sitting::{Sitting, color_maps, quantities};
+pub use sitting::{Sitting, color_maps, head_sliders, quantities};
 use wasm_bindgen::prelude::*;
 
 /// A project as the page has it: in no folder.
@@ -56,6 +57,11 @@ const PROJECT: &str = "project.chladni";
 extern "C" {
     #[wasm_bindgen(js_namespace = console, js_name = error)]
     fn log_error(text: &str);
+
+    /// The clock of the page, in milliseconds.
+    #[cfg(feature = "page")]
+    #[wasm_bindgen(js_namespace = performance, js_name = now)]
+    fn now_ms() -> f64;
 }
 
 /// Runs when the module is loaded: what goes wrong inside is written to the browser's console.
@@ -73,10 +79,21 @@ pub fn samples() -> Result<String, JsError> {
     Ok(serde_json::to_string(&all)?)
 }
 
-/// The kind of a file, by its name: `mesh`, `song`, `text` (a show or a preset), `list` or `project`.
+/// The kind of a file, by its name: `mesh`, `song`, `text` (a show or a preset), `list`, `project`, or `unknown`.
 #[wasm_bindgen]
 pub fn kind(name: &str) -> String {
-    format!("{:?}", formats::kind(Path::new(name))).to_lowercase()
+    let path = Path::new(name);
+    let ending = path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
+    match formats::kind(path) {
+        formats::Kind::Mesh if !formats::MESHES.contains(&ending.as_str()) => "unknown".to_owned(),
+        kind => format!("{kind:?}").to_lowercase(),
+    }
+}
+
+/// The names of the songs in a list (M3U), without their folders.
+#[wasm_bindgen]
+pub fn songs_in_list(bytes: &[u8]) -> Vec<String> {
+    playlist::names_in(bytes)
 }
 
 /// The names of all looks, as JSON.
@@ -84,4 +101,16 @@ pub fn kind(name: &str) -> String {
 pub fn looks() -> Result<String, JsError> {
     let names: Vec<&str> = chladni_view::Look::PRESETS.iter().map(|(name, _)| *name).collect();
     Ok(serde_json::to_string(&names)?)
+}
+
+/// The parts of a look that can be chosen for themselves, with their names, as JSON: `[["material", ["clay", …]], …]`.
+#[wasm_bindgen]
+pub fn look_parts() -> Result<String, JsError> {
+    let parts = [
+        ("material", Material::PRESETS.iter().map(|(name, _)| *name).collect::<Vec<&str>>()),
+        ("lights", Lights::PRESETS.iter().map(|(name, _)| *name).collect()),
+        ("background", Background::PRESETS.iter().map(|(name, _)| *name).collect()),
+        ("palette", Palette::ALL.iter().map(|palette| palette.name()).collect()),
+    ];
+    Ok(serde_json::to_string(&parts)?)
 }

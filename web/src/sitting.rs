@@ -24,6 +24,7 @@ use wasm_bindgen::prelude::*;
 
 use self::hanging::Hanging;
 use self::landmarks::Landmarks;
+pub use self::matches::head_sliders;
 use self::pointing::Tool;
 use self::seeing::Heat;
 pub use self::seeing::{color_maps, quantities};

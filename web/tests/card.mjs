@@ -70,8 +70,8 @@ function rememberContext() {
 }
 
 /** The two ways to a card: flags of the browser, what the page is asked for and says then. */
-const WEBGPU = { flags: WITH_CARD, draw: "gpu", says: "Drawn by the graphics card.", prepare: rememberDevice };
-const WEBGL = { flags: WITH_WEBGL, draw: "webgl", says: "Drawn by the graphics card through WebGL2.", prepare: rememberContext };
+const WEBGPU = { flags: WITH_CARD, draw: "gpu", says: "Drawn by the graphics card, deformed by the processor.", prepare: rememberDevice };
+const WEBGL = { flags: WITH_WEBGL, draw: "webgl", says: "Drawn by the graphics card through WebGL2, deformed by the processor.", prepare: rememberContext };
 
 export const webgpu = { pictures: () => compared(WEBGPU), loss: () => loses(WEBGPU) };
 export const webgl = { pictures: () => compared(WEBGL), loss: () => loses(WEBGL), looks, skin: () => compared(WEBGL, skinned(60, 30)) };
@@ -167,6 +167,17 @@ async function strobes(page) {
     window.calm = () => { CanvasRenderingContext2D.prototype.getImageData = read; };
   });
   await until(page, () => /^rgb/.test(document.getElementById("picture").style.background));
+  // What is saved has the veil, too.
+  const laid = await page.evaluate(() => new Promise((done) => {
+    const fill = CanvasRenderingContext2D.prototype.fillRect;
+    CanvasRenderingContext2D.prototype.fillRect = function (...where) {
+      if (Math.max(this.canvas.width, this.canvas.height) === 2000 && /^rgba/.test(this.fillStyle)) done(this.fillStyle);
+      return fill.apply(this, where);
+    };
+    document.getElementById("save-picture").click();
+    setTimeout(() => done("none"), 20_000);
+  }));
+  assert.match(laid, /^rgba\((0, 0, 0|255, 255, 255), 0?\.\d+\)$/);
   await page.evaluate(() => window.calm());
   step("a strobe of the card's is veiled");
 }

@@ -193,7 +193,12 @@ export async function phone() {
   await until(page, () => !window.chladni.sitting.layers[0].everywhere);
   await still(page);
   await shot("phone-parts");
-  step("a phone: one finger turns, two pinch, a tap takes a part");
+  await page.tap("#hold-brush");
+  await touch("touchStart", [185, 200]);
+  for (let x = 185; x <= 215; x += 5) await touch("touchMove", [x, 200]);
+  await touch("touchEnd");
+  await until(page, () => window.chladni.sitting.undo === "paint");
+  step("a phone: one finger turns or paints, two pinch, a tap takes a part");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

@@ -12,8 +12,8 @@ export const browser = await launch(out);
 const WAIT = { timeout: 180_000 };
 export const step = (text) => console.log(`web: ${text}`);
 
-export async function opened(viewport, touch, { within = browser, at = address, query = "", prepare, answers = () => true } = {}) {
-  const context = await within.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true });
+export async function opened(viewport, touch, { within = browser, at = address, query = "", prepare, reducedMotion, answers = () => true } = {}) {
+  const context = await within.newContext({ viewport, hasTouch: touch, isMobile: touch, acceptDownloads: true, reducedMotion });
   const page = await context.newPage();
   const wrong = [];
   const elsewhere = [];
@@ -27,7 +27,8 @@ export async function opened(viewport, touch, { within = browser, at = address, 
   page.on("dialog", (dialog) => (answers(dialog.type()) ? dialog.accept() : dialog.dismiss()));
   if (prepare) await page.addInitScript(prepare);
   await page.goto(at + query);
-  await page.waitForFunction(() => window.chladni?.frames > 3 && window.chladni.sound.duration > 0, null, WAIT);
+  // A plate that stands still is drawn once.
+  await page.waitForFunction((least) => window.chladni?.frames >= least && window.chladni.sound.duration > 0, reducedMotion ? 1 : 4, WAIT);
   return { page, wrong, elsewhere, shot: (name) => page.screenshot({ path: join(screens, `${name}.png`) }) };
 }
 

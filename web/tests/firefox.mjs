@@ -74,12 +74,12 @@ async function webgl(page, shot) {
   await until(page, () => window.chladni?.frames > 3);
   const drawnBy = () => page.$eval("#front .drawn-by", (place) => place.textContent);
   const status = () => page.$eval("#status", (place) => place.textContent);
-  if (await drawnBy() !== "Drawn by the graphics card through WebGL2.") return step(`Firefox: no WebGL2 here: ${await status()}`);
+  if (await drawnBy() !== "Drawn by the graphics card through WebGL2, deformed by the processor.") return step(`Firefox: no WebGL2 here: ${await status()}`);
   await page.click("#enter");
   await until(page, () => window.chladni.state?.body === "sample:octopus");
   const { frames } = await page.evaluate(() => window.chladni);
   await page.waitForFunction((before) => window.chladni.frames > before + 5, WAIT, frames);
   await shot("webgl");
-  assert.equal(await drawnBy(), "Drawn by the graphics card through WebGL2.", await status());
+  assert.equal(await drawnBy(), "Drawn by the graphics card through WebGL2, deformed by the processor.", await status());
   step("Firefox: dances through WebGL2");
 }

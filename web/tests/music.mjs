@@ -1,8 +1,15 @@
 // The music room: it moves, breeds, takes a mesh and a song, saves and opens again.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { song, torus } from "../browser.mjs";
-import { drop, moves, opened, screens, state, step, until } from "./driver.mjs";
+import { downloaded, drop, moves, opened, screens, state, step, until } from "./driver.mjs";
+
+/** Both curves of a dance. */
+const mapping = (text) => ["transfer", "amplification"].map((name) => new RegExp(`^${name} = (.*)$`, "m").exec(text)[1]);
+
+/** The text of the dance that would be saved. */
+const saved = async (page) => readFileSync(await downloaded(page, "#save-preset"), "utf8");
 
 /** Draws a curve of the dance on stage, by pointer and by keys. */
 async function draws(page) {
@@ -26,6 +33,86 @@ async function draws(page) {
   assert.ok(Math.abs((await curves())[0] - before) > 0.04);
   await moves(page, "a dance whose curves were drawn");
   step("curves are drawn by pointer and by keys");
+}
+
+/** A favorite, a lock, a name, generations, other dances. */
+async function marks(page) {
+  const dance = (item) => page.evaluate((item) => window.chladni.state.dances[item], item);
+  await page.locator(".cell:nth-child(3) .lock").dispatchEvent("click");
+  await page.locator(".cell:nth-child(3) .favor").dispatchEvent("click");
+  const kept = await dance(2);
+  assert.ok(kept.locked && kept.favorite);
+  await page.click(".cell:nth-child(3) .choose");
+  await page.click("#more");
+  await page.fill("#dance-name", "Of the sea");
+  await page.press("#dance-name", "Tab");
+  assert.equal((await dance(2)).name, "Of the sea");
+  await page.fill("#own-gain", "2.5");
+  assert.ok(Math.abs((await dance(2)).gain - 2.5) < 1e-6);
+  await page.click(".cell:nth-child(5) .choose");
+  const { generation } = await state(page);
+  await page.click("#breed");
+  await until(page, (generation) => window.chladni.state.generation > generation, generation);
+  assert.equal((await dance(2)).name, "Of the sea", "a locked dance keeps its place");
+  await page.click("#earlier");
+  await until(page, (generation) => window.chladni.state.generation === generation, generation);
+  await page.click("#later");
+  await until(page, (generation) => window.chladni.state.generation > generation, generation);
+  await page.click("#favorites");
+  await until(page, () => window.chladni.state.on_stage);
+  await page.click("#back");
+  await until(page, () => !window.chladni.state.on_stage);
+  await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
+  const { seed } = await state(page);
+  await page.click("#other-dances");
+  await until(page, (seed) => window.chladni.state.seed === seed + 1 && window.chladni.state.generations === 1, seed);
+  await page.selectOption("#gallery-size", "9");
+  await until(page, () => window.chladni.state.dances.length === 9);
+  await page.selectOption("#gallery-size", "12");
+  await until(page, () => window.chladni.state.dances.length === 12);
+  step("dances are marked, locked, named, and found again in their generations");
+}
+
+/** Knobs, switches, form, timbre and parts of the look. */
+async function turns(page) {
+  const settings = async () => (await state(page)).settings;
+  const row = (name, role = "slider") => page.locator("#knobs").getByRole(role, { name, exact: true });
+  const { knobs } = await settings();
+  assert.equal(await page.locator("#knobs input[type=range]").count(), Object.keys(knobs).length, "all knobs are there");
+  await row("Limit").fill("400");
+  assert.equal((await settings()).knobs.limit, 1);
+  assert.equal(await row("Limit").getAttribute("aria-valuetext"), "100.0 %");
+  await row("Bands").fill("200");
+  const { bands } = (await settings()).knobs;
+  assert.ok(Number.isInteger(bands) && bands > 60 && bands < 140, `half of the way in even factors: ${bands}`);
+  assert.ok(await row("Grains").isDisabled(), "there is no sand");
+  await page.selectOption("#form", "modal");
+  assert.equal((await settings()).form, "modal");
+  assert.ok(await row("Fine detail").isDisabled(), "nothing finer moves along the normals");
+  await page.selectOption("#timbre", "bell");
+  assert.ok(Math.abs((await settings()).knobs.damping - 0.04) < 1e-6);
+  await row("Damping").press("ArrowRight");
+  assert.equal(await page.inputValue("#timbre"), "own");
+  await page.selectOption("#timbre", "");
+  assert.equal((await settings()).switches.resonate, false);
+  assert.ok(await row("Damping").isDisabled());
+  await page.fill("#harmonics", "20");
+  assert.equal((await settings()).harmonics, 20);
+  await row("In any field of view", "checkbox").check();
+  assert.ok((await settings()).switches["flash-fields"]);
+  await row("Suggest", "checkbox").check();
+  await page.click(".cell:nth-child(2) .choose");
+  const { generation } = await state(page);
+  await page.click("#breed");
+  await until(page, (generation) => window.chladni.state.generation > generation, generation);
+  await page.selectOption("#look", "ember");
+  await page.selectOption("#look-material", "clay");
+  await page.selectOption("#look-background", "night");
+  assert.deepEqual((await state(page)).looks, { look: "ember", material: "clay", background: "night" });
+  await page.selectOption("#look", "aurora");
+  assert.deepEqual((await state(page)).looks, { look: "aurora" });
+  await moves(page, "with other knobs");
+  step(`${Object.keys(knobs).length} knobs and all switches, form, timbre, suggested children and parts of the look`);
 }
 
 export async function laptop() {
@@ -98,6 +185,27 @@ export async function laptop() {
   await until(page, () => document.getElementById("status").textContent.includes("broken.ogg"));
   await moves(page, "after broken files");
   step("broken files are reported, and the dance goes on");
+
+  // A dance that was saved takes the place of the first that is not chosen.
+  const preset = await saved(page);
+  await page.locator(".cell:nth-child(1) .vary").dispatchEvent("click");
+  assert.notDeepEqual(mapping(await saved(page)), mapping(preset));
+  await drop(page, ["dance.toml", Buffer.from(preset)]);
+  await until(page, () => document.getElementById("status").textContent.includes("this dance is in the gallery now"));
+  assert.deepEqual(mapping(await saved(page)), mapping(preset));
+  step("a dance is saved, varied and opened again");
+  await marks(page);
+  await turns(page);
+  await shot("laptop-drawer");
+  await page.click("#more");
+
+  await drop(page, ["large.obj", torus(240, 160)]);
+  await until(page, () => /large.obj/.test(document.getElementById("status").textContent) && !document.getElementById("cancel").hidden);
+  await page.click("#cancel");
+  await until(page, () => document.getElementById("cancel").hidden);
+  assert.equal((await state(page)).body, "torus.obj");
+  await moves(page, "the shape that was there before");
+  step("the solve of a mesh is cancelled, and the dance goes on");
 
   const plays = (text) => until(page, (text) => document.getElementById("song").textContent === text, text);
   await drop(page, ["one.wav", song(4)], ["two.wav", Buffer.from("RIFF, but no more")], ["three.wav", song(3)]);

@@ -1,7 +1,7 @@
 // What a person finds again: dances after a visit to the front, a show that was danced elsewhere, layers that no file has.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { song } from "../browser.mjs";
+import { head, song } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
 import { downloaded, drop, moves, opened, state, step, until } from "./driver.mjs";
 
@@ -98,6 +98,30 @@ export async function layers() {
   await page.selectOption("#sitter", "sample:head");
   await until(page, () => window.chladni.sitting.shape === "sample:head" && window.chladni.sitting.solved);
   assert.deepEqual(asked, ["confirm", "confirm"], "nobody is asked where there are no layers");
+
+  // Two meshes are asked about one after the other.
+  await drop(page, ["one.obj", head(24, 16)]);
+  await page.waitForSelector("#which[open]");
+  await drop(page, ["two.obj", head(20, 14)]);
+  await page.waitForTimeout(300);
+  assert.equal(await page.textContent("#which-name"), "one.obj");
+  await page.click('#which button[value=""]');
+  await until(page, () => document.getElementById("which-name").textContent === "two.obj" && document.getElementById("which").open);
+  await page.click('#which button[value="template"]');
+  await until(page, () => window.chladni.sitting.layers.length === 1);
+  await acts(page);
+
+  // A second press, while the gallery opens, does not open another.
+  await page.evaluate(() => {
+    const post = Worker.prototype.postMessage;
+    window.opened = 0;
+    Worker.prototype.postMessage = function (message, ...rest) { if (message.work === "openWall") window.opened++; return post.call(this, message, ...rest); };
+    for (let i = 0; i < 3; i++) document.getElementById("gallery").click();
+  });
+  await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
+  assert.equal(await page.evaluate(() => window.opened), 1);
+  await page.click("#gallery");
+  await until(page, () => !window.chladni.wall);
 
   // What is cancelled is what is worked on: an open gallery stays.
   await page.click("#gallery");

@@ -219,11 +219,98 @@ async function gallery(page, shot) {
   step(`a gallery of twelve: bred, back, others, one taken as ${taken - layers.length} layers, a favorite, and a surprise; its figures swell`);
 }
 
+/** Names, copies, places and numbers of layers; regions by rings; matches; a head of sliders; harmonics; exports. */
+async function layersToo(page, shot) {
+  const layers = () => page.evaluate(() => window.chladni.sitting.layers);
+  const top = async () => (await layers()).at(-1);
+  const is = (what, argument) => until(page, what, argument);
+  // The surprise goes; the plain head stays.
+  await page.click("#undo");
+  await is(() => window.chladni.sitting.layers.length === 1);
+  await acts(page);
+  const before = 1;
+  await page.fill("#layer-name", "The chin");
+  await page.press("#layer-name", "Tab");
+  await is(() => window.chladni.sitting.layers.at(-1).name === "The chin");
+  await page.fill("#mu-value", "-4.25");
+  await page.press("#mu-value", "Enter");
+  await is(() => window.chladni.sitting.layers.at(-1).mu === -4.25);
+  await page.click("#duplicate");
+  await is((count) => window.chladni.sitting.layers.length === count + 1, before);
+  const copy = await top();
+  assert.equal(copy.mu, -4.25);
+  await page.click("#solo");
+  await is(() => window.chladni.sitting.layers.filter(({ state }) => state === "acts").length === 1);
+  await page.click("#solo");
+  await page.click(`#layers [data-key="${copy.id} down"]`);
+  await is((id) => window.chladni.sitting.layers.at(-2).id === id, copy.id);
+  await page.click(`#layers [data-key="${copy.id} up"]`);
+  await is((id) => window.chladni.sitting.layers.at(-1).id === id, copy.id);
+  step("layers are named, copied, alone, moved, and take μ as a number");
+
+  await page.click("#hold-parts");
+  await page.click('#parts button:has-text("nose")');
+  await is(() => !window.chladni.sitting.layers.at(-1).everywhere);
+  const values = async () => readFileSync(await downloaded(page, "#save-mask-npy"));
+  const sum = (npy) => { let total = 0; for (let at = 10 + npy.readUInt16LE(8); at < npy.length; at += 4) total += npy.readFloatLE(at); return total; };
+  const nose = sum(await values());
+  await page.click("#region-grow");
+  const grown = sum(await values());
+  await page.click("#region-shrink");
+  const shrunk = sum(await values());
+  await page.click("#region-smooth");
+  assert.ok(grown > nose && shrunk < grown, `${nose}, grown to ${grown}, shrunk to ${shrunk}`);
+  await page.selectOption("#edge", "sharp");
+  await is(() => window.chladni.sitting.layers.at(-1).smoothing.roll_off === "sharp");
+  const { clamp } = (await top()).smoothing;
+  await page.click("#clamp");
+  await is((clamp) => window.chladni.sitting.layers.at(-1).smoothing.clamp !== clamp, clamp);
+  await page.selectOption("#edge", "heat");
+  await page.click("#region-clear");
+  assert.equal(sum(await values()), 0);
+  await page.click("#everywhere");
+  await page.click("#hold-turn");
+  step("regions grow, shrink, soften, and have a sharp edge");
+
+  await page.evaluate(() => { document.getElementById("match").open = document.getElementById("head-row").open = true; });
+  await page.fill("#infill", "0.5");
+  await is(() => window.chladni.sitting.layers.at(-1).infill === 0.5);
+  await page.evaluate(() => { window.chladni.matchSecs = 0; });
+  await page.selectOption("#method", "icp");
+  await is(() => window.chladni.matchSecs > 0 && window.chladni.sitting.layers.at(-1).method === "icp");
+  await page.uncheck("#fit-size");
+  await is(() => !window.chladni.sitting.layers.at(-1).fits_size);
+  await acts(page);
+  await page.selectOption("#add", { label: "Head of sliders" });
+  await is((count) => window.chladni.sitting.layers.length === count + 2, before);
+  await acts(page);
+  const slider = page.locator("#head-sliders").getByRole("slider", { name: "Width", exact: true });
+  await slider.fill("0.5");
+  await is(() => window.chladni.sitting.layers.at(-1).head?.[0] === 0.5);
+  await acts(page);
+  await still(page);
+  await shot("laptop-head");
+  step("matches by another method, at its own size; a head of sliders follows them");
+
+  await page.fill("#wanted-harmonics", "64");
+  await page.press("#wanted-harmonics", "Enter");
+  await is(() => window.chladni.sitting.harmonics === 64 && window.chladni.sitting.wanted_harmonics === 64);
+  await page.click("#undo");
+  await is(() => window.chladni.sitting.harmonics === 256);
+  await acts(page);
+  const { vertices } = await page.evaluate(() => window.chladni.sitting);
+  const ply = readFileSync(await downloaded(page, "#export-ply")).toString("latin1", 0, 300);
+  assert.match(ply, new RegExp(`^ply[^]*element vertex ${vertices}\n`));
+  const stl = readFileSync(await downloaded(page, "#export-stl"));
+  assert.equal(stl.length, 84 + 50 * stl.readUInt32LE(80));
+  step("other harmonics are solved for; PLY and STL are exported");
+}
+
 export async function laptop() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
   await page.click("#exaggerate");
   await acts(page);
-  for (const tool of [ink, heat, masks, landmarks, gallery]) await tool(page, shot);
+  for (const tool of [ink, heat, masks, landmarks, gallery, layersToo]) await tool(page, shot);
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

@@ -36,6 +36,47 @@ export async function music() {
   await until(page, () => document.getElementById("song").textContent === "4 of 5: d.wav");
   assert.match(await page.getAttribute("#seek", "aria-valuetext"), /^0:0\d of 0:04$/);
   step("three songs are passed over by three presses");
+  // What is wrong with a song is said once, though it is decoded in each round.
+  const cut = song(3);
+  await page.reload();
+  await until(page, () => window.chladni?.frames > 3 && window.chladni.sound.duration > 0);
+  await page.evaluate(() => {
+    window.said = [];
+    const status = document.getElementById("status");
+    new MutationObserver(() => window.said.push(status.textContent)).observe(status, { childList: true, characterData: true, subtree: true });
+  });
+  await drop(page, ["whole.wav", song(2)], ["cut.wav", cut.subarray(0, cut.length - 60000)]);
+  for (let round = 0; round < 3; round++) {
+    for (const name of ["1 of 2: whole.wav", "2 of 2: cut.wav"]) {
+      await until(page, (name) => document.getElementById("song").textContent === name, name);
+      await page.click("#next");
+    }
+  }
+  const warned = await page.evaluate(() => window.said.filter((text) => text.includes("cut.wav:") && !text.includes("decoding")));
+  assert.equal(warned.length, 1, warned.join(" / "));
+  // A list says in which order its songs play; what it names besides is asked for.
+  await drop(page, ["b.wav", song(30)], ["a.wav", song(30)], ["set.m3u", Buffer.from("#EXTM3U\r\nmusic\\a.wav\r\nb.wav\r\ngone.mp3\r\n")]);
+  await until(page, () => document.getElementById("song").textContent === "3 of 4: a.wav" && /together with the list: gone.mp3/.test(document.getElementById("status").textContent));
+  await page.click("#more");
+  // Taken out, the one that plays makes room for the next.
+  await page.click('#song-list [aria-label="Take a.wav out of the list"]');
+  await until(page, () => document.getElementById("song").textContent === "3 of 3: b.wav");
+  await page.click('#song-list [aria-label="Take cut.wav out of the list"]');
+  await until(page, () => document.getElementById("song").textContent === "2 of 2: b.wav");
+  await page.fill("#volume", "20");
+  assert.ok(Math.abs(await page.evaluate(() => window.chladni.sound.loudness.gain.value) - 0.2) < 1e-6);
+  await page.selectOption("#repeat", "song");
+  assert.ok(await page.evaluate(() => window.chladni.sound.source.loop), "the same song again");
+  await page.click('#song-list .name:has-text("whole.wav")');
+  await until(page, () => document.getElementById("song").textContent === "1 of 2: whole.wav");
+  await page.selectOption("#repeat", "off");
+  await page.click("#next");
+  await until(page, () => document.getElementById("song").textContent === "2 of 2: b.wav");
+  await page.fill("#seek", "0.99");
+  await until(page, () => !window.chladni.sound.isHeard && window.chladni.position() === 0);
+  await drop(page, ["letter.pdf", Buffer.from("%PDF")], ["cover.jpg", Buffer.from([255, 216])]);
+  await until(page, () => /^(letter.pdf|cover.jpg): the page opens meshes/.test(document.getElementById("status").textContent));
+  step("a damaged song is reported once, and what is none of the page's is refused");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

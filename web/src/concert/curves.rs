@@ -1,5 +1,6 @@
 //! The two curves of the dance on stage, drawn by hand.
 
+use chladni_music::{Action, direct_transfer};
 use chladni_program::work::drawn_curve;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
@@ -29,6 +30,29 @@ impl Concert {
             Curves { item, transfer: &mapping.transfer, amplification: &mapping.amplification }
         });
         Ok(serde_json::to_string(&curves)?)
+    }
+
+    /// Gives a dance a ready-made curve, to begin from: `direct` (low sounds to low harmonics), `reversed`, `rest` (no
+    /// harmonic answers), or `opposite` (what shrinks grows).
+    ///
+    /// # Errors
+    /// A name that none has, and a dance that is not there.
+    pub fn begin_curve(&mut self, item: usize, name: &str) -> Result<(), JsError> {
+        let items = self.instrument.gallery().items();
+        let mapping = &items.get(item).ok_or_else(|| JsError::new("there is no such dance"))?.genome;
+        let transfer = |transfer| Action::SetTransfer { item, transfer };
+        let amplification = |amplification| Action::SetAmplification { item, amplification };
+        let action = match name {
+            "direct" => {
+                let eigenvalues = &self.instrument.shape().eigenvalues;
+                transfer(direct_transfer(eigenvalues, mapping.transfer.len(), 1.0, false))
+            }
+            "reversed" => transfer(mapping.transfer.iter().map(|t| 1.0 - t).collect()),
+            "rest" => amplification(vec![0.0; mapping.amplification.len()]),
+            "opposite" => amplification(mapping.amplification.iter().map(|a| -a).collect()),
+            _ => return Err(JsError::new("there is no such curve")),
+        };
+        Ok(self.act(action)?)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Actions of a person in a concert.
 
-use chladni_music::{Action, Moment, experiment, without_sand};
+use chladni_music::{Action, Describer, Moment, Switch, experiment, suggest, without_sand};
 use chladni_program::work::{Error, Programme, opening_view};
 use chladni_view::Camera;
 use wasm_bindgen::prelude::*;
@@ -21,6 +21,21 @@ impl Concert {
     #[wasm_bindgen(js_name = "act")]
     pub fn act_text(&mut self, action: &str) -> Result<(), JsError> {
         Ok(self.act(serde_json::from_str(action)?)?)
+    }
+
+    /// Breeds the chosen dances; where children are suggested, the best of two hundred, which takes a second or more.
+    ///
+    /// # Errors
+    /// No dance is chosen, or too few.
+    pub fn breed(&mut self) -> Result<(), JsError> {
+        let parameters = self.instrument.parameters();
+        if !parameters.is_on(Switch::Suggest) {
+            return Ok(self.act(Action::Breed)?);
+        }
+        let moments = self.recent.moments(self.instrument.shape().bands);
+        let describer = Describer::new(self.ensemble.dancer().clone(), parameters.playing(), moments)?;
+        let candidates = suggest(self.instrument.gallery(), &describer)?;
+        Ok(self.act(Action::BreedFrom { candidates })?)
     }
 
     /// Sand lies on the shape, which vibrates as a plate does; or all is as it was before. Of a show that was opened with

@@ -1,11 +1,14 @@
 //! The state of a concert that the page shows beside its picture.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-use chladni_music::{Settings, Switch, Viewpoint};
+use chladni_music::{FormControl, Looks, Settings, Switch, Viewpoint};
 
 use super::Concert;
+use super::knobs::{idle_knobs, timbre};
 
 /// One dance of the gallery.
 #[derive(Serialize)]
@@ -14,6 +17,9 @@ struct Dance<'a> {
     chosen: bool,
     favorite: bool,
     locked: bool,
+    /// Its own strength and μ.
+    gain: f32,
+    stereo_mu: f32,
 }
 
 #[derive(Serialize)]
@@ -23,6 +29,13 @@ struct State<'a> {
     /// The generation shown, counted from 0, and how many there are.
     generation: usize,
     generations: usize,
+    /// The neighbors of the generation shown, where it has them.
+    back: Option<usize>,
+    forth: Option<usize>,
+    /// How many dances are favorites.
+    favorites: usize,
+    /// What all that is random begins with.
+    seed: u64,
     /// One dance has the whole picture.
     on_stage: bool,
     sand: bool,
@@ -30,9 +43,17 @@ struct State<'a> {
     /// A saved show is played.
     played: bool,
     look: &'a str,
+    looks: &'a Looks,
     viewpoint: Viewpoint,
     /// Knobs and switches, by their names in show files.
     settings: Settings,
+    /// The body's harmonics.
+    harmonics: usize,
+    timbre: Option<&'static str>,
+    /// Why the μ of a dance has no effect now.
+    without_mu: Option<&'static str>,
+    /// Why knobs have no effect now, by their names.
+    idle: BTreeMap<&'static str, &'static str>,
 }
 
 #[wasm_bindgen]
@@ -56,17 +77,28 @@ impl Concert {
                     chosen: item.chosen,
                     favorite: is_favorite(item.id),
                     locked: item.locked,
+                    gain: item.genome.gain,
+                    stereo_mu: item.genome.stereo_mu,
                 })
                 .collect(),
             generation: gallery.current(),
             generations: gallery.generations().len(),
+            back: gallery.back(),
+            forth: gallery.forth(),
+            favorites: instrument.favorites().len(),
+            seed: gallery.seed(),
             on_stage: instrument.scene(beat.count).is_some(),
             sand: instrument.parameters().is_on(Switch::Sand),
             piloted: self.programme.is_some(),
             played: self.script.is_some(),
             look: &self.looks.look,
+            looks: &self.looks,
             viewpoint: self.viewpoint,
             settings: instrument.parameters().settings(),
+            harmonics: instrument.shape().eigenvalues.len(),
+            timbre: timbre(instrument.parameters()),
+            without_mu: instrument.parameters().form.ignores(FormControl::StereoMu),
+            idle: idle_knobs(instrument.parameters()),
         };
         Ok(serde_json::to_string(&state)?)
     }

@@ -2,8 +2,12 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{CaricatureError, Layer, MatchRequest, Matched, Template};
+use chladni_caricature::{
+    Action, CaricatureError, Layer, LayerId, MatchRequest, Matched, Property, Template,
+};
+use chladni_match::{MatchSettings, Method, Scaling};
 use chladni_mesh::Estimate;
+use chladni_mesh::samples::{SLIDERS, portrait_name, portrait_sliders};
 use chladni_program::work::{Aside, matched_with};
 use chladni_task::Task;
 use serde::Serialize;
@@ -91,6 +95,42 @@ impl Sitting {
         Ok(serde_json::to_string(&known)?)
     }
 
+    /// Matches a layer with its template by another method: `fit`, `icp`, `map` or `same`.
+    ///
+    /// # Errors
+    /// A name of no method, and a layer that is not there.
+    pub fn set_method(&mut self, layer: u32, name: &str) -> Result<(), JsError> {
+        let method: Method = serde_json::from_value(name.into())?;
+        self.set_matching(layer, |matching| matching.method = method)
+    }
+
+    /// Fits the size of a layer's template to the shape, or keeps it, in the units of its file.
+    ///
+    /// # Errors
+    /// A layer that is not there.
+    pub fn fit_size(&mut self, layer: u32, on: bool) -> Result<(), JsError> {
+        self.set_matching(layer, |matching| {
+            matching.scaling = if on { Scaling::Free } else { Scaling::Rigid }
+        })
+    }
+
+    /// Moves a slider of the head that a layer is compared with, by its number among
+    /// [`head_sliders`](crate::head_sliders), to a value from -1 to 1.
+    ///
+    /// # Errors
+    /// A layer whose template has no sliders, and a slider that is not there.
+    pub fn set_head(&mut self, layer: u32, slider: usize, value: f64) -> Result<(), JsError> {
+        let layer = LayerId(layer.into());
+        let found = self.history.project().layer(layer);
+        let mut values = found
+            .and_then(|found| head_sliders_of(&found.template))
+            .ok_or_else(|| JsError::new("this template has no sliders"))?;
+        *values.get_mut(slider).ok_or_else(|| JsError::new("there is no such slider"))? =
+            value.clamp(-1.0, 1.0);
+        let to = Property::Template(Template::Sample(portrait_name(&values)));
+        Ok(self.act_once(&Action::Set { layer, to })?)
+    }
+
     /// Tries again what failed for the selected layer.
     ///
     /// # Errors
@@ -104,7 +144,36 @@ impl Sitting {
     }
 }
 
+/// The sliders of a head of our own, each with what it goes from and to, as JSON: `[["width", "narrow to broad"], …]`.
+///
+/// # Errors
+/// Bugs only.
+#[wasm_bindgen]
+pub fn head_sliders() -> Result<String, JsError> {
+    Ok(serde_json::to_string(&SLIDERS[..])?)
+}
+
+/// The values of the sliders of a template that is a head of our own.
+pub(super) fn head_sliders_of(template: &Template) -> Option<[f64; SLIDERS.len()]> {
+    let Template::Sample(name) = template else { return None };
+    portrait_sliders(name)?.ok()
+}
+
 impl Sitting {
+    fn set_matching(&mut self, layer: u32, change: impl FnOnce(&mut MatchSettings)) -> Result<(), JsError> {
+        let layer = LayerId(layer.into());
+        let found = self.history.project().layer(layer);
+        let mut matching = found.ok_or_else(|| JsError::new("there is no such layer"))?.matching.clone();
+        change(&mut matching);
+        Ok(self.act_once(&Action::Set { layer, to: Property::Matching(matching) })?)
+    }
+
+    /// The share of the shape where the match of a layer is not trusted, and its surroundings can go on instead.
+    pub(super) fn untrusted(&self, layer: &Layer) -> Option<f64> {
+        let matched = self.stack.matched(&MatchRequest::of(layer)?)?;
+        matched.infill.as_ref().map(|(_, share)| *share)
+    }
+
     /// How good the match of a layer is: the share of the shape that is covered, and warnings.
     pub(super) fn quality(&self, layer: &Layer) -> Option<(f64, Vec<String>)> {
         let matched = self.stack.matched(&MatchRequest::of(layer)?)?;

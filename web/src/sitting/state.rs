@@ -1,13 +1,14 @@
 //! The state of a sitting that the page shows beside its picture.
 
 use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
-use chladni_match::Landmark;
+use chladni_match::{Landmark, Method, Scaling};
 use chladni_mesh::Axis;
 use chladni_program::work::{STARTING_POINTS, results, template_name};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
+use super::matches::head_sliders_of;
 use super::seeing::ShownHeat;
 
 /// The scale curves that have names.
@@ -41,6 +42,14 @@ struct ShownLayer<'a> {
     warnings: Vec<String>,
     /// It is compared with a mesh, on which landmarks can be picked.
     has_mesh: bool,
+    /// How it is matched with that, whether its size is fitted, and how far places without trust are filled in.
+    method: Method,
+    fits_size: bool,
+    infill: f64,
+    /// The share of the shape where the match is not trusted; none where there is nothing to fill in.
+    untrusted: Option<f64>,
+    /// The sliders of its template, where that is a head of our own.
+    head: Option<Vec<f64>>,
     landmarks: Vec<Landmark>,
 }
 
@@ -50,6 +59,8 @@ struct State<'a> {
     /// The file's vertices.
     vertices: usize,
     harmonics: usize,
+    /// As many as the project asks for.
+    wanted_harmonics: usize,
     solved: bool,
     layers: Vec<ShownLayer<'a>>,
     /// Layers whose results a new one can be compared with, by their names.
@@ -95,6 +106,7 @@ impl Sitting {
             shape: project.shape.to_string(),
             vertices: self.mesh.positions.len(),
             harmonics: self.stack.body().basis.harmonics(),
+            wanted_harmonics: project.harmonics,
             solved: self.solved,
             layers: project.layers().iter().map(|(id, layer)| self.shown(*id, layer)).collect(),
             results: results(project).iter().map(|(id, layer)| (*id, layer.name.as_str())).collect(),
@@ -162,6 +174,11 @@ impl Sitting {
             coverage: quality.as_ref().map(|(coverage, _)| *coverage),
             warnings: quality.map(|(_, warnings)| warnings).unwrap_or_default(),
             has_mesh: layer.template.is_mesh(),
+            method: layer.matching.method,
+            fits_size: layer.matching.scaling == Scaling::Free,
+            infill: layer.infill,
+            untrusted: self.untrusted(layer),
+            head: head_sliders_of(&layer.template).map(Vec::from),
             landmarks: layer.matching.landmarks.clone(),
         }
     }

@@ -85,10 +85,19 @@ fn text(bytes: &[u8]) -> String {
         .map_or_else(|_| bytes.iter().map(|byte| char::from(*byte)).collect(), str::to_owned)
 }
 
-fn entries(text: &str, folder: &Path) -> Vec<PathBuf> {
+/// The names of the songs in an M3U list, without their folders: for a page, which is given files alone.
+pub fn names_in(bytes: &[u8]) -> Vec<String> {
+    let text = text(bytes);
+    lines(&text).filter_map(|line| line.rsplit(['/', '\\']).next()).map(str::to_owned).collect()
+}
+
+fn lines(text: &str) -> impl Iterator<Item = &str> {
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let lines = lines.map(|line| line.strip_prefix("file://").unwrap_or(line));
-    lines
+    lines.map(|line| line.strip_prefix("file://").unwrap_or(line))
+}
+
+fn entries(text: &str, folder: &Path) -> Vec<PathBuf> {
+    lines(text)
         .map(|line| {
             let as_written = folder.join(line);
             // Lists of other systems.
@@ -137,6 +146,7 @@ mod tests {
             let found = songs_of(&list).unwrap();
             assert_eq!(names(&found, folder.path()), ["one.mp3", "sub/two.ogg", "sub/zw\u{f6}lf.mp3"]);
             assert!(found.warning.unwrap().contains("radio"));
+            assert_eq!(names_in(&bytes), ["one.mp3", "two.ogg", "zw\u{f6}lf.mp3", "x.mp3"]);
         }
         assert!(is_list(&list));
         std::fs::write(&list, [0xff; 9]).unwrap();

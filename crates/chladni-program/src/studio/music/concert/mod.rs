@@ -27,7 +27,7 @@ use drawing::on_device;
 use house::House;
 use pane::Pane;
 use standing::Hand;
-use suggesting::{Judging, Recent};
+use suggesting::Judging;
 
 use super::close_up::Draft;
 use super::harmonics::Harmonics;
@@ -38,7 +38,7 @@ use super::song_title::SongTitle;
 use super::view::View;
 use crate::studio::screen::Screen;
 use crate::work::dancer::Dancing;
-use crate::work::{Deformed, Error, Lag, Programme, SandTable, Staging, along};
+use crate::work::{Deformed, Error, Lag, Programme, Recent, SandTable, Staging, along};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;

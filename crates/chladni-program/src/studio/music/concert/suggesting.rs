@@ -2,36 +2,11 @@
 
 use std::sync::Arc;
 
-use chladni_music::{Action, Bands, Describer, Gallery, Moments, suggest};
+use chladni_music::{Action, Describer, Gallery, suggest};
 
 use super::Concert;
 use crate::studio::job::Job;
 use crate::work::Error;
-
-/// Between two moments that are remembered.
-const EVERY_SECS: f64 = 1.5;
-
-/// Recent moments of the sound.
-#[derive(Default)]
-pub struct Recent {
-    moments: Moments,
-    at_secs: f64,
-}
-
-impl Recent {
-    /// Remembers the sound of some moments of the show.
-    pub fn hear(&mut self, at_secs: f64, bands: &Bands<'_>) {
-        if (at_secs - self.at_secs).abs() >= EVERY_SECS {
-            self.moments.remember(bands);
-            self.at_secs = at_secs;
-        }
-    }
-
-    /// Enough to compare dances by, even before a song plays.
-    fn moments(&self, bands: usize) -> Moments {
-        if self.moments.are_enough() { self.moments.clone() } else { Moments::of_anything(bands) }
-    }
-}
 
 /// Candidates that are judged beside the frames.
 #[derive(Default)]

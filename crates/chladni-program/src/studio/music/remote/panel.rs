@@ -5,7 +5,6 @@ use std::path::Path;
 use chladni_music::{Bindings, Kind, Target};
 use egui::{RichText, Ui};
 
-use super::super::knobs;
 use super::super::listening::Listening;
 use super::super::preferences::Preferences;
 use super::{Midi, Remote};
@@ -14,6 +13,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::Error;
+use crate::work::knobs;
 
 /// The port that is offered first: TouchOSC's.
 const USUAL_PORT: u16 = 8000;
@@ -211,7 +211,7 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
 
 fn name(target: Target) -> &'static str {
     match target {
-        Target::Parameter(parameter) => knobs::name(parameter),
+        Target::Parameter(parameter) => knobs::knob_name(parameter),
         Target::Switch(switch) => knobs::switch_name(switch),
         _ => target.about(),
     }

@@ -1,0 +1,238 @@
+//! The knobs and switches of the music instrument as people see them, in the window and on the page: their groups, names
+//! and units, and why one has no effect.
+
+use chladni_music::{Choir, Form, FormControl, Parameter, Parameters, Switch};
+
+/// The forms, their names and what they do.
+pub const FORMS: [(Form, &str, &str); 3] = [
+    (Form::HalfMask, "Halves", "The left channel moves the left half, the right one the right"),
+    (
+        Form::Modal,
+        "Modal",
+        "Along the normals, as a sounding plate: the middle moves symmetric harmonics, the side antisymmetric ones, \
+         towards the louder channel",
+    ),
+    (
+        Form::Filter,
+        "Filter",
+        "The paper's: the shape's own harmonics grow and shrink; a symmetric shape stays so, and left and right look \
+         alike",
+    ),
+];
+
+/// Which harmonics may sound, by names.
+pub const CHOIRS: [(Choir, &str); 3] =
+    [(Choir::All, "All"), (Choir::Symmetric, "Symmetric"), (Choir::Antisymmetric, "Antisymmetric")];
+
+/// A knob, its name and what it does.
+pub type Knob = (Parameter, &'static str, &'static str);
+
+/// All knobs, in groups that have names.
+pub const KNOBS: &[(&str, &[Knob])] = &[
+    (
+        "Movement",
+        &[
+            (Parameter::Gain, "Gain", "How strongly everything moves; 1 is calibrated to the shape"),
+            (Parameter::Calibration, "Calibration", "How far a full-scale sound moves the shape at gain 1"),
+            (Parameter::Limit, "Limit", "The share of the shape's size that no part is to exceed"),
+            (Parameter::Detail, "Fine detail", "Gain of everything finer than the last harmonic"),
+            (Parameter::NormalBlending, "Normal blending", "0 is exact light, 1 the paper's softer look"),
+            (
+                Parameter::StereoMu,
+                "µ of all",
+                "How much middle and sides mix, while no dance has a µ of its own",
+            ),
+        ],
+    ),
+    (
+        "Resonators",
+        &[
+            (Parameter::Damping, "Damping", "How soon they come to rest; from 1 on they swing no more"),
+            (Parameter::TuningHz, "Tuning", "How often a second the broadest movement swings"),
+            (Parameter::Stretch, "Stretch", "How much faster finer movements are"),
+            (Parameter::Strike, "Strike", "How hard a sound that begins strikes"),
+            (Parameter::Hold, "Hold", "How far a sound that lasts holds the shape"),
+        ],
+    ),
+    (
+        "Sound",
+        &[
+            (Parameter::Decay, "Decay", "How long a sound lingers in the shape"),
+            (Parameter::SideGain, "Side gain", "How much the difference of left and right counts"),
+            (Parameter::Bands, "Bands", "Number of sound bands"),
+        ],
+    ),
+    (
+        "Sand",
+        &[
+            (Parameter::Grains, "Grains", "How many grains lie on the shape that is on stage"),
+            (Parameter::GrainSize, "Grain size", "Radius of a grain, as a share of the shape's size"),
+        ],
+    ),
+    (
+        "Stage",
+        &[
+            (Parameter::TransitionBeats, "Transition", "Beats that a change on stage takes"),
+            (Parameter::BeatsPerStep, "Step", "Beats between two favorites"),
+            (Parameter::TurnRad, "Turn", "How far the beat turns the shape"),
+            (Parameter::LightSwingRad, "Light swing", "How far the beat moves the lights"),
+            (Parameter::LightPulse, "Light pulse", "How much brighter the beat is"),
+        ],
+    ),
+];
+
+/// A switch, its name and what it does.
+pub type Choice = (Switch, &'static str, &'static str);
+
+/// All switches, in groups that have names.
+pub const SWITCHES: &[(&str, &[Choice])] = &[
+    (
+        "On the beat",
+        &[
+            (Switch::BeatTurns, "Turn the shape", "The beat turns the shape"),
+            (Switch::BeatLights, "Move the lights", "The beat moves the lights"),
+            (Switch::BeatSteps, "Next favorite", "The beat steps through the favorites on stage"),
+            (Switch::Camera, "Choose shots", "On stage the camera chooses its shots, bar by bar"),
+        ],
+    ),
+    (
+        "Hearing",
+        &[
+            (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
+            (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
+            (Switch::Resonate, "Resonate", "Sound strikes the shape; else the shape follows its level"),
+            (Switch::OwnMu, "Each its own µ", "Else all dances have the one among the knobs"),
+        ],
+    ),
+    (
+        "Breeding",
+        &[(
+            Switch::Suggest,
+            "Suggest",
+            "Of two hundred children show those that differ most and are most like what you chose so far; else \
+             whatever the paper's breeding gives",
+        )],
+    ),
+    (
+        "Experiment",
+        &[(
+            Switch::Sand,
+            "Sand",
+            "Sand lies on the shape that is on stage and gathers where it does not move; form Modal and little \
+             gain are best",
+        )],
+    ),
+    (
+        "Safety",
+        &[
+            (
+                Switch::FlashLimit,
+                "Limit flashes",
+                "At most three flashes a second, for people with photosensitive epilepsy",
+            ),
+            (
+                Switch::FlashFields,
+                "In any field of view",
+                "Limit them in a quarter of any third of the picture, too, for people who sit close. Bodies that swing fast \
+                 over a dark ground are darkened by it",
+            ),
+        ],
+    ),
+];
+
+/// How the value of a knob is shown: times `factor`, with `decimals` and a unit, which may be empty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// What a value is multiplied by.
+    pub factor: f64,
+    /// Digits behind the point.
+    pub decimals: usize,
+    /// With the space before it.
+    pub unit: &'static str,
+}
+
+/// How the value of a knob is shown.
+pub fn shown(parameter: Parameter) -> Shown {
+    let plain = |decimals| Shown { factor: 1.0, decimals, unit: "" };
+    match parameter {
+        Parameter::Bands | Parameter::BeatsPerStep | Parameter::Grains => plain(0),
+        Parameter::TransitionBeats => plain(1),
+        Parameter::GrainSize => Shown { factor: 100.0, decimals: 2, unit: " %" },
+        Parameter::Calibration | Parameter::Limit => Shown { factor: 100.0, decimals: 1, unit: " %" },
+        Parameter::TurnRad | Parameter::LightSwingRad => {
+            Shown { factor: 180.0 / std::f64::consts::PI, decimals: 0, unit: "°" }
+        }
+        _ => plain(2),
+    }
+}
+
+/// Whether a knob's slider goes by even factors rather than by even steps.
+pub fn by_factors(parameter: Parameter) -> bool {
+    let (low, high) = parameter.range();
+    high / low.max(1e-3) > 500.0
+}
+
+/// A knob's name on screen.
+pub fn knob_name(parameter: Parameter) -> &'static str {
+    let mut rows = KNOBS.iter().flat_map(|(_, rows)| rows.iter());
+    rows.find(|row| row.0 == parameter).map_or(parameter.name(), |row| row.1)
+}
+
+/// A switch's name on screen.
+pub fn switch_name(switch: Switch) -> &'static str {
+    let mut rows = SWITCHES.iter().flat_map(|(_, rows)| rows.iter());
+    rows.find(|row| row.0 == switch).map_or(switch.name(), |row| row.1)
+}
+
+/// Why a knob has no effect now. `voices` may listen to the side in any form.
+pub fn idle(parameters: &Parameters, parameter: Parameter, voices: bool) -> Option<&'static str> {
+    let form = parameters.form;
+    match parameter {
+        Parameter::StereoMu => form.ignores(FormControl::StereoMu).or_else(|| {
+            parameters.is_on(Switch::OwnMu).then_some("Each dance has its own µ now (see Hearing).")
+        }),
+        Parameter::SideGain if !voices => form.ignores(FormControl::SideGain),
+        Parameter::Damping
+        | Parameter::TuningHz
+        | Parameter::Stretch
+        | Parameter::Strike
+        | Parameter::Hold => {
+            (!parameters.is_on(Switch::Resonate)).then_some("Nothing resonates now (see Hearing).")
+        }
+        Parameter::Grains | Parameter::GrainSize => {
+            (!parameters.is_on(Switch::Sand)).then_some("There is no sand now (see Experiment).")
+        }
+        Parameter::Detail => form.ignores(FormControl::Detail),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_knob_and_every_switch_is_there_once() {
+        let mut knobs: Vec<Parameter> =
+            KNOBS.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.0)).collect();
+        knobs.sort();
+        assert_eq!(knobs, Parameter::ALL);
+        let mut switches: Vec<Switch> =
+            SWITCHES.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.0)).collect();
+        switches.sort();
+        assert_eq!(switches, Switch::ALL);
+    }
+
+    #[test]
+    fn knobs_of_resonators_and_sand_rest_without_them() {
+        let mut parameters = Parameters::default();
+        assert!(idle(&parameters, Parameter::Damping, false).is_none());
+        parameters.switch(Switch::Resonate, false);
+        assert!(idle(&parameters, Parameter::Damping, false).is_some());
+        assert!(idle(&parameters, Parameter::Grains, false).is_some());
+        parameters.switch(Switch::Sand, true);
+        assert!(idle(&parameters, Parameter::Grains, false).is_none());
+        assert!(idle(&parameters, Parameter::SideGain, false).is_some());
+        assert!(idle(&parameters, Parameter::SideGain, true).is_none());
+    }
+}

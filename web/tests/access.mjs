@@ -1,0 +1,182 @@
+// All that can be used has a name and is reached by the keyboard; less motion is none, and large text can be read.
+import assert from "node:assert/strict";
+import { song } from "../browser.mjs";
+import { acts } from "./caricature.mjs";
+import { downloaded, drop, moves, opened, step, still, until } from "./driver.mjs";
+
+const CONTROLS = "button, input, select, textarea, summary, a[href], [tabindex='0']";
+
+/** Every focusable thing that a screen reader is given has a name. */
+async function named(page, where) {
+  const session = await page.context().newCDPSession(page);
+  const { nodes } = await session.send("Accessibility.getFullAXTree");
+  const focusable = nodes.filter(({ ignored, properties = [] }) => !ignored && properties.some(({ name, value }) => name === "focusable" && value.value));
+  const nameless = focusable.filter(({ name, role }) => role.value !== "RootWebArea" && !name?.value?.trim());
+  assert.deepEqual(nameless.map(({ role }) => role.value), [], `${where}: without a name`);
+  assert.ok(focusable.length > 4, `${where}: ${focusable.length} that can be focused`);
+  await session.detach();
+}
+
+/** The tabulator reaches every control that is seen. */
+async function reached(page, where) {
+  const wanted = await page.evaluate((CONTROLS) => {
+    const modal = document.querySelector("dialog:modal") ?? document.body;
+    const seen = [...modal.querySelectorAll(CONTROLS)].filter((each) =>
+      !each.disabled && !each.closest(":disabled, [inert]") && each.checkVisibility({ visibilityProperty: true }) && each.tabIndex >= 0);
+    seen.forEach((each, i) => { each.dataset.tab = i; });
+    (modal === document.body ? document.activeElement : undefined)?.blur();
+    return seen.length;
+  }, CONTROLS);
+  const found = new Set();
+  for (let i = 0; i < 2 * wanted + 10 && found.size < wanted; i++) {
+    await page.keyboard.press("Tab");
+    const at = await page.evaluate(() => document.activeElement?.dataset.tab);
+    if (at !== undefined) found.add(at);
+  }
+  const missed = await page.evaluate((found) => [...document.querySelectorAll("[data-tab]")].filter(({ dataset }) => !found.includes(dataset.tab)).map(({ id, className, tagName }) => `${tagName} ${id || className}`), [...found]);
+  await page.evaluate(() => { for (const each of document.querySelectorAll("[data-tab]")) delete each.dataset.tab; });
+  assert.deepEqual(missed, [], `${where}: not reached by the tabulator`);
+  return wanted;
+}
+
+export async function names() {
+  const { page, wrong, elsewhere } = await opened({ width: 1280, height: 800 }, false);
+  const counts = [];
+  const holds = async (where) => { await named(page, where); counts.push(`${where} ${await reached(page, where)}`); };
+  await holds("front");
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus" && document.querySelectorAll(".cell").length === 12);
+  await page.click("#more");
+  await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
+  await holds("gallery of dances");
+  await page.locator(".cell:nth-child(2) .stage").dispatchEvent("click");
+  await until(page, () => window.chladni.state.on_stage);
+  await page.click("#draw");
+  await holds("stage");
+  await page.click("#film-song");
+  await holds("film");
+  await page.click("#film-cancel");
+  await page.click("#home");
+  await page.click("#exaggerate");
+  await acts(page);
+  await page.evaluate(() => { for (const each of document.querySelectorAll("#bench details")) each.open = true; });
+  for (const tool of ["turn", "parts", "brush"]) {
+    await page.click(`#hold-${tool}`);
+    await holds(tool);
+  }
+  await page.click("#gallery");
+  await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
+  await holds("gallery of caricatures");
+  await page.click("#wall-close");
+  assert.match(await page.getAttribute("#softness", "aria-valuetext"), /^\d+ % of the shape's size$/);
+  step(`all controls have names and are reached by the tabulator: ${counts.join(", ")}`);
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+/** Full screen shows the picture alone; keys play, pause and go on. */
+export async function fullScreen() {
+  const { page, wrong, elsewhere } = await opened({ width: 1280, height: 800 }, false);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus" && window.chladni.sound.isHeard);
+  await drop(page, ["one.wav", song(20)], ["two.wav", song(20)]);
+  await until(page, () => document.getElementById("song").textContent === "1 of 2: one.wav");
+  await page.click("#full");
+  await until(page, () => document.body.dataset.bare === "yes" && document.fullscreenElement);
+  assert.ok(await page.isHidden("#controls"));
+  await page.keyboard.press("Space");
+  await until(page, () => !window.chladni.sound.isHeard);
+  await page.keyboard.press("Space");
+  await until(page, () => window.chladni.sound.isHeard);
+  await page.keyboard.press("PageDown");
+  await until(page, () => document.getElementById("song").textContent === "2 of 2: two.wav");
+  await page.keyboard.press("PageUp");
+  await until(page, () => document.getElementById("song").textContent === "1 of 2: one.wav");
+  await page.evaluate(() => document.exitFullscreen());
+  await until(page, () => document.body.dataset.bare === undefined);
+  assert.ok(await page.isVisible("#controls"));
+  step("full screen and back; keys play, pause and go on");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+/** The picture changes no more, though time passes. */
+async function stands(page) {
+  await still(page);
+  const { frames } = await page.evaluate(() => window.chladni);
+  await page.waitForTimeout(1500);
+  assert.equal(await page.evaluate(() => window.chladni.frames), frames, "nothing is drawn while all stands still");
+}
+
+export async function motion() {
+  const { page, wrong, elsewhere, shot } = await opened({ width: 1280, height: 800 }, false);
+  await moves(page, "sand on the plate");
+  await page.click("#hold-still");
+  await stands(page);
+  const before = await page.evaluate(() => window.chladni.view().yaw_rad);
+  const { frames } = await page.evaluate(() => window.chladni);
+  await page.mouse.move(900, 200);
+  await page.mouse.down();
+  await page.mouse.move(1000, 200, { steps: 5 });
+  await page.mouse.up();
+  assert.notEqual(await page.evaluate(() => window.chladni.view().yaw_rad), before);
+  assert.ok(await page.evaluate(() => window.chladni.frames) > frames, "a hand still turns it");
+  assert.equal(await page.textContent("#hold-still"), "Let the plate move");
+  await page.click("#hold-still");
+  await moves(page, "the plate again");
+  await page.context().close();
+
+  const less = await opened({ width: 1280, height: 800 }, false, { reducedMotion: "reduce" });
+  await until(less.page, () => window.chladni.standsAtSecs >= 6);
+  await stands(less.page);
+  await less.shot("laptop-still");
+  assert.equal(await less.page.textContent("#hold-still"), "Let the plate move");
+  await less.page.click("#hold-still");
+  await moves(less.page, "the plate of those who want it to move");
+  step("the front stands still where less motion is asked for, and for all who want it");
+  assert.deepEqual([wrong, elsewhere, less.wrong, less.elsewhere], [[], [], [], []]);
+  await less.page.context().close();
+}
+
+/** On a phone at twice its size, and with text of twice its size, everything on the front can be read and pressed. */
+export async function large() {
+  for (const [name, viewport, text] of [["phone-zoomed", { width: 195, height: 422 }, false], ["laptop-large-text", { width: 1280, height: 800 }, true], ["phone-large-text", { width: 390, height: 844 }, true]]) {
+    const { page, wrong, shot } = await opened(viewport, false);
+    if (text) await page.addStyleTag({ content: ":root { font-size: 187.5% !important; }" });
+    await page.waitForTimeout(300);
+    await shot(`${name}-front`);
+    for (const id of ["enter", "exaggerate", "hold-still", "bring"]) {
+      await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+      const box = await page.locator(`#${id}`).boundingBox();
+      assert.ok(box.x >= 0 && box.y >= 0 && box.x + box.width <= viewport.width + 1 && box.y + box.height <= viewport.height + 1, `${name}: ${id} at ${JSON.stringify(box)}`);
+      const hit = await page.evaluate(([x, y, id]) => document.elementFromPoint(x, y)?.closest(`#${id}`) !== null, [box.x + box.width / 2, box.y + Math.min(box.height, 20) / 2, id]);
+      assert.ok(hit, `${name}: ${id} is pressed`);
+    }
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${name}: nothing is beside the page`);
+    assert.deepEqual(wrong, []);
+    await page.context().close();
+  }
+  const { page } = await opened({ width: 390, height: 844 }, true);
+  assert.equal(await page.evaluate(() => getComputedStyle(document.getElementById("picture")).touchAction), "pinch-zoom", "two fingers enlarge the front");
+  step("the front at a phone's 200 %, and with text of twice its size");
+  await page.context().close();
+}
+
+/** What is saved of the stage has 2000 pixels, however few the page draws. */
+export async function pictures() {
+  const { readFileSync } = await import("node:fs");
+  const { page, wrong } = await opened({ width: 1000, height: 700 }, false);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  // Nothing is drawn meanwhile.
+  await page.evaluate(() => { window.requestAnimationFrame = () => 0; });
+  await page.waitForTimeout(200);
+  const png = readFileSync(await downloaded(page, "#save-picture"));
+  const [width, height] = [png.readUInt32BE(16), png.readUInt32BE(20)];
+  const { clientWidth, clientHeight } = await page.evaluate(() => { const { clientWidth, clientHeight } = document.getElementById("picture"); return { clientWidth, clientHeight }; });
+  assert.equal(Math.max(width, height), 2000);
+  assert.ok(Math.abs(width / height - clientWidth / clientHeight) < 0.01, `${width}×${height} of ${clientWidth}×${clientHeight}`);
+  step(`a picture of the stage is saved, ${width}×${height}`);
+  assert.deepEqual(wrong, []);
+  await page.context().close();
+}
