@@ -224,7 +224,7 @@ impl Concert {
 impl Concert {
     /// The look by its names, or that of the dance on stage.
     fn look(&self) -> Look {
-        look_on_stage(&self.instrument).unwrap_or_else(|| look_named(&self.looks).0)
+        look_on_stage(&self.instrument, look_named(&self.looks).0)
     }
 
     /// Hears, dances and deforms; none where nothing is known of the song yet.
@@ -283,7 +283,7 @@ impl Concert {
         let Shot { at_secs, reaction, framing, mood, count } = shot;
         let look = self.look().answering(&mood);
         let stage = &mut self.stage;
-        let Figures { topology, small, rest, buffers, renderer, screen } = &mut stage.figures;
+        let Figures { topology, small, wardrobe, buffers, renderer, screen } = &mut stage.figures;
         screen.fit(width, height)?;
         let from = (&self.viewpoint, framing.as_ref());
         let area = Rect::of_size(width, height);
@@ -292,7 +292,7 @@ impl Concert {
         let topology = small.as_ref().filter(|_| count > 1).unwrap_or(topology);
         let figure = |item| Figure {
             grains: grains.get(item).copied(),
-            ..staged.figure(topology, buffers, item, rest)
+            ..staged.figure(topology, buffers, item, wardrobe)
         };
         let figures: Vec<Figure<'_>> = (0..count).map(figure).collect();
         let cells = staged.cells(&figures);

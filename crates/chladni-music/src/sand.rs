@@ -1,7 +1,7 @@
 //! Sand: grains on a surface, which vibrations drive to where nothing moves.
 //!
 //! The sound makes vertex v vibrate at a speed of u(v) = Σ_k w_k a_k H_k(v): a_k is the root mean square amplitude of
-//! harmonic k over about [`MEMORY_SECS`], times its frequency √λ_k; w_k lets the strongest ones draw the figure. All
+//! harmonic k over 0.2 s, times its frequency √λ_k; w_k lets the strongest ones draw the figure. All
 //! are in phase, like those of a plate that is driven at one frequency. With E = u², grains hop: at each hop a grain
 //! walks along the surface by
 //!
@@ -10,38 +10,30 @@
 //! ```
 //!
 //! ξ being a random vector and ℓ the length of the waves that sound, both times a vigor in [0, 1] that grows
-//! with the level of the sound; when the figure changes they are thrown farther. Near nodal lines, and wherever the surface hardly moves, grains rest. docs/sand.md has the sources.
+//! with the level of the sound; when the figure changes they are thrown farther, and are some steps on their way. Near nodal lines, and wherever the surface hardly moves, grains rest. docs/sand.md has the sources.
 
 use std::sync::Arc;
 
 use chladni_harmonics::{Basis, Body};
 use chladni_mesh::surface::{Ground, SurfacePoint};
-use chladni_synth::{Coefficients, Item};
+use chladni_synth::Item;
 use rayon::prelude::*;
 
 use crate::dancer::box_diagonal;
 use crate::symmetry::first_waving;
+use hop::{Hop, draw, friction, landing, unit};
+
+mod feeling;
+mod hop;
 
 /// Time between two steps of the sand.
 pub const SAND_STEP_SECS: f64 = 1.0 / 60.0;
 
 /// Steps from one hop of a grain to its next; its neighbors hop at others.
 const HOP_STEPS: u64 = 3;
-/// The energy of a harmonic is its mean over about this time.
-const MEMORY_SECS: f32 = 0.2;
-/// The most harmonics that drive the sand: those of the most energy.
-const MOST_DRIVERS: usize = 12;
-/// Harmonics of less than this share of the strongest one's energy do not drive it.
-const LEAST_SHARE: f32 = 0.02;
-/// A figure is new as far as it differs from that of about this time.
-const HABIT_SECS: f32 = 0.8;
 /// S, and the most: how far a new figure throws grains about, as a share of the bounding box's diagonal.
 const SCATTER: f32 = 1.5;
 const MOST_SCATTER: f32 = 0.2;
-/// C: how fast grains slide down.
-const SLIDE: f64 = 0.32;
-/// J: how far grains are thrown about.
-const THROW: f64 = 0.20;
 /// Half the width of a line of sand, as a share of the bounding box's diagonal: so near to a nodal line grains
 /// may rest. Some slide more easily than others, which is why they fill the line.
 const LINE: f32 = 0.008;
@@ -49,8 +41,6 @@ const LINE: f32 = 0.008;
 const MOST_REST: f32 = 0.3;
 /// Where the speed is less than this share of that of a full movement of the slowest wave, grains rest.
 const QUIET: f32 = 0.003;
-/// The share of it at which the vigor is one half.
-const HALF_VIGOR: f32 = 0.1;
 /// How high grains hop at full vigor, as a share of the bounding box's diagonal.
 const HOP_HEIGHT: f32 = 0.012;
 /// From how high they are poured.
@@ -58,6 +48,8 @@ const POUR_HEIGHT: f32 = 0.30;
 /// How long the pouring takes, and of it one grain's fall, in steps.
 const POUR_STEPS: u64 = 60;
 const FALL_STEPS: u64 = 27;
+/// The most edges that a grain crosses in a step: one that is thrown farther is still on its way at the next.
+const MOST_EDGES: usize = 6;
 /// Grains that one thread takes at a time.
 const CHUNK: usize = 1024;
 
@@ -107,6 +99,8 @@ pub struct Sand {
     tray: Arc<Tray>,
     seed: u64,
     grains: Vec<SurfacePoint>,
+    /// What each still has to go, in the plane of its triangle; 0 where it has landed.
+    ways: Vec<[f32; 2]>,
     /// Steps since it was poured, and those of them in which something moved.
     steps: u64,
     moves: u64,
@@ -133,8 +127,10 @@ impl Sand {
             let share = (i as f64 + 0.5) / grains as f64;
             tray.ground.point_at(share, [unit(draw(seed, i, 0)), unit(draw(seed, i, 1))])
         };
+        let grains: Vec<SurfacePoint> = (0..grains).filter_map(place).collect();
         Self {
-            grains: (0..grains).filter_map(place).collect(),
+            ways: vec![[0.0; 2]; grains.len()],
+            grains,
             seed,
             steps: 0,
             moves: 0,
@@ -179,96 +175,31 @@ impl Sand {
         let moves = self.most_speed > 0.0 && self.level >= QUIET;
         self.moves += u64::from(moves || self.steps <= POUR_STEPS);
         if !moves {
-            return;
+            return self.ways.fill([0.0; 2]);
         }
-        let (seed, tray, speed) = (self.seed, &*self.tray, &self.speed);
-        let (most, level, rest) = (self.most_speed, self.level, self.rest());
-        let slide = -SLIDE * self.wave * self.wave * f64::from(self.vigor);
         let new = (SCATTER * self.novelty.powi(3)).min(MOST_SCATTER);
-        let scatter = f64::from(new * tray.box_diagonal * self.vigor);
-        let throw = THROW * self.wave * f64::from(self.vigor);
-        self.grains.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, grains)| {
-            for (i, grain) in (chunk * CHUNK..).zip(grains) {
-                if !(step + i as u64).is_multiple_of(HOP_STEPS) || step < landing(seed, i) {
-                    continue;
-                }
-                let corners = tray.triangles[grain.triangle as usize];
-                let speeds = corners.map(|v| f64::from(speed[v as usize] / most));
-                let here: f64 = (0..3).map(|c| grain.weights[c] * speeds[c]).sum();
-                let moved = here.abs() as f32;
-                if moved < rest * friction(seed, i) || moved * level < QUIET {
-                    continue;
-                }
-                // ∇u² = 2 u ∇u.
-                let slope = tray.ground.slope(grain.triangle, speeds).map(|s| 2.0 * here * s);
-                let thrown = throw * f64::from(moved) + scatter;
-                let [x, y] = at_random(draw(seed, i, 2 + step));
-                let way = [slide * slope[0] + thrown * x, slide * slope[1] + thrown * y];
-                *grain = tray.ground.walk(*grain, way);
+        let hop = Hop {
+            seed: self.seed,
+            step,
+            tray: &self.tray,
+            speed: &self.speed,
+            most_speed: self.most_speed,
+            level: self.level,
+            rest: self.rest(),
+            wave: self.wave,
+            vigor: f64::from(self.vigor),
+            scatter: f64::from(new * self.tray.box_diagonal * self.vigor),
+        };
+        let chunks = self.grains.par_chunks_mut(CHUNK).zip(self.ways.par_chunks_mut(CHUNK)).enumerate();
+        chunks.for_each(|(chunk, (grains, ways))| {
+            for (i, (grain, left)) in (chunk * CHUNK..).zip(grains.iter_mut().zip(ways)) {
+                let flies = *left != [0.0; 2];
+                let way = if flies { Some(left.map(f64::from)) } else { hop.of(i, grain) };
+                let Some(way) = way else { continue };
+                let (at, rest) = hop.tray.ground.walk(*grain, way, MOST_EDGES);
+                (*grain, *left) = (at, rest.map(|x| x as f32));
             }
         });
-    }
-
-    /// Takes in the sounding item: the energy of each vertex, the length of the waves, the vigor.
-    fn feel(&mut self, item: &Item, full: f32) {
-        let keep = (-SAND_STEP_SECS as f32 / MEMORY_SECS).exp();
-        let (basis, slowest) = (Arc::clone(&self.tray.basis), self.tray.slowest);
-        let silence = vec![0.0; basis.harmonics()];
-        self.powers.resize(self.powers.len().max(item.terms.len()), silence);
-        for (t, powers) in self.powers.iter_mut().enumerate() {
-            for (k, power) in powers.iter_mut().enumerate() {
-                let now = item.terms.get(t).map_or(0.0, |term| strength(&term.coefficients, k));
-                let fast = (basis.eigenvalues[k] / slowest) as f32;
-                *power = keep * *power + (1.0 - keep) * fast * now;
-            }
-        }
-        let drivers = self.drivers();
-        let sum = |of: fn(f64) -> f64| -> f64 {
-            drivers.iter().map(|&(k, share)| f64::from(share).powi(3) * of(basis.eigenvalues[k])).sum()
-        };
-        let (total, curved) = (sum(|_| 1.0), sum(|lambda| lambda));
-        if curved > 0.0 {
-            self.wave = (total / curved).sqrt();
-        }
-        let waves_of = |powers: &Vec<f32>| -> Waves<'_> {
-            drivers.iter().map(|&(k, share)| (share * powers[k].sqrt(), basis.harmonic(k))).collect()
-        };
-        let waves: Vec<Waves<'_>> = self.powers.iter().map(waves_of).collect();
-        let masks: Vec<Option<&[f32]>> =
-            (0..waves.len()).map(|t| item.terms.get(t).and_then(|term| term.mask.as_deref())).collect();
-        self.speed.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(v, speed)| {
-            let of_term = |(waves, mask): (&Waves<'_>, &Option<&[f32]>)| {
-                mask.map_or(1.0, |mask| mask[v]) * waves.iter().map(|(a, h)| a * h[v] as f32).sum::<f32>()
-            };
-            *speed = waves.iter().zip(&masks).map(of_term).sum();
-        });
-        let forget = (-SAND_STEP_SECS as f32 / HABIT_SECS).exp();
-        let (mut both, mut new, mut old) = (0.0_f32, 0.0_f32, 0.0_f32);
-        for (habit, speed) in self.habit.iter_mut().zip(&self.speed) {
-            let energy = speed * speed;
-            *habit = forget * *habit + (1.0 - forget) * energy;
-            both += *habit * energy;
-            new += energy * energy;
-            old += *habit * *habit;
-        }
-        let alike = (new * old).sqrt();
-        self.novelty = if alike > 0.0 { (1.0 - both / alike).clamp(0.0, 1.0) } else { 0.0 };
-        self.most_speed = self.speed.iter().fold(0.0, |most, speed| speed.abs().max(most));
-        self.level = if full > 0.0 { self.most_speed / full } else { 0.0 };
-        self.vigor = self.level / (self.level + HALF_VIGOR);
-    }
-
-    /// The harmonics that drive the sand, and the weights of their movements: one weaker than the strongest
-    /// counts less still, so that few of them draw the figure. Constant ones have no frequency.
-    fn drivers(&self) -> Vec<(usize, f32)> {
-        let power = |k: usize| self.powers.iter().map(|powers| powers[k]).sum::<f32>();
-        let mut all: Vec<(usize, f32)> = (0..self.tray.basis.harmonics()).map(|k| (k, power(k))).collect();
-        all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        all.truncate(MOST_DRIVERS);
-        let most = all.first().map_or(0.0, |(_, power)| *power).max(f32::MIN_POSITIVE);
-        all.iter_mut().for_each(|(_, power)| *power /= most);
-        all.retain(|(_, share)| *share >= LEAST_SHARE);
-        all
     }
 
     /// √(E / E_max) where all grains rest: near a nodal line it is the distance over ℓ.
@@ -305,46 +236,4 @@ impl Sand {
         let own = 0.2 + 0.8 * friction(self.seed, i);
         4.0 * phase * (1.0 - phase) * own * moved * self.vigor * HOP_HEIGHT * self.tray.box_diagonal
     }
-}
-
-/// Harmonics and what each is multiplied by.
-type Waves<'a> = Vec<(f32, &'a [f64])>;
-
-/// The step at which a grain that is poured has landed.
-fn landing(seed: u64, grain: usize) -> u64 {
-    FALL_STEPS + draw(seed, grain, 0) % (POUR_STEPS - FALL_STEPS)
-}
-
-/// How well a grain holds, in [0, 1).
-fn friction(seed: u64, grain: usize) -> f32 {
-    unit(draw(seed, grain, 1)) as f32
-}
-
-/// The squared amplitude of harmonic k.
-fn strength(coefficients: &Coefficients, k: usize) -> f32 {
-    match coefficients {
-        Coefficients::Vector(c) => c.get(k).map_or(0.0, |c| c.iter().map(|c| c * c).sum()),
-        Coefficients::Normal(c) => c.get(k).map_or(0.0, |c| c * c),
-    }
-}
-
-/// Random bits that are a function of seed, grain and number alone (SplitMix64's finalizer; Steele, Lea and
-/// Flood 2014).
-fn draw(seed: u64, grain: usize, number: u64) -> u64 {
-    let mut z = seed ^ (grain as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = z.wrapping_add(number.wrapping_mul(0xd1b5_4a32_d192_ed03));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// In [0, 1).
-fn unit(bits: u64) -> f64 {
-    (bits >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-/// A random vector: two numbers in [−1, 1], out of one draw.
-fn at_random(bits: u64) -> [f64; 2] {
-    let part = |bits: u32| f64::from(bits) / f64::from(u32::MAX) * 2.0 - 1.0;
-    [part(bits as u32), part((bits >> 32) as u32)]
 }

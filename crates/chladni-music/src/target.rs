@@ -92,7 +92,7 @@ const TABLE: [Row; 48] = [
     (Target::Form, Kind::Choice, "form", "Form"),
     (Target::Choir, Kind::Choice, "choir", "Which harmonics sound"),
     (Target::Look, Kind::Choice, "look", "Look"),
-    (Target::Palette, Kind::Choice, "palette", "Palette"),
+    (Target::Palette, Kind::Choice, "palette", "Palette; `own`: the colors that the shape brings"),
     (Target::Material, Kind::Choice, "material", "Material"),
     (Target::Lights, Kind::Choice, "lights", "Light"),
     (Target::Background, Kind::Choice, "background", "Background"),

@@ -10,6 +10,8 @@ pub struct Look {
     /// How movement colors them; none leaves the material's own color. Its lengths are shares of the farthest
     /// that a shape may go: see [`scaled`](Self::scaled).
     pub answer: Option<Answer>,
+    /// Whether shapes that bring colors or a texture show those in the place of both.
+    pub own_colors: bool,
     /// The lights.
     pub lights: Lights,
     /// The background and the floor.

@@ -63,6 +63,7 @@ impl Look {
     pub const PLAIN: Self = Self {
         material: Material::PEARL,
         answer: None,
+        own_colors: false,
         lights: Lights::STAGE,
         background: Background::NIGHT,
         finish: Finish::NOTHING,

@@ -1,8 +1,8 @@
 //! Deforms the dancers and draws them.
 
-use chladni_program::work::{Error, FrameGuard, Staging};
+use chladni_program::work::{Error, FrameGuard, Staging, Wardrobe};
 use chladni_synth::{CpuSynthesizer, FrameSettings, Item, SynthModel, Synthesizer};
-use chladni_view::{Device, ItemBuffers, Renderer, RestShape, Topology};
+use chladni_view::{Device, ItemBuffers, Renderer, Topology};
 
 use crate::coarse::coarse;
 use crate::screen::{Screen, device};
@@ -24,7 +24,7 @@ pub(super) struct Figures {
     pub topology: Topology,
     /// For a gallery, whose pictures are small; none where the body has few vertices anyway.
     pub small: Option<Topology>,
-    pub rest: RestShape,
+    pub wardrobe: Wardrobe,
     pub buffers: ItemBuffers,
     pub renderer: Renderer,
     pub screen: Screen,
@@ -62,11 +62,11 @@ impl Figures {
     ) -> Result<Self, Error> {
         let vertices = model.vertices();
         let small = coarse(model.rest_positions(), model.rest_normals(), triangles, SMALL);
-        let small = small.map(|triangles| Topology::new(&device, vertices, &triangles)).transpose()?;
+        let small = small.map(|fewer| staging.topology(&device, triangles, Some(&fewer))).transpose()?;
         Ok(Self {
             small,
-            topology: Topology::new(&device, vertices, triangles)?,
-            rest: staging.rest_on(&device)?,
+            topology: staging.topology(&device, triangles, None)?,
+            wardrobe: staging.wardrobe(&device)?,
             buffers: ItemBuffers::new(&device, vertices, 0),
             renderer: Renderer::new(&device),
             screen: Screen::new(device)?,

@@ -1,5 +1,6 @@
 //! `chladni-bench music`: how fast the music instrument is, and how true.
 
+mod frame;
 pub mod gallery;
 pub mod ready;
 mod stereo;
@@ -43,6 +44,7 @@ pub struct BenchMusic {
 #[derive(Serialize)]
 struct Report {
     timing: Vec<timing::Measured>,
+    frames: Vec<frame::Frame>,
     stereo: Vec<stereo::Stereo>,
     transfer: truth::Transfer,
     folds: Vec<gallery::Folds>,
@@ -53,12 +55,13 @@ impl BenchMusic {
     /// Measures all of it.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let timing = timing::measure(&self, terminal)?;
+        let frames = frame::measure(&self, terminal)?;
         let octopus = ready::Ready::sample("octopus", terminal)?;
         let head = ready::Ready::sample("head", terminal)?;
         let mut stereo = stereo::stereo(&octopus)?;
         stereo.extend(stereo::stereo(&head)?);
         let transfer = truth::transfer(&octopus, &head)?;
-        let mut report = Report { timing, stereo, transfer, folds: Vec::new(), movement: Vec::new() };
+        let mut report = Report { timing, frames, stereo, transfer, folds: Vec::new(), movement: Vec::new() };
         let songs = gallery::songs(&[vec!["sample:tune".to_owned()], self.song].concat(), terminal)?;
         let files = self.shape.iter().map(|file| gallery::shape(file, terminal));
         for ready in [Ok(octopus), Ok(head)].into_iter().chain(files) {
@@ -74,6 +77,14 @@ impl BenchMusic {
                 "{:?}: n = {}, K = {}, S = {}: spectrum {:.3} ms, resonators {:.3} ms, mapping {:.3} ms, synthesis {:.2} ms, normals {:.2} ms, \
                  together {:.2} ms",
                 r.form, r.vertices, r.harmonics, r.items, r.spectrum_ms, r.resonators_ms, r.mapping_ms, r.synthesis_ms, r.normals_ms, r.total_ms
+            ))?;
+        }
+        for r in &report.frames {
+            terminal.result(format_args!(
+                "{}: n = {}, K = {}, S = {}, {} grains: sand {:.2} ms, sound {:.2} ms, mapping {:.2} ms, synthesis {:.2} ms, normals {:.2} ms, \
+                 grains to draw {:.2} ms, together {:.2} ms",
+                r.shape, r.vertices, r.harmonics, r.items, r.grains, r.sand_ms, r.sound_ms, r.mapping_ms, r.synthesis_ms, r.normals_ms,
+                r.grains_ms, r.total_ms
             ))?;
         }
         for r in &report.stereo {

@@ -7,7 +7,7 @@ use chladni_program::work::Deformed;
 use chladni_program::work::Error;
 use chladni_synth::{Backend, FrameSettings, Item, SynthModel};
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Device, Draw, Figure, Lights, Rect, Renderer, View, layout,
+    Background, Camera, Canvas, Cell, Device, Draw, Figure, Lights, Rect, Renderer, Topology, View, layout,
 };
 
 /// Where pictures are drawn as the program draws its films: on a graphics card where there is one.
@@ -44,7 +44,8 @@ impl Projector {
     pub fn new(easel: &Easel, model: &SynthModel, triangles: &[[u32; 3]]) -> Result<Self, Error> {
         let mut camera = Camera::looking(View::ThreeQuarter);
         camera.fit(model.rest_positions().iter().copied(), 1.0, 0.8);
-        let deformed = Deformed::new(&easel.device, model, triangles, Backend::Auto)?;
+        let topology = Topology::new(&easel.device, model.vertices(), triangles)?;
+        let deformed = Deformed::new(&easel.device, model, topology, Backend::Auto);
         Ok(Self { deformed, camera })
     }
 

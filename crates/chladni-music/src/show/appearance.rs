@@ -10,7 +10,7 @@ pub struct Looks {
     /// The whole scene.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub look: String,
-    /// The colors of the movement.
+    /// The colors of the movement; `own` are those that the shape brings.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub palette: String,
     /// The material of the shapes.

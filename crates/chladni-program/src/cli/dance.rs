@@ -15,7 +15,7 @@ use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, Piece, Warning, Watcher, blur, cautions, resolve};
+use crate::work::{Error, OWN_COLORS, Piece, Warning, Watcher, blur, cautions, resolve};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -127,9 +127,10 @@ pub struct Dance {
     /// The whole scene. That of the show unless given, else aurora, or plain where parts of it are given.
     #[arg(long, value_name = "LOOK", value_parser = one_of(Look::PRESETS))]
     look: Option<Look>,
-    /// Color by movement. The look's own unless given.
-    #[arg(long, value_name = "PALETTE", value_parser = one_of(Palette::ALL.map(|palette| (palette.name(), palette))))]
-    palette: Option<Palette>,
+    /// Color by movement; or own: the colors that the shape brings, its texture or those of its vertices. The look's own
+    /// unless given.
+    #[arg(long, value_name = "PALETTE", value_parser = one_of(colorings()))]
+    palette: Option<Coloring>,
     /// Lights. Those of the look unless given.
     #[arg(long, value_parser = one_of(Lights::PRESETS))]
     lights: Option<Lights>,
@@ -225,8 +226,10 @@ impl Dance {
         film.autopilot = self.autopilot;
         film.start_secs = self.start;
         film.duration_secs = self.duration;
+        // A shape's own colors stay under any look.
+        let is_colored = matches!(self.palette, Some(Coloring::By(_)));
         film.beginning.keeps_look =
-            self.look.is_some() || self.palette.is_some() || self.blur.is_some() || self.chooses_parts();
+            self.look.is_some() || is_colored || self.blur.is_some() || self.chooses_parts();
         film.look = self.look(film.look);
         film.picture = self.picture.clone().unwrap_or(film.picture);
         film.panorama = self.panorama.clone().unwrap_or(film.panorama);
@@ -337,12 +340,17 @@ impl Dance {
     fn look(&self, of_show: Look) -> Look {
         // Parts alone are those of the plain look.
         let whole = if self.chooses_parts() && self.show.is_none() { Look::PLAIN } else { of_show };
-        let mut look = self.look.unwrap_or(whole);
+        let mut look = Look { own_colors: whole.own_colors, ..self.look.unwrap_or(whole) };
         if let Some(material) = self.material {
             look = Look { material, answer: None, ..look };
         }
-        if let Some(palette) = self.palette {
-            look.answer = Some(Answer { palette, ..look.answer.unwrap_or(Answer::MOVED) });
+        match self.palette {
+            Some(Coloring::By(palette)) => {
+                look.answer = Some(Answer { palette, ..look.answer.unwrap_or(Answer::MOVED) });
+                look.own_colors = false;
+            }
+            Some(Coloring::Own) => look.own_colors = true,
+            None => {}
         }
         look.lights = self.lights.unwrap_or(look.lights);
         look.background = self.background.unwrap_or(look.background);
@@ -356,6 +364,18 @@ impl Dance {
         let preset = self.preset.as_deref().map(load).transpose()?;
         Ok(Beginning { preset, seed: self.seed, gallery: self.gallery, ..Beginning::default() })
     }
+}
+
+/// Where colors come from.
+#[derive(Clone, Copy)]
+enum Coloring {
+    Own,
+    By(Palette),
+}
+
+fn colorings() -> impl Iterator<Item = (&'static str, Coloring)> {
+    let palettes = Palette::ALL.into_iter().map(|palette| (palette.name(), Coloring::By(palette)));
+    palettes.chain([(OWN_COLORS, Coloring::Own)])
 }
 
 const BACKENDS: [(&str, Backend); 3] =

@@ -1,6 +1,6 @@
 //! Smooth movement before fine pictures: drawing quality is reduced while frames are late.
 
-use chladni_view::{Device, Samples};
+use chladni_view::{Device, Finish, Samples};
 
 /// A frame that takes longer than this is late.
 const LATE_SECS: f64 = 0.050;
@@ -15,17 +15,41 @@ const LONG_SECS: f64 = 2.0;
 /// After this time without late frames a higher quality is tried; the time doubles after each failed attempt.
 const PATIENCE_SECS: f64 = 6.0;
 
-/// Qualities on a graphics card, from the best: effects on the finished picture are dropped first.
-const CARD: [Quality; 5] = [
-    Quality { samples: Samples::Four, percent: 100, glow: true },
-    Quality { samples: Samples::Four, percent: 100, glow: false },
-    Quality { samples: Samples::One, percent: 100, glow: false },
-    Quality { samples: Samples::One, percent: 75, glow: false },
-    Quality { samples: Samples::One, percent: 50, glow: false },
+/// Qualities on a graphics card, from the best: effects on the finished picture are dropped first, that which costs most
+/// before the others.
+const CARD: [Quality; 6] = [
+    Quality { samples: Samples::Four, percent: 100, effects: Effects::All },
+    Quality { samples: Samples::Four, percent: 100, effects: Effects::Sharp },
+    Quality { samples: Samples::Four, percent: 100, effects: Effects::Bare },
+    Quality { samples: Samples::One, percent: 100, effects: Effects::Bare },
+    Quality { samples: Samples::One, percent: 75, effects: Effects::Bare },
+    Quality { samples: Samples::One, percent: 50, effects: Effects::Bare },
 ];
 /// The same where the processor draws, which always takes four samples.
-const PROCESSOR: [Quality; 4] =
-    [CARD[0], CARD[1], Quality { percent: 75, ..CARD[1] }, Quality { percent: 50, ..CARD[1] }];
+const PROCESSOR: [Quality; 5] =
+    [CARD[0], CARD[1], CARD[2], Quality { percent: 75, ..CARD[2] }, Quality { percent: 50, ..CARD[2] }];
+
+/// The effects on the finished picture that are shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effects {
+    /// All.
+    All,
+    /// All but depth of field.
+    Sharp,
+    /// Neither depth of field nor glow nor trails.
+    Bare,
+}
+
+impl Effects {
+    /// What is left of a finish.
+    pub fn of(self, finish: Finish) -> Finish {
+        match self {
+            Self::All => finish,
+            Self::Sharp => Finish { blur: 0.0, ..finish },
+            Self::Bare => finish.without_glow(),
+        }
+    }
+}
 
 /// How finely a picture is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,8 +58,8 @@ pub struct Quality {
     pub samples: Samples,
     /// Width and height in percent of the area shown.
     pub percent: u32,
-    /// Whether bright places glow and leave trails.
-    pub glow: bool,
+    /// The effects of the finish.
+    pub effects: Effects,
 }
 
 impl Quality {
@@ -46,8 +70,10 @@ impl Quality {
 impl std::fmt::Display for Quality {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.samples)?;
-        if !self.glow {
-            write!(f, ", without glow")?;
+        match self.effects {
+            Effects::All => {}
+            Effects::Sharp => write!(f, ", without depth of field")?,
+            Effects::Bare => write!(f, ", without glow")?,
         }
         if self.percent < 100 { write!(f, ", {} % of its size", self.percent) } else { Ok(()) }
     }
@@ -95,9 +121,22 @@ impl Effort {
         self.last_secs = None;
     }
 
-    /// Counts a moving picture that is drawn at `now_secs`. The window asks for the next frame at once,
+    /// The next step, of more or of less, at which a picture with this finish looks otherwise than now.
+    fn other(&self, finish: Finish, less: bool) -> Option<usize> {
+        let drawn = |step: usize| {
+            self.steps.get(step).map(|quality| (quality.samples, quality.percent, quality.effects.of(finish)))
+        };
+        let differs = |step: &usize| drawn(*step) != drawn(self.step);
+        if less {
+            (self.step + 1..self.steps.len()).find(differs)
+        } else {
+            (0..self.step).rev().find(differs)
+        }
+    }
+
+    /// Counts a moving picture with this finish that is drawn at `now_secs`. The window asks for the next frame at once,
     /// and says where that one shows nothing new: all other time between two pictures was needed.
-    pub fn frame(&mut self, now_secs: f64) {
+    pub fn frame(&mut self, now_secs: f64, finish: Finish) {
         let Some(last_secs) = self.last_secs.replace(now_secs) else { return };
         self.frames_secs.push((now_secs - last_secs).max(0.0));
         let total_secs: f64 = self.frames_secs.iter().sum();
@@ -110,14 +149,17 @@ impl Effort {
         let usual_secs = self.frames_secs[count / 2];
         self.frames_secs.clear();
         let calm_secs = now_secs - self.changed_secs;
-        if usual_secs > LATE_SECS && self.step + 1 < self.steps.len() {
+        if usual_secs > LATE_SECS
+            && let Some(less) = self.other(finish, true)
+        {
             // The quality that was just tried was too high.
             if self.tried && calm_secs < PATIENCE_SECS {
                 self.patience_secs *= 2.0;
             }
-            (self.step, self.changed_secs, self.tried) = (self.step + 1, now_secs, false);
+            (self.step, self.changed_secs, self.tried) = (less, now_secs, false);
         } else if usual_secs < EARLY_SECS && self.is_reduced() && calm_secs > self.patience_secs {
-            (self.step, self.changed_secs, self.tried) = (self.step - 1, now_secs, true);
+            let more = self.other(finish, false).unwrap_or(0);
+            (self.step, self.changed_secs, self.tried) = (more, now_secs, true);
         }
     }
 }
@@ -126,6 +168,8 @@ impl Effort {
 mod tests {
     use super::*;
 
+    const GLOWING: Finish = Finish { bloom: 0.7, ..Finish::NOTHING };
+
     /// A card's steps, without a card.
     fn card() -> Effort {
         Effort { steps: &CARD, ..Effort::new(&Device::Processor) }
@@ -133,10 +177,15 @@ mod tests {
 
     /// Frames of `frame_secs` for `secs` seconds.
     fn play(effort: &mut Effort, now_secs: &mut f64, secs: f64, frame_secs: f64) {
+        play_with(GLOWING, effort, now_secs, secs, frame_secs);
+    }
+
+    /// The same of another finish.
+    fn play_with(finish: Finish, effort: &mut Effort, now_secs: &mut f64, secs: f64, frame_secs: f64) {
         let end_secs = *now_secs + secs;
         while *now_secs < end_secs {
             *now_secs += frame_secs;
-            effort.frame(*now_secs);
+            effort.frame(*now_secs, finish);
         }
     }
 
@@ -146,7 +195,7 @@ mod tests {
         play(&mut effort, &mut now_secs, 3.0, 0.016);
         assert_eq!((effort.quality(), effort.is_reduced()), (Quality::STILL, false));
         play(&mut effort, &mut now_secs, 1.5, 0.08);
-        let without_glow = Quality { glow: false, ..Quality::STILL };
+        let without_glow = Quality { effects: Effects::Bare, ..Quality::STILL };
         assert_eq!(effort.quality(), without_glow);
         play(&mut effort, &mut now_secs, 1.0, 0.08);
         assert_eq!(effort.quality(), Quality { samples: Samples::One, ..without_glow });
@@ -161,13 +210,38 @@ mod tests {
     }
 
     #[test]
+    fn what_costs_most_goes_first_and_what_is_not_there_is_passed_over() {
+        let falls = |finish: Finish| {
+            let (mut effort, mut now_secs, mut seen) = (card(), 0.0, vec![Quality::STILL]);
+            for _ in 0..200 {
+                play_with(finish, &mut effort, &mut now_secs, 0.1, 0.08);
+                if seen.last() != Some(&effort.quality()) {
+                    seen.push(effort.quality());
+                }
+            }
+            // And all of it comes back.
+            play_with(finish, &mut effort, &mut now_secs, 60.0, 0.016);
+            assert!(!effort.is_reduced());
+            seen
+        };
+        let soft = Finish { blur: 0.6, ..Finish::NOTHING };
+        assert_eq!(falls(Finish { blur: 0.6, ..GLOWING }), CARD);
+        assert_eq!(falls(GLOWING), [CARD[0], CARD[2], CARD[3], CARD[4], CARD[5]]);
+        assert_eq!(falls(soft), [CARD[0], CARD[1], CARD[3], CARD[4], CARD[5]]);
+        assert_eq!(falls(Finish::NOTHING), [CARD[0], CARD[3], CARD[4], CARD[5]]);
+        let left = |effects: Effects| effects.of(Finish { trail_secs: 0.2, blur: 0.6, ..GLOWING });
+        assert_eq!((left(Effects::Sharp).blur, left(Effects::Sharp).bloom), (0.0, GLOWING.bloom));
+        assert_eq!(left(Effects::Bare), Finish::NOTHING);
+    }
+
+    #[test]
     fn attempts_that_fail_become_rare() {
         let (mut effort, mut now_secs, mut attempts) = (card(), 0.0, 0);
         let end_secs = 120.0;
         let mut before = effort.quality();
         while now_secs < end_secs {
             now_secs += if effort.quality() == Quality::STILL { 0.08 } else { 0.016 };
-            effort.frame(now_secs);
+            effort.frame(now_secs, GLOWING);
             attempts += u32::from(before != effort.quality() && effort.quality() == Quality::STILL);
             before = effort.quality();
         }

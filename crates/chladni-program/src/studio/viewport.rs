@@ -155,7 +155,7 @@ impl Viewport {
         self.shown = shown;
         let now_secs = ui.input(|input| input.time);
         let quality = if self.stale || resized || self.canvas.is_none() {
-            self.effort.frame(now_secs);
+            self.effort.frame(now_secs, self.finish.0);
             // The next frame is requested at once, so that a late frame can be distinguished from one that was not
             // needed.
             ui.ctx().request_repaint();
@@ -189,8 +189,7 @@ impl Viewport {
             cell.viewport = Rect { x, y, width: right - x, height: bottom - y };
         }
         let (finish, at_secs) = self.finish;
-        let finish = if quality.glow { finish } else { finish.without_glow() };
-        self.renderer.draw_finished(canvas, &cells, &finish, at_secs)?;
+        self.renderer.draw_finished(canvas, &cells, &quality.effects.of(finish), at_secs)?;
         shown_as.refresh(canvas);
         self.stale = false;
         ui.ctx().data_mut(|data| data.insert_temp(egui::Id::unique(DRAWN), true));

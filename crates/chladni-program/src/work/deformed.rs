@@ -26,17 +26,8 @@ enum Deformer {
 
 impl Deformed {
     /// The shapes of `model` for `device`, deformed by `synthesis` where a graphics device draws, else by the
-    /// processor.
-    ///
-    /// # Errors
-    /// Triangles that do not fit the vertices or the device.
-    pub fn new(
-        device: &Device,
-        model: &SynthModel,
-        triangles: &[[u32; 3]],
-        synthesis: Backend,
-    ) -> Result<Self, Error> {
-        let topology = Topology::new(device, model.vertices(), triangles)?;
+    /// processor, with their triangles there.
+    pub fn new(device: &Device, model: &SynthModel, topology: Topology, synthesis: Backend) -> Self {
         let by = match device {
             Device::Graphics(gpu) => {
                 let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
@@ -47,19 +38,16 @@ impl Deformed {
                 buffers: ItemBuffers::new(device, model.vertices(), 0),
             },
         };
-        Ok(Self { by, topology })
+        Self { by, topology }
     }
 
     /// The same shapes on another device, not deformed yet.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn on(&self, device: &Device, triangles: &[[u32; 3]], synthesis: Backend) -> Result<Self, Error> {
+    pub fn on(&self, device: &Device, topology: Topology, synthesis: Backend) -> Self {
         let model = match &self.by {
             Deformer::Beside(synthesizer) => synthesizer.model(),
             Deformer::Processor { synthesizer, .. } => synthesizer.model(),
         };
-        Self::new(device, model, triangles, synthesis)
+        Self::new(device, model, topology, synthesis)
     }
 
     /// Makes the frame of `items` and says how long positions and normals took, in seconds.

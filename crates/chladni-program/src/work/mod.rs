@@ -101,8 +101,8 @@ pub use symmetry_figure::figure_markers;
 pub use template::{matched, matched_with, template_mesh};
 pub use template_name::template_name;
 pub use theatre::{
-    FIRST_VIEW, Staged, Staging, along, blur, cautions, chooses_shots, dots, first_looks, is_flat,
-    look_named, look_on_stage, reaction,
+    FIRST_VIEW, OWN_COLORS, Staged, Staging, Wardrobe, along, blur, cautions, chooses_shots, dots,
+    first_looks, is_flat, look_named, look_on_stage, reaction,
 };
 #[cfg(feature = "desktop")]
 pub use titles::{COVER, GAP, TITLE, title_opacity};

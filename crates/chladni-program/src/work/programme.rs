@@ -156,8 +156,6 @@ mod tests {
     use super::*;
     use chladni_music::{GalleryShape, Moment};
 
-    use crate::work::look_on_stage;
-
     #[test]
     fn whatever_dances_on_a_sheet_leaves_its_plane() {
         let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
@@ -213,11 +211,11 @@ mod tests {
             let scene = instrument.scene(2.0 * at_secs).unwrap();
             assert_ne!(last.replace(scene.to), Some(scene.to));
             // The first has the show's own look.
-            assert_eq!(look_on_stage(&instrument).is_some(), i > 0);
+            assert_eq!(instrument.look().is_some(), i > 0);
         }
         // Off the stage the show's own look is back, and gallery and knobs are as they were.
         instrument.apply(Moment::default(), Action::LeaveStage).unwrap();
-        assert_eq!(look_on_stage(&instrument), None);
+        assert_eq!(instrument.look(), None);
         assert_ne!(*instrument.parameters(), parameters);
         for action in programme.end(&instrument) {
             instrument.apply(Moment::default(), action).unwrap();

@@ -10,17 +10,17 @@ use chladni_music::{
 };
 use chladni_view::filling::surface_points;
 use chladni_view::framing::extremes;
-use chladni_view::{
-    Camera, Cell, Device, Figure, Floor, ItemBuffers, Look, Marker, Paint, Rect, RestShape, Topology,
-    ViewError, bends, layout,
-};
+use chladni_view::{Camera, Cell, Figure, Floor, ItemBuffers, Look, Marker, Rect, Topology, bends, layout};
 
 use self::filled::Filled;
-pub use self::looks::{blur, cautions, first_looks, look_named, look_on_stage};
-use super::Heard;
+pub use self::looks::{OWN_COLORS, blur, cautions, first_looks, look_named, look_on_stage};
+pub use self::wardrobe::Wardrobe;
+use super::{Heard, OwnLook};
 
+mod coarse_uvs;
 mod filled;
 mod looks;
+mod wardrobe;
 
 /// How much of its cell the shape may fill where it is moved as far as the limit allows.
 const FILL: f32 = 0.96;
@@ -109,6 +109,7 @@ pub struct Staging {
     /// Points of the surface, and from how far they fill a picture.
     surface: Vec<[f32; 3]>,
     filled: Option<Filled>,
+    own: Option<OwnLook>,
 }
 
 /// A sheet is thinner than this share of its shorter side.
@@ -151,7 +152,18 @@ impl Staging {
         surface.extend(extremes(&corners.collect::<Vec<_>>()));
         let bends = bends(&rest, triangles);
         let flat = is_flat(&rest);
-        Self { dancer, rest, along, bends, stands, flat, room: (0.0, Vec::new()), surface, filled: None }
+        Self {
+            dancer,
+            rest,
+            along,
+            bends,
+            stands,
+            flat,
+            room: (0.0, Vec::new()),
+            surface,
+            filled: None,
+            own: None,
+        }
     }
 
     /// How the body stands.
@@ -167,11 +179,6 @@ impl Staging {
     /// The body at rest.
     pub fn rest(&self) -> &[[f32; 3]] {
         &self.rest
-    }
-
-    /// The body at rest, for palettes.
-    pub fn rest_on(&self, device: impl Into<Device>) -> Result<RestShape, ViewError> {
-        RestShape::new(device, &self.rest, &self.along, &self.bends)
     }
 
     /// The cells of `items` items in a picture of `area`.
@@ -293,10 +300,9 @@ impl Staged {
         topology: &'a Topology,
         buffers: &'a ItemBuffers,
         item: usize,
-        rest: &'a RestShape,
+        wardrobe: &'a Wardrobe,
     ) -> Figure<'a> {
-        let Look { material, answer, .. } = self.look;
-        let paint = answer.map_or(Paint::Material, |answer| Paint::Answer(rest, answer));
+        let (material, paint) = (self.look.material, wardrobe.paint(&self.look));
         let lag = Some(self.viewports.len() + item).filter(|lag| *lag < buffers.items());
         Figure { material, paint, lag, ..Figure::new(topology, buffers, item) }
     }

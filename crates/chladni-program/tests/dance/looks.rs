@@ -7,7 +7,7 @@ use chladni_music::{Action, FileRef, GalleryShape, Instrument, LoggedAction, Loo
 use crate::{ball, run};
 
 /// A show in the look `own`; what is on stage gets another one after 0.2 s.
-fn show(own: &str, on_stage: Option<&str>) -> Show {
+pub fn show(own: &str, on_stage: Option<&str>) -> Show {
     let shape = GalleryShape { eigenvalues: (0..16).map(f64::from).collect(), bands: 32 };
     let instrument = Instrument::new(1, 6, shape).unwrap();
     let file = |path: &str| FileRef { path: path.to_owned(), blake3: None };
@@ -23,7 +23,7 @@ fn show(own: &str, on_stage: Option<&str>) -> Show {
 }
 
 /// One frame at `start` seconds.
-fn frame(folder: &Path, show: &Show, start: &str, more: &[&str]) -> Vec<u8> {
+pub fn frame(folder: &Path, show: &Show, start: &str, more: &[&str]) -> Vec<u8> {
     ball(&folder.join("ball.obj"));
     let (file, frames) = (folder.join("a.show.json"), folder.join("frames"));
     show.save(&file).unwrap();

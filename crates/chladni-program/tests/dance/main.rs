@@ -4,6 +4,7 @@
 #[path = "../archive/mod.rs"]
 mod archive;
 mod looks;
+mod own_colors;
 mod shots;
 mod strobing;
 

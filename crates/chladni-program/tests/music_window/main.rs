@@ -4,6 +4,7 @@
 
 #[path = "../archive/mod.rs"]
 mod archive;
+mod autopilot;
 mod calibrating;
 mod clocks;
 mod controls;
@@ -14,6 +15,7 @@ mod films;
 mod gallery;
 mod hands;
 mod lost_device;
+mod own_colors;
 mod stage;
 
 use std::net::{Ipv4Addr, UdpSocket};

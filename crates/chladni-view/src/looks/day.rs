@@ -7,6 +7,7 @@ impl Look {
     pub const PORCELAIN: Self = Self {
         material: Material { roughness: 0.18, softness: 0.4, ..Material::BARE },
         answer: answer_from(1.0, Palette::Orchid, 0.0, 0.0, 0.56, 0.0),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [1.0, 0.95, 0.86]),
@@ -31,6 +32,7 @@ impl Look {
     pub const CANDY: Self = Self {
         material: Material { roughness: 0.26, softness: 0.6, glow: 0.08, ..Material::BARE },
         answer: answer(Palette::Candy, 1.6, 0.0, 0.6, 0.1),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.85, 0.8, 0.74]),
@@ -69,6 +71,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer_from(0.35, Palette::Moss, 0.35, 0.0, 0.5, 0.0),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp([-0.7, 0.55, 0.5], [0.9, 0.8, 0.52]),
@@ -100,6 +103,7 @@ impl Look {
     pub const PRINT: Self = Self {
         material: Material { roughness: 1.0, softness: 0.0, glow: 0.25, ..Material::BARE },
         answer: answer_from(0.3, Palette::Dusk, 0.35, 0.3, 0.0, 0.0),
+        own_colors: false,
         lights: Lights {
             lights: [lamp(LEFT, [0.9; 3]), lamp(RIGHT, [0.05; 3]), lamp(BEHIND, [0.2; 3])],
             sky: [0.3; 3],

@@ -7,6 +7,7 @@ impl Look {
     pub const CONTOUR: Self = Self {
         material: Material { roughness: 0.35, glow: 0.9, edge: [10, 60, 110], ..Material::BARE },
         answer: answer(Palette::Contour, 7.0, 0.0, 1.5, 0.4),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.25, 0.5, 0.6]),
@@ -39,6 +40,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer(Palette::Prism, 2.4, 0.0, 0.6, 0.12),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.9, 0.9, 0.9]),
@@ -67,6 +69,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer_from(0.28, Palette::Dusk, 0.3, 0.35, 0.0, 0.3),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.95, 0.55, 0.3]),
@@ -99,6 +102,7 @@ impl Look {
     pub const NODES: Self = Self {
         material: Material { roughness: 0.55, softness: 0.2, glow: 0.14, ..Material::BARE },
         answer: answer_from(0.5, Palette::Nodes, 0.0, 1.4, 0.0, 0.0),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [1.0, 1.0, 0.96]),

@@ -13,6 +13,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer_from(0.12, Palette::Moss, 0.2, 0.0, 0.5, 0.03),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.8, 0.8, 0.66]),

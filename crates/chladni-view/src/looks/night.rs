@@ -13,6 +13,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer(Palette::Aurora, 0.4, 0.0, 0.55, 0.1),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.75, 0.95, 1.1]),
@@ -51,6 +52,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer(Palette::Ember, 0.1, 0.0, 0.8, 1.1),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.5, 0.34, 0.26]),
@@ -92,6 +94,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer(Palette::Abyss, 0.15, 0.0, 0.6, 0.45),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(ABOVE, [0.22, 0.5, 0.62]),
@@ -122,6 +125,7 @@ impl Look {
             ..Material::BARE
         },
         answer: answer(Palette::Neon, 0.8, 0.0, 0.4, 0.25),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.05, 0.65, 0.95]),

@@ -7,6 +7,7 @@ impl Look {
     pub const SPARK: Self = Self {
         material: Material { roughness: 0.34, metal: 0.35, edge: [20, 50, 110], ..Material::BARE },
         answer: Some(Answer { travel: 0.15, haste: 1.15, spark: 0.6, ..answer_of(Palette::Abyss, 0.26) }),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.75, 0.85, 1.0]),
@@ -45,6 +46,7 @@ impl Look {
             ..Material::BARE
         },
         answer: Some(Answer { span: 0.3, phase: 1.0, ..answer_of(Palette::Prism, 0.5) }),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.85, 0.84, 0.8]),
@@ -67,6 +69,7 @@ impl Look {
     pub const PATINA: Self = Self {
         material: Material { roughness: 0.38, metal: 0.75, softness: 0.1, ..Material::BARE },
         answer: Some(Answer { crease: 0.36, travel: 0.14, ..answer_of(Palette::Patina, 0.4) }),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [1.25, 1.1, 0.9]),
@@ -103,6 +106,7 @@ impl Look {
             lines: NodalLines { color: [255, 236, 196], opacity: 0.95, width: 1.3 },
             ..answer_of(Palette::Abyss, 0.16)
         }),
+        own_colors: false,
         lights: Lights {
             lights: [
                 lamp(LEFT, [0.95, 1.04, 1.25]),

@@ -1,6 +1,6 @@
 //! The stage in the window: nothing but the dance, on the chosen screen.
 
-use egui::{Align2, Color32, FontId, Ui, ViewportCommand};
+use egui::{Color32, Ui, ViewportCommand};
 
 use super::concert::Concert;
 use super::place::{Change, Place};
@@ -88,7 +88,9 @@ impl Curtain {
         };
         let hint = hint.map_or_else(favorites, str::to_owned);
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
-        let color = Color32::from_white_alpha(150);
-        ui.painter().text(at, Align2::CENTER_BOTTOM, hint, FontId::proportional(14.0), color);
+        let text = egui::RichText::new(hint).size(14.0).color(Color32::from_white_alpha(150));
+        let place = egui::Rect::from_center_size(at, egui::vec2(ui.max_rect().width(), 20.0));
+        // A label is read aloud, too.
+        ui.put(place, egui::Label::new(text).selectable(false));
     }
 }

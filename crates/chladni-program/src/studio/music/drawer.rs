@@ -79,7 +79,9 @@ impl Drawers {
                 self.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
                 self.shelf.show(ui, instrument, shared.notices, wishes);
             }
-            Drawer::Look => look::show(ui, shared, &mut self.adjusts, wishes),
+            Drawer::Look => {
+                look::show(ui, shared, concert.has_own_colors(), &mut self.adjusts, wishes);
+            }
             Drawer::Remote => self.remote.show(ui, shared, listening),
             Drawer::Body => {
                 voices::show(ui, instrument, concert.voice_names(), wishes);

@@ -11,6 +11,7 @@ use super::remote::NUDGE_SECS;
 use super::shelf::Shelf;
 use super::wish::Wish;
 use crate::studio::room::Shared;
+use crate::work::OWN_COLORS;
 
 /// Where things stand, for knobs that take over softly and for the lights of pads.
 pub struct Stand<'a> {
@@ -104,7 +105,7 @@ impl Stand<'_> {
 fn names(target: Target) -> Vec<&'static str> {
     match target {
         Target::Look => Look::PRESETS.iter().map(|preset| preset.0).collect(),
-        Target::Palette => Palette::ALL.map(Palette::name).to_vec(),
+        Target::Palette => Palette::ALL.map(Palette::name).into_iter().chain([OWN_COLORS]).collect(),
         Target::Material => Material::PRESETS.map(|preset| preset.0).to_vec(),
         Target::Lights => Lights::PRESETS.map(|preset| preset.0).to_vec(),
         Target::Background => Background::PRESETS.map(|preset| preset.0).to_vec(),

@@ -1,6 +1,7 @@
 //! Preparing shapes and caricatures to dance.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::Orientation;
@@ -10,7 +11,7 @@ use chladni_synth::Term;
 use chladni_task::Task;
 
 use crate::work::dancer::{Dancing, classes};
-use crate::work::{Aside, Cast, Error, Stance, Warning, opening_view};
+use crate::work::{Aside, Cast, Error, OwnLook, Stance, Warning, opening_view};
 
 /// Vertices of the smallest level of detail where the processor draws, and how many times as many the next
 /// larger one has.
@@ -38,6 +39,8 @@ pub struct Ready {
     pub voices: Vec<(String, Term)>,
     /// The shape with fewer vertices for small pictures, from fine to coarse, where all would be too many.
     pub details: Vec<Detail>,
+    /// The shape's own colors, where its file has some.
+    pub own: Option<OwnLook>,
     /// Warnings: repairs of the file, how the harmonics are less exact than usual, and which layers
     /// cannot act.
     pub warnings: Vec<Warning>,
@@ -51,6 +54,7 @@ pub struct Ready {
 pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let aside = Aside::new(task);
     let cast = Cast::open(path, &aside)?;
+    let mesh = Arc::clone(cast.mesh());
     let stands = cast.stands(Stance::default(), &aside)?;
     let harmonics = cast.harmonics().map_or(means.harmonics, |own| own.min(means.harmonics));
     let (body, voices) = cast.prepare(harmonics, Laplacian::Delaunay, true, &aside)?;
@@ -59,8 +63,10 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
         || if means.coarsely { details(&body) } else { Vec::new() },
     );
     let dancing = Dancing::new(&body, symmetry?, &stands)?;
-    let opening_view = opening_view(&path.to_string_lossy());
-    Ok(Ready { dancing, stands, opening_view, voices, details, warnings: aside.warnings() })
+    let name = path.to_string_lossy();
+    let own = OwnLook::of(&name, &mesh, &body, &aside);
+    let opening_view = opening_view(&name);
+    Ok(Ready { dancing, stands, opening_view, voices, details, own, warnings: aside.warnings() })
 }
 
 fn details(body: &Body) -> Vec<Detail> {

@@ -11,9 +11,16 @@ use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::OWN_COLORS;
 
 /// Draws the drawer.
-pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool, wishes: &mut Vec<Wish>) {
+pub fn show(
+    ui: &mut Ui,
+    shared: &mut Shared<'_>,
+    has_own_colors: bool,
+    adjusts: &mut bool,
+    wishes: &mut Vec<Wish>,
+) {
     let preferences = &mut shared.settings.music;
     let before = preferences.look.clone();
     scene(ui, &mut preferences.look);
@@ -31,7 +38,7 @@ pub fn show(ui: &mut Ui, shared: &mut Shared<'_>, adjusts: &mut bool, wishes: &m
     part(ui, "material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
     part(ui, "light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));
     part(ui, "background", &mut preferences.background, Background::PRESETS.map(|preset| preset.0));
-    palette(ui, &mut preferences.palette);
+    palette(ui, &mut preferences.palette, has_own_colors);
     let own = Look::named(&preferences.look).unwrap_or(Look::PLAIN).finish.blur;
     blur(ui, &mut preferences.blur_percent, own);
     let tip = "A picture of your own (PNG or JPEG) behind all, in the place of the background, or a film (through ffmpeg)";
@@ -142,19 +149,27 @@ fn scene(ui: &mut Ui, chosen: &mut String) {
 }
 
 /// Menu of the palettes that color the movement: too many for a row of buttons.
-fn palette(ui: &mut Ui, chosen: &mut String) {
-    let own = "As the look";
-    let known =
-        Palette::named(chosen).map_or_else(|| own.to_owned(), |palette| theme::capitalized(palette.name()));
+fn palette(ui: &mut Ui, chosen: &mut String, has_own_colors: bool) {
+    let (as_look, own) = ("As the look", "Own colors");
+    let is_own = chosen == OWN_COLORS;
+    let unnamed = || if is_own { own } else { as_look }.to_owned();
+    let known = Palette::named(chosen).map_or_else(unnamed, |palette| theme::capitalized(palette.name()));
     ui.label(RichText::new("Palette").strong());
     let list = egui::ComboBox::from_id_salt("palette").width(160.0).height(480.0).selected_text(known);
     let response = list.show_ui(ui, |ui| {
-        ui.selectable_value(chosen, String::new(), own);
+        ui.selectable_value(chosen, String::new(), as_look);
+        ui.selectable_value(chosen, OWN_COLORS.to_owned(), own);
         for palette in Palette::ALL {
             ui.selectable_value(chosen, palette.name().to_owned(), theme::capitalized(palette.name()));
         }
     });
-    response.response.on_hover_text("The colors of what moves");
+    response
+        .response
+        .on_hover_text("The colors of what moves, or those that the shape brings: its texture or colors");
+    if is_own && !has_own_colors {
+        let text = "This shape has no colors of its own: those of the look are shown.";
+        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+    }
     ui.add_space(theme::GAP);
 }
 

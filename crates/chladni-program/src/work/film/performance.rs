@@ -10,13 +10,15 @@ use chladni_mesh::Orientation;
 use chladni_music::{Ensemble, Form, Framing, Instrument, LoggedAction, Moment, Reaction, Stretch};
 use chladni_synth::{Item, SynthModel};
 use chladni_task::Task;
-use chladni_view::{FrameRate, Mood};
+use chladni_view::{FrameRate, Look, Mood};
 
 pub use self::shooting::{Drawn, Means};
 use super::Seconds;
 use super::record::Recording;
 use super::titles::Titles;
-use crate::work::{Error, Hearing, Lag, Programme, SandTable, Staging, along, chooses_shots, look_on_stage};
+use crate::work::{
+    Error, Hearing, Lag, OwnLook, Programme, SandTable, Staging, along, chooses_shots, look_on_stage,
+};
 
 /// The result.
 #[derive(Default)]
@@ -55,8 +57,8 @@ pub struct Performance {
     staging: Staging,
     sand: SandTable,
     lag: Lag,
-    /// The look of the film asks for the lag.
-    feels_speed: bool,
+    /// The look of the film.
+    look: Look,
     model: SynthModel,
     triangles: Vec<[u32; 3]>,
     start_secs: f64,
@@ -92,7 +94,7 @@ impl Performance {
             staging,
             sand: SandTable::new(body.clone(), start_secs),
             lag: Lag::default(),
-            feels_speed: false,
+            look: Look::PLAIN,
             instrument,
             script: script.into_iter().peekable(),
             ensemble,
@@ -117,6 +119,11 @@ impl Performance {
     /// Shows the shape at rest, too, as dots.
     pub fn show_rest(&mut self) {
         self.shows_rest = true;
+    }
+
+    /// The body has these colors of its own.
+    pub fn color(&mut self, own: Option<OwnLook>) {
+        self.staging.color(own);
     }
 
     /// Songs are named as they begin.
@@ -197,7 +204,7 @@ impl Performance {
         let (reaction, mood) = (heard.reaction(&self.instrument), heard.mood());
         let mut items = self.ensemble.play(&self.instrument, &heard.bands, heard.beat)?.to_vec();
         let shot = Shot { time_secs, reaction, framing, mood, count: items.len() };
-        let wanted = look_on_stage(&self.instrument).map_or(self.feels_speed, |look| look.feels_speed());
+        let wanted = look_on_stage(&self.instrument, self.look).feels_speed();
         self.lag.follow(&mut items, at_secs, wanted);
         seconds.mapping += mapping.elapsed().as_secs_f64();
         Ok((shot, items))

@@ -21,7 +21,7 @@ use super::{Film, sound_beside};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::earlier_frames;
-use crate::work::{Cast, Error, Hearing, Scenery, Watcher, is_flat};
+use crate::work::{Cast, Error, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat};
 
 /// All that is needed before the first frame.
 pub(super) struct Prepared {
@@ -66,6 +66,14 @@ impl Prepared {
         let (start_secs, rate) = (wanted.start_secs, wanted.output.rate);
         let mut performance =
             Performance::new((&body, stands), ensemble, hearing, begun, stretches, start_secs, rate)?;
+        if wanted.look.own_colors {
+            let own = OwnLook::of(&wanted.body, &mesh, &body, watcher);
+            if own.is_none() {
+                let message = "has no colors of its own: those of the look are shown";
+                watcher.warn(Warning::of(&wanted.body, message));
+            }
+            performance.color(own);
+        }
         if wanted.output.allow_flashes {
             performance.allow_flashes();
         }

@@ -8,9 +8,14 @@ pub fn first_looks() -> Looks {
     Looks { look: "aurora".into(), ..Looks::default() }
 }
 
-/// The look of the dance on stage in place of the show's own, as far as this version knows it.
-pub fn look_on_stage(instrument: &Instrument) -> Option<Look> {
-    instrument.look().and_then(Look::named)
+/// The palette of this name is the shape's own colors.
+pub const OWN_COLORS: &str = "own";
+
+/// The look of the dance on stage in place of the show's, as far as this version knows it. Shapes that show their own
+/// colors keep them.
+pub fn look_on_stage(instrument: &Instrument, of_show: Look) -> Look {
+    let staged = instrument.look().and_then(Look::named);
+    staged.map_or(of_show, |look| Look { own_colors: of_show.own_colors, ..look })
 }
 
 /// Warnings when a show is opened: that it is old, or names looks, or parts of them, which this version does not
@@ -53,7 +58,8 @@ pub fn look_named(looks: &Looks) -> (Look, Vec<String>) {
         look = Look { material, answer: None, ..look };
     }
     let palette = Palette::named(&looks.palette);
-    found(&looks.palette, palette.is_some());
+    look.own_colors = looks.palette == OWN_COLORS;
+    found(&looks.palette, palette.is_some() || look.own_colors);
     if let Some(palette) = palette {
         look.answer = Some(Answer { palette, ..look.answer.unwrap_or(Answer::MOVED) });
     }
@@ -102,6 +108,9 @@ mod tests {
         assert_eq!(look_named(&soft).0.finish, Finish { blur: 0.6, ..Look::EMBER.finish });
         let gold = Looks { look: "ember".into(), palette: "gold".into(), ..Looks::default() };
         assert_eq!(look_named(&gold).0.answer.map(|answer| answer.palette), Some(Palette::Gold));
+        let own = Looks { look: "ember".into(), palette: OWN_COLORS.into(), ..Looks::default() };
+        assert_eq!(look_named(&own), (Look { own_colors: true, ..Look::EMBER }, vec![]));
+        assert!(Palette::named(OWN_COLORS).is_none());
         assert_eq!(look_named(&names(["dawn", "", "", ""])), (Look::PLAIN, vec!["dawn".to_owned()]));
     }
 }

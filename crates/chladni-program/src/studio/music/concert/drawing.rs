@@ -13,7 +13,7 @@ use super::Concert;
 use super::frame::Frame;
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::Error;
+use crate::work::{Error, Staging};
 
 impl Concert {
     pub(super) fn draw(
@@ -51,7 +51,7 @@ impl Concert {
                 let topology = detail.map_or(&self.deformed.topology, |(_, topology)| topology);
                 Figure {
                     grains: grains.get(item).copied(),
-                    ..staged.figure(topology, &buffers, item, &self.rest)
+                    ..staged.figure(topology, &buffers, item, &self.wardrobe)
                 }
             })
             .collect();
@@ -137,14 +137,14 @@ impl Concert {
     }
 }
 
-/// Levels of a shape of `vertices` vertices, with their triangles on the device.
+/// Levels of a shape of these `triangles`, with their own on the device.
 pub fn on_device(
     device: &Device,
-    vertices: usize,
+    (staging, triangles): (&Staging, &[[u32; 3]]),
     details: impl IntoIterator<Item = Detail>,
 ) -> Result<Vec<(Detail, Topology)>, Error> {
     let upload = |detail: Detail| {
-        Topology::new(device, vertices, &detail.triangles).map(|topology| (detail, topology))
+        staging.topology(device, triangles, Some(&detail.triangles)).map(|topology| (detail, topology))
     };
     Ok(details.into_iter().map(upload).collect::<Result<_, _>>()?)
 }

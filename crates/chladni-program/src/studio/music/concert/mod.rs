@@ -19,7 +19,7 @@ use chladni_music::{
     SAND_MODE, Settings, Show, Switch, Viewpoint, without_sand,
 };
 use chladni_synth::{Backend, SynthModel};
-use chladni_view::{Device, RestShape, Topology};
+use chladni_view::{Device, Topology};
 
 use apart::Apart;
 use backcloth::Backcloth;
@@ -38,7 +38,7 @@ use super::song_title::SongTitle;
 use super::view::View;
 use crate::studio::screen::Screen;
 use crate::work::dancer::Dancing;
-use crate::work::{Deformed, Error, Lag, Programme, Recent, SandTable, Staging, along};
+use crate::work::{Deformed, Error, Lag, Programme, Recent, SandTable, Staging, Wardrobe, along};
 
 /// Seed of the first gallery; every further one is shown to the user, too.
 const FIRST_SEED: u64 = 2012;
@@ -55,7 +55,7 @@ pub struct Concert {
     pane: Pane,
     /// The stage in a window of its own.
     apart: Option<Apart>,
-    rest: RestShape,
+    wardrobe: Wardrobe,
     /// For small cells where the processor draws, from fine to coarse.
     details: Vec<(Detail, Topology)>,
     /// How many harmonics of each item are seen, where there are details.
@@ -107,13 +107,15 @@ impl Concert {
         let model = SynthModel::new(&body)?;
         let pane = Pane::new(screen);
         let device = pane.viewport.device();
-        let deformed = Deformed::new(device, &model, &body.triangles, Backend::Auto)?;
         let rest = model.rest_positions().to_vec();
         let vertices = rest.len();
         let along = along(&body, &dancer);
-        let staging = Staging::new(dancer.clone(), rest, &body.triangles, along, ready.stands);
-        let rest = staging.rest_on(device)?;
-        let details = on_device(device, vertices, ready.details)?;
+        let mut staging = Staging::new(dancer.clone(), rest, &body.triangles, along, ready.stands);
+        staging.color(ready.own);
+        let topology = staging.topology(device, &body.triangles, None)?;
+        let deformed = Deformed::new(device, &model, topology, Backend::Auto);
+        let wardrobe = staging.wardrobe(device)?;
+        let details = on_device(device, (&staging, &body.triangles), ready.details)?;
         let (voice_names, terms) = ready.voices.into_iter().unzip();
         let ensemble = Ensemble::new(dancer).with_voices(terms)?;
         let mut concert = Self {
@@ -122,7 +124,7 @@ impl Concert {
             is_of_a_file: false,
             ensemble,
             deformed,
-            rest,
+            wardrobe,
             details,
             seen: Vec::new(),
             drawn_vertices: vertices,
@@ -162,11 +164,12 @@ impl Concert {
     /// Continues on another device, with the same dances.
     pub fn change_device(&mut self, screen: &Screen) -> Result<(), Error> {
         let pane = Pane::new(screen);
-        let (device, vertices) = (pane.viewport.device(), self.staging.rest().len());
-        self.deformed = self.deformed.on(device, self.harmonics.triangles(), Backend::Auto)?;
-        self.rest = self.staging.rest_on(device)?;
+        let (device, triangles) = (pane.viewport.device(), self.harmonics.triangles());
+        let topology = self.staging.topology(device, triangles, None)?;
+        self.deformed = self.deformed.on(device, topology, Backend::Auto);
+        self.wardrobe = self.staging.wardrobe(device)?;
         let details = std::mem::take(&mut self.details).into_iter().map(|(detail, _)| detail);
-        self.details = on_device(device, vertices, details)?;
+        self.details = on_device(device, (&self.staging, triangles), details)?;
         self.harmonics.forget_device();
         (self.pane, self.apart) = (pane, None);
         self.outgoing.change_device();
@@ -206,6 +209,11 @@ impl Concert {
     /// The pace of the frames.
     pub fn pace(&self) -> &Pace {
         &self.pace
+    }
+
+    /// Whether the shape has colors of its own.
+    pub fn has_own_colors(&self) -> bool {
+        self.staging.has_own_colors()
     }
 
     /// Vertices of the shape, and how many of them were drawn last, in the mean.

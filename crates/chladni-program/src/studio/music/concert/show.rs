@@ -83,7 +83,7 @@ impl Concert {
         let heard = listening.hear(self.seconds, instrument.parameters(), before)?;
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
         self.recent.hear(heard.at_secs, &heard.bands);
-        let look = look_on_stage(&self.instrument).unwrap_or_else(|| shared.settings.music.look());
+        let look = look_on_stage(&self.instrument, shared.settings.music.look());
         let staged = self.on_stage();
         if !staged {
             self.house.open();

@@ -6,13 +6,11 @@ use chladni_music::{FlashArea, Viewpoint};
 use chladni_synth::{Backend, Item};
 use chladni_task::Task;
 use chladni_view::film::shoot_retouched;
-use chladni_view::{
-    Canvas, Device, Draw, Figure, Film, Gpu, Look, Rect, Renderer, RestShape, Samples, ViewError,
-};
+use chladni_view::{Canvas, Device, Draw, Figure, Film, Gpu, Look, Rect, Renderer, Samples, ViewError};
 
 use super::{Done, Performance, Shot};
 use crate::work::film::Seconds;
-use crate::work::{Deformed, Error, FrameGuard, Scenery, dots, look_on_stage};
+use crate::work::{Deformed, Error, FrameGuard, Scenery, Wardrobe, dots, look_on_stage};
 
 /// A piece of a film starts drawing this much before its first frame, because the flash guard has to know what was
 /// seen during the last second.
@@ -64,12 +62,13 @@ impl Performance {
         task: &Task,
     ) -> Result<Done, Error> {
         let (width, height) = (film.settings().width, film.settings().height);
-        self.feels_speed = look.feels_speed();
+        self.look = *look;
         let device = means.device()?;
         let samples = means.samples.unwrap_or_else(|| device.live_samples());
         let canvas = Canvas::with_samples(&device, width, height, samples)?;
-        let mut deformed = Deformed::new(&device, &self.model, &self.triangles, means.synthesis)?;
-        let rest = self.staging.rest_on(&device)?;
+        let topology = self.staging.topology(&device, &self.triangles, None)?;
+        let mut deformed = Deformed::new(&device, &self.model, topology, means.synthesis);
+        let wardrobe = self.staging.wardrobe(&device)?;
         let (rate, mut done) = (self.rate, Done::default());
         let area = self.guarded_area();
         let (mut guard, is_guarded) = (FrameGuard::new(area), area.is_some());
@@ -98,7 +97,7 @@ impl Performance {
                 surroundings = std::mem::take(&mut surroundings).before(&device, film.picture())?;
                 renderer.surround(&surroundings)?;
             }
-            self.draw((&deformed, &rest), renderer, canvas, (look, viewpoint), shot)?;
+            self.draw((&deformed, &wardrobe), renderer, canvas, viewpoint, shot)?;
             seconds.drawing += drawing.elapsed().as_secs_f64();
             Ok(())
         };
@@ -163,22 +162,22 @@ impl Performance {
     /// Draws one picture.
     fn draw(
         &mut self,
-        (deformed, rest): (&Deformed, &RestShape),
+        (deformed, wardrobe): (&Deformed, &Wardrobe),
         renderer: &mut Renderer,
         canvas: &Canvas,
-        (look, viewpoint): (&Look, &Viewpoint),
+        viewpoint: &Viewpoint,
         Shot { time_secs, reaction, framing, mood, count }: Shot,
     ) -> Result<(), ViewError> {
         let buffers = deformed.buffers()?;
         let area = Rect::of_size(canvas.width(), canvas.height());
         let instrument = &self.instrument;
-        let look = look_on_stage(instrument).unwrap_or(*look).answering(&mood);
+        let look = look_on_stage(instrument, self.look).answering(&mood);
         let from = (viewpoint, framing.as_ref());
         let staged = self.staging.set(area, count, from, &look, reaction, instrument);
         let grains = self.sand.drawn();
         let figure = |item| Figure {
             grains: grains.get(item).copied(),
-            ..staged.figure(&deformed.topology, &buffers, item, rest)
+            ..staged.figure(&deformed.topology, &buffers, item, wardrobe)
         };
         let figures: Vec<Figure<'_>> = (0..count).map(figure).collect();
         let dots = match self.shows_rest {
