@@ -21,8 +21,10 @@ write_section(
     "head-parts",
     f"""## Parts of heads
 
-Made by `bench/limbs/run`. The parts of our own heads are known from the forms that they are modeled of: the sample head, and
-heads of the sliders. For each part intersection over union, by area, of what `parts` finds through a match with the sample template.
+Made by `bench/limbs/run`. The parts of our own heads are known (docs/caricature.md, "Parts of a head"): the sample head, heads of
+the sliders, and two that are bent as no slider bends one, their parts with them. For each part, intersection over union by area
+of what `parts` finds, then its confidence. The sliders are those that `parts` fits: the rows of `portrait` that are not bent say
+how well that goes where they can be met, the other three how well it goes where they cannot.
 
 | head | nose | brow | eyes | mouth | chin | jaw | cheeks | ears | crown | neck | mean |
 |---|---|---|---|---|---|---|---|---|---|---|---|

@@ -19,7 +19,7 @@ fn sitter() -> (Sitter, Stack) {
     let request = MatchRequest { template: Template::Ellipsoid, matching: matching.clone() };
     let matched = request.run(&mesh, &body, None, &Task::new());
     stack.install(request, matched);
-    let known = head_parts("head", &mesh).unwrap();
+    let known = head_parts("head", &mesh.positions).unwrap();
     let parts = HEAD_PARTS.iter().enumerate().map(|(i, name)| {
         let values = known.iter().map(|part| f32::from(u8::from(usize::from(*part) == i)));
         let Painted::Vertices(painted) = Painted::of_file(values, &body.operator_vertex) else {

@@ -1,12 +1,13 @@
 //! Two human heads: one of character, one plain.
 
 use super::field::{carve, common, ellipsoid, join, rod, sphere, turned};
+use super::head_parts;
 use super::surface_nets::{Grid, surface};
 use crate::TriMesh;
-use crate::surface::vec3::Vec3;
+use crate::surface::vec3::{Vec3, sub};
 
 /// The features that tell one face from another. Lengths in units of half a head's height.
-struct Features {
+pub(super) struct Features {
     /// How far the tip of the nose stands out, and its radius.
     nose: f64,
     nose_radius: f64,
@@ -45,7 +46,7 @@ const CHARACTER: Features = Features {
     crown: 0.06,
 };
 
-const PLAIN: Features = Features {
+pub(super) const PLAIN: Features = Features {
     nose: 0.0,
     nose_radius: 0.095,
     hump: 0.0,
@@ -85,42 +86,19 @@ fn modeled(features: &Features, cell: f64) -> TriMesh {
     surface(|p| solid(p, features), &grid)
 }
 
-/// The parts that [`part_of`] distinguishes.
-pub(crate) const PARTS: [&str; 10] =
-    ["nose", "brow", "eyes", "mouth", "chin", "jaw", "cheeks", "ears", "crown", "neck"];
-
-/// For each vertex of the plain head its part; of the head of character where `of_character`.
-pub(crate) fn parts(mesh: &TriMesh, of_character: bool) -> Vec<u8> {
-    let features = if of_character { &CHARACTER } else { &PLAIN };
-    mesh.positions.iter().map(|[x, y, z]| part_of([x.abs(), *y, *z], features)).collect()
-}
-
-/// The part, as an index of [`PARTS`], of a point on the half at x ≥ 0: a feature that it lies on, else the nearest of the
-/// large forms.
-fn part_of(p: Vec3, f: &Features) -> u8 {
-    let Skull { cranium, face, jaw, chin, bone, flesh, brow } = Skull::at(p, f);
+/// The [`borders`](head_parts::borders) around a point on the plain head, or on that of character.
+pub(crate) fn borders([x, y, z]: Vec3, of_character: bool) -> [f64; head_parts::PARTS.len()] {
+    let f = if of_character { &CHARACTER } else { &PLAIN };
+    let p = [x.abs(), y, z];
     let (upper, lower) = lips(p, f);
-    let [nose, brow_part, eyes, mouth, chin_part, jaw_part, cheeks, ears, crown, neck_part] =
-        std::array::from_fn(|i| i as u8);
-    let features = [
-        (eyes, socket(p).min(sphere(p, EYE, 0.195)), 0.01),
-        (nose, nose_of(p, f), 0.02),
-        (mouth, upper.min(lower), 0.04),
-        (ears, ear(p, f), 0.02),
-    ];
-    if let Some((part, ..)) = features.into_iter().find(|(_, distance, near)| distance < near) {
-        return part;
-    }
-    // Places that join two forms lie off both: the smaller forms reach out for them.
-    let forms = [
-        (jaw_part, jaw),
-        (cheeks, face.min(bone).min(flesh)),
-        (crown, cranium),
-        (neck_part, neck(p, f)),
-        (chin_part, chin - 0.03),
-        (brow_part, brow - 0.03),
-    ];
-    forms.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(crown, |(part, _)| part)
+    let features = head_parts::Features {
+        nose: nose_of(p, f),
+        eyes: socket(p).min(sphere(p, EYE, 0.195)),
+        mouth: upper.min(lower),
+        ears: ear(p, f),
+    };
+    let moved = sub(chin(f), chin(&PLAIN));
+    head_parts::borders(&features, head_parts::chin_back(p, chin(f), moved))
 }
 
 /// The half of the head at x ≥ 0.
@@ -135,28 +113,33 @@ fn solid(p: Vec3, f: &Features) -> f64 {
 }
 
 /// The distances of a point from the forms of the skull.
-struct Skull {
-    cranium: f64,
-    face: f64,
-    jaw: f64,
-    chin: f64,
-    bone: f64,
-    flesh: f64,
-    brow: f64,
+pub(super) struct Skull {
+    pub cranium: f64,
+    pub face: f64,
+    pub jaw: f64,
+    pub chin: f64,
+    pub bone: f64,
+    pub flesh: f64,
+    pub brow: f64,
 }
 
 impl Skull {
-    fn at(p: Vec3, f: &Features) -> Self {
+    pub fn at(p: Vec3, f: &Features) -> Self {
         let cranium = ellipsoid(p, [0.0, 0.28 + 0.5 * f.crown, -0.12], [0.70, 0.70 + 0.5 * f.crown, 0.85]);
         let face = ellipsoid(p, [0.0, -0.26, 0.14], [0.57, 0.70, 0.58]);
         let jaw =
             rod(p, [0.36 + f.jaw, -0.52, 0.02], [0.13, -0.83 - 0.5 * f.chin, 0.44 + f.chin], 0.20, 0.16);
-        let chin = ellipsoid(p, [0.0, -0.87 - 0.6 * f.chin, 0.50 + 1.2 * f.chin], [0.19, 0.14, 0.15]);
+        let chin = ellipsoid(p, chin(f), [0.19, 0.14, 0.15]);
         let bone = sphere(p, [0.40, -0.13, 0.43 + 0.4 * f.cheeks], 0.19 + 0.5 * f.cheeks);
         let flesh = sphere(p, [0.27, -0.44, 0.42], 0.19);
         let brow = rod(p, [0.08, 0.165, 0.66], [0.42, 0.175, 0.50], f.brow, 0.85 * f.brow);
         Self { cranium, face, jaw, chin, bone, flesh, brow }
     }
+}
+
+/// The middle of the chin.
+fn chin(f: &Features) -> Vec3 {
+    [0.0, -0.87 - 0.6 * f.chin, 0.50 + 1.2 * f.chin]
 }
 
 fn skull(p: Vec3, f: &Features) -> f64 {
@@ -252,7 +235,7 @@ fn ear(p: Vec3, f: &Features) -> f64 {
     join(d, lobe, 0.06) * f.ears
 }
 
-fn neck(p: Vec3, f: &Features) -> f64 {
+pub(super) fn neck(p: Vec3, f: &Features) -> f64 {
     let column = rod(p, [0.0, -0.50, -0.20], [0.0, -1.20, -0.28], 0.42, 0.40);
     let base = ellipsoid(p, [0.0, -1.62, -0.28], [0.70, 0.36, 0.50]);
     let muscle = rod(p, [0.56, -0.40, -0.24], [0.10, -1.32, 0.12], 0.07, 0.07);

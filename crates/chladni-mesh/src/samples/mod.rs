@@ -3,6 +3,7 @@
 mod cat;
 mod field;
 mod head;
+mod head_parts;
 mod human;
 mod instruments;
 mod jellyfish;
@@ -13,9 +14,10 @@ mod surface_nets;
 mod surfaces;
 
 use portrait::Face;
+use rayon::prelude::*;
 
 pub(crate) use head::coarse_template;
-pub use portrait::{SLIDERS, portrait_name, portrait_sliders};
+pub use portrait::{FitPoint, FittedPortrait, SLIDERS, fitted_portrait, portrait_name, portrait_sliders};
 pub use surfaces::{grid_square, icosphere, moebius, torus, uv_sphere};
 
 use crate::TriMesh;
@@ -48,16 +50,31 @@ pub fn sample(name: &str) -> Option<TriMesh> {
 }
 
 /// The names of the parts of a head, in the order of their numbers in [`head_parts`].
-pub const HEAD_PARTS: [&str; 10] = head::PARTS;
+pub const HEAD_PARTS: [&str; 10] = head_parts::PARTS;
 
-/// For each vertex of the sample `head`, `template` or `portrait` the part on which it lies, an index of [`HEAD_PARTS`]; `None` of
-/// other samples. The forms that the heads are modeled of are the parts.
-pub fn head_parts(name: &str, mesh: &TriMesh) -> Option<Vec<u8>> {
+/// For each point on the sample `head`, `template` or `portrait` the part on which it lies, an index of [`HEAD_PARTS`]; `None`
+/// of other samples. Eyes, nose, mouth and ears are where they are modeled; the other parts are the same regions of the plain
+/// head whatever the sliders are.
+pub fn head_parts(name: &str, points: &[[f64; 3]]) -> Option<Vec<u8>> {
+    Some(head_borders(name, points)?.iter().map(head_parts::within).collect())
+}
+
+/// For each point on such a sample about how far it is from the border of each of [`HEAD_PARTS`], negative within it, in
+/// units of half a head's height; `None` of other samples.
+pub fn head_borders(name: &str, points: &[[f64; 3]]) -> Option<Vec<[f64; HEAD_PARTS.len()]>> {
     match name {
-        "head" => Some(head::parts(mesh, true)),
-        "template" => Some(head::parts(mesh, false)),
-        _ => portrait_sliders(name)?.ok().map(|values| Face::of(values).parts(mesh)),
+        "head" => Some(points.par_iter().map(|p| head::borders(*p, true)).collect()),
+        "template" => Some(points.par_iter().map(|p| head::borders(*p, false)).collect()),
+        _ => {
+            let face = Face::of(portrait_sliders(name)?.ok()?);
+            Some(points.par_iter().map(|p| face.borders(*p)).collect())
+        }
     }
+}
+
+/// The part within whose borders, as [`head_borders`] gives them, a point lies: an index of [`HEAD_PARTS`].
+pub fn head_part_within(borders: &[f64; HEAD_PARTS.len()]) -> u8 {
+    head_parts::within(borders)
 }
 
 /// For each vertex of the sample `octopus` 0 on its body or the number of its arm, from 1 to 8; `None` of other samples.
@@ -108,7 +125,7 @@ mod tests {
     fn heads_have_all_parts_where_they_belong() {
         for name in ["head", "template"] {
             let mesh = sample(name).unwrap();
-            let parts = head_parts(name, &mesh).unwrap();
+            let parts = head_parts(name, &mesh.positions).unwrap();
             let mean = |part: &str| {
                 let part = HEAD_PARTS.iter().position(|p| *p == part).unwrap() as u8;
                 let of: Vec<_> =
@@ -125,7 +142,23 @@ mod tests {
             assert!(nose[1] > mouth[1] && mouth[1] > chin[1] && chin[1] > neck[1], "{all:?}");
             assert!(nose[2] > cheeks[2] && cheeks[2] > ears[2] && ears[0] > jaw[0], "{all:?}");
         }
-        assert!(head_parts("octopus", &sample("octopus").unwrap()).is_none());
+        assert!(head_parts("octopus", &[]).is_none());
+    }
+
+    #[test]
+    fn a_slider_moves_the_jaw_and_hardly_makes_it_less() {
+        let share = |name: &str, part: &str| {
+            let mesh = sample(name).unwrap();
+            let areas = crate::surface::vertex_areas(&mesh.positions, &mesh.triangles);
+            let number = HEAD_PARTS.iter().position(|p| *p == part).unwrap();
+            let parts = head_parts(name, &mesh.positions).unwrap();
+            let own = parts.iter().zip(&areas).filter(|(p, _)| usize::from(**p) == number);
+            own.map(|(_, area)| area).sum::<f64>() / areas.iter().sum::<f64>()
+        };
+        for (name, part) in [("portrait?jaw=-1", "jaw"), ("portrait?brow=-1", "brow")] {
+            let (weak, plain) = (share(name, part), share("portrait", part));
+            assert!(weak > 0.8 * plain, "{part}: {weak} of {plain}");
+        }
     }
 
     fn narrowest_angle(mesh: &TriMesh, triangle: &[u32; 3]) -> f64 {

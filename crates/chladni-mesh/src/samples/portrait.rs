@@ -2,13 +2,17 @@
 
 mod ear;
 mod eye;
+mod fit;
 mod mouth;
 mod nose;
 
+pub use fit::{FitPoint, FittedPortrait, fitted_portrait};
+
 use super::field::{carve, common, ellipsoid, join, rod, sphere};
+use super::head_parts;
 use super::surface_nets::{Grid, surface};
 use crate::surface::components;
-use crate::surface::vec3::Vec3;
+use crate::surface::vec3::{Vec3, sub};
 use crate::{MeshError, TriMesh};
 
 /// The sliders by name, and their effects; each goes from −1 to 1, and 0 is a plain head.
@@ -223,11 +227,7 @@ impl Face {
             0.20 + 0.02 * square,
             0.155,
         );
-        let chin = ellipsoid(
-            p,
-            [0.0, -0.87 - 0.05 * out, 0.52 + 0.13 * out],
-            [0.215 + 0.05 * square, 0.145 + 0.02 * out, 0.15],
-        );
+        let chin = ellipsoid(p, self.chin(), [0.215 + 0.05 * square, 0.145 + 0.02 * out, 0.15]);
         let bone = sphere(p, [0.40, -0.12, 0.42 + 0.02 * full], 0.19 + 0.02 * full);
         let flesh =
             sphere(p, [0.29 + 0.05 * full, -0.44, 0.42 + 0.04 * full], 0.19 + 0.08 * self.cheeks.max(-0.6));
@@ -254,36 +254,28 @@ impl Face {
         join(d, larynx, 0.10)
     }
 
-    /// For each vertex of `mesh` its part, an index of [`PARTS`](super::head::PARTS).
-    pub fn parts(&self, mesh: &TriMesh) -> Vec<u8> {
-        mesh.positions.iter().map(|[x, y, z]| self.part_of([x.abs(), *y, *z])).collect()
+    /// The middle of the chin.
+    fn chin(&self) -> Vec3 {
+        [0.0, -0.87 - 0.05 * self.chin, 0.52 + 0.13 * self.chin]
     }
 
-    /// The feature on which a point lies, else the nearest of the large forms.
-    fn part_of(&self, p: Vec3) -> u8 {
-        let (p, _) = self.straight(p);
-        let [nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown, neck] =
-            std::array::from_fn(|i| i as u8);
-        let features = [
-            (eyes, eye::place(p, self), 0.01),
-            (nose, nose::form(p, self), 0.02),
-            (mouth, mouth::place(p, self), 0.04),
-            (ears, ear::form(p, self), 0.02),
-        ];
-        if let Some((part, ..)) = features.into_iter().find(|(_, distance, near)| distance < near) {
-            return part;
-        }
-        let form = self.forms(p);
-        // Places that join two forms lie off both: the smaller forms reach out for them.
-        let forms = [
-            (jaw, form.jaw),
-            (cheeks, form.face.min(form.bone).min(form.flesh)),
-            (crown, form.cranium),
-            (neck, self.column(p)),
-            (chin, form.chin - 0.03),
-            (brow, form.brow - 0.03),
-        ];
-        forms.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(crown, |(part, _)| part)
+    /// The [`borders`](head_parts::borders) around a point.
+    pub fn borders(&self, p: Vec3) -> [f64; head_parts::PARTS.len()] {
+        self.borders_seen(p, p)
+    }
+
+    /// The same with the eyes looked for at `before`, the others at `p`.
+    pub fn borders_seen(&self, before: Vec3, [x, y, z]: Vec3) -> [f64; head_parts::PARTS.len()] {
+        let (before, _) = self.straight([before[0].abs(), before[1], before[2]]);
+        let (p, _) = self.straight([x.abs(), y, z]);
+        let features = head_parts::Features {
+            nose: nose::form(p, self),
+            eyes: eye::place(before, self),
+            mouth: mouth::place(p, self),
+            ears: ear::form(p, self),
+        };
+        let plain = Self::of([0.0; SLIDERS.len()]);
+        head_parts::borders(&features, head_parts::chin_back(p, self.chin(), sub(self.chin(), plain.chin())))
     }
 }
 
@@ -352,7 +344,7 @@ mod tests {
         assert!(report.vertices >= 20_000, "{}", report.vertices);
         assert_eq!((report.topology.components, report.topology.boundary_loops), (1, 0));
         assert_eq!(report.topology.genus, Some(0));
-        let parts = head_parts("portrait?age=0", &mesh).unwrap();
+        let parts = head_parts("portrait?age=0", &mesh.positions).unwrap();
         for (i, name) in HEAD_PARTS.iter().enumerate() {
             let of = parts.iter().filter(|part| usize::from(**part) == i).count();
             assert!(of * 200 > parts.len(), "{name}: {of} vertices");

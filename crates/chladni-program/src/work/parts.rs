@@ -22,7 +22,7 @@ impl Parts {
     /// Those of a sample head; none of other shapes, whose parts have to be found.
     pub fn known(name: &str, mesh: &TriMesh, body: &Body) -> Self {
         match ShapeSource::named(name) {
-            ShapeSource::Sample(sample) => samples::head_parts(&sample, mesh)
+            ShapeSource::Sample(sample) => samples::head_parts(&sample, &mesh.positions)
                 .map_or_else(Self::default, |part| Self::of_head(&part, body)),
             ShapeSource::File(_) => Self::default(),
         }

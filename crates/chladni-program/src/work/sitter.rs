@@ -78,7 +78,7 @@ pub fn head_parts(
     let found = watcher.watch("finding the parts of the head", |_| match_with(&MatchSettings::default()));
     watcher.task().check()?;
     let found = found.map_err(|error| Error::input(error.to_string()))?;
-    Ok(Some((HeadParts::of_match(&found, &plain)?, found, plain)))
+    Ok(Some((HeadParts::of_match(mesh, &found)?, found, plain)))
 }
 
 /// The named parts of a head; `None` if it is not a head.

@@ -44,7 +44,7 @@ fn parts_of_a_head_are_taken_by_name_added_with_shift_and_taken_away_with_ctrl()
     person.screenshot("studio-head-parts.png");
 
     // What the head was modeled of, and what is painted: intersection over union.
-    let known = head_parts("head", &head).unwrap();
+    let known = head_parts("head", &head.positions).unwrap();
     let number = |name: &str| HEAD_PARTS.iter().position(|part| *part == name).unwrap() as u8;
     let overlap = |values: &[f32], names: &[&str]| {
         let belongs = |part: &u8| names.iter().any(|name| number(name) == *part);
