@@ -7,6 +7,7 @@ import { attempt, of, ofFile, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
 import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
+import { isFilmed } from "./room_films.js";
 import * as caricature from "./caricature.js";
 
 const { dataset } = document.body;
@@ -51,7 +52,7 @@ const takeFile = attempt(async (file) => {
 const order = ({ name }) => (["text", "project"].includes(kind(name)) ? 0 : 1);
 
 const open = attempt(async (files) => {
-  if (music.isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
+  if (isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
   const [songs, lists] = ["song", "list"].map((wanted) => files.filter(({ name }) => kind(name) === wanted));
   for (const file of files.toSorted((a, b) => order(a) - order(b))) if (![...songs, ...lists].includes(file)) await takeFile(file);
   const { inOrder, missing } = await inOrderOf(lists, songs);

@@ -8,14 +8,14 @@ import { ask, giveUp, obsolete, works } from "./work.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
 import * as dance from "./dance.js";
-import { LiveFilm } from "./film.js";
+import * as gallery from "./gallery.js";
 import * as plate from "./front_plate.js";
 import * as knobs from "./knobs.js";
 import * as looks from "./looks.js";
 import { attempt, base, busy, label, of, ofFile, on, options, report, save, say } from "./page.js";
 import * as playlist from "./playlist.js";
-import { LONGEST, show as showPicture, takePicture, watch } from "./picture.js";
-import * as wholeFilm from "./whole_film.js";
+import { LONGEST, show as showPicture, takePicture } from "./picture.js";
+import * as films from "./room_films.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
@@ -29,10 +29,6 @@ const sound = new Sound();
 const heard = [];
 /** What is heard in place of a song. */
 let microphone;
-/** What is being recorded, and what ends it. */
-let filming;
-/** While a film waits for its pictures: the dance's clock when it began and now, and where in the song it is. */
-let filmed;
 /** The curves of the dance on stage are shown. */
 let drawing = false;
 let concert;
@@ -273,61 +269,6 @@ async function hearSong(song, secs, playing) {
 
 const followShow = attempt(() => shows.follow(concert, heard, hearSong));
 
-// ---- films
-
-/** Records what is seen and heard from now on. */
-function beginFilm() {
-  const { clientWidth, clientHeight } = of("picture");
-  const by = Math.min(devicePixelRatio, 1.5);
-  const overheard = microphone ? { tracks: microphone.stream.getAudioTracks().map((track) => track.clone()), end: () => {} } : sound.overheard();
-  let film;
-  try { film = new LiveFilm(by * clientWidth, by * clientHeight, overheard.tracks); } catch (error) { overheard.end(); throw error; }
-  const unwatch = watch((picture, veil) => film.take(picture, veil));
-  filming = { film, end: () => { unwatch(); overheard.end(); for (const track of overheard.tracks) track.stop(); } };
-  film.failed.catch(attempt(async (error) => { filming?.end(); filming = undefined; refresh(); throw error; }));
-  say("A live recording: what this page shows is filmed, at the pace at which it is shown. Press Stop to have it.", false, 20);
-  refresh();
-}
-
-/** Ends the film, and gives it away. */
-async function endFilm() {
-  if (!filming) return;
-  const { film, end } = filming;
-  filming = undefined;
-  refresh();
-  try {
-    const { film: file, ending } = await film.end();
-    save(`chladni.${ending}`, file);
-  } finally { end(); }
-}
-
-/** Whether a film waits for its pictures. */
-export const isFilmed = () => !!filmed;
-
-/** The song for a film that waits for its pictures. */
-const stage = {
-  sound: () => ({ ...sound.samples, position: sound.position(), duration: sound.duration }),
-  begin: () => {
-    if (microphone) throw new Error("A film of a song needs a song: stop listening first.");
-    if (concert.plays_show()) throw new Error("A show is played: stop it first, or have chladni dance --show film it.");
-    const clock = shows.clockSecs(performance.now());
-    filmed = { from: clock, clock, position: sound.position(), aloud: sound.isHeard, playing: sound.playing };
-    sound.pause();
-  },
-  at: (secs, position) => Object.assign(filmed, { clock: filmed.from + secs, position }),
-  /** The dance goes on where the film has brought it, and the song where it was. */
-  end: () => {
-    if (!filmed) return;
-    const { clock, aloud, playing } = filmed;
-    shows.skip(shows.clockSecs(performance.now()) - clock);
-    filmed = undefined;
-    sound.seek(sound.from);
-    sound.playing = playing;
-    if (aloud) attempt(playAloud)().then(refresh);
-    refresh();
-  },
-};
-
 // ---- the picture
 
 /** The plate of the front, which is to stand still. */
@@ -354,6 +295,7 @@ const room = {
   name: "A shape that moves with the sound.",
   frame: (now, width, height) => {
     if (!concert) return false;
+    const filmed = films.moment();
     if (filmed) return concert.frame(filmed.clock, sound.number, filmed.position, sound.duration, width, height);
     if (concert === atFront && plate.isStill()) return stands(now, width, height);
     if (concert.plays_show()) followShow();
@@ -364,8 +306,8 @@ const room = {
   byProcessor: () => concert?.draw_by_processor(),
   drawn: (width, height) => {
     if (state.played) refresh();
-    drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, choices);
-    if (filming) of("film").textContent = `Stop, ${Math.floor(filming.film.secs)} s`;
+    drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, gallery.choices);
+    films.tick();
     if (microphone) of("loudness").value = Math.sqrt(microphone.loudest);
     showPlace();
   },
@@ -399,29 +341,6 @@ function newGallery(seed, size) {
   edits = 0;
 }
 
-const choices = {
-  choose: (item) => act({ do: "choose", item, on: !state.dances[item].chosen }),
-  perform: (item) => act({ do: "perform", item }),
-  performs: "Stage",
-  says: (item) => `Put dance ${item + 1} on stage`,
-  name: (item) => `Dance ${item + 1}`,
-  favor: (item) => act({ do: "favorite", item, on: !state.dances[item].favorite }),
-  lock: (item) => act({ do: "lock", item, on: !state.dances[item].locked }),
-  vary: (item) => act({ do: "mutate", item, amount: 0.2 }),
-};
-
-/** Breeds; where children are suggested, the page stands still for it. */
-async function breed() {
-  if (state.settings.switches.suggest) {
-    say("The best of two hundred children are looked for…");
-    await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
-  }
-  concert.breed();
-  edits++;
-  say("");
-  refresh();
-}
-
 /** Sand is of the stage: it goes with it. */
 function settle() {
   refresh();
@@ -438,21 +357,10 @@ function songName() {
 function refresh() {
   if (!concert) return;
   state = report.state = JSON.parse(concert.state());
-  const chosen = state.dances.filter((dance) => dance.chosen).length;
-  const least = state.settings.switches.suggest ? 1 : 2;
-  of("breed").textContent = chosen >= least ? `Breed ${chosen}` : "Breed";
-  of("breed").disabled = chosen < least || state.on_stage;
-  of("breed").title = chosen < least ? `Choose ${least === 1 ? "a dance" : "two dances"} or more that you love` : "Their children take the place of all but the locked ones";
-  of("generations").hidden = state.generations < 2 || state.on_stage;
-  of("generation").textContent = `${state.generation + 1} of ${state.generations}`;
-  for (const [id, to] of [["earlier", state.back], ["later", state.forth]]) of(id).disabled = to === null;
-  of("favorites").hidden = state.favorites === 0;
-  of("favorites").textContent = `★ ${state.favorites} on stage`;
-  of("gallery-size").value = state.dances.length;
-  of("seed").textContent = state.seed;
-  of("sweep").disabled = !state.sand;
+  gallery.show(state);
   knobs.show(state);
   dance.show(state.dances.length ? theDance() : undefined, state);
+  of("sweep").disabled = !state.sand;
   playlist.show();
   of("back").disabled = !state.on_stage;
   const shown = JSON.parse(concert.curves());
@@ -462,9 +370,7 @@ function refresh() {
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
   if (shows.draw(state.played)) say("The show is over, and yours from here on.");
-  of("film-song").disabled = !!filming || !!microphone || state.played;
-  of("film").classList.toggle("going", !!filming);
-  if (!filming) of("film").textContent = "Film";
+  films.show(!!microphone || state.played);
   of("listen").setAttribute("aria-pressed", !!microphone);
   of("heard").hidden = !microphone;
   of("where-in-song").hidden = !!microphone;
@@ -497,7 +403,7 @@ export function open() {
 }
 
 export function leave() {
-  attempt(endFilm)();
+  attempt(films.endFilm)();
   sound.pause();
   stopListening();
   turn++;
@@ -571,25 +477,20 @@ export function listen() {
   of("shape").append(...options(JSON.parse(samples()).map(([name]) => name), (name) => `sample:${name}`), new Option("Other…", ""));
   looks.listen((shown) => { concert.set_look(JSON.stringify(shown)); refresh(); }, () => state.looks);
   knobs.listen(act, (name) => { concert.set_timbre(name); refresh(); });
-  dance.listen(act, choices);
+  dance.listen(act, gallery.choices);
   playlist.listen(ofTheList);
+  gallery.listen({ act, breed: () => { concert.breed(); edits++; refresh(); }, begin: newGallery });
   on("play", playOrPause);
   plate.listen(holdStill);
   addEventListener("keydown", onKey);
   curves.listen(act, (item, name) => { concert.begin_curve(item, name); edits++; refresh(); });
-  wholeFilm.listen(stage);
+  films.listen({ sound, concert: () => concert, microphone: () => microphone, playAloud, refresh });
   on("draw", () => { drawing = !drawing; refresh(); });
   on("previous", () => playBeside(-1));
   on("next", () => playBeside(1));
   on("listen", () => (microphone ? stopListening() : listenTo()));
   of("microphone").addEventListener("change", attempt(() => listenTo(of("microphone").value)));
-  on("breed", breed);
-  on("earlier", () => act({ do: "go-to", generation: state.back }));
-  on("later", () => act({ do: "go-to", generation: state.forth }));
-  on("favorites", () => act({ do: "perform-favorites", first: 0 }));
   on("sweep", () => act({ do: "sweep" }));
-  on("other-dances", () => newGallery(state.seed + 1, state.dances.length));
-  of("gallery-size").addEventListener("change", () => newGallery(state.seed, Number(of("gallery-size").value)));
   on("more", () => {
     const isOpen = !document.body.toggleAttribute("data-drawer");
     of("drawer").hidden = isOpen;
@@ -605,7 +506,6 @@ export function listen() {
   on("save-show", () => { save("chladni-show.toml", concert.save_show()); edits = 0; });
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(theDance())));
   on("play-show", playShow);
-  on("film", () => (filming ? endFilm() : beginFilm()));
   on("save-picture", async () => save("chladni.png", await takePicture(LONGEST)));
   of("seek").addEventListener("input", () => {
     if (concert.plays_show()) { concert.stop_show(); refresh(); }

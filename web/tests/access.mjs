@@ -24,17 +24,20 @@ async function reached(page, where) {
     const seen = [...modal.querySelectorAll(CONTROLS)].filter((each) =>
       !each.disabled && !each.closest(":disabled, [inert]") && each.checkVisibility({ visibilityProperty: true }) && each.tabIndex >= 0);
     seen.forEach((each, i) => { each.dataset.tab = i; });
+    window.met = new Set();
+    window.meet = ({ target }) => { if (target.dataset?.tab) window.met.add(target.dataset.tab); };
+    addEventListener("focusin", window.meet);
     (modal === document.body ? document.activeElement : undefined)?.blur();
     return seen.length;
   }, CONTROLS);
-  const found = new Set();
-  for (let i = 0; i < 2 * wanted + 10 && found.size < wanted; i++) {
-    await page.keyboard.press("Tab");
-    const at = await page.evaluate(() => document.activeElement?.dataset.tab);
-    if (at !== undefined) found.add(at);
-  }
-  const missed = await page.evaluate((found) => [...document.querySelectorAll("[data-tab]")].filter(({ dataset }) => !found.includes(dataset.tab)).map(({ id, className, tagName }) => `${tagName} ${id || className}`), [...found]);
-  await page.evaluate(() => { for (const each of document.querySelectorAll("[data-tab]")) delete each.dataset.tab; });
+  for (let i = 0; i < 2 * wanted + 10 && (i % 10 || await page.evaluate(() => window.met.size) < wanted); i++) await page.keyboard.press("Tab");
+  const missed = await page.evaluate(() => {
+    removeEventListener("focusin", window.meet);
+    const all = [...document.querySelectorAll("[data-tab]")];
+    const missed = all.filter(({ dataset }) => !window.met.has(dataset.tab)).map(({ id, className, tagName }) => `${tagName} ${id || className}`);
+    for (const each of all) delete each.dataset.tab;
+    return missed;
+  });
   assert.deepEqual(missed, [], `${where}: not reached by the tabulator`);
   return wanted;
 }

@@ -1,0 +1,57 @@
+// The gallery of dances: what can be done with each, breeding, and its generations.
+import { of, on, say } from "./page.js";
+
+/** What the room does: `act(action)`, `breed()`, and `begin(seed, size)` another gallery. */
+let room;
+let state;
+
+const act = (action) => room.act(action);
+
+export const choices = {
+  choose: (item) => act({ do: "choose", item, on: !state.dances[item].chosen }),
+  perform: (item) => act({ do: "perform", item }),
+  performs: "Stage",
+  says: (item) => `Put dance ${item + 1} on stage`,
+  name: (item) => `Dance ${item + 1}`,
+  favor: (item) => act({ do: "favorite", item, on: !state.dances[item].favorite }),
+  lock: (item) => act({ do: "lock", item, on: !state.dances[item].locked }),
+  vary: (item) => act({ do: "mutate", item, amount: 0.2 }),
+};
+
+/** Breeds; where children are suggested, the page stands still for it. */
+async function breed() {
+  const isSuggested = state.settings.switches.suggest;
+  if (isSuggested) {
+    say("The best of two hundred children are looked for…");
+    await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+  }
+  room.breed();
+  if (isSuggested) say("");
+}
+
+/** Shows what a concert's state says. */
+export function show(now) {
+  state = now;
+  const chosen = state.dances.filter((dance) => dance.chosen).length;
+  const least = state.settings.switches.suggest ? 1 : 2;
+  of("breed").textContent = chosen >= least ? `Breed ${chosen}` : "Breed";
+  of("breed").disabled = chosen < least || state.on_stage;
+  of("breed").title = chosen < least ? `Choose ${least === 1 ? "a dance" : "two dances"} or more that you love` : "Their children take the place of all but the locked ones";
+  of("generations").hidden = state.generations < 2 || state.on_stage;
+  of("generation").textContent = `${state.generation + 1} of ${state.generations}`;
+  for (const [id, to] of [["earlier", state.back], ["later", state.forth]]) of(id).disabled = to === null;
+  of("favorites").hidden = state.favorites === 0;
+  of("favorites").textContent = `★ ${state.favorites} on stage`;
+  of("gallery-size").value = state.dances.length;
+  of("seed").textContent = state.seed;
+}
+
+export function listen(musicRoom) {
+  room = musicRoom;
+  on("breed", breed);
+  on("earlier", () => act({ do: "go-to", generation: state.back }));
+  on("later", () => act({ do: "go-to", generation: state.forth }));
+  on("favorites", () => act({ do: "perform-favorites", first: 0 }));
+  on("other-dances", () => room.begin(state.seed + 1, state.dances.length));
+  of("gallery-size").addEventListener("change", () => room.begin(state.seed, Number(of("gallery-size").value)));
+}
