@@ -142,7 +142,7 @@ mod tests {
         let lines = "#EXTM3U\r\n#EXTINF:3,One\r\none.mp3\r\n\r\nsub\\two.ogg\r\nsub/zw\u{f6}lf.mp3\nhttp://radio/x.mp3\n";
         let latin: Vec<u8> = lines.chars().map(|c| c as u8).collect();
         for bytes in [lines.as_bytes().to_vec(), latin, [b"\xef\xbb\xbf", lines.as_bytes()].concat()] {
-            std::fs::write(&list, bytes).unwrap();
+            std::fs::write(&list, &bytes).unwrap();
             let found = songs_of(&list).unwrap();
             assert_eq!(names(&found, folder.path()), ["one.mp3", "sub/two.ogg", "sub/zw\u{f6}lf.mp3"]);
             assert!(found.warning.unwrap().contains("radio"));
