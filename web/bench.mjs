@@ -177,16 +177,16 @@ async function clock() {
       };
     });
   });
-  const told = found.map((secs) => {
+  const texts = found.map((secs) => {
     const sorted = secs.toSorted((a, b) => a - b);
     return [0.5, 0.95, 1].map((share) => (1000 * sorted[Math.min(299, Math.floor(share * 300))]).toFixed(1)).join(", ");
   });
-  console.log(`300 pictures on stage, median, 95 %, most: the sound is ahead of a picture by ${told[0]} ms when the next begins, ` +
-    `which a picture's length explains (${told[1]} ms); the song's clock and the page's differ in one by ${told[2]} ms`);
+  console.log(`300 pictures on stage, median, 95 %, most: the sound is ahead of a picture by ${texts[0]} ms when the next begins, ` +
+    `which a picture's length explains (${texts[1]} ms); the song's clock and the page's differ in one by ${texts[2]} ms`);
   await page.close();
 }
 
-/** What deforming takes of a picture beside drawing it, by the processor and by a card, which a processor plays here. */
+/** The time that deforming takes of a picture beside drawing it, by the processor and by a card, which a processor plays here. */
 async function shares() {
   const withCard = await launch(out, WITH_CARD);
   for (const [name, within, query] of [["the processor draws", browser, "?draw=cpu"], ["a software card draws", withCard, "?draw=gpu"]]) {

@@ -1,7 +1,7 @@
 // The gallery of dances: what can be done with each, breeding, and its generations.
 import { of, on, say } from "./page.js";
 
-/** What the room does: `act(action)`, `breed()`, and `begin(seed, size)` another gallery. */
+/** The room does `act(action)`, `breed()`, and `begin(seed, size)` another gallery. */
 let room;
 let state;
 

@@ -7,7 +7,7 @@ const STEPS = 400;
 /** Sand has a button of its own, which sets the stage for it, too. */
 const ELSEWHERE = ["sand"];
 
-/** What slides evenly, of a value and back: by even factors, of the cube root where the range begins at 0 or below. */
+/** The quantity that slides evenly, of a value and back: by even factors, of the cube root where the range begins at 0 or below. */
 const scaleOf = ({ low, high, by_factors }) => {
   if (!by_factors) return { to: (x) => x, back: (x) => x };
   return low > 0 ? { to: Math.log, back: Math.exp } : { to: Math.cbrt, back: (x) => x ** 3 };

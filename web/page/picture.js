@@ -110,7 +110,7 @@ export function drawOnce(width, height, take) {
   if (!draws() && !draws()) throw new Error("There is nothing to be seen yet.");
 }
 
-/** The size of a picture of the page's shape, so many pixels long. */
+/** The size of a picture of the page's shape, `longest` pixels long. */
 export function sizeOf(longest) {
   const { clientWidth, clientHeight } = picture;
   const by = longest / Math.max(clientWidth, clientHeight);
@@ -134,7 +134,7 @@ export function copier(width, height) {
   return { canvas, take };
 }
 
-/** The picture as it is seen now, drawn anew so many pixels long: a PNG. */
+/** The picture as it is seen now, drawn anew `longest` pixels long: a PNG. */
 export async function takePicture(longest) {
   const [width, height] = sizeOf(longest);
   const { canvas, take } = copier(width, height);

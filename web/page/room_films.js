@@ -5,9 +5,9 @@ import { watch } from "./picture.js";
 import * as shows from "./shows.js";
 import * as wholeFilm from "./whole_film.js";
 
-/** What the room has: its `sound`, `concert()`, `microphone()`, `playAloud()` and `refresh()`. */
+/** The room has its `sound`, `concert()`, `microphone()`, `playAloud()` and `refresh()`. */
 let room;
-/** What is being recorded, and what ends it. */
+/** The recording, and what ends it. */
 let filming;
 /** While a film waits for its pictures: the dance's clock when it began and now, and where in the song it is. */
 let filmed;

@@ -78,9 +78,9 @@ export async function soundOf(song) {
 
 /** Whether that was not said of a song before: each is decoded again whenever it comes round. */
 function isNews(song, text) {
-  song.told ??= new Set();
-  const isKnown = song.told.has(text);
-  song.told.add(text);
+  song.said ??= new Set();
+  const isKnown = song.said.has(text);
+  song.said.add(text);
   return !isKnown;
 }
 

@@ -48,7 +48,7 @@ pub struct Concert {
     programme: Option<Programme>,
     /// The rest of a show that is being played.
     script: Option<Script>,
-    /// What was heard of late, by which children are suggested.
+    /// The sound of late, by which children are suggested.
     recent: Recent,
     /// The knobs as they stood before there was sand.
     before_sand: Option<Parameters>,

@@ -165,7 +165,7 @@ export async function large() {
   await page.context().close();
 }
 
-/** What is saved of the stage has 2000 pixels, however few the page draws. */
+/** A saved picture of the stage has 2000 pixels, however few the page draws. */
 export async function pictures() {
   const { readFileSync } = await import("node:fs");
   const { page, wrong } = await opened({ width: 1000, height: 700 }, false);

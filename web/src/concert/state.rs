@@ -34,7 +34,7 @@ struct State<'a> {
     forth: Option<usize>,
     /// How many dances are favorites.
     favorites: usize,
-    /// What all that is random begins with.
+    /// The seed of all that is random.
     seed: u64,
     /// One dance has the whole picture.
     on_stage: bool,

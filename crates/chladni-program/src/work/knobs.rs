@@ -143,7 +143,7 @@ pub const SWITCHES: &[(&str, &[Choice])] = &[
 /// How the value of a knob is shown: times `factor`, with `decimals` and a unit, which may be empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
-    /// What a value is multiplied by.
+    /// A value is multiplied by it.
     pub factor: f64,
     /// Digits behind the point.
     pub decimals: usize,
