@@ -32,7 +32,7 @@ pub struct FittedPortrait {
 pub struct FitPoint {
     /// Where it is, with the surface in about the pose and size of a sample head.
     pub at: Vec3,
-    /// How much it counts, ≥ 0: 0 on what is no head, such as shoulders.
+    /// How much it counts, ≥ 0: 0 beside the head, as on shoulders.
     pub weight: f64,
     /// About how far it is from the borders of each part, as [`head_borders`](crate::samples::head_borders) says: it keeps
     /// eyes on eyes where the surface alone would let them slide.
@@ -44,15 +44,15 @@ pub struct FitPoint {
 pub fn fitted_portrait(points: &[FitPoint]) -> FittedPortrait {
     /// Points whose distance counts.
     const POINTS: usize = 2500;
-    /// How far a point may be off to count half, from the first step to the last.
+    /// How far off a point counts a quarter, from the first step to the last.
     const REACH: [f64; 10] = [0.08, 0.08, 0.07, 0.06, 0.05, 0.04, 0.04, 0.04, 0.04, 0.04];
     /// How much the borders of features count beside the distance, likewise.
-    const FEATURES: [f64; 10] = [1.0, 1.0, 1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.1, 0.1];
+    const BORDERS: [f64; 10] = [1.0, 1.0, 1.0, 0.7, 0.5, 0.3, 0.2, 0.1, 0.1, 0.1];
     let counted: Vec<FitPoint> = points.iter().copied().filter(|point| point.weight > 0.0).collect();
     let stride = (counted.len() / POINTS).max(1);
     let used: Vec<FitPoint> = counted.into_iter().skip(stride / 2).step_by(stride).collect();
     let mut x = [0.0; UNKNOWNS];
-    for (reach, features) in REACH.into_iter().zip(FEATURES) {
+    for (reach, features) in REACH.into_iter().zip(BORDERS) {
         x = step(&x, &used, reach, features);
     }
     let (face, pose) = (face(&x), Pose::of(&x));
@@ -180,6 +180,9 @@ fn step(x: &Row, used: &[FitPoint], reach: f64, features: f64) -> Row {
         }
     }
     let change = solved(matrix, right);
+    if !change.iter().all(|by| by.is_finite()) {
+        return *x;
+    }
     std::array::from_fn(|i| {
         let y = x[i] + change[i].clamp(-0.5, 0.5);
         if i < SLIDERS.len() { y.clamp(-1.0, 1.0) } else { y }
