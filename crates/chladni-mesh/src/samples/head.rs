@@ -98,7 +98,15 @@ pub(crate) fn borders([x, y, z]: Vec3, of_character: bool) -> [f64; head_parts::
         ears: ear(p, f),
     };
     let moved = sub(chin(f), chin(&PLAIN));
-    head_parts::borders(&features, head_parts::chin_back(p, chin(f), moved))
+    head_parts::borders(&features, plain_forms(head_parts::chin_back(p, chin(f), moved)))
+}
+
+/// How far a point of the half at x ≥ 0 is from brow, chin, jaw, cheeks, cranium and neck of the plain head.
+pub(super) fn plain_forms(p: Vec3) -> [f64; 6] {
+    let form = Skull::at(p, &PLAIN);
+    let cheeks = form.face.min(form.bone).min(form.flesh);
+    // Places that join two forms lie off both: the smaller forms reach out for them.
+    [form.brow - 0.03, form.chin - 0.03, form.jaw, cheeks, form.cranium, neck(p, &PLAIN)]
 }
 
 /// The half of the head at x ≥ 0.

@@ -3,7 +3,6 @@
 //! Eyes, nose, mouth and ears lie where they are modeled. The other parts are regions of the plain head, as in a labeled
 //! template: forms that are weaker on another head move no border, and those that have moved take their borders along.
 
-use super::head::{PLAIN, Skull, neck};
 use crate::surface::vec3::{Vec3, dot, sub};
 
 /// Their names.
@@ -18,19 +17,9 @@ pub(crate) struct Features {
     pub ears: f64,
 }
 
-/// For each of [`PARTS`], about how far a point is from its border, negative within it; the point is `plain` on the plain
-/// head, on the half at x ≥ 0.
-pub(crate) fn borders(of: &Features, plain: Vec3) -> [f64; PARTS.len()] {
-    let form = Skull::at(plain, &PLAIN);
-    // Places that join two forms lie off both: the smaller forms reach out for them.
-    let forms = [
-        form.brow - 0.03,
-        form.chin - 0.03,
-        form.jaw,
-        form.face.min(form.bone).min(form.flesh),
-        form.cranium,
-        neck(plain, &PLAIN),
-    ];
+/// For each of [`PARTS`], about how far a point is from its border, negative within it; `forms` are how far the point is
+/// from brow, chin, jaw, cheeks, cranium and neck where it lies on the plain head.
+pub(crate) fn borders(of: &Features, forms: [f64; 6]) -> [f64; PARTS.len()] {
     // The first feature goes before the next, and all of them before the forms, of which the nearest counts.
     let eyes = of.eyes - 0.01;
     let nose = (of.nose - 0.02).max(-eyes);

@@ -9,6 +9,7 @@ mod nose;
 pub use fit::{FitPoint, FittedPortrait, fitted_portrait};
 
 use super::field::{carve, common, ellipsoid, join, rod, sphere};
+use super::head::plain_forms;
 use super::head_parts;
 use super::surface_nets::{Grid, surface};
 use crate::surface::components;
@@ -275,7 +276,8 @@ impl Face {
             ears: ear::form(p, self),
         };
         let plain = Self::of([0.0; SLIDERS.len()]);
-        head_parts::borders(&features, head_parts::chin_back(p, self.chin(), sub(self.chin(), plain.chin())))
+        let on_plain = head_parts::chin_back(p, self.chin(), sub(self.chin(), plain.chin()));
+        head_parts::borders(&features, plain_forms(on_plain))
     }
 }
 

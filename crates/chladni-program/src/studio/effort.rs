@@ -130,7 +130,9 @@ impl Effort {
         if less {
             (self.step + 1..self.steps.len()).find(differs)
         } else {
-            (0..self.step).rev().find(differs)
+            // The best of those that look alike: nothing is left to be tried above it.
+            let more = (0..self.step).rev().find(differs)?;
+            (0..=more).find(|step| drawn(*step) == drawn(more))
         }
     }
 

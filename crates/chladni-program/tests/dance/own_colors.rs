@@ -16,7 +16,7 @@ fn picture(mesh: &Path, more: &[&str]) -> Picture {
     let [mesh, out] = [mesh, &frames].map(|path| path.to_str().unwrap());
     let dance = ["dance", mesh, "sample:tune", "-k", "16", "--frames", out, "--duration", "0.03"];
     let look =
-        ["--look", "plain", "--lights", "studio", "--background", "black", "--up", "y", "--front", "z"];
+        ["--look", "plain", "--lights", "studio", "--background", "night", "--up", "y", "--front", "z"];
     assert_eq!(run(&[&dance[..], &look, &["--size", "96x96", "--draw", "cpu"], more].concat()), 0);
     let bytes = std::fs::read(frames.join("frame-00000.png")).unwrap();
     std::fs::remove_dir_all(&frames).unwrap();

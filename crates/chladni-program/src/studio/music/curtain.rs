@@ -78,13 +78,17 @@ impl Curtain {
             return;
         }
         let hint = match concert.is_piloted() {
-            true if concert.is_held() => Some("H goes on · ← → another dance · Escape leaves the stage"),
-            true => Some("H holds this dance · ← → another · Escape leaves the stage"),
+            true if concert.is_held() => {
+                Some("H goes on · arrow keys show another dance · Escape leaves the stage")
+            }
+            true => Some("H holds this dance · arrow keys show another · Escape leaves the stage"),
             false => None,
         };
         let favorites = || match concert.instrument().favorites().len() {
             0 | 1 => "Escape leaves the stage · F11 full screen".to_owned(),
-            count => format!("Escape leaves the stage · ← → another of {count} favorites · F11 full screen"),
+            count => format!(
+                "Escape leaves the stage · arrow keys show another of {count} favorites · F11 full screen"
+            ),
         };
         let hint = hint.map_or_else(favorites, str::to_owned);
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
