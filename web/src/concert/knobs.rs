@@ -68,7 +68,7 @@ impl Concert {
             return Ok(self.act(Action::Switch { switch: Switch::Resonate, on: false })?);
         }
         let timbre = Timbre::named(name).ok_or_else(|| JsError::new("there is no such timbre"))?;
-        for action in timbre.actions() {
+        for action in Action::for_timbre(&timbre) {
             self.act(action)?;
         }
         Ok(())
@@ -77,7 +77,7 @@ impl Concert {
 
 /// The name of the timbre that the knobs make: `""` where nothing resonates, none where no timbre has these knobs.
 pub(super) fn timbre(parameters: &Parameters) -> Option<&'static str> {
-    let Some(now) = Timbre::of(parameters) else { return Some("") };
+    let Some(now) = parameters.timbre() else { return Some("") };
     Timbre::NAMED.into_iter().find(|(_, timbre)| *timbre == now).map(|(name, _)| name)
 }
 
