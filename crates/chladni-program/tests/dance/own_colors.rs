@@ -12,7 +12,7 @@ use crate::{ball, run};
 
 /// The first frame of a film without light of any color, seen from the front.
 fn picture(mesh: &Path, more: &[&str]) -> Picture {
-    let frames = mesh.with_extension("frames");
+    let frames = mesh.with_file_name("frames");
     let [mesh, out] = [mesh, &frames].map(|path| path.to_str().unwrap());
     let dance = ["dance", mesh, "sample:tune", "-k", "16", "--frames", out, "--duration", "0.03"];
     let look =
