@@ -9,6 +9,7 @@ from PIL import Image
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 import twins  # noqa: E402
+from film_report import filming_secs  # noqa: E402
 from section import processor, write_section  # noqa: E402
 
 folder = pathlib.Path(sys.argv[1])
@@ -77,9 +78,8 @@ for name, film, size in (("one-720", "one octopus", "1280×720"), ("gallery-720"
     for draw in ("cpu", "gpu"):
         r = json.loads((folder / f"film-{name}-{draw}.json").read_text())
         ms = {k: 1e3 * v / r["frames"] for k, v in r["seconds"].items()}
-        filming = r["seconds"]["total"] - sum(r["seconds"][k] for k in ("reading", "preparing", "beats", "analysis", "mapping"))
         lines.append(
-            f"| {film} | {size} | {r['device']}; {r['synthesis']} | {r['film_secs'] / filming:.2f} | {ms['drawing']:.1f} "
+            f"| {film} | {size} | {r['device']}; {r['synthesis']} | {r['film_secs'] / filming_secs(r):.2f} | {ms['drawing']:.1f} "
             f"| {ms['synthesis'] + ms['normals']:.1f} | {ms['guarding']:.1f} |"
         )
 write_section("card", "\n".join(lines))

@@ -16,6 +16,7 @@ import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from film_report import filming_secs  # noqa: E402
 from section import machine, write_section  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -40,11 +41,6 @@ def run(*arguments):
     return done.stdout, time.perf_counter() - start, processor_secs() - before
 
 
-def start_secs(seconds):
-    """The part of a film's time that does not grow with its length."""
-    return sum(seconds[part] for part in ("reading", "preparing", "beats", "analysis", "mapping"))
-
-
 def film(options, look, draw, folder):
     """A film with its encoder and one without, medians: times real time, the same without the start, milliseconds of all
     processors a frame, and of those the share that encoding has."""
@@ -61,8 +57,7 @@ def film(options, look, draw, folder):
                 continue
             with_encoder.append(ms)
             whole.append(report["times_real_time"])
-            seconds = report["seconds"]
-            steady.append(report["film_secs"] / (seconds["total"] - start_secs(seconds)))
+            steady.append(report["film_secs"] / filming_secs(report))
     median = statistics.median
     return report["device"], median(whole), median(steady), median(with_encoder), median(with_encoder) - median(without)
 

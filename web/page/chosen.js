@@ -1,6 +1,6 @@
 // The chosen layer beyond its amount: its name, how it is matched, the head that it is compared with, the edge of its region.
 import { head_sliders } from "./chladni_web.js";
-import { attempt, of, on } from "./page.js";
+import { attempt, capitalized, knobRow, of, on } from "./page.js";
 
 let room;
 let layer;
@@ -33,12 +33,7 @@ export function show(chosen) {
 }
 
 function slider([name, about], i) {
-  const input = Object.assign(document.createElement("input"), { type: "range", min: -1, max: 1, step: 0.01, title: about });
-  const output = document.createElement("output");
-  const label = document.createElement("label");
-  label.className = "knob";
-  label.title = about;
-  label.append(name.replace("-", " ").replace(/^./, (first) => first.toUpperCase()), input, output);
+  const { label, slider: input, output } = knobRow(capitalized(name.replace("-", " ")), about, { min: -1, max: 1, step: 0.01 });
   input.addEventListener("input", () => { output.textContent = Number(input.value).toFixed(2); });
   // The match follows, which takes seconds: once the slider is let go.
   input.addEventListener("change", attempt(() => { room.sitting().set_head(layer.id, i, Number(input.value)); return room.changed(); }));

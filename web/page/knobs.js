@@ -1,6 +1,6 @@
 // The knobs and switches of the instrument: controls made from the module's tables, as the window's are.
 import { knobs } from "./chladni_web.js";
-import { attempt, of, refill } from "./page.js";
+import { attempt, capitalized, element, knobRow, of, refill } from "./page.js";
 
 /** Steps of a slider from one end to the other. */
 const STEPS = 400;
@@ -20,19 +20,11 @@ const boxes = new Map();
 const groups = [];
 let act;
 
-function element(tag, properties, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
 /** A knob's row: its name, its slider, its value. */
 function row(knob) {
   const { to, back } = scaleOf(knob);
   const [first, last] = [to(knob.low), to(knob.high)];
-  const slider = element("input", { type: "range", min: 0, max: STEPS, step: "any", title: knob.tip });
-  const output = element("output", {});
-  const label = element("label", { className: "knob", title: knob.tip }, knob.name, slider, output);
+  const { label, slider, output } = knobRow(knob.name, knob.tip, { min: 0, max: STEPS, step: "any" });
   slider.addEventListener("input", () => {
     const value = rounded(knob, back(first + (slider.value / STEPS) * (last - first)));
     act({ do: "set", parameter: knob.parameter, value: Math.min(knob.high, Math.max(knob.low, value)) });
@@ -74,7 +66,7 @@ export function listen(acts, setTimbre) {
   const table = JSON.parse(knobs());
   of("form").append(...table.forms.map(([form, name, tip]) => Object.assign(new Option(name, form), { title: tip })));
   of("choir").append(...table.choirs.map(([choir, name]) => new Option(name, choir)));
-  of("timbre").append(new Option("None", ""), ...table.timbres.map((name) => new Option(name[0].toUpperCase() + name.slice(1), name)));
+  of("timbre").append(new Option("None", ""), ...table.timbres.map((name) => new Option(capitalized(name), name)));
   const own = Object.assign(new Option("Its own", "own"), { hidden: true });
   of("timbre").append(own);
   of("form").addEventListener("change", () => act({ do: "set-form", form: of("form").value }));

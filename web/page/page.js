@@ -63,7 +63,23 @@ export const label = (name) => name.replace("sample:", "");
 
 export const on = (id, act) => of(id).addEventListener("click", attempt(act));
 
-export const options = (names, value) => names.map((name) => new Option(name[0].toUpperCase() + name.slice(1), value(name)));
+export const capitalized = (name) => name[0].toUpperCase() + name.slice(1);
+
+export const options = (names, value) => names.map((name) => new Option(capitalized(name), value(name)));
+
+/** A new element with these properties and children. */
+export function element(tag, properties, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+/** The row of a knob: its label, which holds its name, a slider over `range`, and the place of its value. */
+export function knobRow(name, title, range) {
+  const slider = element("input", { type: "range", ...range, title });
+  const output = element("output", {});
+  return { slider, output, label: element("label", { className: "knob", title }, name, slider, output) };
+}
 
 /** Puts `children` in place of those of an element. What had the focus has it again: who has the same `data-key`. */
 export function refill(parent, children) {

@@ -135,7 +135,7 @@ fn voted(heads: [(f64, &[f64; HEAD_PARTS.len()]); 2]) -> (u8, f64) {
     /// Below this distance heads are equally near.
     const NEAR: f64 = 0.008;
     /// One more vote, for none of the parts, is that of a head so far away.
-    const NO_HEAD: f64 = 0.15;
+    const FAR: f64 = 0.15;
     let weights = heads.map(|(distance, _)| 1.0 / (distance * distance + NEAR * NEAR));
     let total: f64 = weights.iter().sum();
     let mean = std::array::from_fn(|part| {
@@ -144,7 +144,7 @@ fn voted(heads: [(f64, &[f64; HEAD_PARTS.len()]); 2]) -> (u8, f64) {
     let part = head_part_within(&mean);
     let for_it = heads.iter().zip(weights).filter(|((_, borders), _)| head_part_within(borders) == part);
     let votes: f64 = for_it.map(|(_, w)| w).sum();
-    (part, votes / (total + 1.0 / (NO_HEAD * NO_HEAD)))
+    (part, votes / (total + 1.0 / (FAR * FAR)))
 }
 
 /// The share of the area on which two heads name the same part.

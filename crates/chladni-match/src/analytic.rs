@@ -3,9 +3,9 @@
 use chladni_mesh::{TriMesh, symmetric_eigen};
 use glam::{DMat3, DVec3, EulerRot};
 
-use crate::small_system::solve_small;
 use crate::surface::UnitSurface;
 use crate::{Correspondence, MatchError, Side};
+use chladni_mesh::surface::solve_small;
 
 /// An ellipsoid in the shape file's coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -11,8 +11,8 @@ use crate::Similarity;
 use crate::field::Field;
 use crate::relief::{Correlation, RADIUS, Relief};
 use crate::samples::Sample;
-use crate::small_system::solve_small;
 use crate::surface::UnitSurface;
+use chladni_mesh::surface::solve_small;
 
 /// A surface to align, its samples, and its coarse lookup.
 pub(crate) struct Sampled<'a> {

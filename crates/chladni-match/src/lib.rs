@@ -58,7 +58,6 @@ mod relief;
 mod samples;
 mod settle;
 mod similarity;
-mod small_system;
 mod sphere;
 mod surface;
 mod transfer;

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use chladni_caricature::{Base, Reach, Surface};
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
-use chladni_program::work::{Coating, Error, MARKED, OwnLook, PAINTED, RING, tints};
+use chladni_program::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, tints};
 use chladni_view::{
     Background, BrushRing, Camera, Canvas, Cell, Device, Figure, Hit, ItemBuffers, Lights, Marker, Material,
-    Paint, PickTree, Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, View,
+    Paint, PickTree, Picture, Rect, Renderer, Scale, Topology, VertexPaint, View,
 };
 
 use self::lineup::Lineup;
@@ -52,7 +52,8 @@ struct Dressed {
     /// Regions, marks and places.
     tints: VertexPaint,
     coating: Coating,
-    own: Own,
+    /// The colors that the shape brought along.
+    own: Option<OwnPaint>,
     ring: BrushRing,
 }
 
@@ -66,19 +67,11 @@ impl Dressed {
         let paint = match (&self.coating, &self.own) {
             (Coating::Values(_, scale), _) => Paint::Values(&self.values, *scale),
             (Coating::Region(_) | Coating::Marks(_) | Coating::Colors(_), _) => Paint::Colors(&self.tints),
-            (Coating::Own, Own::Colors(colors)) => Paint::Colors(colors),
-            (Coating::Own, Own::Image(skin)) => Paint::Skin(skin),
-            (Coating::Own, Own::None) | (Coating::Material, _) => Paint::Material,
+            (Coating::Own, Some(own)) => own.paint(),
+            (Coating::Own, None) | (Coating::Material, _) => Paint::Material,
         };
         Figure { paint, ..Figure::new(&self.topology, buffers, item) }
     }
-}
-
-/// The colors that the shape brought along.
-enum Own {
-    None,
-    Colors(VertexPaint),
-    Image(Skin),
 }
 
 impl Dressed {
@@ -90,21 +83,8 @@ impl Dressed {
         look: Option<&OwnLook>,
     ) -> Result<Self, Error> {
         let n = positions.len();
-        let topology = match look {
-            Some(OwnLook::Image { corner_uvs, .. }) => Topology::with_uvs(device, n, triangles, corner_uvs)?,
-            _ => Topology::new(device, n, triangles)?,
-        };
-        let own = match look {
-            Some(OwnLook::Image { picture, .. }) => {
-                Own::Image(Skin::new(device, picture.width, picture.height, &picture.rgba)?)
-            }
-            Some(OwnLook::Colors(colors)) => {
-                let paint = VertexPaint::new(device, n);
-                paint.write_colors(device, colors)?;
-                Own::Colors(paint)
-            }
-            None => Own::None,
-        };
+        let topology = OwnLook::topology(look, device, n, triangles)?;
+        let own = look.map(|look| OwnPaint::on(device, look)).transpose()?;
         let buffers = ItemBuffers::new(device, n, 1);
         buffers.write(device, 0, positions, normals)?;
         let (values, tints) = (VertexPaint::new(device, n), VertexPaint::new(device, n));

@@ -9,6 +9,7 @@ mod curvature;
 mod detail;
 mod normals;
 mod point;
+mod small_system;
 mod spread;
 mod stars;
 mod subdivided;
@@ -27,6 +28,7 @@ pub use normals::{
     STAND_IN_NORMAL, corners, doubled_area_normal, total_area, vertex_normals, vertex_normals_around,
 };
 pub use point::{SurfacePoint, closest_on_triangle, mixed};
+pub use small_system::solve_small;
 pub use spread::spread;
 pub use stars::delaunay_stars;
 pub use subdivided::subdivided;

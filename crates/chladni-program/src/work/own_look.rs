@@ -2,7 +2,7 @@
 
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
-use chladni_view::Picture;
+use chladni_view::{Device, Paint, Picture, Skin, Topology, VertexPaint, ViewError};
 
 use super::{Warning, Watcher};
 
@@ -48,6 +48,60 @@ impl OwnLook {
             }
         }
         Some(Self::Colors(bytes))
+    }
+
+    /// The `triangles` of a shape of so many vertices on a device, with their places in its image where it has one.
+    ///
+    /// # Errors
+    /// Triangles that do not fit the vertices or the device.
+    pub fn topology(
+        own: Option<&Self>,
+        device: &Device,
+        vertices: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<Topology, ViewError> {
+        match own {
+            Some(Self::Image { corner_uvs, .. }) => {
+                Topology::with_uvs(device, vertices, triangles, corner_uvs)
+            }
+            _ => Topology::new(device, vertices, triangles),
+        }
+    }
+}
+
+/// A shape's own colors on the device that draws it.
+#[derive(Clone, Debug)]
+pub enum OwnPaint {
+    /// One color a vertex.
+    Colors(VertexPaint),
+    /// An image.
+    Image(Skin),
+}
+
+impl OwnPaint {
+    /// Those of `look`.
+    ///
+    /// # Errors
+    /// Colors that the device cannot hold.
+    pub fn on(device: &Device, look: &OwnLook) -> Result<Self, ViewError> {
+        Ok(match look {
+            OwnLook::Colors(colors) => {
+                let paint = VertexPaint::new(device, colors.len());
+                paint.write_colors(device, colors)?;
+                Self::Colors(paint)
+            }
+            OwnLook::Image { picture, .. } => {
+                Self::Image(Skin::new(device, picture.width, picture.height, &picture.rgba)?)
+            }
+        })
+    }
+
+    /// As the renderer takes it.
+    pub fn paint(&self) -> Paint<'_> {
+        match self {
+            Self::Colors(colors) => Paint::Colors(colors),
+            Self::Image(skin) => Paint::Skin(skin),
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::{Face, SLIDERS};
 use crate::samples::field::gradient;
 use crate::samples::head_parts::PARTS;
+use crate::surface::solve_small;
 use crate::surface::vec3::{Vec3, dot, length, scaled, sub};
 
 /// The sliders, then logarithm of a scale, turns about x, y and z in radians, and a shift.
@@ -179,32 +180,11 @@ fn step(x: &Row, used: &[FitPoint], reach: f64, features: f64) -> Row {
             right[i] -= PRIOR * x[i];
         }
     }
-    let change = solved(matrix, right);
-    if !change.iter().all(|by| by.is_finite()) {
-        return *x;
-    }
+    let Some(change) = solve_small(matrix, right) else { return *x };
     std::array::from_fn(|i| {
         let y = x[i] + change[i].clamp(-0.5, 0.5);
         if i < SLIDERS.len() { y.clamp(-1.0, 1.0) } else { y }
     })
-}
-
-/// The solution of a symmetric positive definite system, by elimination.
-fn solved(mut a: [Row; UNKNOWNS], mut b: Row) -> Row {
-    for p in 0..UNKNOWNS {
-        for r in p + 1..UNKNOWNS {
-            let f = a[r][p] / a[p][p];
-            for c in p..UNKNOWNS {
-                a[r][c] -= f * a[p][c];
-            }
-            b[r] -= f * b[p];
-        }
-    }
-    for p in (0..UNKNOWNS).rev() {
-        let tail: f64 = (p + 1..UNKNOWNS).map(|c| a[p][c] * b[c]).sum();
-        b[p] = (b[p] - tail) / a[p][p];
-    }
-    b
 }
 
 #[cfg(test)]

@@ -7,11 +7,11 @@ use chladni_task::Task;
 use chladni_view::ink::{self, Drawing, Plate};
 use chladni_view::{
     Background, Camera, Canvas, Cell, Device, Figure, Film, FilmSettings, ItemBuffers, Paint, Picture, Rect,
-    Renderer, Scale, Skin, Topology, VertexPaint, ViewError, film, layout,
+    Renderer, Scale, Topology, VertexPaint, ViewError, film, layout,
 };
 
 use super::look::Portrayal;
-use crate::work::{Error, Inked};
+use crate::work::{Error, Inked, OwnPaint};
 
 /// The source of the figures' color, with shared ownership.
 #[derive(Clone, Debug)]
@@ -22,8 +22,8 @@ pub enum Coat {
     Values(VertexPaint, Scale),
     /// One color a vertex.
     Colors(VertexPaint),
-    /// An image.
-    Skin(Skin),
+    /// The colors that the shape brought along.
+    Own(OwnPaint),
 }
 
 impl Coat {
@@ -33,7 +33,7 @@ impl Coat {
             Self::Material => Paint::Material,
             Self::Values(values, scale) => Paint::Values(values, *scale),
             Self::Colors(colors) => Paint::Colors(colors),
-            Self::Skin(skin) => Paint::Skin(skin),
+            Self::Own(own) => own.paint(),
         }
     }
 }

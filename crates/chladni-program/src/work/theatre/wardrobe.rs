@@ -1,44 +1,22 @@
 //! What a body wears: palettes, and the colors that it brings.
 
-use chladni_view::{Device, Look, Paint, RestShape, Skin, Topology, VertexPaint, ViewError};
+use chladni_view::{Device, Look, Paint, RestShape, Topology, ViewError};
 
 use super::Staging;
 use super::coarse_uvs::coarse_uvs;
-use crate::work::OwnLook;
+use crate::work::{OwnLook, OwnPaint};
 
 /// The sources of a body's colors, on the device that draws it.
 pub struct Wardrobe {
     rest: RestShape,
-    own: Option<Own>,
-}
-
-/// Colors that a body brings, on a device.
-enum Own {
-    Colors(VertexPaint),
-    Image(Skin),
-}
-
-impl Own {
-    fn on(device: &Device, look: &OwnLook) -> Result<Self, ViewError> {
-        Ok(match look {
-            OwnLook::Colors(colors) => {
-                let paint = VertexPaint::new(device, colors.len());
-                paint.write_colors(device, colors)?;
-                Self::Colors(paint)
-            }
-            OwnLook::Image { picture, .. } => {
-                Self::Image(Skin::new(device, picture.width, picture.height, &picture.rgba)?)
-            }
-        })
-    }
+    own: Option<OwnPaint>,
 }
 
 impl Wardrobe {
     /// The source of color that a look asks for. Where the body brings no colors it is as if the look did not ask for them.
     pub fn paint(&self, look: &Look) -> Paint<'_> {
         match (&self.own, look.answer) {
-            (Some(Own::Colors(colors)), _) if look.own_colors => Paint::Colors(colors),
-            (Some(Own::Image(skin)), _) if look.own_colors => Paint::Skin(skin),
+            (Some(own), _) if look.own_colors => own.paint(),
             (_, Some(answer)) => Paint::Answer(&self.rest, answer),
             (_, None) => Paint::Material,
         }
@@ -62,7 +40,7 @@ impl Staging {
     /// Colors that the device cannot hold.
     pub fn wardrobe(&self, device: &Device) -> Result<Wardrobe, ViewError> {
         let rest = RestShape::new(device, &self.rest, &self.along, &self.bends)?;
-        let own = self.own.as_ref().map(|own| Own::on(device, own)).transpose()?;
+        let own = self.own.as_ref().map(|own| OwnPaint::on(device, own)).transpose()?;
         Ok(Wardrobe { rest, own })
     }
 
@@ -76,16 +54,14 @@ impl Staging {
         triangles: &[[u32; 3]],
         fewer: Option<&[[u32; 3]]>,
     ) -> Result<Topology, ViewError> {
-        let (vertices, shown) = (self.rest.len(), fewer.unwrap_or(triangles));
-        let Some(OwnLook::Image { corner_uvs, .. }) = &self.own else {
-            return Topology::new(device, vertices, shown);
-        };
-        match fewer {
-            None => Topology::with_uvs(device, vertices, triangles, corner_uvs),
-            Some(fewer) => {
+        let vertices = self.rest.len();
+        match (fewer, &self.own) {
+            (Some(fewer), Some(OwnLook::Image { corner_uvs, .. })) => {
                 let uvs = coarse_uvs(&self.rest, triangles, corner_uvs, fewer);
                 Topology::with_uvs(device, vertices, fewer, &uvs)
             }
+            (Some(fewer), _) => Topology::new(device, vertices, fewer),
+            (None, own) => OwnLook::topology(own.as_ref(), device, vertices, triangles),
         }
     }
 }

@@ -18,8 +18,7 @@ use std::sync::Arc;
 
 use chladni_mesh::Orientation;
 use chladni_view::{
-    BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Skin, Topology, VertexPaint, View,
-    ViewError,
+    BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Topology, VertexPaint, View, ViewError,
 };
 use egui::Ui;
 
@@ -30,7 +29,7 @@ use super::shot::{Coat, Pose};
 use crate::studio::keys;
 use crate::studio::screen::Screen;
 use crate::studio::viewport::{self, Viewport};
-use crate::work::{Coating, Error, MARKED, OwnLook, PAINTED, RING, tints};
+use crate::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, tints};
 
 /// The result of drawing the stage.
 pub struct StageResponse {
@@ -56,7 +55,7 @@ pub struct Stage {
     coat: Coat,
     /// The numbers in `values` where the coat is a heat map.
     heat: Vec<f32>,
-    own: Option<Coat>,
+    own: Option<OwnPaint>,
     own_look: Option<OwnLook>,
     poses: Vec<Pose>,
     /// How often each figure was replaced.
@@ -93,21 +92,8 @@ impl Stage {
         let viewport = Viewport::new(screen);
         let device = viewport.device();
         let n = positions.len();
-        let topology = match &own_look {
-            Some(OwnLook::Image { corner_uvs, .. }) => Topology::with_uvs(device, n, triangles, corner_uvs)?,
-            _ => Topology::new(device, n, triangles)?,
-        };
-        let own = match &own_look {
-            Some(OwnLook::Image { picture, .. }) => {
-                Some(Coat::Skin(Skin::new(device, picture.width, picture.height, &picture.rgba)?))
-            }
-            Some(OwnLook::Colors(colors)) => {
-                let paint = VertexPaint::new(device, n);
-                paint.write_colors(device, colors)?;
-                Some(Coat::Colors(paint))
-            }
-            None => None,
-        };
+        let topology = OwnLook::topology(own_look.as_ref(), device, n, triangles)?;
+        let own = own_look.as_ref().map(|look| OwnPaint::on(device, look)).transpose()?;
         let buffers = ItemBuffers::new(device, n, FIGURES);
         let (values, tints) = (VertexPaint::new(device, n), VertexPaint::new(device, n));
         let ring = BrushRing::new(device, n, RING);
@@ -187,7 +173,7 @@ impl Stage {
 
     /// The colors that the shape brought along, or its material.
     pub fn own_coat(&self) -> Coat {
-        self.own.clone().unwrap_or(Coat::Material)
+        self.own.clone().map_or(Coat::Material, Coat::Own)
     }
 
     /// Paints every figure.

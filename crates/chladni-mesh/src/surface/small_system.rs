@@ -1,11 +1,11 @@
-//! Tiny linear systems.
+//! Small linear systems, as fits to a surface make them.
 
-/// Solves A x = b for a small symmetric positive (semi-)definite A; `None` where it is singular.
-pub(crate) fn solve_small<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; N]> {
+/// Solves A x = b for a small symmetric positive (semi-)definite A, by elimination; `None` where it is singular.
+pub fn solve_small<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; N]> {
     let scale: f64 = (0..N).map(|i| a[i][i]).fold(0.0, f64::max);
     for p in 0..N {
         let pivot = a[p][p];
-        if !(pivot > scale * 1e-14) {
+        if pivot.is_nan() || pivot <= scale * 1e-14 {
             return None;
         }
         for r in p + 1..N {
