@@ -18,11 +18,11 @@ fn without_storage() -> Option<Gpu> {
 fn textures_serve_as_storage_does() {
     let (Some(rich), Some(poor)) = (gpu(), without_storage()) else { return };
     let devices = [Device::from(&rich), Device::from(&poor)];
-    // Several rows of a texture, and a part of one.
-    for rings in [40, 7] {
+    // Several rows of a texture, and a part of one. (Mesa 22.3 draws the wires of the coarse one for minutes at the larger size.)
+    for (rings, size) in [(40, [240, 200]), (7, [200, 160])] {
         let models = devices.each_ref().map(|device| Model::new(device, rings));
         for (name, look) in LOOKS {
-            let [storage, textures] = models.each_ref().map(|model| look(model, [240, 200]));
+            let [storage, textures] = models.each_ref().map(|model| look(model, size));
             let apart: Vec<f64> =
                 storage.rgba.iter().zip(&textures.rgba).map(|(a, b)| f64::from(a.abs_diff(*b))).collect();
             let mean = apart.iter().sum::<f64>() / apart.len() as f64;

@@ -160,6 +160,34 @@ fn nasty_shapes_are_drawn_as_far_as_they_go() {
     assert_eq!([149, 150].map(|x| row.pixel(x, 0).unwrap()[3]), [64, 64]);
 }
 
+/// Each of twelve cells of one pixel is drawn as it is alone.
+#[test]
+fn a_gallery_of_single_pixels() {
+    shapes::on_each_device(|device| {
+        let model = Model::new(device, 7);
+        let figures = [model.figure()];
+        let cell = |i: usize, viewport| {
+            let camera = Camera { yaw_rad: i as f32, distance: 0.4 * model.camera.distance, ..model.camera };
+            // The map of shadows is as fine as all cells leave room for.
+            let lights = Lights { shadow: 0.0, ..Lights::STUDIO };
+            Cell { viewport, camera, lights, ..model.cell(&figures, [1, 1]) }
+        };
+        let places = layout::grid(Rect::of_size(4, 3), 3, 4, 0, 12);
+        let cells: Vec<Cell<'_>> = places.iter().enumerate().map(|(i, at)| cell(i, *at)).collect();
+        let together = model.draw(4, 3, &cells);
+        let mut colors = std::collections::HashSet::new();
+        for (i, at) in places.iter().enumerate() {
+            assert_eq!([at.width, at.height], [1, 1]);
+            let here = together.pixel(at.x, at.y).unwrap();
+            let alone = model.draw(1, 1, &[cell(i, Rect::of_size(1, 1))]).pixel(0, 0).unwrap();
+            let off = here.iter().zip(alone).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+            assert!(off <= 1, "cell {i} on {device:?}: {here:?} together, {alone:?} alone");
+            colors.insert(here);
+        }
+        assert!(colors.len() >= 8, "they show different sides: {colors:?}");
+    });
+}
+
 /// A fine grid of one plane, seen from askew: not a pixel inside is missing or drawn twice.
 #[test]
 fn what_is_watertight_has_no_holes() {
