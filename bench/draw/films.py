@@ -8,7 +8,9 @@ CHLADNI   the program (default: target/release/chladni)
 import json
 import os
 import pathlib
+import re
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -29,6 +31,30 @@ REPEATS = {"cpu": 3, "gpu": 1}
 SHAPES = ["sample:human", ROOT.parent / "shared/data/meshes/shapes/armadillo.obj", ROOT.parent / "shared/data/meshes/heads/face.obj"]
 
 
+# Stands in for ffmpeg on the PATH, and writes down how long it took of the processors' time.
+CLOCKED = """#!/bin/bash
+{ffmpeg} "$@"
+code=$?
+times > {times}
+exit $code
+"""
+
+
+def clock_ffmpeg(folder):
+    """From now on, ffmpeg is clocked; what it took of the processors' time is in the file that is returned."""
+    times, clocked = folder / "times", folder / "ffmpeg"
+    clocked.write_text(CLOCKED.format(ffmpeg=shutil.which("ffmpeg"), times=times))
+    clocked.chmod(0o755)
+    os.environ["PATH"] = f"{folder}{os.pathsep}{os.environ['PATH']}"
+    return times
+
+
+def encoder_secs(times):
+    """The user's and the system's seconds of what was clocked last."""
+    minutes = re.findall(r"(\d+)m([\d.]+)s", times.read_text().splitlines()[1])
+    return sum(60 * int(m) + float(s) for m, s in minutes)
+
+
 def run(*arguments):
     """What it prints, its seconds, and those of all processors, its ffmpeg's too."""
 
@@ -41,28 +67,19 @@ def run(*arguments):
     return done.stdout, time.perf_counter() - start, processor_secs() - before
 
 
-def film(options, look, draw, folder):
-    """A film with its encoder and one without, medians: times real time, the same without the start, milliseconds of all
-    processors a frame, and of those the share that encoding has."""
-    whole, steady, with_encoder, without = [], [], [], []
+def film(options, look, draw, folder, times):
+    """Medians of a film: times real time, the same without the start, milliseconds of all processors a frame, and of those
+    ffmpeg's."""
+    rows = []
     for _ in range(REPEATS[draw]):
-        arguments = [*DANCE, *options, "--look", look, "--draw", draw]
-        for encoded in (True, False):
-            out = ["-o", folder / "film.mp4"] if encoded else []
-            printed, _, processor = run(*arguments, *out)
-            report = json.loads(printed)
-            ms = 1e3 * processor / report["frames"]
-            if not encoded:
-                without.append(ms)
-                continue
-            with_encoder.append(ms)
-            whole.append(report["times_real_time"])
-            steady.append(report["film_secs"] / filming_secs(report))
-    median = statistics.median
-    return report["device"], median(whole), median(steady), median(with_encoder), median(with_encoder) - median(without)
+        printed, _, processor = run(*DANCE, *options, "--look", look, "--draw", draw, "-o", folder / "film.mp4")
+        report = json.loads(printed)
+        ms = [1e3 * secs / report["frames"] for secs in (processor, encoder_secs(times))]
+        rows.append([report["times_real_time"], report["film_secs"] / filming_secs(report), *ms])
+    return report["device"], *map(statistics.median, zip(*rows))
 
 
-def films(folder):
+def films(folder, times):
     """The table of films; drivers of software stand beside the processor."""
     lines = [
         "| film | look | drawn by | times real time | the start left out | aim | all processors, ms a frame | of them ffmpeg |",
@@ -72,7 +89,7 @@ def films(folder):
         for look in LOOKS:
             for draw in REPEATS:
                 try:
-                    device, whole, steady, processor, encoder = film(options, look, draw, folder)
+                    device, whole, steady, processor, encoder = film(options, look, draw, folder, times)
                 except subprocess.CalledProcessError as error:
                     print(error.stderr, file=sys.stderr)
                     continue
@@ -102,15 +119,17 @@ def pictures(folder):
 def main():
     said = machine()
     with tempfile.TemporaryDirectory() as folder:
+        folder = pathlib.Path(folder)
+        times = clock_ffmpeg(folder)
         # Fills the cache of harmonics.
-        run(*DANCE[:3], "--duration", "1", "--size", "320x180", "--json")
-        rows, drawn = films(pathlib.Path(folder)), pictures(pathlib.Path(folder))
+        run(*DANCE[:3], "--duration", "1", "--size", "320x180", "-o", folder / "first.mp4")
+        rows, drawn = films(folder, times), pictures(folder)
     text = f"""## Films and single pictures without a card
 
 {said}. `{' '.join(['chladni', *DANCE])}`, K = 512, 30 frames a second, medians of {REPEATS['cpu']} on the processor, once by a
 driver of software. *The start left out*: without reading, stance and mirror plane of the shape, and hearing the song, which a longer
-film takes no longer for. The processors' time is that of the whole command by frames, start included; ffmpeg's is what it falls by
-without `-o`, with the change of colors and the pipe. Made by `bench/draw/films.py`.
+film takes no longer for. The processors' time is that of the whole command by frames, start included; ffmpeg's is its own,
+with the change of colors. Made by `bench/draw/films.py`.
 
 {chr(10).join(rows)}
 

@@ -35,6 +35,10 @@ as its corner is, with glow, floor and shadow. *figure*: share in which the figu
 transparent background, 5 frames a second). Aims: all but one told, own ≥ 0.5, others ≤ 0.2, change ≥ 3 and never below 1.5, cover
 35–60 %. *Fresh songs*: {fresh}, to which nothing was ever adjusted.
 
+Not background is also what a look lights: the halo of `gold` behind the bell reaches the rim of the picture at loud places, and a floor or
+a shadow on it counts, as it does for the plate. What stands in the picture is in the last column: a figure that is slim or flat fills less
+than a third of it in most shots, and is cut off only where nothing is lost by it (docs/music.md).
+
 | songs | shape | told | own | others | change | least | cover | figure |
 |---|---|---|---|---|---|---|---|---|
 """

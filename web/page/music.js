@@ -377,7 +377,7 @@ function refresh() {
   of("song").textContent = of("song").title = songName();
   for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || !!microphone;
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
-  looks.show(state.looks);
+  looks.show(state.looks, state.has_own_colors);
   of("gain").value = state.settings.knobs?.gain ?? 1;
   const option = [...of("shape").options].find((option) => option.value === state.body);
   of("shape").value = option ? state.body : "";

@@ -79,7 +79,7 @@ impl Concert {
     /// Damaged bytes, or a size that there is not.
     #[wasm_bindgen(constructor)]
     pub fn new(body: &[u8], size: usize, seed: u32) -> Result<Self, JsError> {
-        let Parcel { name, body, classes, stands } = Parcel::from_bytes(body)?;
+        let Parcel { name, body, classes, stands, own } = Parcel::from_bytes(body)?;
         let dancer = Arc::new(Dancer::new(&body, &classes, &stands)?);
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
@@ -87,7 +87,8 @@ impl Concert {
         let model = SynthModel::new(&body)?;
         let rest = model.rest_positions().to_vec();
         let along = along(&body, &dancer);
-        let staging = Staging::new(Arc::clone(&dancer), rest, &body.triangles, along, stands);
+        let mut staging = Staging::new(Arc::clone(&dancer), rest, &body.triangles, along, stands);
+        staging.color(own);
         let mut hearing = Hearing::default();
         hearing.tune(0.0, instrument.parameters());
         Ok(Self {

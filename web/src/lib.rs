@@ -34,7 +34,7 @@ mod screen;
 #[cfg(feature = "page")]
 mod sitting;
 
-use chladni_program::work::{formats, playlist};
+use chladni_program::work::{OWN_COLORS, formats, playlist};
 use chladni_view::{Background, Lights, Material, Palette};
 #[cfg(feature = "page")]
 pub use concert::Concert;
@@ -110,7 +110,7 @@ pub fn look_parts() -> Result<String, JsError> {
         ("material", Material::PRESETS.iter().map(|(name, _)| *name).collect::<Vec<&str>>()),
         ("lights", Lights::PRESETS.iter().map(|(name, _)| *name).collect()),
         ("background", Background::PRESETS.iter().map(|(name, _)| *name).collect()),
-        ("palette", Palette::ALL.iter().map(|palette| palette.name()).collect()),
+        ("palette", Palette::ALL.iter().map(|palette| palette.name()).chain([OWN_COLORS]).collect()),
     ];
     Ok(serde_json::to_string(&parts)?)
 }

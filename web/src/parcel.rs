@@ -9,6 +9,8 @@ use std::sync::Arc;
 use chladni_harmonics::{Basis, Body, Certificate, Laplacian};
 use chladni_mesh::{Frame, Orientation};
 use chladni_music::Class;
+use chladni_program::work::OwnLook;
+use chladni_view::Picture;
 use serde::{Deserialize, Serialize};
 
 use crate::numbers::{Damaged, numbers, take};
@@ -21,6 +23,8 @@ pub struct Parcel {
     pub body: Body,
     pub classes: Vec<Class>,
     pub stands: Orientation,
+    /// The colors that its file brings.
+    pub own: Option<OwnLook>,
 }
 
 /// The text before the numbers.
@@ -37,11 +41,63 @@ struct Head {
     /// The value of one unit in each harmonic's integers.
     units: Vec<f64>,
     certificate: Certificate,
+    /// Samples have no colors of their own.
+    #[serde(default)]
+    own: Own,
+}
+
+/// The numbers at the end: a shape's own colors.
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
+enum Own {
+    #[default]
+    None,
+    /// One color a vertex.
+    Colors,
+    /// Three places a triangle, and the pixels of a picture of this size.
+    Image { width: u32, height: u32 },
+}
+
+impl Own {
+    fn of(look: Option<&OwnLook>) -> Self {
+        match look {
+            None => Self::None,
+            Some(OwnLook::Colors(_)) => Self::Colors,
+            Some(OwnLook::Image { picture, .. }) => {
+                Self::Image { width: picture.width, height: picture.height }
+            }
+        }
+    }
+
+    /// Reads what [`write_own`] wrote.
+    fn read(self, rest: &mut &[u8], vertices: usize, triangles: usize) -> Result<Option<OwnLook>, Damaged> {
+        let byte = |[byte]: [u8; 1]| byte;
+        Ok(match self {
+            Self::None => None,
+            Self::Colors => Some(OwnLook::Colors(numbers(rest, vertices, 4, byte)?.as_chunks().0.to_vec())),
+            Self::Image { width, height } => {
+                let corners = numbers(rest, triangles, 6, f32::from_le_bytes)?;
+                let rgba = numbers(rest, width as usize, 4 * height as usize, byte)?;
+                let picture = Picture { width, height, rgba };
+                Some(OwnLook::Image { corner_uvs: corners.as_chunks().0.to_vec(), picture })
+            }
+        })
+    }
+}
+
+fn write_own(look: Option<&OwnLook>, bytes: &mut Vec<u8>) {
+    match look {
+        None => {}
+        Some(OwnLook::Colors(colors)) => bytes.extend(colors.as_flattened()),
+        Some(OwnLook::Image { corner_uvs, picture }) => {
+            bytes.extend(corner_uvs.as_flattened().iter().flat_map(|c| c.to_le_bytes()));
+            bytes.extend(&picture.rgba);
+        }
+    }
 }
 
 impl Parcel {
-    /// The length of the head in four bytes, the head as JSON, then positions, areas, triangles and harmonics,
-    /// all little-endian.
+    /// The length of the head in four bytes, the head as JSON, then positions, areas, triangles, harmonics and the
+    /// colors that the file brings, all little-endian.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Damaged> {
         let Body { frame, positions, triangles, basis, .. } = &self.body;
         let n = positions.len();
@@ -59,6 +115,7 @@ impl Parcel {
             eigenvalues: basis.eigenvalues.clone(),
             units: units.clone(),
             certificate: basis.certificate,
+            own: Own::of(self.own.as_ref()),
         };
         let head = serde_json::to_vec(&head).map_err(|error| Damaged(error.to_string()))?;
         let mut bytes = (head.len() as u32).to_le_bytes().to_vec();
@@ -70,6 +127,7 @@ impl Parcel {
             let unit = if *unit > 0.0 { *unit } else { 1.0 };
             bytes.extend(h.iter().flat_map(|h| ((h / unit).round() as i16).to_le_bytes()));
         }
+        write_own(self.own.as_ref(), &mut bytes);
         Ok(bytes)
     }
 
@@ -93,6 +151,7 @@ impl Parcel {
         for unit in &head.units {
             vectors.extend(numbers(&mut rest, n, 1, |b| unit * f64::from(i16::from_le_bytes(b)))?);
         }
+        let own = head.own.read(&mut rest, n, head.triangles)?;
         let certificate = Certificate { laplacian: Laplacian::Delaunay, ..head.certificate };
         let body = Body {
             frame: Frame { center: head.center, scale: head.scale },
@@ -106,6 +165,6 @@ impl Parcel {
                 certificate,
             }),
         };
-        Ok(Self { name: head.name, body, classes: head.classes, stands: head.stands })
+        Ok(Self { name: head.name, body, classes: head.classes, stands: head.stands, own })
     }
 }

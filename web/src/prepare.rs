@@ -1,7 +1,7 @@
 //! From a shape to a body that can dance: the slow part, for a worker.
 
 use chladni_harmonics::Laplacian;
-use chladni_program::work::{Stance, Watcher, body, dancer};
+use chladni_program::work::{OwnLook, Stance, Watcher, body, dancer};
 use js_sys::Function;
 use wasm_bindgen::prelude::*;
 
@@ -26,6 +26,7 @@ pub fn prepare(
     let (body, _) = body::build(name, &mesh, harmonics, Laplacian::Delaunay, &watcher)?;
     let symmetry = watcher.watch("looking for symmetry", |task| dancer::classes(&body, false, task))?;
     let body = symmetry.rotated(&body);
-    let parcel = Parcel { name: name.to_owned(), body, classes: symmetry.classes, stands };
+    let own = OwnLook::of(name, &mesh, &body, &watcher);
+    let parcel = Parcel { name: name.to_owned(), body, classes: symmetry.classes, stands, own };
     Ok(parcel.to_bytes()?)
 }

@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { song, torus } from "../browser.mjs";
+import { skinned } from "./skinned.mjs";
 import { downloaded, drop, moves, opened, screens, state, step, until } from "./driver.mjs";
 
 /** Both curves of a dance. */
@@ -115,6 +116,48 @@ async function turns(page) {
   step(`${Object.keys(knobs).length} knobs and all switches, form, timbre, suggested children and parts of the look`);
 }
 
+/** A shape with an image of red and blue squares dances in it, where that is chosen. */
+async function ownColors(page) {
+  const colored = () => page.evaluate(() => {
+    const { width, height } = document.getElementById("picture");
+    const { data } = document.getElementById("picture").getContext("2d").getImageData(0, 0, width, height);
+    const count = [0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      const [r, g, b] = data.subarray(i, i + 3);
+      if (r > 60 && r > 2 * b && r > 2 * g) count[0]++;
+      if (b > 60 && b > 1.8 * r) count[1]++;
+    }
+    return Math.min(...count) / (width * height);
+  });
+  const told = () => page.isVisible("#no-own-colors");
+  await page.click("#more");
+  await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
+  await page.selectOption("#look", "plain");
+  await page.selectOption("#look-palette", "own");
+  assert.ok(await told(), "the octopus brings no colors");
+  await drop(page, ["skinned.glb", skinned(60, 30)]);
+  await until(page, () => window.chladni.state.body === "skinned.glb");
+  // A new shape comes in a look of its own.
+  await page.selectOption("#look", "plain");
+  await page.selectOption("#look-palette", "own");
+  assert.ok(!(await told()), "this shape does");
+  await page.selectOption("#look-background", "white");
+  let share = 0;
+  for (let i = 0; i < 30 && share < 0.01; i++) {
+    await page.waitForTimeout(500);
+    share = await colored();
+  }
+  assert.ok(share >= 0.01, `${share} of the picture is red, or blue`);
+  await page.selectOption("#look-palette", "");
+  for (let i = 0; i < 30 && share > 0.001; i++) {
+    await page.waitForTimeout(500);
+    share = await colored();
+  }
+  assert.ok(share <= 0.001, `${share} of the picture is red, or blue, in the look`);
+  await page.click("#more");
+  step("a shape with an image dances in it");
+}
+
 export async function laptop() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
   await moves(page, "sand on the plate");
@@ -154,6 +197,7 @@ export async function laptop() {
   await page.click("#back");
   step("stage, look and autopilot");
 
+  await ownColors(page);
   await drop(page, ["torus.obj", torus(60, 30)]);
   await until(page, () => window.chladni.state.body === "torus.obj");
   await moves(page, "a mesh that was dropped");

@@ -76,6 +76,22 @@ impl Default for Camera {
 }
 
 impl Camera {
+    /// Whether nobody moves a camera so far from one picture to the next: by a third of a radian, or a quarter of the
+    /// distance.
+    pub(crate) fn is_cut_from(&self, before: &Self) -> bool {
+        let turned = |now: f32, before: f32| {
+            let full = std::f32::consts::TAU;
+            let turn = (now - before).rem_euclid(full);
+            turn.min(full - turn) > 0.33
+        };
+        let moved: f32 =
+            self.target.iter().zip(before.target).map(|(now, before)| (now - before).powi(2)).sum();
+        turned(self.yaw_rad, before.yaw_rad)
+            || turned(self.pitch_rad, before.pitch_rad)
+            || (self.distance - before.distance).abs() > 0.25 * before.distance
+            || moved.sqrt() > 0.25 * before.distance
+    }
+
     /// Radians per pixel of an orbiting drag, as Blender's default.
     const ORBIT_RAD_PER_PIXEL: f32 = 0.4 * std::f32::consts::PI / 180.0;
 

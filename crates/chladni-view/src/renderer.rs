@@ -1,13 +1,15 @@
 //! Draws cells of figures on a canvas, on either device.
 
 use crate::buffers::Held;
-use crate::{Canvas, Cell, Device, Finish, Surroundings, ViewError, cpu, gpu};
+use crate::{Camera, Canvas, Cell, Device, Finish, Rect, Surroundings, ViewError, cpu, gpu};
 
 /// Pipelines and uniforms, or bins and tiles, that one device keeps from picture to picture. Make one and keep it.
 #[derive(Debug)]
 pub struct Renderer {
     pub(crate) device: Device,
     pub(crate) held: Held<Box<cpu::Renderer>, Box<gpu::Renderer>>,
+    /// Where the first cell of the last picture lay, and from where it was seen.
+    pub(crate) seen: Option<(Rect, Camera)>,
 }
 
 impl Renderer {
@@ -18,7 +20,7 @@ impl Renderer {
             Device::Graphics(gpu) => Held::Gpu(Box::new(gpu::Renderer::for_pictures(gpu))),
             Device::Processor => Held::Cpu(Box::default()),
         };
-        Self { device, held }
+        Self { device, held, seen: None }
     }
 
     /// The device that draws.
@@ -49,7 +51,7 @@ impl Renderer {
     }
 
     /// As [`draw`](Self::draw), with a finish over the whole picture, which is that of `at_secs`. Trails come
-    /// of the picture that this renderer drew before.
+    /// of the picture that this renderer drew before; across a cut there are none.
     ///
     /// # Errors
     /// As [`draw`](Self::draw); [`ViewError::Shape`] for a finish on a canvas of another format than
@@ -61,6 +63,12 @@ impl Renderer {
         finish: &Finish,
         at_secs: f64,
     ) -> Result<(), ViewError> {
+        let seen = cells.first().map(|cell| (cell.viewport, cell.camera));
+        let cut = self.seen.zip(seen).is_some_and(|((place, before), (now_place, now))| {
+            place != now_place || now.is_cut_from(&before)
+        });
+        self.seen = seen;
+        let finish = &Finish { trail_secs: if cut { 0.0 } else { finish.trail_secs }, ..*finish };
         match &mut self.held {
             Held::Cpu(renderer) => renderer.draw(canvas.held.cpu()?, cells, (finish, at_secs)),
             Held::Gpu(renderer) => renderer.draw(canvas.held.gpu()?, cells, (finish, at_secs)),

@@ -35,7 +35,7 @@ impl Canvas {
 impl Renderer {
     /// A renderer of a graphics device for canvases of another eight-bit format.
     pub fn with_format(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
-        Self { device: gpu.into(), held: Held::Gpu(Box::new(gpu::Renderer::new(gpu, format))) }
+        Self { device: gpu.into(), held: Held::Gpu(Box::new(gpu::Renderer::new(gpu, format))), seen: None }
     }
 }
 

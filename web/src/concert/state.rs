@@ -44,6 +44,8 @@ struct State<'a> {
     played: bool,
     look: &'a str,
     looks: &'a Looks,
+    /// The shape brings colors.
+    has_own_colors: bool,
     viewpoint: Viewpoint,
     /// Knobs and switches, by their names in show files.
     settings: Settings,
@@ -93,6 +95,7 @@ impl Concert {
             played: self.script.is_some(),
             look: &self.looks.look,
             looks: &self.looks,
+            has_own_colors: self.staging.has_own_colors(),
             viewpoint: self.viewpoint,
             settings: instrument.parameters().settings(),
             harmonics: instrument.shape().eigenvalues.len(),

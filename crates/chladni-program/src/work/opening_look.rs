@@ -16,8 +16,8 @@ const OWN: [(&str, &[&str], [f32; 2]); 8] = [
     ("bell", &["gold"], [0.25, 0.12]),
     ("ring", &["chrome"], [0.45, 0.25]),
     ("jellyfish", &["abyss"], [0.15, 0.05]),
-    ("human", &["dusk"], [0.30, 0.10]),
-    ("cat", &["porcelain"], [0.55, 0.18]),
+    ("human", &["neon"], [0.30, 0.10]),
+    ("cat", &["opal"], [0.55, 0.18]),
 ];
 
 /// Where the viewer of a body stands first, as the command line calls it.

@@ -298,6 +298,34 @@ fn a_finish_does_what_it_says() {
     assert_eq!(picture(&trail, 9.0), bare);
 }
 
+/// A camera that moves takes its trails along; one that cuts leaves them behind.
+#[test]
+fn there_are_no_trails_across_a_cut() {
+    shapes::on_each_device(|device| {
+        let model = Model::new(device, 12);
+        let figures = [model.figure()];
+        let trail = Finish { trail_secs: 0.2, ..Finish::NOTHING };
+        let after = |first: Camera, then: Camera| {
+            let canvas = Canvas::new(device, 80, 60).unwrap();
+            let mut renderer = Renderer::new(device);
+            for (camera, at_secs) in [(first, 1.0), (then, 1.04)] {
+                let cell = Cell { camera, ..model.cell(&figures, [80, 60]) };
+                renderer.draw_finished(&canvas, &[cell], &trail, at_secs).unwrap();
+            }
+            canvas.read(device).unwrap()
+        };
+        let here = model.camera;
+        let alone = after(here, here);
+        let nearer = |share: f32| Camera { distance: share * here.distance, ..here };
+        assert!(after(nearer(0.6), here) == alone, "a cut");
+        assert!(
+            after(Camera { yaw_rad: here.yaw_rad + 1.0, ..here }, here) == alone,
+            "a cut to another side"
+        );
+        assert!(after(nearer(0.95), here) != alone, "a push-in");
+    });
+}
+
 /// A sheet that faces the viewer stays as it is in focus and is softened out of it, and a lens that sees everything sharp
 /// changes no bit.
 #[test]
