@@ -37,7 +37,8 @@ transparent background, 5 frames a second). Aims: all but one told, own ≥ 0.5,
 
 Not background is also what a look lights: the halo of `gold` behind the bell reaches the rim of the picture at loud places, and a floor or
 a shadow on it counts, as it does for the plate. What stands in the picture is in the last column: a figure that is slim or flat fills less
-than a third of it in most shots, and is cut off only where nothing is lost by it (docs/music.md).
+than a third of it in most shots, and is cut off only where nothing is lost by it (docs/music.md). The plate opens with sand, which draws what tone sounds, and takes seconds
+to do so: it tells the song to who knows the figures, not by its beat.
 
 | songs | shape | told | own | others | change | least | cover | figure |
 |---|---|---|---|---|---|---|---|---|

@@ -8,7 +8,8 @@ fn enter_on_ball(folder: &Path, is_red: bool) -> Window {
     let settings = folders.settings.clone().unwrap();
     let look =
         "look = \"\"\nmaterial = \"clay\"\nlights = \"studio\"\nbackground = \"white\"\npalette = \"own\"\n";
-    std::fs::write(settings, format!("harmonics = 24\n[music]\n{look}")).unwrap();
+    // On a slow machine the autopilot would take the stage before the gallery is looked at.
+    std::fs::write(settings, format!("harmonics = 24\n[music]\nleans_back = false\n{look}")).unwrap();
     // So many vertices that the gallery shows fewer of them.
     let mut mesh = chladni_mesh::samples::icosphere(5);
     mesh.appearance.colors = is_red.then(|| vec![[0.7, 0.0, 0.0, 1.0]; mesh.positions.len()]);
