@@ -36,9 +36,9 @@ transparent background, 5 frames a second). Aims: all but one told, own ≥ 0.5,
 35–60 %. *Fresh songs*: {fresh}, to which nothing was ever adjusted.
 
 Not background is also what a look lights: the halo of `gold` behind the bell reaches the rim of the picture at loud places, and a floor or
-a shadow on it counts, as it does for the plate. What stands in the picture is in the last column: a figure that is slim or flat fills less
-than a third of it in most shots, and is cut off only where nothing is lost by it (docs/music.md). The plate opens with sand, which draws what tone sounds, and takes seconds
-to do so: it tells the song to who knows the figures, not by its beat.
+a shadow on it counts, as it does for the plate. The last column says how much of the picture the figure itself fills: one that is slim or
+flat fills less than a third of it in most shots (docs/music.md says what a shot may cut off). The plate opens with sand, which draws the tone
+that sounds and takes seconds for it, so its pictures do not follow the beat.
 
 | songs | shape | told | own | others | change | least | cover | figure |
 |---|---|---|---|---|---|---|---|---|

@@ -76,8 +76,8 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Whether nobody moves a camera so far from one picture to the next: by a third of a radian, or a quarter of the
-    /// distance.
+    /// Whether the camera has jumped since the picture `before`: by more than a third of a radian, or a quarter of its
+    /// distance. A hand that moves it takes several pictures for that.
     pub(crate) fn is_cut_from(&self, before: &Self) -> bool {
         let turned = |now: f32, before: f32| {
             let full = std::f32::consts::TAU;

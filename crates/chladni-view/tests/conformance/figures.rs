@@ -1,7 +1,5 @@
 //! Figures drawn by both backends, in every look.
 
-use std::sync::Mutex;
-
 use super::*;
 
 /// A lumpy sphere that casts shadows on itself.
@@ -26,9 +24,6 @@ pub struct Model {
     pub rest: RestShape,
     pub camera: Camera,
     pub triangles: Vec<[u32; 3]>,
-    /// Of all looks without a finish, which find nothing of each other. A device in software translates what is drawn for
-    /// seconds where textures are its storage: once.
-    renderer: Mutex<Renderer>,
 }
 
 impl Model {
@@ -85,7 +80,6 @@ impl Model {
             rest,
             camera,
             triangles,
-            renderer: Mutex::new(Renderer::new(device)),
         }
     }
 
@@ -110,7 +104,7 @@ impl Model {
 
     pub fn draw_in(&self, around: &Surroundings, width: u32, height: u32, cells: &[Cell<'_>]) -> Picture {
         let canvas = Canvas::new(&self.device, width, height).unwrap();
-        let mut renderer = self.renderer.lock().unwrap();
+        let mut renderer = Renderer::new(&self.device);
         renderer.surround(around).unwrap();
         // Twice: nothing of the first may stay.
         (0..2).for_each(|_| renderer.draw(&canvas, cells).unwrap());
