@@ -3,7 +3,10 @@
 //! Of the heat that starts at a point v, the share k_t(v, v) remains after a time t: much at the tip of a part that
 //! stands out farther than √t, little on a trunk. Limbs are the hills of its logarithm that rise higher than a
 //! threshold above the pass to the next hill (persistence: Skraba, Ovsjanikov, Chazal & Guibas, "Persistence-based
-//! segmentation of deformable shapes", 2010), cut where that is shortest near the pass; the rest is trunk.
+//! segmentation of deformable shapes", 2010), cut where that is shortest near the pass, rather in a crease than across a
+//! bulge; the rest is trunk.
+
+mod creases;
 
 use std::sync::Arc;
 
@@ -12,6 +15,7 @@ use chladni_mesh::MirrorPlane;
 use chladni_mesh::surface::vec3::{Vec3, add, distance, scaled};
 use chladni_mesh::surface::{Rows, vertex_neighbors};
 
+use self::creases::Creases;
 use crate::Painted;
 
 /// The parts of a shape at one level.
@@ -64,7 +68,7 @@ impl Limbs {
         let neighbors = vertex_neighbors(body.positions.len(), &body.triangles);
         let mass = &body.basis.mass;
         let hills = Hills::climbed(&warmth, &neighbors, mass, at(PERSISTENCE));
-        let mut label = hills.limbs(&warmth, &neighbors, mass);
+        let mut label = hills.limbs(&warmth, &neighbors, &Creases::of(body));
         sweep_scraps(&mut label, &neighbors, mass, &hills.tips);
         Self::numbered(body, &label, &neighbors, &hills)
     }
@@ -199,7 +203,7 @@ impl Hills {
 
     /// For each vertex the number of its limb, from 1, or 0 on a trunk. A limb ends near its pass, where its cut is the
     /// shortest for its area, or below it where it meets the next limb.
-    fn limbs(&self, warmth: &[f64], neighbors: &Rows, mass: &[f64]) -> Vec<u32> {
+    fn limbs(&self, warmth: &[f64], neighbors: &Rows, creases: &Creases<'_>) -> Vec<u32> {
         let mut number = vec![0_u32; self.hill.len()];
         self.tips.iter().zip(1..).for_each(|(tip, i)| number[tip.vertex as usize] = i);
         let mut members: Vec<Vec<u32>> = vec![Vec::new(); self.tips.len()];
@@ -216,13 +220,12 @@ impl Hills {
             let (mut cut, mut cuts) = (0.0, Vec::with_capacity(hill.len()));
             for (count, v) in (1..).zip(&hill) {
                 let v = *v as usize;
-                // About half the length that a line across an edge needs to come to the next.
                 for w in neighbors.row(v).iter().map(|w| *w as usize) {
-                    let across = mass[v].sqrt() + mass[w].sqrt();
+                    let across = creases.length_across(v, w);
                     cut += if label[w] == limb { -across } else { across };
                 }
                 label[v] = limb;
-                area += mass[v];
+                area += creases.mass[v];
                 cuts.push(cut);
                 let is_near = warmth[v] >= reach[0] && (warmth[v] <= reach[1] || count == hill.len());
                 if is_near && cut < least * area {

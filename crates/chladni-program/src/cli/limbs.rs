@@ -7,8 +7,7 @@ use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
 use serde::Serialize;
 
 use super::Terminal;
-use super::part_picture::{Colored, draw};
-use super::parts::Parts;
+use super::part_output::{COLORS, Colored, PartOutput, draw};
 use crate::work::{Error, Watcher, body};
 
 /// A trunk in the picture, linear light.
@@ -24,7 +23,12 @@ struct Printed {
 }
 
 /// Finds, writes, draws and prints the parts of `mesh`, which is called `name`, at `level`.
-pub fn run(wanted: &Parts, level: f64, name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<(), Error> {
+pub fn run(
+    wanted: &PartOutput,
+    level: f64,
+    (name, mesh): (&str, &TriMesh),
+    terminal: &Terminal,
+) -> Result<(), Error> {
     let (body, _) = body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, terminal)?;
     let found = Limbs::of(&body, level);
     let search = MirrorSearch::of(&body.positions, &body.triangles);
@@ -57,7 +61,7 @@ pub fn run(wanted: &Parts, level: f64, name: &str, mesh: &TriMesh, terminal: &Te
             if *persistence > 0.0 { format!("stands out by {persistence:.2}") } else { "trunk".to_owned() };
         terminal.result(format_args!("{part:<3} {:.1} % of the surface, {kind}{twin}", 100.0 * share))?;
     }
-    [&wanted.output, &wanted.render].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
+    wanted.print_files(terminal)
 }
 
 /// χ01 of some parts of the shape of that name, by their numbers at `level`.
@@ -82,7 +86,7 @@ pub fn region(
 
 /// A color for each part: gray for trunks, the same for mirror images.
 fn colors(found: &Limbs, twins: &[Option<usize>]) -> Vec<[f32; 4]> {
-    let mut next = super::parts::COLORS.iter().filter(|color| **color != TRUNK).cycle();
+    let mut next = COLORS.iter().filter(|color| **color != TRUNK).cycle();
     let mut colors: Vec<Option<[f32; 4]>> = vec![None; found.parts.len()];
     for (i, part) in found.parts.iter().enumerate() {
         let of_twin = twins[i].and_then(|twin| colors[twin]);

@@ -18,7 +18,7 @@ mod mask;
 mod match_shapes;
 mod mean;
 mod open;
-mod part_picture;
+mod part_output;
 mod parts;
 mod portrait;
 mod project;

@@ -7,9 +7,8 @@ use chladni_harmonics::npz::write_npz;
 use chladni_mesh::TriMesh;
 use serde::Serialize;
 
-use super::part_picture::{Colored, draw};
+use super::part_output::{COLORS, Colored, PartOutput, draw};
 use super::{Terminal, limbs};
-use crate::work::outputs::{check_arrays, check_picture};
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Find the parts of a head (nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck), or of any shape.
@@ -21,16 +20,8 @@ pub struct Parts {
     /// features).
     #[arg(long, value_name = "X", value_parser = level)]
     level: Option<f64>,
-    /// Write the part of each vertex here (NumPy archive: part, and of a head confidence; parts are numbered from 0 as
-    /// they are printed).
-    #[arg(short, long, value_name = "P.npz")]
-    pub(super) output: Option<PathBuf>,
-    /// Print JSON.
-    #[arg(long)]
-    pub(super) json: bool,
-    /// Draw the shape with its parts.
-    #[arg(long, value_name = "P.png")]
-    pub(super) render: Option<PathBuf>,
+    #[command(flatten)]
+    output: PartOutput,
 }
 
 /// A level of [`Limbs`](chladni_caricature::Limbs).
@@ -51,15 +42,15 @@ struct Printed {
 impl Parts {
     /// Finds, writes and prints them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        self.output.as_deref().map_or(Ok(()), check_arrays)?;
-        self.render.as_deref().map_or(Ok(()), check_picture)?;
+        let PartOutput { output, json, render } = &self.output;
+        self.output.check()?;
         let mesh = source::mesh(&self.mesh, terminal)?;
         let name = self.mesh.display().to_string();
         if let Some(level) = self.level {
-            return limbs::run(&self, level, &name, &mesh, terminal);
+            return limbs::run(&self.output, level, (&name, &mesh), terminal);
         }
         let found = found(&name, &mesh, terminal)?;
-        if let Some(path) = &self.output {
+        if let Some(path) = output {
             let n = found.part.len() as u64;
             let written = write_npz(path, |npz| {
                 npz.array("part", &[n], found.part.iter().copied())?;
@@ -67,21 +58,21 @@ impl Parts {
             });
             written.map_err(|error| Error::unwritten(path, error))?;
         }
-        if let Some(path) = &self.render {
+        if let Some(path) = render {
             let color = |part: &u8| COLORS.get(usize::from(*part)).copied().unwrap_or([1.0; 4]);
             let colors = found.part.iter().map(color).collect();
             draw(path, Colored { name: &name, mesh: &mesh, colors }, terminal)?;
         }
         let parts: Vec<Printed> =
             HEAD_PARTS.iter().enumerate().map(|(i, name)| Printed::of(name, i, &found)).collect();
-        if self.json {
+        if *json {
             return terminal.json(&parts);
         }
         for Printed { name, vertices, confidence } in &parts {
             let trust = confidence.map_or_else(String::new, |c| format!(", confidence {c:.2}"));
             terminal.result(format_args!("{name:<8} {vertices} vertices{trust}"))?;
         }
-        [&self.output, &self.render].into_iter().flatten().try_for_each(|path| terminal.wrote(path))
+        self.output.print_files(terminal)
     }
 }
 
@@ -101,17 +92,3 @@ pub fn found(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<HeadPart
     }
     Ok(found)
 }
-
-/// A color for each part.
-pub const COLORS: [[f32; 4]; HEAD_PARTS.len()] = [
-    [0.84, 0.23, 0.18, 1.0],
-    [0.95, 0.62, 0.18, 1.0],
-    [0.16, 0.45, 0.78, 1.0],
-    [0.78, 0.30, 0.55, 1.0],
-    [0.22, 0.60, 0.38, 1.0],
-    [0.55, 0.72, 0.28, 1.0],
-    [0.93, 0.77, 0.62, 1.0],
-    [0.45, 0.33, 0.68, 1.0],
-    [0.62, 0.66, 0.70, 1.0],
-    [0.36, 0.62, 0.66, 1.0],
-];

@@ -71,6 +71,9 @@ impl Deformed {
     }
 
     /// The last frame, where it is drawn.
+    ///
+    /// # Errors
+    /// Where the graphics device was lost with the frame that is asked for.
     pub fn buffers(&self) -> Result<ItemBuffers, ViewError> {
         match &self.by {
             Deformer::Beside(synthesizer) => ItemBuffers::of_frame(&synthesizer.frame()),

@@ -179,7 +179,10 @@ impl Hearing {
         self.count_again();
     }
 
-    /// From `stretch.at_secs` on, this is heard. Errors as [`hear`](Self::hear) does.
+    /// From `stretch.at_secs` on, this is heard.
+    ///
+    /// # Errors
+    /// As [`hear`](Self::hear).
     pub fn begin(&mut self, stretch: Stretch) -> Result<(), SoundError> {
         let leaps = self.stretch().is_some_and(|last| {
             last.song != stretch.song || last.song_secs_at(stretch.at_secs) != stretch.song_secs
@@ -221,6 +224,9 @@ impl Hearing {
     }
 
     /// The sound at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.
+    ///
+    /// # Errors
+    /// A song at a rate that the filter bank does not take.
     pub fn hear(&mut self, at_secs: f64) -> Result<Option<Heard<'_>>, SoundError> {
         if !self.listen(at_secs)? {
             return Ok(None);

@@ -184,6 +184,9 @@ pub struct Side {
 
 impl Side {
     /// Puts `mesh`, with its orientation, on the device.
+    ///
+    /// # Errors
+    /// Triangles that name no vertex, or a device that was lost.
     pub fn new(device: &Device, mesh: &TriMesh, stands: Orientation) -> Result<Self, ViewError> {
         let frame = Frame::of(mesh);
         let positions: Vec<[f32; 3]> =
@@ -206,6 +209,9 @@ impl Side {
     }
 
     /// Shows how far each vertex's match is to be trusted; nothing where there is none.
+    ///
+    /// # Errors
+    /// Another number of values than of vertices, or a device that was lost.
     pub fn set_confidence(&mut self, device: &Device, confidence: Option<&[f64]>) -> Result<(), ViewError> {
         self.shows_confidence = false;
         if let Some(confidence) = confidence {

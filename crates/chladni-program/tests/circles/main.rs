@@ -15,12 +15,6 @@ type Names = Vec<String>;
 /// Which files name which others, by their modules.
 type Graph = BTreeMap<Names, BTreeSet<Names>>;
 
-/// In which crate a file may name another although that closes a circle.
-const EXCEPTIONS: [(&str, [&str; 2], [&str; 2]); 1] = [
-    // The command `parts` runs that of limbs, which takes its arguments and colors: they are being parted.
-    ("chladni-program", ["cli", "limbs"], ["cli", "parts"]),
-];
-
 #[test]
 fn files_that_name_each_other_are_parent_and_child() {
     let above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap();
@@ -30,12 +24,7 @@ fn files_that_name_each_other_are_parent_and_child() {
     let mut found = Vec::new();
     for home in homes {
         let of = home.file_name().unwrap().to_string_lossy().into_owned();
-        let mut graph = Crate::read(&home.join("src")).graph();
-        for (_, from, to) in EXCEPTIONS.into_iter().filter(|(excepted, ..)| *excepted == of) {
-            let [from, to] = [from, to].map(|names| names.map(str::to_owned).to_vec());
-            let was_there = graph.get_mut(&from).is_some_and(|named| named.remove(&to));
-            assert!(was_there, "{from:?} no longer names {to:?}: the exception can go");
-        }
+        let graph = Crate::read(&home.join("src")).graph();
         found.extend(in_circles(&graph).into_iter().map(|(file, named)| {
             let named: Vec<String> = named.iter().map(|names| names.join("::")).collect();
             format!("{of}: {} names {}", file.join("::"), named.join(", "))

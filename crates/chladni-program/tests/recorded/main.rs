@@ -45,21 +45,9 @@ fn run(entry: &Recorded, cache: &Path) -> Summary {
 #[test]
 fn commands_give_what_was_recorded() {
     let cache = tempfile::tempdir().unwrap();
-    let recording = std::env::var_os("CHLADNI_RECORD").is_some();
     let mut differing = Vec::new();
     for entry in COMMANDS {
-        let now = run(entry, cache.path());
-        let path = records().join(format!("{}.json", entry.name));
-        if recording {
-            std::fs::write(&path, now.to_json()).unwrap();
-            continue;
-        }
-        let Ok(text) = std::fs::read_to_string(&path) else {
-            differing.push(format!("{}: was never recorded", entry.name));
-            continue;
-        };
-        let differences = Summary::from_json(&text).differences(&now);
-        differing.extend(differences.iter().take(5).map(|line| format!("{}: {line}", entry.name)));
+        differing.extend(run(entry, cache.path()).differs_from_record(&records(), entry.name));
     }
     assert!(differing.is_empty(), "{} differences:\n{}", differing.len(), differing.join("\n"));
 }

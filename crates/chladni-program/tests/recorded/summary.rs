@@ -109,7 +109,8 @@ impl Summary {
         }
     }
 
-    fn file(&mut self, name: &str, path: &Path) {
+    /// One file, by what it holds.
+    pub fn file(&mut self, name: &str, path: &Path) {
         match path.extension().and_then(|extension| extension.to_str()).unwrap_or_default() {
             "obj" | "ply" | "stl" | "glb" => self.mesh(name, path),
             "npz" => {
@@ -160,16 +161,23 @@ impl Summary {
         }
     }
 
-    pub fn to_json(&self) -> String {
-        serde_json::to_string_pretty(&self.entries).unwrap() + "\n"
-    }
-
-    pub fn from_json(text: &str) -> Self {
-        Self { entries: serde_json::from_str(text).unwrap() }
+    /// The first entries that are not those recorded in `folder` under `name`; records them instead where
+    /// `CHLADNI_RECORD` is set.
+    pub fn differs_from_record(&self, folder: &Path, name: &str) -> Vec<String> {
+        let path = folder.join(format!("{name}.json"));
+        if std::env::var_os("CHLADNI_RECORD").is_some() {
+            std::fs::write(&path, serde_json::to_string_pretty(&self.entries).unwrap() + "\n").unwrap();
+            return Vec::new();
+        }
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            return vec![format!("{name}: was never recorded")];
+        };
+        let recorded = Self { entries: serde_json::from_str(&text).unwrap() };
+        recorded.differences(self).iter().take(5).map(|line| format!("{name}: {line}")).collect()
     }
 
     /// The entries that differ in `now`, one per line.
-    pub fn differences(&self, now: &Self) -> Vec<String> {
+    fn differences(&self, now: &Self) -> Vec<String> {
         let mut lines = Vec::new();
         for (key, before) in &self.entries {
             match now.entries.get(key) {

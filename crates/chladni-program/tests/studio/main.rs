@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+#[path = "../archive/mod.rs"]
+mod archive;
 mod clicked;
 mod drawing;
 #[path = "../driving/mod.rs"]
@@ -18,6 +20,10 @@ mod menus;
 mod named_parts;
 mod painters;
 mod screens;
+mod scripts;
+#[allow(dead_code, reason = "each test program uses a part")]
+#[path = "../recorded/summary.rs"]
+mod summary;
 mod templates;
 mod tour;
 

@@ -71,6 +71,10 @@ pub struct Performance {
 }
 
 impl Performance {
+    /// Before its first frame, with `script` and the sounds `heard` still to come.
+    ///
+    /// # Errors
+    /// A body that [`SynthModel::new`] refuses.
     pub fn new(
         (body, stands): (&Body, Orientation),
         ensemble: Ensemble,
@@ -132,6 +136,9 @@ impl Performance {
     }
 
     /// Dances and strength change with the music, and looks unless the film's own is kept; another `draw`, other ones.
+    ///
+    /// # Errors
+    /// Where a dance of the repertoire cannot be read, and where the instrument refuses an action.
     pub fn pilot(&mut self, keeps_look: bool, draw: u64) -> Result<(), Error> {
         let programme = Programme::new(&self.instrument, Vec::new(), self.start_secs, draw)?;
         let mut programme = programme.on_sheet(self.staging.is_flat()).keeping_look(keeps_look);
@@ -211,6 +218,9 @@ impl Performance {
     }
 
     /// Plays without drawing, for the coefficients; `each` is called with the form and items of each of `frames`.
+    ///
+    /// # Errors
+    /// Cancelled; a sound or a dance that fails; the first error that `each` gives.
     pub fn rehearse(
         &mut self,
         frames: Range<u64>,

@@ -34,6 +34,9 @@ pub(super) struct Prepared {
 
 impl Prepared {
     /// Opens and prepares body and songs, and completes the wanted film.
+    ///
+    /// # Errors
+    /// Cancelled; a body or a song that cannot be read, with its name; a show or a preset that does not fit the body.
     pub fn prepare(wanted: &mut Film, seconds: &mut Seconds, watcher: &impl Watcher) -> Result<Self, Error> {
         let reading = Instant::now();
         let cast = Cast::open(Path::new(&wanted.body), watcher)?;
@@ -94,6 +97,9 @@ impl Prepared {
     }
 
     /// Draws `range` into a file or a pipe.
+    ///
+    /// # Errors
+    /// Cancelled; a sound, a dance or a picture that fails; a file that cannot be written.
     pub fn film(
         &mut self,
         wanted: &Film,
@@ -127,6 +133,9 @@ impl Prepared {
     }
 
     /// Dances `range` without drawing it.
+    ///
+    /// # Errors
+    /// Cancelled; a sound or a dance that fails; more than one dance where they go into an animation.
     pub fn rehearse(
         &mut self,
         range: Range<u64>,
@@ -149,6 +158,9 @@ impl Prepared {
     }
 
     /// Saves the other files that are wanted besides the film.
+    ///
+    /// # Errors
+    /// The first file that cannot be written, with its name.
     pub fn save_beside(
         &self,
         output: &Output,

@@ -22,6 +22,9 @@ pub struct Songs {
 
 impl Songs {
     /// Reads those that are heard in `range`: where the film begins, and how much of the show is filmed.
+    ///
+    /// # Errors
+    /// The first song that cannot be read, with its name.
     pub fn open(
         names: &[(String, BeatReading)],
         mut heard: Vec<Stretch>,
@@ -87,6 +90,9 @@ impl Songs {
     }
 
     /// Finds the beats of each.
+    ///
+    /// # Errors
+    /// Cancelled; a song whose rate no beat can be tracked at.
     pub fn track_beats(&mut self, watcher: &impl Watcher) -> Result<(), Error> {
         for (known, reading) in self.songs.iter_mut().zip(&self.readings) {
             let Some(known) = known else { continue };
@@ -114,6 +120,9 @@ impl Songs {
     }
 
     /// The sound of the film: pauses are silent, and so is live input.
+    ///
+    /// # Errors
+    /// A song that cannot be resampled to the rate of the first.
     pub fn sound(&self) -> Result<Song, Error> {
         let rate_hz = self.songs.iter().flatten().map(|known| known.song.rate_hz).next();
         let rate_hz = rate_hz.unwrap_or(SILENT_RATE_HZ);

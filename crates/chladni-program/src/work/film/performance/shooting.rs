@@ -52,6 +52,9 @@ pub struct Drawn {
 
 impl Performance {
     /// Draws all frames of `film`, the first of which is frame `film.settings().first` of the performance, and finishes it.
+    ///
+    /// # Errors
+    /// Cancelled; a sound, a dance, a picture or the file that fails. No unfinished film is left.
     pub fn film(
         &mut self,
         film: Film,
