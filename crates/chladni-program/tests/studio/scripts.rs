@@ -66,7 +66,7 @@ fn exaggerated(person: &mut Person, desk: &Desk) {
     slide(person, "μ", -1.5);
     person.click("model/normal");
     person.click("keep-triangles");
-    person.wait_to_see("No folds");
+    person.wait_to_see("of the movement kept");
     export(person, desk, "out.obj", "obj");
     export(person, desk, "out.png", "png");
 }
