@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use chladni_mesh::{TriMesh, samples, save_mesh};
 use chladni_program::studio::{Folders, Opening};
+use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2, pos2, vec2};
+use egui_kittest::kittest::Queryable;
 
 use super::{self as driving, Answers, Window};
 
@@ -152,6 +154,20 @@ impl Person {
     pub fn scroll_to(&mut self, id: &str) {
         driving::control(&self.0, id).scroll_to_me();
         self.0.run_steps(20);
+    }
+
+    /// Gives the slider called `name` a value, as assistive technology does.
+    pub fn slide(&mut self, name: &str, value: f64) {
+        self.0.get_by_role_and_label(Role::Slider, name).set_value_accesskit(value);
+        self.0.run_steps(3);
+    }
+
+    /// Draws the middle of the scale curve of the chosen layer upward.
+    pub fn bend_scale_curve(&mut self) {
+        self.scroll_to("scale-curve");
+        let curve = self.place_of("scale-curve");
+        let at = |u: f32, v: f32| curve.lerp_inside(vec2(u, v));
+        self.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
     }
 
     /// Asks the window to close, as its frame's cross does.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use commands::{COMMANDS, Recorded};
-use summary::Summary;
+use summary::{Summary, recorded_names};
 
 /// The folder with one file for each command.
 fn records() -> PathBuf {
@@ -54,9 +54,7 @@ fn commands_give_what_was_recorded() {
 
 #[test]
 fn every_record_belongs_to_a_command() {
-    for file in std::fs::read_dir(records()).unwrap() {
-        let path = file.unwrap().path();
-        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+    for name in recorded_names(&records()) {
         assert!(COMMANDS.iter().any(|entry| entry.name == name), "{name} is recorded, but no command");
     }
 }

@@ -22,6 +22,12 @@ const TOLERANCE: f64 = 2e-4;
 /// Samples kept of a long list of numbers.
 const SAMPLES: usize = 8;
 
+/// The names under which something is recorded in `folder`.
+pub fn recorded_names(folder: &Path) -> Vec<String> {
+    let files = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path());
+    files.map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect()
+}
+
 impl Summary {
     pub fn number(&mut self, key: &str, value: f64) {
         // Rounded, so that a record stays legible and does not change where it is made again.

@@ -1,7 +1,6 @@
 //! What is switched on by a click: keeping triangles, the sliders of a head, how ink is drawn.
 
 use chladni_caricature::{Layer, Project, Template};
-use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
@@ -16,12 +15,6 @@ fn saved(desk: &Desk, person: &mut Person) -> Project {
     Project::load(&desk.path("saved.chladni")).unwrap()
 }
 
-/// Gives the slider called `name` a value, as assistive technology does.
-fn slide(person: &mut Person, name: &str, value: f64) {
-    person.0.get_by_role_and_label(Role::Slider, name).set_value_accesskit(value);
-    person.0.run_steps(3);
-}
-
 #[test]
 fn kept_triangles_do_not_fold_and_are_let_go_in_one_step() {
     let desk = Desk::new();
@@ -29,7 +22,7 @@ fn kept_triangles_do_not_fold_and_are_let_go_in_one_step() {
     person.wait_to_see("Layers");
     person.add_layer("ellipsoid");
     person.wait_to_see("No folds");
-    slide(&mut person, "μ", -30.0);
+    person.slide("μ", -30.0);
     person.wait_to_see("folded triangles");
     assert!(!saved(&desk, &mut person).keep_triangles && !person.sees("of the movement kept"));
     person.click("keep-triangles");
@@ -53,9 +46,9 @@ fn the_sliders_of_a_head_change_the_template_and_the_match_follows() {
     person.wait_to_see("Covered");
     let layer = |person: &mut Person| -> Layer { (*saved(&desk, person).layers()[0].1).clone() };
     assert_eq!(layer(&mut person).template, Template::Sample("portrait".into()));
-    slide(&mut person, "Jaw", 0.75);
+    person.slide("Jaw", 0.75);
     assert!(person.sees("Matching"), "the old match is none of this head");
-    slide(&mut person, "Nose", -0.5);
+    person.slide("Nose", -0.5);
     let named = Template::Sample("portrait?nose=-0.50,jaw=0.75".into());
     assert_eq!(layer(&mut person).template, named);
     person.wait_until_gone("Matching");
@@ -70,7 +63,7 @@ fn ink_is_drawn_as_its_panel_says_in_pictures_and_drawings() {
     person.wait_to_see("Layers");
     person.add_layer("ellipsoid");
     person.wait_to_see("No folds");
-    slide(&mut person, "μ", -2.0);
+    person.slide("μ", -2.0);
     assert!(!driving::is_there(&person.0, "ink/detail"));
     person.press(Key::P);
     let export = |person: &mut Person, kind: &str, name: &str| {
@@ -91,8 +84,8 @@ fn ink_is_drawn_as_its_panel_says_in_pictures_and_drawings() {
     };
     export(&mut person, "svg", "usual.svg");
     assert!(strokes("usual.svg", "hatching") > 5);
-    slide(&mut person, "Hatching", 0.0);
-    slide(&mut person, "Detail", 0.0);
+    person.slide("Hatching", 0.0);
+    person.slide("Detail", 0.0);
     export(&mut person, "svg", "plain.svg");
     let left =
         ["contours", "suggestive-contours", "ridges", "hatching"].map(|group| strokes("plain.svg", group));

@@ -4,7 +4,7 @@ use chladni_caricature::{Model, Painted, Project, ScaleCurve, ShapeSource, Stack
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{load_mesh, save_mesh};
 use chladni_task::Task;
-use egui::{Key, Modifiers, pos2, vec2};
+use egui::{Key, Modifiers, pos2};
 
 use crate::CTRL;
 use crate::driving::person::{self, Desk, HARMONICS};
@@ -22,10 +22,7 @@ fn from_two_meshes_to_sliders_in_another_program() {
     // A model, a preset of the curve, and a bend of it.
     person.click("model/normal");
     person.click("curve/broad");
-    person.scroll_to("scale-curve");
-    let curve = person.place_of("scale-curve");
-    let at = |u: f32, v: f32| curve.lerp_inside(vec2(u, v));
-    person.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
+    person.bend_scale_curve();
     // Another layer, taken back, and done again.
     person.add_layer("magnify");
     assert!(person.sees("Magnify all 2"));

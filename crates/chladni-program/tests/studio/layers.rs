@@ -144,8 +144,7 @@ fn a_soft_brush_leaves_a_soft_edge_and_is_remembered() {
     person.add_layer("magnify");
     person.press(Key::B);
     let middle = pos2(620.0, 420.0);
-    person.0.get_by_role_and_label(egui::accesskit::Role::Slider, "Size").set_value_accesskit(0.5);
-    person.0.run_steps(3);
+    person.slide("Size", 0.5);
     person.click_at(middle);
     let hard = painted(&desk, &mut person);
     person.press_with(CTRL, Key::Z);
@@ -154,8 +153,7 @@ fn a_soft_brush_leaves_a_soft_edge_and_is_remembered() {
         slider.accesskit_node().numeric_value()
     };
     assert_eq!(hardness(&person), Some(1.0));
-    person.0.get_by_role_and_label(egui::accesskit::Role::Slider, "Hardness").set_value_accesskit(0.25);
-    person.0.run_steps(3);
+    person.slide("Hardness", 0.25);
     // Put away and taken again.
     person.press(Key::B);
     person.press(Key::B);

@@ -1,16 +1,14 @@
 //! What a person leaves behind who works at the window in a given way, compared with what was recorded beside the
 //! commands' outputs: projects, meshes and pictures.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use chladni_caricature::Project;
-use egui::accesskit::Role;
 use egui::{Key, Modifiers, Pos2, pos2, vec2};
-use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving::person::{Desk, Person};
-use crate::summary::Summary;
+use crate::summary::{Summary, recorded_names};
 
 /// What a person does, by the name of the record.
 type Script = (&'static str, fn(&mut Person, &Desk));
@@ -26,9 +24,13 @@ const SCRIPTS: [Script; 5] = [
 /// Where the middle of the shape is seen.
 const MIDDLE: Pos2 = pos2(620.0, 420.0);
 
+/// The folder with one file for each script.
+fn records() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/windows")
+}
+
 #[test]
 fn scripts_leave_what_was_recorded() {
-    let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/windows");
     let mut differing = Vec::new();
     for (name, script) in SCRIPTS {
         let desk = Desk::new();
@@ -44,17 +46,14 @@ fn scripts_leave_what_was_recorded() {
                 summary.file(left, &path);
             }
         }
-        differing.extend(summary.differs_from_record(&records, name));
+        differing.extend(summary.differs_from_record(&records(), name));
     }
     assert!(differing.is_empty(), "{} differences:\n{}", differing.len(), differing.join("\n"));
 }
 
 #[test]
 fn every_record_belongs_to_a_script() {
-    let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/windows");
-    for file in std::fs::read_dir(records).unwrap() {
-        let path = file.unwrap().path();
-        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+    for name in recorded_names(&records()) {
         assert!(SCRIPTS.iter().any(|(script, _)| *script == name), "{name} is recorded, but no script");
     }
 }
@@ -63,7 +62,7 @@ fn every_record_belongs_to_a_script() {
 fn exaggerated(person: &mut Person, desk: &Desk) {
     person.add_layer("ellipsoid");
     person.wait_to_see("No folds");
-    slide(person, "μ", -1.5);
+    person.slide("μ", -1.5);
     person.click("model/normal");
     person.click("keep-triangles");
     person.wait_to_see("of the movement kept");
@@ -75,7 +74,7 @@ fn exaggerated(person: &mut Person, desk: &Desk) {
 fn painted(person: &mut Person, desk: &Desk) {
     person.add_layer("magnify");
     person.press(Key::B);
-    slide(person, "Hardness", 0.25);
+    person.slide("Hardness", 0.25);
     person.drag(&[MIDDLE, MIDDLE + vec2(20.0, 0.0), MIDDLE + vec2(40.0, 20.0)]);
     person.press(Key::X);
     person.drag(&[MIDDLE + vec2(40.0, 20.0), MIDDLE + vec2(50.0, 40.0)]);
@@ -91,10 +90,7 @@ fn compared(person: &mut Person, desk: &Desk) {
     person.press_with(CTRL, Key::T);
     person.wait_to_see("Covered");
     person.click("curve/broad");
-    person.scroll_to("scale-curve");
-    let curve = person.place_of("scale-curve");
-    let at = |u: f32, v: f32| curve.lerp_inside(vec2(u, v));
-    person.drag(&[at(0.5, 0.5), at(0.5, 0.3), at(0.5, 0.15)]);
+    person.bend_scale_curve();
     export(person, desk, "out.obj", "obj");
 }
 
@@ -119,12 +115,6 @@ fn masked(person: &mut Person, desk: &Desk) {
     person.click("mask/save");
     person.wait_to_see("Wrote");
     person.press(Key::I);
-}
-
-/// Gives the slider called `name` a value, as assistive technology does.
-fn slide(person: &mut Person, name: &str, value: f64) {
-    person.0.get_by_role_and_label(Role::Slider, name).set_value_accesskit(value);
-    person.0.run_steps(3);
 }
 
 fn export(person: &mut Person, desk: &Desk, name: &str, extension: &str) {

@@ -52,10 +52,10 @@ fn ellipsoids_are_given_by_numbers_and_all_is_magnified_against_oneself_scaled_o
 
     person.add_layer("magnify");
     assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.9));
-    fill_slider(&mut person, "Scale", 0.5);
+    person.slide("Scale", 0.5);
     assert_eq!(saved(&desk, &mut person)[1].template, Template::Scaled(0.5));
     person.click("itself/smoothed");
-    fill_slider(&mut person, "Low-pass", 12.0);
+    person.slide("Low-pass", 12.0);
     assert_eq!(saved(&desk, &mut person)[1].template, Template::LowPass(12));
     assert!(person.sees("What grows has waves of"));
     person.screenshot("studio-magnify.png");
@@ -158,12 +158,6 @@ fn the_place_under_the_pointer_is_marked_on_the_template_beside_the_shape_and_ba
     person.screenshot("studio-template-beside.png");
 }
 
-/// Gives the slider called `name` a value, as assistive technology does.
-fn fill_slider(person: &mut Person, name: &str, value: f64) {
-    person.0.get_by_role_and_label(egui::accesskit::Role::Slider, name).set_value_accesskit(value);
-    person.0.run_steps(3);
-}
-
 #[test]
 fn a_cut_template_is_filled_in_as_far_as_asked_and_may_keep_its_size() {
     let desk = Desk::new();
@@ -177,7 +171,7 @@ fn a_cut_template_is_filled_in_as_far_as_asked_and_may_keep_its_size() {
     person.0.run_steps(3);
     person.screenshot("studio-infill.png");
     assert_eq!(saved(&desk, &mut person)[0].infill, 1.0);
-    fill_slider(&mut person, "Fill in", 0.25);
+    person.slide("Fill in", 0.25);
     assert_eq!(saved(&desk, &mut person)[0].infill, 0.25);
     person.click("fit-size");
     assert_eq!(saved(&desk, &mut person)[0].matching.scaling, Scaling::Rigid);
@@ -263,14 +257,14 @@ fn the_camera_comes_forward_again_when_an_exaggeration_is_undone() {
     person.wait_to_see("Layers");
     person.add_layer("ellipsoid");
     person.wait_to_see("No folds");
-    fill_slider(&mut person, "μ", -0.5);
+    person.slide("μ", -0.5);
     person.0.run_steps(5);
     let middle = |person: &mut Person| {
         let picture = person.0.render().unwrap();
         image::imageops::crop_imm(&picture, 500, 200, 300, 400).to_image()
     };
     let before = middle(&mut person);
-    fill_slider(&mut person, "μ", -40.0);
+    person.slide("μ", -40.0);
     person.0.run_steps(5);
     // Pixels, of 120,000; edges may still be refined.
     let differing = |a: &image::RgbaImage, b: &image::RgbaImage| {
