@@ -6,7 +6,7 @@ interpreter's lock, stops at Ctrl-C, and calls ``progress(stage, done, total)`` 
 
 from importlib.metadata import version as _version
 
-from ._chladni import Certificate
+from ._chladni import Certificate, StoredBasis
 from ._errors import (
     ChladniWarning,
     Error,
@@ -39,6 +39,7 @@ __all__ = [
     "MeshHeatMethodDistanceSolver",
     "MissingFileError",
     "NotCertifiedError",
+    "StoredBasis",
     "Symmetry",
     "auto_HKS",
     "auto_WKS",

@@ -24,6 +24,7 @@ __all__ = [
     "MeshHeatMethodDistanceSolver",
     "MissingFileError",
     "NotCertifiedError",
+    "StoredBasis",
     "Symmetry",
     "auto_HKS",
     "auto_WKS",
@@ -92,6 +93,16 @@ class Basis:
     def mass(self) -> _Floats: ...
     @property
     def certificate(self) -> Certificate: ...
+
+@final
+class StoredBasis:
+    def __new__(cls, folder: str | PathLike[str]) -> Self: ...
+    @property
+    def eigenvalues(self) -> _Floats: ...
+    @property
+    def mass(self) -> _Floats: ...
+    def analyze(self, signal: ArrayLike, *, progress: _Progress | None = None) -> _Floats: ...
+    def synthesize(self, coefficients: ArrayLike, *, progress: _Progress | None = None) -> _Floats: ...
 
 @dataclass(frozen=True)
 class Match:

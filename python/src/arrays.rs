@@ -113,6 +113,16 @@ pub fn matrix(object: Any, name: &str) -> PyResult<(Vec<f64>, [usize; 2])> {
     }
 }
 
+/// n finite values as a matrix of one column, or n × K column-major ones; their shape, and whether it is the former.
+pub fn vector_or_matrix(object: Any, name: &str) -> PyResult<(Vec<f64>, [usize; 2], bool)> {
+    if floats(object, name, "F")?.ndim() == 1 {
+        let values = vector(object, name)?;
+        let rows = values.len();
+        return Ok((values, [rows, 1], true));
+    }
+    matrix(object, name).map(|(values, shape)| (values, shape, false))
+}
+
 /// n × 3 finite coordinates.
 pub fn points(object: Any, name: &str) -> PyResult<Vec<[f64; 3]>> {
     let array = floats(object, name, "C")?;

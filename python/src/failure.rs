@@ -48,6 +48,7 @@ impl From<HarmonicsError> for Failure {
             HarmonicsError::Threads(_) | HarmonicsError::RanksFailed { .. } => {
                 Self::Internal(error.to_string())
             }
+            HarmonicsError::Stored { .. } => Self::File(error.to_string()),
             _ => Self::Input(error.to_string()),
         }
     }

@@ -9,6 +9,7 @@ mod geodesic;
 mod instruments;
 mod matching;
 mod spectrum;
+mod stored;
 mod work;
 
 use pyo3::prelude::*;
@@ -27,4 +28,6 @@ mod _chladni {
     use crate::matching::match_meshes;
     #[pymodule_export]
     use crate::spectrum::{eigsh, mesh_laplacian, point_cloud_laplacian};
+    #[pymodule_export]
+    use crate::stored::StoredBasis;
 }

@@ -151,3 +151,72 @@ def test_pyfm_has_its_own_signatures_maps_and_zoomout(pebble, monkeypatch):
     assert (p2p == order).all() and (our_p2p == order).all()
     assert np.allclose(fm, ours, atol=1e-9)
     assert np.allclose(chladni.p2p_to_FM(p2p, *arguments[1:]), pyFM.spectral.p2p_to_FM(p2p, *arguments[1:]), atol=1e-9)
+
+
+def test_pyfm_fits_its_own_map(pebble, monkeypatch):
+    pytest.importorskip("pyFM")
+    import pyFM.functional
+    import pyFM.mesh
+
+    V, F = pebble
+    order = np.random.default_rng(4).permutation(len(V))
+
+    def fitted():
+        meshes = [pyFM.mesh.TriMesh(V, F), pyFM.mesh.TriMesh(V[order], np.argsort(order)[F])]
+        model = pyFM.functional.FunctionalMapping(*meshes)
+        model.preprocess(n_descr=30, k_process=40, k_descr=40, descr_type="WKS")
+        model.fit(K=(20, 20))
+        return model
+
+    theirs = fitted()
+    monkeypatch.setattr(scipy.sparse.linalg, "eigsh", chladni.eigsh)
+    ours = fitted()
+    assert (theirs.get_p2p() == order).mean() > 0.9
+    assert (ours.get_p2p() == theirs.get_p2p()).mean() > 0.95
+    # The same map up to the signs of harmonics.
+    meshes = [(ours.mesh1, theirs.mesh1), (ours.mesh2, theirs.mesh2)]
+    one, two = [np.sign((a.eigenvectors * (a.A @ b.eigenvectors)).sum(axis=0))[:20] for a, b in meshes]
+    difference = two[:, None] * ours.FM_12 * one - theirs.FM_12
+    assert np.abs(difference).max() < 0.02
+
+
+def test_lapy_has_its_own_poisson_and_conformal_map(lapy_with_ours, pebble, square):
+    lapy, swap = lapy_with_ours
+    import lapy.conformal
+
+    def results():
+        flat = lapy.Solver(lapy.TriaMesh(*square), lump=True)
+        held = np.flatnonzero((np.abs(square[0][:, :2] - 0.5) > 0.499).any(axis=1))
+        bump = flat.poisson(1.0, dtup=(held, np.zeros(len(held))))
+        return bump, lapy.conformal.spherical_conformal_map(lapy.TriaMesh(*pebble))
+
+    theirs = results()
+    swap()
+    # They need no spectrum.
+    for a, b in zip(results(), theirs, strict=True):
+        assert np.array_equal(a, b)
+    # What the square bends by in its middle, from its series.
+    odd = np.arange(1, 60, 2)
+    i, j = np.meshgrid(odd, odd)
+    exact = (16 * np.sin(i * np.pi / 2) * np.sin(j * np.pi / 2) / (np.pi**4 * i * j * (i * i + j * j))).sum()
+    assert theirs[0].max() == pytest.approx(exact, rel=0.01)
+
+
+def test_neuromodes_has_its_own_modes(lapy_with_ours, pebble):
+    lapy, swap = lapy_with_ours
+    eigen = pytest.importorskip("neuromodes.eigen")
+    mesh = lapy.TriaMesh(*pebble)
+    stiffer = 1 + 0.5 * pebble[0][:, 2]
+    kinds = [dict(lump=lump, hetero=hetero) for lump in (False, True) for hetero in (None, stiffer)]
+
+    def modes():
+        solved = [eigen.EigenSolver(mesh).solve(20, **kind) for kind in kinds]
+        masked = eigen.EigenSolver(mesh, mask=pebble[0][:, 0] < 0.8).solve(20)
+        return [*solved, masked]
+
+    theirs = modes()
+    swap()
+    for ours, peer in zip(modes(), theirs, strict=True):
+        assert np.allclose(ours.evals, peer.evals, rtol=1e-7, atol=1e-8)
+        overlap = np.abs((ours.emodes * (peer.mass @ peer.emodes)).sum(axis=0))
+        assert np.allclose(overlap, 1, atol=1e-6)

@@ -145,6 +145,24 @@ pub enum HarmonicsError {
         /// The system's message.
         reason: String,
     },
+    /// A file of a basis in a folder cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Stored {
+        /// The file.
+        path: PathBuf,
+        /// The fault in it.
+        reason: String,
+    },
+    /// Values or coefficients of a signal that are not as many as the basis needs.
+    #[error("a signal of {given} {values}, where the basis has {needed}")]
+    BadSignal {
+        /// The number of values that were given.
+        given: usize,
+        /// Their kind, in the plural.
+        values: &'static str,
+        /// The number of vertices or harmonics.
+        needed: usize,
+    },
     /// SLEPc cannot be used, or not with the requested ranks.
     #[error("cannot solve with SLEPc: {reason}")]
     NoRanks {

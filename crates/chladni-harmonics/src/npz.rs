@@ -1,4 +1,6 @@
-//! Writes NumPy archives, whole or not at all, and reads single arrays (feature `npz`).
+//! Writes NumPy archives, whole or not at all, and reads single arrays and stored bases (feature `npz`).
+
+mod stored;
 
 use std::io::{BufWriter, Cursor, Error, Read, Result, Seek, Write};
 use std::path::Path;
@@ -9,6 +11,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::{Body, Operator};
+pub use stored::StoredBasis;
 
 /// An archive that is being written.
 #[allow(missing_debug_implementations, reason = "it holds a writer")]
@@ -177,8 +180,8 @@ pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
 }
 
 /// Writes the arrays of [`write_basis`] as `.npy` files of their own into `folder`, which is created if it
-/// does not exist. `numpy.load(…, mmap_mode="r")` then reads only the harmonics that are used: each is
-/// stored in one piece.
+/// does not exist. [`StoredBasis`] and `numpy.load(…, mmap_mode="r")` then read only the harmonics that are
+/// used: each is stored in one piece.
 ///
 /// # Errors
 /// An error of the system. Each file is written whole or not at all.
@@ -234,6 +237,8 @@ pub fn numbers_in(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
 /// `npyz` reads nested ones doubles with each.
 const LONGEST_HEADER: u64 = 64 << 10;
 const MOST_BRACKETS: usize = 16;
+/// The most digits in a shape: with more, the number of values may be beyond 64 bits, which `npyz` does not check.
+const MOST_DIGITS: usize = 19;
 
 fn numbers_of(mut file: impl Read) -> Result<Vec<f64>> {
     let header = header(&mut file)?;
@@ -272,6 +277,10 @@ fn header(file: &mut impl Read) -> Result<Vec<u8>> {
     if text.filter(|byte| b"([{".contains(byte)).count() > MOST_BRACKETS {
         return Err(Error::other("it holds records, not numbers, or its header is damaged"));
     }
+    let mut shape = header.iter().skip_while(|byte| **byte != b'(').take_while(|byte| **byte != b')');
+    if shape.by_ref().filter(|byte| byte.is_ascii_digit()).count() > MOST_DIGITS {
+        return Err(Error::other("it promises more numbers than a file can hold"));
+    }
     Ok(header)
 }
 
@@ -307,6 +316,9 @@ mod tests {
             let bytes = [b"\x93NUMPY\x01\x00", length.as_slice(), header.as_bytes()].concat();
             assert!(numbers_in(&bytes, "mask").unwrap_err().to_string().contains("damaged"));
         }
+        let vast = b"{'descr': '<f8', 'fortran_order': False, 'shape': (4294967296, 4294967296), }\n";
+        let bytes = [b"\x93NUMPY\x01\x00".as_slice(), &(vast.len() as u16).to_le_bytes(), vast].concat();
+        assert!(numbers_in(&bytes, "mask").unwrap_err().to_string().contains("more numbers"));
         let endless = [b"\x93NUMPY\x02\x00".as_slice(), &u32::MAX.to_le_bytes()].concat();
         assert!(numbers_in(&endless, "mask").unwrap_err().to_string().contains("bytes"));
     }
