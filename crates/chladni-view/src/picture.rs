@@ -39,6 +39,11 @@ impl Picture {
     /// Lays `other` over this picture with its upper left corner at (x, y); what hangs over the
     /// edge is cut off.
     pub fn paste(&mut self, other: &Self, x: u32, y: u32) {
+        self.blend(other, x, y, 1.0);
+    }
+
+    /// The same with an `opacity` in [0, 1], by which the alpha of `other` is multiplied.
+    pub fn blend(&mut self, other: &Self, x: u32, y: u32, opacity: f32) {
         let columns = other.width.min(self.width.saturating_sub(x)) as usize;
         for row in 0..other.height.min(self.height.saturating_sub(y)) {
             let from = 4 * (row as usize * other.width as usize);
@@ -46,7 +51,8 @@ impl Picture {
             let source = other.rgba[from..from + 4 * columns].as_chunks::<4>().0;
             let target = self.rgba[to..to + 4 * columns].as_chunks_mut::<4>().0;
             for (below, above) in target.iter_mut().zip(source) {
-                *below = over(*above, *below);
+                let [r, g, b, alpha] = *above;
+                *below = over([r, g, b, (f32::from(alpha) * opacity) as u8], *below);
             }
         }
     }

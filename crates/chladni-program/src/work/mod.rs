@@ -5,6 +5,8 @@
 mod back_film;
 mod bars;
 pub mod body;
+#[cfg(feature = "desktop")]
+mod caption;
 mod cast;
 mod clock;
 #[cfg(feature = "desktop")]
@@ -63,6 +65,8 @@ mod watcher;
 
 pub use back_film::FILMS;
 pub use bars::{bar_lines, read_beats};
+#[cfg(feature = "desktop")]
+pub use caption::Caption;
 pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
 #[cfg(feature = "desktop")]

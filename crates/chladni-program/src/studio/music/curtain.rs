@@ -69,7 +69,7 @@ impl Curtain {
     /// Hides the pointer; where it moves, shows it for a moment with the keys that help.
     pub fn show(&mut self, ui: &mut Ui, concert: &Concert) {
         let now_secs = ui.input(|input| input.time);
-        concert.song_title.show(ui, ui.max_rect(), now_secs, concert.house.light());
+        concert.song_title.show(ui, ui.max_rect(), concert.title_opacity(now_secs));
         if ui.input(|input| input.pointer.is_moving()) {
             self.moved_secs = Some(now_secs);
         }

@@ -7,6 +7,7 @@ use chladni_view::film::{CameraTarget, LiveCamera, RawFormat};
 use chladni_view::{Canvas, Device, Picture, Readback};
 
 use super::recorder::{RATE, RecordedSet, Recorder};
+use super::song_title::{SeenTitle, SongTitle};
 use crate::work::Error;
 
 /// Pictures on their way back from the device.
@@ -32,9 +33,18 @@ struct Flying {
     now_secs: f64,
     readback: Readback,
     size: (u32, u32),
-    veil: Veil,
-    /// How black the stage was, in [0, 1].
-    dark: f32,
+    over: Over,
+}
+
+/// What lies over a picture of the stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Over {
+    /// Of the flash guard.
+    pub veil: Veil,
+    /// How black the stage is, in [0, 1].
+    pub dark: f32,
+    /// The title of the song.
+    pub title: SeenTitle,
 }
 
 impl Outgoing {
@@ -44,9 +54,14 @@ impl Outgoing {
     }
 
     /// The film ends now; its last pictures are fetched.
-    pub fn end_recording(&mut self, device: &Device, now_secs: f64) -> Result<(), Error> {
+    pub fn end_recording(
+        &mut self,
+        device: &Device,
+        now_secs: f64,
+        song_title: &mut SongTitle,
+    ) -> Result<(), Error> {
         while !self.flying.is_empty() {
-            self.land(device)?;
+            self.land(device, song_title)?;
         }
         if let Some(recorder) = &mut self.recorder {
             recorder.finish(now_secs);
@@ -91,14 +106,15 @@ impl Outgoing {
         Some(why.into())
     }
 
-    /// Takes what `canvas` shows, behind a veil and the black of the stage, where somebody wants it now. It is fetched
-    /// while later ones are drawn.
+    /// Takes what `canvas` shows, behind what lies `over` it, where somebody wants it now. It is fetched while later ones
+    /// are drawn.
     pub fn take(
         &mut self,
         device: &Device,
         canvas: &Canvas,
         now_secs: f64,
-        (veil, dark): (Veil, f32),
+        over: Over,
+        song_title: &mut SongTitle,
     ) -> Result<(), Error> {
         if self.recorder.is_none() && self.camera.is_none() {
             // Pictures on their way would be old when they are wanted again.
@@ -117,18 +133,19 @@ impl Outgoing {
             None => Readback::new(device, canvas)?,
         };
         readback.start(device, canvas)?;
-        self.flying.push_back(Flying { now_secs, readback, size, veil, dark });
+        self.flying.push_back(Flying { now_secs, readback, size, over });
         if self.flying.len() > FLYING {
-            self.land(device)?;
+            self.land(device, song_title)?;
         }
         Ok(())
     }
 
-    fn land(&mut self, device: &Device) -> Result<(), Error> {
+    fn land(&mut self, device: &Device, song_title: &mut SongTitle) -> Result<(), Error> {
         let Some(mut flying) = self.flying.pop_front() else { return Ok(()) };
         flying.readback.finish_into(device, &mut self.landed.rgba)?;
         (self.landed.width, self.landed.height) = flying.size;
-        shade(&mut self.landed.rgba, flying.veil, flying.dark);
+        shade(&mut self.landed.rgba, flying.over.veil, flying.over.dark);
+        song_title.lay(&mut self.landed, flying.over.title);
         if let Some(recorder) = &mut self.recorder {
             let is_shared = self.camera.is_some();
             let picture = if is_shared { self.landed.clone() } else { std::mem::take(&mut self.landed) };

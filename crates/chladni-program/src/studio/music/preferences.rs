@@ -75,6 +75,8 @@ pub struct Preferences {
     pub picture_late_ms: BTreeMap<String, i32>,
     /// The autopilot begins where a song is opened and nothing is touched.
     pub leans_back: bool,
+    /// A song is named on stage when it begins.
+    pub song_titles: bool,
     /// Which controls turn what.
     pub bindings: Vec<Binding>,
 }
@@ -173,6 +175,7 @@ impl Default for Preferences {
             live_fixed_level: false,
             picture_late_ms: BTreeMap::new(),
             leans_back: true,
+            song_titles: true,
             bindings: Vec::new(),
         }
     }

@@ -18,7 +18,7 @@ impl MusicRoom {
         if concert.outgoing.recorder.is_some() {
             listening.keep_sound(false);
             let device = concert.device().clone();
-            if let Err(why) = concert.outgoing.end_recording(&device, now_secs) {
+            if let Err(why) = concert.outgoing.end_recording(&device, now_secs, &mut concert.song_title) {
                 shared.notices.failed(why);
             }
             return;

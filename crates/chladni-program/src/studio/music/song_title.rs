@@ -1,31 +1,67 @@
 //! The name and the cover of the song that is heard, on stage for a while after it has begun.
 
+use std::sync::Arc;
+
+use chladni_view::Picture;
 use egui::{Align2, Color32, FontId, Rect, TextureHandle, Ui, pos2, vec2};
 
 use super::listening::Listening;
-use crate::work::{COVER, GAP, TITLE, title_opacity};
+use crate::work::{COVER, Caption, GAP, TITLE, title_opacity};
 
 /// The song that is heard, and since when.
 #[derive(Default)]
 pub struct SongTitle {
-    text: String,
+    caption: Caption,
     cover: Option<TextureHandle>,
     since_secs: f64,
+    /// How many songs were named before.
+    number: u64,
+    is_hidden: bool,
+}
+
+/// A title as it is seen in one picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeenTitle {
+    number: u64,
+    opacity: f32,
 }
 
 impl SongTitle {
-    /// Takes in the song at this time of the window.
-    pub fn follow(&mut self, listening: &Listening, now_secs: f64) {
+    /// Takes in the song at this time of the window, and whether it is to be named.
+    pub fn follow(&mut self, listening: &Listening, now_secs: f64, is_shown: bool) {
+        self.is_hidden = !is_shown;
         let text = listening.source_name();
-        if self.text != text {
-            (self.text, self.since_secs) = (text, now_secs);
+        if self.caption.text != text {
+            (self.since_secs, self.number) = (now_secs, self.number + 1);
+            (self.caption, self.cover) = (Caption::new(text, None), None);
         }
-        self.cover = listening.source_cover().cloned();
+        let cover = listening.source_cover();
+        let picture = cover.map(|cover| &cover.picture);
+        if self.caption.cover.as_ref().map(Arc::as_ptr) != picture.map(Arc::as_ptr) {
+            self.caption = Caption::new(std::mem::take(&mut self.caption.text), picture.cloned());
+            self.cover = cover.map(|cover| cover.texture.clone());
+        }
     }
 
-    /// Draws it over the stage, which fills `screen` and is as `light` as this, in [0, 1].
-    pub fn show(&self, ui: &Ui, screen: Rect, now_secs: f64, light: f32) {
-        let opacity = title_opacity(now_secs - self.since_secs) * light;
+    /// How opaque it is on a stage in full light, in [0, 1].
+    pub fn opacity(&self, now_secs: f64) -> f32 {
+        if self.is_hidden { 0.0 } else { title_opacity(now_secs - self.since_secs) }
+    }
+
+    /// It, as opaque as this, for a picture that is finished later.
+    pub fn seen(&self, opacity: f32) -> SeenTitle {
+        SeenTitle { number: self.number, opacity }
+    }
+
+    /// Draws it over a picture in which it was seen so; another song has another title.
+    pub fn lay(&mut self, picture: &mut Picture, seen: SeenTitle) {
+        if seen.number == self.number {
+            self.caption.lay(picture, seen.opacity);
+        }
+    }
+
+    /// Draws it over the stage, which fills `screen`, as opaque as this.
+    pub fn show(&self, ui: &Ui, screen: Rect, opacity: f32) {
         if opacity <= 0.0 {
             return;
         }
@@ -40,7 +76,7 @@ impl SongTitle {
             at.x += shown.x + GAP * size;
         }
         let color = Color32::from_white_alpha((220.0 * opacity) as u8);
-        ui.painter().text(at, Align2::LEFT_BOTTOM, &self.text, FontId::proportional(size), color);
+        ui.painter().text(at, Align2::LEFT_BOTTOM, &self.caption.text, FontId::proportional(size), color);
     }
 }
 
@@ -48,16 +84,35 @@ impl SongTitle {
 mod tests {
     use super::*;
 
+    fn titled() -> SongTitle {
+        SongTitle { caption: Caption::new("A song".into(), None), ..SongTitle::default() }
+    }
+
     #[test]
     fn it_is_not_seen_where_the_stage_is_black() {
-        let title = SongTitle { text: "A song".into(), ..SongTitle::default() };
-        let letters = |light: f32| {
+        let title = titled();
+        let letters = |opacity: f32| {
             let ctx = egui::Context::default();
-            let output =
-                ctx.run_ui(egui::RawInput::default(), |ui| title.show(ui, ui.max_rect(), 2.0, light));
+            let output = ctx.run_ui(egui::RawInput::default(), |ui| title.show(ui, ui.max_rect(), opacity));
             let is_text = |shape: &&egui::epaint::ClippedShape| matches!(shape.shape, egui::Shape::Text(_));
             output.shapes.iter().filter(is_text).count()
         };
         assert_eq!((letters(0.0), letters(1.0)), (0, 1));
+    }
+
+    #[test]
+    fn other_programs_see_it_in_pictures_of_its_song_only() {
+        let mut title = titled();
+        let light = |title: &mut SongTitle, seen: SeenTitle| {
+            let mut picture = Picture::filled(320, 180, [0, 0, 0, 255]);
+            title.lay(&mut picture, seen);
+            picture.rgba.chunks(4).map(|p| u32::from(p[0])).sum::<u32>()
+        };
+        let (dim, bright) = (title.seen(0.3), title.seen(title.opacity(2.0)));
+        assert!(light(&mut title, dim) > 1000 && light(&mut title, bright) > light(&mut title, dim));
+        title.number += 1;
+        assert_eq!(light(&mut title, bright), 0);
+        title.is_hidden = true;
+        assert_eq!(title.opacity(2.0), 0.0);
     }
 }

@@ -67,6 +67,8 @@ pub fn show(
     let tip =
         "Where a song is opened and nothing is touched, dances, looks and camera change with the music (A)";
     ui.checkbox(&mut preferences.leans_back, "Lean back").on_hover_text(tip);
+    let tip = "On stage, in its camera and in recordings, for some seconds after a song has begun";
+    ui.checkbox(&mut preferences.song_titles, "Show titles of songs").on_hover_text(tip);
     ui.add_space(theme::GAP_LARGE);
     sound(ui, listening, inputs, preferences);
     lateness(ui, listening, preferences, wishes);
@@ -129,7 +131,7 @@ fn lateness(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preference
             preferences.set_late_ms(late_ms);
             listening.show_ahead(1e-3 * f64::from(late_ms));
         }
-        let tip = "Tap to clicks, then to flashes: the difference is measured. With this window where the picture is seen";
+        let tip = "Tap to clicks, then to flashes: the difference is measured. Watch the window that is where the picture is seen";
         if ui.button("Calibrate").author_id("calibrate").on_hover_text(tip).clicked() {
             wishes.push(Wish::Calibrate);
         }
@@ -154,7 +156,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
             };
             let name = icon::label(mark, &listening.name_of(song));
             if let Some(cover) = listening.cover_of(song) {
-                ui.add(egui::Image::new(cover).fit_to_exact_size(vec2(COVER, COVER)));
+                ui.add(egui::Image::new(&cover.texture).fit_to_exact_size(vec2(COVER, COVER)));
             }
             if row(ui, ui.available_width() - 38.0, heard, name).clicked() {
                 play = Some(song);

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use chladni_sound::{Beats, Song, SongOptions, SongReader, SongTags, SoundError, track_beats};
 use chladni_task::Task;
+use chladni_view::Picture;
 
 use egui::{Context, TextureHandle};
 
@@ -17,13 +18,24 @@ pub enum Learned {
     /// The contents of its tags.
     Tags(SongTags),
     /// The picture in its tags, or beside it in a file.
-    Cover(TextureHandle, Option<PathBuf>),
+    Cover(SongCover),
     /// Its samples.
     Song(KnownSong),
     /// Its beats.
     Beats(Beats),
     /// Nothing, and why, unless the player reports the same.
     Nothing(Option<String>),
+}
+
+/// The cover of a song.
+#[derive(Clone)]
+pub struct SongCover {
+    /// For the window.
+    pub texture: TextureHandle,
+    /// For pictures that other programs get.
+    pub picture: Arc<Picture>,
+    /// Where it lies beside the song.
+    pub file: Option<PathBuf>,
 }
 
 /// One song that is being studied; dropping it ends that.
@@ -47,7 +59,9 @@ impl Study {
             let song = SongReader::open(&path).and_then(|mut reader| {
                 tell(Learned::Tags(reader.tags()));
                 if let Some(cover) = cover_of(&path, &mut reader) {
-                    tell(Learned::Cover(upload(&ctx, "cover", &cover.picture), cover.file));
+                    let texture = upload(&ctx, "cover", &cover.picture);
+                    let picture = Arc::new(cover.picture);
+                    tell(Learned::Cover(SongCover { texture, picture, file: cover.file }));
                 }
                 Song::read(&mut reader, &options, &worker)
             });

@@ -111,7 +111,7 @@ impl Concert {
             let area = viewport::area(ui, rect);
             let (cells, _) = Staging::cells(area, apart.count);
             self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
-            self.song_title.show(ui, rect, ui.input(|input| input.time), self.house.light());
+            self.song_title.show(ui, rect, self.title_opacity(ui.input(|input| input.time)));
             if self.flashes {
                 let light = calibration_flash(ui.input(|input| input.time));
                 ui.painter().rect_filled(rect, 0.0, Color32::from_gray((255.0 * light).round() as u8));

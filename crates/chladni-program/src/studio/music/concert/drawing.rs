@@ -7,6 +7,7 @@ use egui::Ui;
 
 use super::super::coarse;
 use super::super::glimpse::Glimpse;
+use super::super::outgoing::Over;
 use super::super::projection::Projection;
 use super::super::stillness::StillPicture;
 use super::Concert;
@@ -104,8 +105,18 @@ impl Concert {
         let seen = self.draws_stage || !self.on_stage();
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };
         let Some(canvas) = canvas.filter(|_| seen) else { return Ok(()) };
-        let dark = if self.draws_stage { self.house.level(self.seconds).0 } else { 0.0 };
-        self.outgoing.take(self.pane.viewport.device(), canvas, self.seconds, (self.pane.veil, dark))
+        let (dark, title) = if self.draws_stage {
+            (self.house.level(self.seconds).0, self.title_opacity(self.seconds))
+        } else {
+            (0.0, 0.0)
+        };
+        let over = Over { veil: self.pane.veil, dark, title: self.song_title.seen(title) };
+        self.outgoing.take(self.pane.viewport.device(), canvas, self.seconds, over, &mut self.song_title)
+    }
+
+    /// How opaque the song's title is on stage: not at all where that is frozen.
+    pub fn title_opacity(&self, now_secs: f64) -> f32 {
+        if self.house.frozen { 0.0 } else { self.house.light() * self.song_title.opacity(now_secs) }
     }
 
     fn darken(&mut self, ui: &Ui, rect: egui::Rect) {

@@ -37,7 +37,7 @@ impl Concert {
         let began = (shared.now)();
         let whole = viewport::whole_pixels(ui);
         self.seconds = ui.input(|input| input.time);
-        self.song_title.follow(listening, self.seconds);
+        self.song_title.follow(listening, self.seconds, shared.settings.music.song_titles);
         self.backcloth.follow(shared);
         self.moving = self.backcloth.moves();
         if listening.beats_changed() {

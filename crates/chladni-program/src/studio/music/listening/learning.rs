@@ -46,7 +46,7 @@ impl Listening {
                     self.beats_changed = true;
                 }
                 Learned::Tags(tags) => song.tags = tags,
-                Learned::Cover(cover, file) => (song.cover, song.cover_file) = (Some(cover), file),
+                Learned::Cover(cover) => song.cover = Some(cover),
                 Learned::Nothing(why) => {
                     song.given_up = true;
                     let message = "Until another song plays it is heard as live input is";

@@ -21,12 +21,12 @@ use chladni_sound::{
     sample_tune, write_wav,
 };
 
-use egui::{Context, TextureHandle};
+use egui::Context;
 use live::Live;
 use outer::Outer;
 use wanted::Wanted;
 
-use super::study::Study;
+use super::study::{SongCover, Study};
 use crate::work::source::TUNE;
 use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
 
@@ -94,15 +94,13 @@ pub struct ShowSong {
     /// The contents of its tags.
     tags: SongTags,
     /// The cover in its tags, or beside it.
-    cover: Option<TextureHandle>,
-    cover_file: Option<PathBuf>,
+    cover: Option<SongCover>,
 }
 
 impl ShowSong {
     /// A song about which nothing is known yet.
     pub fn new(path: PathBuf, reading: BeatReading) -> Self {
-        let (tags, cover, cover_file) = (SongTags::default(), None, None);
-        Self { path, reading, beats: None, given_up: false, tags, cover, cover_file }
+        Self { path, reading, beats: None, given_up: false, tags: SongTags::default(), cover: None }
     }
 }
 

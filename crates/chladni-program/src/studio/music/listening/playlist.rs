@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use chladni_sound::{PlayerState, Repeat};
-use egui::TextureHandle;
 
+use super::super::study::SongCover;
 use super::{Listening, ShowSong};
 
 impl Listening {
@@ -105,17 +105,17 @@ impl Listening {
     }
 
     /// The cover of a song of the list, once it has been heard and if it has one.
-    pub fn cover_of(&self, song: usize) -> Option<&TextureHandle> {
+    pub fn cover_of(&self, song: usize) -> Option<&SongCover> {
         self.known(song)?.cover.as_ref()
     }
 
     /// The file of its cover, where that lies beside it.
     pub fn cover_file_of(&self, song: usize) -> Option<&Path> {
-        self.known(song)?.cover_file.as_deref()
+        self.cover_of(song)?.file.as_deref()
     }
 
     /// The cover of the song that is heard.
-    pub fn source_cover(&self) -> Option<&TextureHandle> {
+    pub fn source_cover(&self) -> Option<&SongCover> {
         if self.live.is_some() { None } else { self.cover_of(self.player.status().song) }
     }
 

@@ -1,0 +1,85 @@
+//! The name and the cover of a song on a picture, as they appear on stage.
+
+use std::sync::Arc;
+
+use chladni_view::Picture;
+
+use super::Lettering;
+use super::titles::{COVER, GAP, TITLE};
+
+/// How opaque letters get.
+const WHITE: f32 = 220.0 / 255.0;
+
+/// The caption of a song.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Caption {
+    /// Its title.
+    pub text: String,
+    /// Its cover.
+    pub cover: Option<Arc<Picture>>,
+    drawn: Option<Drawn>,
+}
+
+/// What is laid over a picture of some height.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawn {
+    height: u32,
+    letters: Lettering,
+    cover: Picture,
+}
+
+impl Caption {
+    /// The caption of a song.
+    pub fn new(text: String, cover: Option<Arc<Picture>>) -> Self {
+        Self { text, cover, drawn: None }
+    }
+
+    /// Draws it over a picture, as opaque as this, in [0, 1].
+    pub fn lay(&mut self, picture: &mut Picture, opacity: f32) {
+        let opacity = WHITE * opacity;
+        if opacity <= 0.0 {
+            return;
+        }
+        let height = picture.height;
+        let [size, left, bottom] = TITLE.map(|length| length * height as f32 / 720.0);
+        if self.drawn.as_ref().is_none_or(|drawn| drawn.height != height) {
+            let cover =
+                self.cover.as_ref().map(|cover| Picture::clone(cover).thumbnail((COVER * size) as u32));
+            let (letters, cover) = (Lettering::new(&self.text, size), cover.unwrap_or_default());
+            self.drawn = Some(Drawn { height, letters, cover });
+        }
+        let Some(Drawn { letters, cover, .. }) = &self.drawn else { return };
+        let foot = (height as f32 - bottom - 0.2 * size).max(0.0);
+        let beside = if cover.width > 0 { cover.width as f32 + GAP * size } else { 0.0 };
+        letters.lay(picture, [(left + beside) as usize, foot as usize], [255; 3], opacity);
+        let top = (height as f32 - bottom) as u32;
+        picture.blend(cover, left as u32, top.saturating_sub(cover.height), opacity);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cover_stands_on_the_line_before_the_title() {
+        let cover = Arc::new(Picture::filled(200, 100, [0, 200, 0, 255]));
+        let mut caption = Caption::new("Song".into(), Some(cover));
+        let mut picture = Picture::filled(1280, 720, [0, 0, 0, 255]);
+        caption.lay(&mut picture, 1.0);
+        let green = |x, y| picture.pixel(x, y).is_some_and(|p| p[1] > 150 && p[0] == 0);
+        assert!(green(32, 671) && green(32 + 64, 640) && !green(32, 672) && !green(31, 671));
+        let letters = |x| (600..680).any(|y| picture.pixel(x, y).is_some_and(|p| p[0] > 100));
+        assert!((0..100).all(|x| !letters(x)) && (100..220).any(letters));
+        // A picture of another height has letters of another size.
+        let mut small = Picture::filled(640, 360, [0, 0, 0, 255]);
+        caption.lay(&mut small, 1.0);
+        assert!(
+            small.pixel(16, 335).is_some_and(|p| p[1] > 150)
+                && small.pixel(16, 337).is_some_and(|p| p[1] == 0)
+        );
+        let before = small.clone();
+        caption.lay(&mut small, 0.0);
+        assert_eq!(small, before);
+    }
+}
