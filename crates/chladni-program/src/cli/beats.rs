@@ -11,7 +11,7 @@ use crate::work::{Error, Watcher, source};
 pub struct Beats {
     /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF) or sample:tune.
     song: String,
-    /// Print `tempo_bpm`, `beats_secs` and `confidence` as JSON.
+    /// Print beats, tempo, bars, sections and energy as JSON (docs/beats.md).
     #[arg(long)]
     json: bool,
     /// Use at each moment only what was heard by then, as the live window does.

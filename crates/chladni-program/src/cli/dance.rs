@@ -124,7 +124,8 @@ pub struct Dance {
     /// Show the shape at rest, too, as dots.
     #[arg(long)]
     rest: bool,
-    /// The whole scene. That of the show unless given, else that in which the shape opens (aurora for most), or plain where parts of it are given.
+    /// The whole scene. That of the show unless given, else that in which the shape opens (aurora for most), or plain where
+    /// --material, --lights or --background is given.
     #[arg(long, value_name = "LOOK", value_parser = one_of(Look::PRESETS))]
     look: Option<Look>,
     /// Color by movement; or own: the colors that the shape brings, its texture or those of its vertices. The look's own

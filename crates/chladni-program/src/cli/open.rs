@@ -13,7 +13,7 @@ use crate::work::{Error, Watcher};
 /// Open the window, on files where some are given.
 #[derive(clap::Args, Default)]
 pub struct Open {
-    /// Meshes or a project, songs, a preset or a session; the first mesh is the shape, the next
+    /// Meshes or a project, songs, a preset or a show; the first mesh is the shape, the next
     /// ones are templates for it.
     files: Vec<PathBuf>,
     /// Listen to this live input, as the drawer Songs calls it; without a name, to the one that was chosen last.
