@@ -224,16 +224,20 @@ impl<G: Genome> Gallery<G> {
         Ok(())
     }
 
-    /// Appends a generation in which one item is replaced by `genome`, called `name`, and shows it.
+    /// Appends a generation in which one item is replaced by `genome`, called `name`, and shows it. Where there is no
+    /// room for more generations, the item is replaced in the one that is shown: a show of many days goes on.
     ///
     /// # Errors
-    /// An item that does not exist, or no room for more generations.
+    /// An item that does not exist.
     pub fn load(&mut self, index: usize, name: &str, genome: G) -> Result<(), BreedingError> {
-        self.check_room()?;
         self.item_mut(index)?;
         let mut item = self.item(genome, Origin::Loaded { name: name.to_owned() });
         item.name = name.to_owned();
-        self.replace(index, item);
+        if self.check_room().is_ok() {
+            self.replace(index, item);
+        } else {
+            *self.item_mut(index)? = item;
+        }
         Ok(())
     }
 
@@ -309,6 +313,18 @@ mod tests {
 
     fn initial(size: usize) -> impl FnOnce(&mut ChaCha8Rng) -> Vec<Numbers> {
         move |rng| (0..size).map(|_| Numbers((0..384).map(|_| rng.random()).collect())).collect()
+    }
+
+    #[test]
+    fn where_there_is_no_room_a_loaded_item_takes_a_place_in_the_last_generation() {
+        let mut gallery = Gallery::new(3, 6, initial(6)).unwrap();
+        gallery.genes = MOST_GENES;
+        let (generations, before) = (gallery.generations.len(), gallery.items()[2].id);
+        gallery.load(2, "late", Numbers(vec![0.5; 384])).unwrap();
+        assert_eq!((gallery.generations.len(), gallery.items()[2].name.as_str()), (generations, "late"));
+        assert_ne!(gallery.items()[2].id, before);
+        assert!(gallery.load(9, "nowhere", Numbers(vec![0.5; 384])).is_err());
+        assert!(gallery.mutate(1, 0.2).is_err());
     }
 
     #[test]

@@ -311,3 +311,21 @@ fn a_picture_that_materials_share_is_stored_once() {
         assert_eq!(material.base_color_texture.as_ref(), Some(&picture));
     }
 }
+
+/// Texture coordinates of three vertices, as shares of 65,535, of which only those of the last are given.
+#[test]
+fn a_sparse_accessor_of_normalized_numbers_changes_the_elements_that_it_names() {
+    let document = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"componentType": 5123, "normalized": true, "count": 3, "type": "VEC2", "sparse": {"count": 1,
+                "indices": {"bufferView": 1, "componentType": 5123}, "values": {"bufferView": 2}}}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 2},
+            {"buffer": 0, "byteOffset": 40, "byteLength": 4}],
+        "buffers": [{"byteLength": 44, "uri":
+            "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAgAAAP//MzM="}]}"#;
+    let mesh = read_mesh(document.as_bytes(), Format::Gltf).unwrap().mesh;
+    let across = mesh.triangle_uvs().unwrap()[0].map(|uv| uv[0]);
+    assert_eq!(across, [0.0, 0.0, 1.0]);
+}

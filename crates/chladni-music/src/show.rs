@@ -185,12 +185,13 @@ impl Show {
         text_file::print("show", self)
     }
 
-    /// Reads a show file of at most 64 MiB: enough for hours of continuously turned knobs.
+    /// Reads a show file of at most 256 MiB: enough for hours of continuously turned knobs, and for some nine days of the
+    /// autopilot.
     ///
     /// # Errors
     /// A file that cannot be read or is too large, and what [`from_text`](Self::from_text) refuses.
     pub fn load(path: &Path) -> Result<Self, MusicError> {
-        Self::from_text(&text_file::read(path, 64)?)
+        Self::from_text(&text_file::read(path, 256)?)
     }
 
     /// Writes a show file whole or not at all.

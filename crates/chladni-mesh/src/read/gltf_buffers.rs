@@ -91,10 +91,8 @@ impl<'a> Buffers<'a> {
             None => return Err(Fault::part(at(), format!("{} elements without data", accessor.count))),
         };
         if let Some(sparse) = &accessor.sparse {
-            let index_type = Component {
-                kind: sparse.indices.component_type,
-                ..component.with_size(sparse.indices.component_type)
-            };
+            let index_type =
+                Component { normalized: false, ..component.with_size(sparse.indices.component_type) };
             let (data, _) = self.view(sparse.indices.buffer_view)?;
             let places = index_type.read(data, sparse.indices.byte_offset, index_type.size, sparse.count, 1);
             let (data, _) = self.view(sparse.values.buffer_view)?;

@@ -13,7 +13,7 @@ use super::{Error, Hearing};
 /// Color of the grains, sRGB.
 const COLOR: [u8; 3] = [240, 220, 178];
 /// A film that begins in the middle of a show begins with sand poured this long before.
-const BEFORE_SECS: f64 = 5.0;
+pub const BEFORE_SECS: f64 = 5.0;
 /// The most steps that are caught up; after a longer wait the sand goes on from now.
 const MOST_STEPS: i64 = 120;
 
@@ -29,6 +29,8 @@ pub struct SandTable {
     sweeps: u32,
     /// The next step, counted from the beginning of the show.
     next: i64,
+    /// The most steps that are caught up: at the beginning of a film those before it.
+    most_steps: i64,
     /// The grains to draw on each item, and their size.
     grains: Vec<Vec<Grain>>,
     radius: f32,
@@ -38,7 +40,9 @@ impl SandTable {
     /// A shape without sand, for a show that is seen from `begins_secs` on.
     pub fn new(body: Body, begins_secs: f64) -> Self {
         let next = ((begins_secs - BEFORE_SECS).max(0.0) / SAND_STEP_SECS).ceil() as i64;
-        Self { body, tray: None, sands: Vec::new(), sweeps: 0, next, grains: Vec::new(), radius: 0.0 }
+        let before = (begins_secs / SAND_STEP_SECS).ceil() as i64 - next;
+        let (sands, grains, most_steps) = (Vec::new(), Vec::new(), before.max(MOST_STEPS));
+        Self { body, tray: None, sands, sweeps: 0, next, most_steps, grains, radius: 0.0 }
     }
 
     /// The time of the next step, where it is not after `at_secs`.
@@ -49,7 +53,10 @@ impl SandTable {
             self.sands.clear();
             self.next = last;
         }
-        self.next = self.next.max(last - MOST_STEPS);
+        self.next = self.next.max(last - self.most_steps);
+        if self.next > last {
+            self.most_steps = MOST_STEPS;
+        }
         (self.next <= last).then_some(self.next as f64 * SAND_STEP_SECS)
     }
 
@@ -207,6 +214,19 @@ mod tests {
         let first = dance(0.5);
         assert_ne!(dance(2.0), first);
         assert_eq!(dance(0.5), first);
+    }
+
+    #[test]
+    fn a_film_from_the_middle_begins_with_sand_of_five_seconds_and_then_goes_on_as_the_window() {
+        let (body, _, instrument) = stage();
+        let mut table = SandTable::new(body.clone(), 60.0);
+        assert_eq!(table.due(60.0), Some(55.0));
+        while table.due(60.0).is_some() {
+            table.step(&[], &instrument);
+        }
+        // A wait is not caught up in full.
+        assert!(table.due(70.0).is_some_and(|secs| (67.9..68.1).contains(&secs)));
+        assert_eq!(SandTable::new(body, 1.0).due(1.0), Some(0.0));
     }
 
     #[test]

@@ -114,7 +114,7 @@ pub fn song(
 fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<Song, Error> {
     let frames = |secs: f64| (secs * f64::from(song.rate_hz)).round() as usize;
     let first = frames(start_secs).min(song.frames());
-    let last = duration_secs.map_or(song.frames(), |d| (first + frames(d)).min(song.frames()));
+    let last = duration_secs.map_or(song.frames(), |d| first.saturating_add(frames(d)).min(song.frames()));
     if first == last {
         return Err(Error::Input(format!("the song ends after {:.1} s", song.duration_secs())));
     }
@@ -123,4 +123,18 @@ fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<So
         left: song.left[first..last].to_vec(),
         right: song.right[first..last].to_vec(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_any_length_ends_with_the_song() {
+        let whole = sample_tune();
+        let rest = |secs: f64| stretch(sample_tune(), 1.0, Some(secs)).unwrap().frames();
+        assert_eq!(rest(1e300), whole.frames() - whole.rate_hz as usize);
+        assert_eq!(rest(0.5), whole.rate_hz as usize / 2);
+        assert!(stretch(sample_tune(), 1e300, None).is_err());
+    }
 }

@@ -157,6 +157,13 @@ impl Subject {
         landmarks.into_iter().map(of).collect()
     }
 
+    /// The other way round: `landmarks` with the numbers of the shape's file.
+    pub fn numbered_in_file(&self, landmarks: &[Landmark]) -> Vec<Landmark> {
+        let whole = self.proxy.as_ref().map(|proxy| proxy.whole_vertex());
+        let of = |shape: u32| whole.and_then(|whole| whole.get(shape as usize)).copied().unwrap_or(shape);
+        landmarks.iter().map(|landmark| Landmark { shape: of(landmark.shape), ..*landmark }).collect()
+    }
+
     /// The shape with all that its file holds.
     pub fn whole(&self) -> &Arc<TriMesh> {
         self.proxy.as_ref().map_or(&self.mesh, |proxy| proxy.whole())
@@ -237,6 +244,8 @@ mod tests {
         }
         let chosen = large.proxy.as_ref().unwrap().whole_vertex()[5];
         assert_eq!(large.renumbered(vec![mark(chosen)]).unwrap(), [mark(5)]);
+        assert_eq!(large.numbered_in_file(&[mark(5)]), [mark(chosen)]);
+        assert_eq!(small.numbered_in_file(&[mark(5)]), [mark(5)]);
         assert!(large.renumbered(vec![mark(700_000)]).is_err());
         assert_eq!(small.renumbered(vec![mark(700_000)]).unwrap(), [mark(700_000)]);
     }

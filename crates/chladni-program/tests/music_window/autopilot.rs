@@ -83,3 +83,53 @@ fn it_takes_over_eight_seconds_after_the_last_touch_and_obeys_its_keys() {
     // Twice by itself or A, and once for each arrow.
     assert_eq!(count(|action| matches!(action, Action::Perform { .. })), 4);
 }
+
+/// A file as a desktop hands it over.
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|why| why.to_string())
+    }
+}
+
+fn drop_file(window: &mut Window, path: std::path::PathBuf) {
+    window.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+    window.run_steps(2);
+}
+
+#[test]
+fn it_goes_on_with_another_shape_and_ends_with_another_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let files = ball_and_song(folder.path()).to_vec();
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &path("round.obj")).unwrap();
+    std::fs::write(path("other.toml"), "format_version = 1\nseed = 5\nsize = 6\n").unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let folders = folders(folder.path());
+    let mut window = enter(Opening { folders, files, chooser, now: no_time, ..Opening::default() });
+    window.key_press(Key::A);
+    window.run_steps(3);
+    let leans = |window: &Window| !shows(window, "12 items");
+    assert!(leans(&window));
+    drop_file(&mut window, path("round.obj"));
+    wait(&mut window, "the other shape", |w| !shows(w, "Opening"));
+    window.run_steps(5);
+    assert!(leans(&window), "the autopilot left the stage with the shape");
+    // It still obeys: A ends it, and the gallery is there.
+    window.key_press(Key::A);
+    window.run_steps(3);
+    assert!(!leans(&window));
+    window.key_press(Key::A);
+    window.run_steps(3);
+    drop_file(&mut window, path("other.toml"));
+    wait(&mut window, "the other show", |w| shows(w, "6 items"));
+    window.run_steps(5);
+    assert!(shows(&window, "6 items"), "the autopilot went on in another show");
+}

@@ -315,3 +315,33 @@ fn a_show_survives_a_crash_and_a_request_to_end() {
         kept.actions.iter().filter(|line| matches!(line.action, chladni_music::Action::Favorite { .. }));
     assert_eq!(favorites.count(), 2);
 }
+
+#[test]
+fn a_recovered_show_whose_shape_does_not_open_is_not_thrown_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = folder.path();
+    let opening = |files: Vec<std::path::PathBuf>| Opening {
+        folders: Folders { recovery: Some(home.join("recovery")), ..folders(home) },
+        files,
+        now: no_time,
+        ..Opening::default()
+    };
+    let [ball, song] = ball_and_song(home);
+    let mut window = enter(opening(vec![ball.clone(), song]));
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    wait(&mut window, "a copy", |_| shows_in(home).len() == 1);
+    drop(window);
+    let left = shows_in(home);
+
+    std::fs::write(&ball, "v 0 0 0\nf 1 2 3\n").unwrap();
+    let mut window = open(opening(Vec::new()), [1000.0, 640.0]);
+    window.run_steps(3);
+    click(&mut window, "recover-show");
+    wait(&mut window, "why it does not open", |w| shows(w, "ball.obj") && is_there(w, "dance/3"));
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    wait(&mut window, "a copy of the other show", |_| shows_in(home).iter().any(|path| !left.contains(path)));
+    window.run_steps(3);
+    assert!(left[0].exists(), "what was not opened is gone");
+}

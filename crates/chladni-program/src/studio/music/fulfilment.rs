@@ -37,7 +37,10 @@ impl MusicRoom {
                 concert.mark_neighbor(right, down);
                 Ok(())
             }
-            Wish::Autopilot => concert.pilot(self.drawers.shelf.kept()),
+            Wish::Autopilot => {
+                self.drawers.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
+                concert.pilot(self.drawers.shelf.kept())
+            }
             Wish::Hold => {
                 concert.hold();
                 Ok(())

@@ -40,6 +40,8 @@ pub struct Keepsake {
     failure: Option<String>,
     /// Copies that earlier windows left, once they were looked for.
     found: Option<Vec<PathBuf>>,
+    /// One that is being opened in this window; it stays where that fails.
+    opening: Option<PathBuf>,
     /// One that is open in this window again; it goes once our own copy is on the disk.
     adopted: Option<PathBuf>,
 }
@@ -67,7 +69,11 @@ impl Keepsake {
 
     /// Writes `show`, which has this many `actions`, on a thread.
     fn write(&mut self, show: Show, actions: usize) {
-        let Some(Ok(copy)) = self.copy.take() else { return };
+        let copy = match self.copy.take() {
+            Some(Ok(copy)) => copy,
+            // Where it cannot be, that was reported once.
+            none => return self.copy = none,
+        };
         let (done, written) = channel();
         let work = move || {
             let text = show.to_text().map_err(|why| why.to_string());
@@ -177,7 +183,7 @@ impl MusicRoom {
                 if wanted {
                     // The others are asked about the next time: one show is played at a time.
                     found.clear();
-                    self.keepsake.adopted = Some(newest.clone());
+                    self.keepsake.opening = Some(newest.clone());
                     self.waiting.push(newest);
                 } else {
                     RecoveryCopy::discard(&newest);
@@ -186,10 +192,15 @@ impl MusicRoom {
             }
         }
     }
+}
 
-    /// Whether `path` is the copy that was just recovered: a show that no file of the user has.
-    pub(super) fn is_recovered(&self, path: &Path) -> bool {
-        self.keepsake.adopted.as_deref() == Some(path)
+impl Keepsake {
+    /// The show at `path` is open now; whether that is a copy which is recovered: a show that no file of the user has.
+    pub fn opened(&mut self, path: &Path) -> bool {
+        let recovered = self.opening.take_if(|opening| *opening == path);
+        let is_recovered = recovered.is_some();
+        self.adopted = recovered.or(self.adopted.take());
+        is_recovered
     }
 }
 
@@ -202,4 +213,26 @@ fn found_in(folder: &Path) -> Vec<PathBuf> {
 
 fn changed(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|about| about.modified()).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_that_cannot_be_is_not_tried_again() {
+        let mut keepsake = Keepsake { copy: Some(Err(())), ..Keepsake::default() };
+        let show = Show::from_text("format_version = 1\nseed = 5\nsize = 6\n").unwrap();
+        keepsake.write(show, 3);
+        assert!(matches!(keepsake.copy, Some(Err(()))) && keepsake.writing.is_none());
+    }
+
+    #[test]
+    fn only_a_copy_that_was_opened_is_adopted() {
+        let mut keepsake = Keepsake { opening: Some("left.toml".into()), ..Keepsake::default() };
+        assert!(!keepsake.opened(Path::new("other.toml")) && keepsake.adopted.is_none());
+        assert!(keepsake.opened(Path::new("left.toml")));
+        assert_eq!(keepsake.adopted.as_deref(), Some(Path::new("left.toml")));
+        assert!(!keepsake.opened(Path::new("left.toml")), "opened again by hand");
+    }
 }

@@ -200,9 +200,9 @@ impl MusicRoom {
                 });
                 match concert {
                     Ok(mut concert) => {
-                        // Another shape goes on in the same film.
+                        // Another shape goes on in the same film, by the same autopilot, on a stage as black as it is.
                         if let Some(before) = self.concert.take() {
-                            concert.outgoing = before.outgoing;
+                            concert.go_on_as(before);
                         }
                         self.concert = Some(concert);
                         self.names.dancing = std::mem::take(&mut self.names.loading);

@@ -21,7 +21,7 @@ use crate::studio::shortcut::Shortcut;
 use crate::studio::{keys, measure, theme};
 use crate::work::formats::{self, Kind, LISTS, SONGS, TEXT};
 use crate::work::source::sample_path;
-use crate::work::{Error, playlist, refer};
+use crate::work::{Error, playlist, unread};
 
 /// How often a room at rest checks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
@@ -149,6 +149,8 @@ impl Room for MusicRoom {
         if let Some(concert) = &mut self.concert
             && let Err(why) = concert.change_device(shared.screen)
         {
+            // The next start offers the show that cannot go on.
+            self.leave_show(shared);
             self.concert = None;
             self.refuse(why, shared);
         }
@@ -209,7 +211,6 @@ impl MusicRoom {
         if staged || !shared.settings.music.leans_back {
             self.leaning.end();
         } else if self.leaning.is_at_rest(&shared.ctx) && plays {
-            self.drawers.shelf.ready(shared.folders.dances.as_deref(), shared.notices);
             wishes.push(Wish::Autopilot);
         }
     }
@@ -288,10 +289,11 @@ impl MusicRoom {
     /// Begins the film that was asked for.
     pub(super) fn film_to(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
+            let show = the_show(concert, listening, &self.names, shared, unread);
             let scene = Scene {
-                show: the_show(concert, listening, &self.names, shared, |file| refer(file, None)),
+                songs: songs_of(&show),
+                show,
                 body: self.names.dancing.to_string_lossy().into_owned(),
-                songs: songs_of(listening),
                 song: listening.song_number(),
                 view: concert.view(),
                 favorites: concert.instrument().favorites().len(),

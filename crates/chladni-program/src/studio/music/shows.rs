@@ -102,12 +102,11 @@ impl MusicRoom {
 
     /// Continues a show on the shape that dances.
     pub(super) fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
-        let is_recovered = self.is_recovered(path);
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         if let Err(why) = concert.replay(show) {
             return shared.notices.error(format!("{}: {why}", path.display()));
         }
-        if is_recovered {
+        if self.keepsake.opened(path) {
             concert.mark_unsaved();
         }
         if let Some(looks) = &show.looks {
@@ -197,10 +196,9 @@ pub fn the_show(
     }
 }
 
-/// The songs of the show as the command line calls them.
-pub fn songs_of(listening: &Listening) -> Vec<(String, BeatReading)> {
-    let (_, songs) = listening.heard();
-    songs.iter().map(|song| (song.path.to_string_lossy().into_owned(), song.reading)).collect()
+/// The songs of a show as the command line calls them.
+pub fn songs_of(show: &Show) -> Vec<(String, BeatReading)> {
+    show.songs.iter().map(|song| (song.path.clone(), song.reading)).collect()
 }
 
 /// Saves the show.

@@ -14,11 +14,15 @@ pub struct Recording {
     /// Per term, K×3 or K numbers a frame.
     terms: Vec<Vec<f32>>,
     channels: u64,
+    /// Terms, channels and numbers of the first frame, and whether another has others.
+    first: Option<[usize; 3]>,
+    is_uneven: bool,
 }
 
 impl Recording {
     /// Adds the frame of `time_secs`, played in `form`.
     pub fn push(&mut self, time_secs: f64, form: Form, item: &Item) {
+        let before: usize = self.terms.iter().map(Vec::len).sum();
         self.times_secs.push(time_secs);
         let own = &item.terms[..form.terms().min(item.terms.len())];
         self.terms.resize(own.len().max(self.terms.len()), Vec::new());
@@ -34,6 +38,9 @@ impl Recording {
                 }
             }
         }
+        let numbers = self.terms.iter().map(Vec::len).sum::<usize>() - before;
+        let shape = [own.len(), self.channels as usize, numbers];
+        self.is_uneven |= *self.first.get_or_insert(shape) != shape;
     }
 
     /// Writes `times_secs` and `coefficients` (frames×K×3, or frames×K in the modal form). The
@@ -43,9 +50,7 @@ impl Recording {
     pub fn write(&self, path: &Path) -> std::io::Result<()> {
         let frames = self.times_secs.len() as u64;
         let per_frame = |values: &[f32]| values.len() as u64 / frames.max(1);
-        let uneven =
-            self.terms.iter().any(|v| !(v.len() as u64).is_multiple_of(frames.max(1) * self.channels.max(1)));
-        if uneven || self.terms.windows(2).any(|pair| pair[0].len() != pair[1].len()) {
+        if self.is_uneven {
             return Err(std::io::Error::other(
                 "the form changed within the film, so that frames have no common shape",
             ));
@@ -60,5 +65,37 @@ impl Recording {
             }
             Ok(())
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_synth::Term;
+
+    use super::*;
+
+    #[test]
+    fn frames_of_other_forms_or_sizes_have_no_common_shape() {
+        let item = |coefficients| Item {
+            terms: vec![Term { coefficients, residual: None, residual_gain: 0.0, mask: None }],
+        };
+        let [filter, modal] =
+            [Coefficients::Vector(vec![[0.5; 3]; 4]), Coefficients::Normal(vec![0.5; 4])].map(item);
+        let short = item(Coefficients::Normal(vec![0.5; 2]));
+        let folder = tempfile::tempdir().unwrap();
+        let written = |frames: &[(Form, &Item)]| {
+            let mut recording = Recording::default();
+            for (i, (form, item)) in frames.iter().enumerate() {
+                recording.push(i as f64, *form, item);
+            }
+            recording.write(&folder.path().join("c.npz"))
+        };
+        assert!(written(&[(Form::Filter, &filter), (Form::Filter, &filter)]).is_ok());
+        // 32 numbers in four frames: as many as four of 4 × 2, or of 8.
+        let changed =
+            [(Form::Filter, &filter), (Form::Filter, &filter), (Form::Modal, &modal), (Form::Modal, &modal)];
+        assert!(written(&changed).unwrap_err().to_string().contains("form changed"));
+        assert!(written(&[(Form::Modal, &modal), (Form::Modal, &short), (Form::Modal, &short)]).is_err());
+        assert!(written(&[]).is_ok());
     }
 }

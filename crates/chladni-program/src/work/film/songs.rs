@@ -5,6 +5,7 @@ use std::sync::Arc;
 use chladni_music::{BeatReading, Stretch};
 use chladni_sound::{Beats, Song, StereoResampler, crossfade_gain, track_beats};
 
+use crate::work::sand::BEFORE_SECS;
 use crate::work::{Error, Hearing, KnownSong, Watcher, read_beats, source};
 
 /// Sampling rate of a film's sound without any song.
@@ -43,8 +44,8 @@ impl Songs {
         }
         let (start_secs, wanted_secs) = range;
         let end_secs = wanted_secs.map_or(f64::INFINITY, |secs| start_secs + secs);
-        // A jump fades from the sound before it.
-        let over = |next: &Stretch| next.at_secs + (0.5 * next.crossfade_secs).max(1.0);
+        // A jump fades from the sound before it, and sand has been lying for a while.
+        let over = |next: &Stretch| next.at_secs + (0.5 * next.crossfade_secs).max(BEFORE_SECS);
         let overs = heard.iter().skip(1).map(over).chain([f64::INFINITY]);
         let reached = heard.iter().zip(overs).filter(|(stretch, over_secs)| {
             stretch.at_secs - 0.5 * stretch.crossfade_secs < end_secs && *over_secs > start_secs

@@ -20,13 +20,14 @@ pub enum Wanted {
 }
 
 /// Shows the marks of a caricature at `place` and does the action that was clicked or pressed; keys are for the
-/// `marked` one.
+/// `marked` one. Marks are set only on a gallery that is `idle`: one that is bred on comes back with those that it had.
 pub fn show(
     ui: &mut Ui,
     place: Rect,
     index: usize,
     marked: &mut usize,
     shown: &mut Exhibition,
+    idle: bool,
 ) -> Result<Option<Wanted>, Error> {
     let response = ui.interact(place, ui.scope_id().with(("caricature", index)), Sense::click());
     if response.contains_pointer() && ui.input(|input| input.pointer.is_moving()) || response.gained_focus() {
@@ -50,6 +51,9 @@ pub fn show(
         locks |= wish(ui, Icon::Lock, if item.locked { "Unlock" } else { "Lock in its place" });
         changes |= wish(ui, Icon::Dices, "Change a little");
     });
+    if !idle {
+        return Ok(takes.then_some(Wanted::Taken));
+    }
     if !takes && (response.clicked() || pressed(CHOOSE)) {
         gallery.choose(index, !item.chosen)?;
     }

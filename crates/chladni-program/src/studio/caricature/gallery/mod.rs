@@ -183,8 +183,10 @@ impl GalleryView {
             for group in Group::ALL {
                 let mut locked = shown.gallery.is_locked(group);
                 let tip = "Children have it from one parent unchanged";
-                let toggle =
-                    ui.toggle_value(&mut locked, theme::capitalized(group.name())).on_hover_text(tip);
+                let toggle = ui.add_enabled_ui(idle, |ui| {
+                    ui.toggle_value(&mut locked, theme::capitalized(group.name()))
+                });
+                let toggle = toggle.inner.on_hover_text(tip);
                 if toggle.author_id(format!("lock/{}", group.name())).changed() {
                     shown.gallery.lock(group, locked);
                 }
@@ -241,6 +243,7 @@ impl GalleryView {
         if self.wall.is_none() {
             self.wall = Some(Wall::new(shared.screen, shown, session)?);
         }
+        let idle = self.work.is_none();
         let Some(wall) = &mut self.wall else { return Ok(true) };
         wall.hang(shown);
         wall.show(ui, rect, &cells, &response, look)?;
@@ -249,7 +252,8 @@ impl GalleryView {
         for (index, place) in cells.iter().enumerate() {
             let corner = rect.min + vec2(place.x as f32, place.y as f32) / scale;
             let size = vec2(place.width as f32, place.height as f32) / scale;
-            match cell::show(ui, egui::Rect::from_min_size(corner, size), index, &mut self.marked, shown)? {
+            let place = egui::Rect::from_min_size(corner, size);
+            match cell::show(ui, place, index, &mut self.marked, shown, idle)? {
                 Some(Wanted::Taken) => taken = Some(index),
                 Some(Wanted::Changed) => changed = Some(index),
                 None => {}
@@ -259,7 +263,7 @@ impl GalleryView {
             take(portrait.layers.clone(), session, edits);
             return Ok(false);
         }
-        if let Some(index) = changed.filter(|_| self.work.is_none()) {
+        if let Some(index) = changed {
             self.start(Step::Change(index), ui.ctx());
         }
         Ok(true)

@@ -13,6 +13,7 @@ use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::LANDMARKS;
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::Error;
 
 /// Draws the landmarks of `layer`; `picking` is toggled by its button.
 pub fn show_list(
@@ -38,7 +39,7 @@ pub fn show_list(
             if icon_button(ui, Icon::FolderOpen, "Read landmarks from a text file")
                 .author_id("landmarks-open")
                 .clicked()
-                && let Some(landmarks) = load(shared)
+                && let Some(landmarks) = load(session, shared)
             {
                 edits.set(layer, Property::Matching(MatchSettings { landmarks, ..settings.clone() }));
             }
@@ -73,15 +74,18 @@ pub fn show_list(
     }
 }
 
-fn load(shared: &mut Shared<'_>) -> Option<Vec<chladni_match::Landmark>> {
+fn load(session: &Session, shared: &mut Shared<'_>) -> Option<Vec<chladni_match::Landmark>> {
     let path = shared.chooser.open(&[("Landmarks", &["txt"])])?;
-    load_landmarks(&path).map_err(|error| shared.notices.failed(error)).ok()
+    let read = load_landmarks(&path).map_err(Error::from);
+    let landmarks = read.and_then(|landmarks| session.subject.renumbered(landmarks));
+    landmarks.map_err(|error| shared.notices.failed(error)).ok()
 }
 
 fn save(session: &Session, settings: &MatchSettings, shared: &mut Shared<'_>) {
     let suggested = session.beside_named("landmarks", "txt");
     let Some(path) = shared.chooser.save(&[("Landmarks", &["txt"])], &suggested) else { return };
-    match chladni_task::write_atomic(&path, write_landmarks(&settings.landmarks).as_bytes()) {
+    let text = write_landmarks(&session.subject.numbered_in_file(&settings.landmarks));
+    match chladni_task::write_atomic(&path, text.as_bytes()) {
         Ok(()) => shared.notices.done(format!("Saved {}", path.display())),
         Err(error) => shared.notices.error(format!("{}: {error}", path.display())),
     }

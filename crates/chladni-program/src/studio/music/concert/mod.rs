@@ -274,6 +274,8 @@ impl Concert {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: self.ensemble.dancer().eigenvalues.clone(), bands };
         self.instrument = show.replay(shape)?;
+        // It played the other show.
+        (self.piloted, self.marked) = (None, None);
         self.outgoing.recorded.clear();
         self.mark_saved();
         self.view = View::Gallery;
@@ -288,6 +290,13 @@ impl Concert {
         (self.saved, self.is_of_a_file) = (before.saved, before.is_of_a_file);
         self.viewpoint = viewpoint;
         self.strew_on_sheets(before.staging.is_flat())
+    }
+
+    /// What goes on around the dance goes on as it did before.
+    pub fn go_on_as(&mut self, before: Self) {
+        let is_flat = self.staging.is_flat();
+        self.piloted = before.piloted.map(|programme| programme.on_sheet(is_flat));
+        (self.outgoing, self.house) = (before.outgoing, before.house);
     }
 
     /// Sets all up for sand where a flat sheet takes the place of a body, and takes that back where a body takes the place of

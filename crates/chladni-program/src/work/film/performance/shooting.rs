@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use chladni_music::{FlashArea, Viewpoint};
+use chladni_music::{Action, FlashArea, Switch, Viewpoint};
 use chladni_synth::{Backend, Item};
 use chladni_task::Task;
 use chladni_view::film::shoot_retouched;
@@ -95,7 +95,7 @@ impl Performance {
             self.deform(&mut deformed, &items, &mut done, seconds)?;
             let drawing = Instant::now();
             if let Some(film) = &mut behind
-                && film.go_to(shot.time_secs)?
+                && film.go_to(start_secs + shot.time_secs)?
             {
                 surroundings = std::mem::take(&mut surroundings).before(&device, film.picture())?;
                 renderer.surround(&surroundings)?;
@@ -137,7 +137,10 @@ impl Performance {
     /// How large a flash must be for the guard to act; none where it never does.
     fn guarded_area(&self) -> Option<FlashArea> {
         let area = self.instrument.parameters().flash_area().filter(|_| !self.flashes_allowed);
-        area.map(|area| if self.fields_judged { FlashArea::Field } else { area })
+        // What was switched on within the show holds for all of it.
+        let fields_on = Action::Switch { switch: Switch::FlashFields, on: true };
+        let fields_judged = self.fields_judged || self.script.clone().any(|line| line.action == fields_on);
+        area.map(|area| if fields_judged { FlashArea::Field } else { area })
     }
 
     /// Deforms the shape for one picture, and notes how that went.
