@@ -42,13 +42,13 @@ impl History {
         &self.project
     }
 
-    /// Does `action` as a step of its own.
+    /// Does `action` as a step of its own. One that changes nothing is none, and what was undone can still be redone.
     ///
     /// # Errors
     /// As [`Project::apply`].
     pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         self.gesture = None;
-        self.step(action, surface, true)
+        self.step(action, surface, true).map(drop)
     }
 
     /// Does `actions`, one after the other, as one step, which is called like the last; all of them or none.
@@ -63,8 +63,11 @@ impl History {
         let Some(last) = actions.last() else { return Ok(()) };
         let mut after = self.project.clone();
         actions.iter().try_for_each(|action| after.apply(action, surface))?;
-        let before = std::mem::replace(&mut self.project, after);
         self.gesture = None;
+        if self.project == after {
+            return Ok(());
+        }
+        let before = std::mem::replace(&mut self.project, after);
         self.future.clear();
         self.remember(last.label(), before);
         Ok(())
@@ -77,8 +80,9 @@ impl History {
     /// As [`Project::apply`].
     pub fn apply_live(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         let kind = (action.label(), action.layer());
-        self.step(action, surface, self.gesture != Some(kind))?;
-        self.gesture = Some(kind);
+        if self.step(action, surface, self.gesture != Some(kind))? {
+            self.gesture = Some(kind);
+        }
         Ok(())
     }
 
@@ -87,19 +91,23 @@ impl History {
         self.gesture = None;
     }
 
+    /// Does `action`; whether that changed anything.
     fn step(
         &mut self,
         action: &Action,
         surface: Option<&Surface>,
         new_step: bool,
-    ) -> Result<(), CaricatureError> {
+    ) -> Result<bool, CaricatureError> {
         let before = self.project.clone();
         self.project.apply(action, surface)?;
+        if self.project == before {
+            return Ok(false);
+        }
         self.future.clear();
         if new_step {
             self.remember(action.label(), before);
         }
-        Ok(())
+        Ok(true)
     }
 
     fn remember(&mut self, label: &'static str, before: Project) {

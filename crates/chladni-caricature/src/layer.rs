@@ -144,6 +144,14 @@ impl Template {
         self == other || given || (portrait(self) && portrait(other))
     }
 
+    /// Whether the numbers of this template's vertices are also the other's: of portraits, and of a file that was moved.
+    pub fn shares_vertices_with(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::File(one), Self::File(two)) => one.file_name() == two.file_name(),
+            _ => self.alike(other),
+        }
+    }
+
     /// Whether it is a mesh that has to be matched with the shape.
     pub fn is_mesh(&self) -> bool {
         matches!(self, Self::File(_) | Self::Sample(_))

@@ -1,5 +1,6 @@
 //! The document: a shape and its stack of layers, and the actions that change it.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use chladni_harmonics::Laplacian;
@@ -141,6 +142,19 @@ impl Project {
     /// The layers with their ids, lowest first.
     pub fn layers(&self) -> &[(LayerId, Arc<Layer>)] {
         &self.layers
+    }
+
+    /// The files that it is made of: of its shape and of its layers' templates.
+    pub fn files(&self) -> Vec<&Path> {
+        let shape = match &self.shape {
+            ShapeSource::File(path) => Some(path.as_path()),
+            ShapeSource::Sample(_) => None,
+        };
+        let templates = self.layers.iter().filter_map(|(_, layer)| match &layer.template {
+            Template::File(path) => Some(path.as_path()),
+            _ => None,
+        });
+        shape.into_iter().chain(templates).collect()
     }
 
     /// The layer called `id`.
@@ -311,7 +325,14 @@ impl Property {
     fn put(&self, layer: &mut Layer) -> Result<(), CaricatureError> {
         match self.clone() {
             Self::Name(name) => layer.name = name,
-            Self::Template(template) => layer.template = template,
+            Self::Template(template) => {
+                // Landmarks name vertices of the mesh that they were set on.
+                let meshes = layer.template.is_mesh() && template.is_mesh();
+                if meshes && !layer.template.shares_vertices_with(&template) {
+                    layer.matching.landmarks.clear();
+                }
+                layer.template = template;
+            }
             Self::Matching(matching) => layer.matching = matching,
             Self::Infill(infill) => layer.infill = infill,
             Self::Model(model) if model != layer.model => {

@@ -195,6 +195,11 @@ impl Stack {
         self.kept.insert(request.layer, (request, kept.map(Arc::new).map_err(Arc::new)));
     }
 
+    /// Forgets how far a layer was limited, or why it could not be, so that it is asked for again.
+    pub fn forget_limit(&mut self, layer: LayerId) {
+        self.kept.remove(&layer);
+    }
+
     /// Takes over what a clone of this stack remembers. Matches and limits stay: of those this one may have newer ones.
     pub fn remember(&mut self, clone: Self) {
         if Arc::ptr_eq(&self.body, &clone.body) {

@@ -337,3 +337,48 @@ fn a_dead_session_is_found_and_a_living_one_is_not() {
     second.finish();
     assert_eq!(std::fs::read_dir(&state).unwrap().count(), 0);
 }
+
+#[test]
+fn what_changes_nothing_is_no_step_and_keeps_what_was_undone() {
+    let mut history = History::new(empty());
+    let add = Action::Add { index: 0, layer: Box::new(Layer::new("a", Template::Ellipsoid)) };
+    history.apply(&add, None).unwrap();
+    let id = history.project().layers()[0].0;
+    let set = |to| Action::Set { layer: id, to };
+    history.apply(&set(Property::Mu(-1.0)), None).unwrap();
+    history.undo().unwrap();
+    let same = set(Property::Model(history.project().layers()[0].1.model));
+    history.apply(&same, None).unwrap();
+    history.apply_together(&[same.clone(), same.clone()], None).unwrap();
+    history.apply_live(&same, None).unwrap();
+    assert_eq!((history.steps(), history.redo_label()), (1, Some("μ")));
+    // A drag whose first move changes nothing is one step all the same.
+    let before = history.project().clone();
+    let mu = before.layers()[0].1.mu;
+    for mu in [mu, -2.0, -3.0] {
+        history.apply_live(&set(Property::Mu(mu)), None).unwrap();
+    }
+    history.finish();
+    assert_eq!(history.steps(), 2);
+    history.undo().unwrap();
+    assert_eq!(*history.project(), before);
+}
+
+#[test]
+fn landmarks_go_with_the_template_that_they_were_set_on() {
+    let mut layer = Layer::new("a", Template::File("one/other.obj".into()));
+    layer.matching.landmarks = vec![chladni_match::Landmark { shape: 5, template: 9 }; 3];
+    let mut history = History::new(empty());
+    history.apply(&Action::Add { index: 0, layer: Box::new(layer) }, None).unwrap();
+    let id = history.project().layers()[0].0;
+    let mut landmarks = |template: &str| {
+        let to = Property::Template(template.parse().unwrap());
+        history.apply(&Action::Set { layer: id, to }, None).unwrap();
+        history.project().layers()[0].1.matching.landmarks.len()
+    };
+    // A file that was moved, and what is no mesh and needs none.
+    assert_eq!((landmarks("two/other.obj"), landmarks("ellipsoid"), landmarks("two/other.obj")), (3, 3, 3));
+    assert_eq!(landmarks("two/third.obj"), 0);
+    history.undo().unwrap();
+    assert_eq!(history.project().layers()[0].1.matching.landmarks.len(), 3);
+}

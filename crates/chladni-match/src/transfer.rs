@@ -3,7 +3,7 @@
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
-use crate::{Correspondence, MatchError, MatchReport, MatchSettings, infilled, match_shapes};
+use crate::{Correspondence, MatchError, MatchReport, MatchSettings, Method, infilled, match_shapes};
 
 /// A shape to which a difference, such as an expression or a caricature, was transferred.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,8 +67,12 @@ fn difference(
     if neutral.triangles == expression.triangles && neutral.positions.len() == expression.positions.len() {
         return Ok(neutral.positions.iter().zip(&expression.positions).map(less).collect());
     }
-    // The given landmarks are pairs of the target and the neutral shape.
-    let settings = MatchSettings { landmarks: Vec::new(), ..settings.clone() };
+    // Landmarks, and vertices in the same order, are of the target and the neutral shape.
+    let method = match settings.method {
+        Method::Map | Method::Same => Method::Fit,
+        method => method,
+    };
+    let settings = MatchSettings { landmarks: Vec::new(), method, ..settings.clone() };
     let found = match_shapes(neutral, expression, &settings, task)?;
     let target =
         infilled(neutral, &found.correspondence)?.map_or(found.correspondence.target, |filled| filled.target);
@@ -78,7 +82,6 @@ fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Method;
     use chladni_mesh::samples::sample;
 
     /// A grimace: the front of the face moves down and out, and parts farther forward move more.
@@ -109,6 +112,23 @@ mod tests {
         for (found, expected) in found.positions.iter().zip(posed(&expression).positions) {
             assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-9));
         }
+    }
+
+    /// The expression has its vertices in another order, which only a match by shape can find.
+    #[test]
+    fn an_expression_of_other_triangles_is_matched_by_its_shape_whatever_leads_the_target() {
+        let neutral = sample("template").unwrap();
+        let n = neutral.positions.len() as u32;
+        let mut expression = moved(&neutral);
+        expression.positions.reverse();
+        expression.triangles.iter_mut().flatten().for_each(|v| *v = n - 1 - *v);
+        let settings = MatchSettings { method: Method::Same, ..MatchSettings::default() };
+        let found = transfer(&neutral, &expression, &neutral, &settings, &Task::new()).unwrap();
+        let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
+        let expected = moved(&neutral).positions;
+        let error: f64 = found.positions.iter().zip(&expected).map(|(a, b)| distance(a, b)).sum();
+        let whole: f64 = neutral.positions.iter().zip(&expected).map(|(a, b)| distance(a, b)).sum();
+        assert!(error < 0.35 * whole, "{error} of {whole}");
     }
 
     #[test]

@@ -288,3 +288,17 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_comment_that_ends_in_a_backslash_and_old_line_ends_lose_nothing() {
+    let obj = "# from C:\\models\\\nv 0 0 0\nv 1 0 \\\n0\nv 0 1 0 # up\\\nf 1 2 3\n";
+    let mesh = read_mesh(obj.as_bytes(), Format::Obj).unwrap().mesh;
+    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (3, 1));
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+         element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let usual = read_mesh(ply.as_bytes(), Format::Ply).unwrap().mesh;
+    let old = read_mesh(ply.replace('\n', "\r").as_bytes(), Format::Ply).unwrap().mesh;
+    let dos = read_mesh(ply.replace('\n', "\r\n").as_bytes(), Format::Ply).unwrap().mesh;
+    assert!(old.positions == usual.positions && old.triangles == usual.triangles);
+    assert!(dos.positions == usual.positions && dos.triangles == usual.triangles);
+}

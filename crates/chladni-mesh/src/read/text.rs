@@ -42,9 +42,11 @@ impl<'a> Lines<'a> {
     {
         loop {
             let mut line = self.raw()?.trim_ascii();
-            if self.joins && line.ends_with(b"\\") {
+            if self.joins && self.goes_on(line) {
                 joined.clear();
-                while let Some(start) = line.strip_suffix(b"\\") {
+                while self.goes_on(line)
+                    && let Some(start) = line.strip_suffix(b"\\")
+                {
                     joined.extend_from_slice(start);
                     joined.push(b' ');
                     line = self.raw().unwrap_or_default().trim_ascii();
@@ -61,6 +63,11 @@ impl<'a> Lines<'a> {
             }
         }
         Some(self.without_comment(joined))
+    }
+
+    /// Whether the next line belongs to this one, too: not where a comment ends in a backslash, as a Windows path does.
+    fn goes_on(&self, line: &[u8]) -> bool {
+        line.ends_with(b"\\") && self.without_comment(line).len() == line.len()
     }
 
     fn without_comment<'c>(&self, line: &'c [u8]) -> &'c [u8] {
@@ -123,7 +130,8 @@ impl<'a> Words<'a> {
 
     /// Drops the rest of the line; returns whether that was a word or more.
     pub fn end_line(&mut self) -> bool {
-        let end = self.rest.iter().position(|&b| b == b'\n').unwrap_or(self.rest.len());
+        let ends = |b: &u8| matches!(b, b'\n' | b'\r');
+        let end = self.rest.iter().position(ends).unwrap_or(self.rest.len());
         let (line, rest) = self.rest.split_at(end);
         self.rest = rest;
         !line.trim_ascii().is_empty()

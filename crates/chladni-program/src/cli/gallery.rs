@@ -18,7 +18,8 @@ use crate::work::{Error, Lettering};
 pub struct GalleryOptions {
     /// Draw twelve caricatures that differ, numbered, on a sheet (-o sheet.png); TEMPLATE may be left out. --seed makes
     /// others.
-    #[arg(long, conflicts_with_all = ["recipe", "render", "turntable", "RegionOptions"])]
+    #[arg(long, conflicts_with_all = ["recipe", "render", "turntable", "RegionOptions", "model", "mu",
+        "strength", "cutoff", "roll_off", "no_clamp", "scale_curve", "infill"])]
     pub gallery: bool,
     /// Breed on from these of the sheet, such as 3,7; once more from those of the next sheet.
     #[arg(long, value_name = "N,N…", requires = "gallery")]

@@ -34,7 +34,8 @@ impl MaskCommand {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         mask::check(&self.output)?;
         check_file(&self.output)?;
-        check_apart(&self.output, &[&self.shape])?;
+        let read = [Some(self.shape.as_path()), self.region.mask_file()];
+        check_apart(&self.output, &read.into_iter().flatten().collect::<Vec<_>>())?;
         let (subject, painted) =
             if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
         let masked = mask::write(&self.output, &painted, &subject, self.as_colors)?;
@@ -60,6 +61,7 @@ impl MaskCommand {
             return Err(Error::input("a project brings its regions along: name a --layer"));
         }
         let mut project = source::project(&self.shape, terminal)?;
+        check_apart(&self.output, &project.files())?;
         let wanted = |name: &String| self.layer.as_ref().is_none_or(|wanted| wanted == name);
         let found = project.layers().iter().rev().find(|(_, layer)| wanted(&layer.name));
         let Some((_, layer)) = found else {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_caricature::{DEFAULT_HARMONICS, Layer, Painted, Project, ShapeSource, Template};
+use chladni_caricature::{DEFAULT_HARMONICS, Layer, Painted, Project, Resolution, ShapeSource, Template};
 use chladni_harmonics::{Laplacian, Operator};
 use serde::Serialize;
 
@@ -131,6 +131,15 @@ impl AddLayer {
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
         let shape = project.shape.to_string();
+        if self.layer.needs_all_vertices() && matches!(project.resolution, Resolution::Proxy(_)) {
+            if project.names_vertices() {
+                return Err(Error::input(format_args!(
+                    "{}: is worked on with a part of its vertices, and --match same needs all: begin anew with --proxy 0",
+                    self.project.display()
+                )));
+            }
+            project.resolution = Resolution::Whole;
+        }
         let subject = Subject::of(&mut project, terminal)?;
         let painted = self.region.painted(&shape, &subject, terminal)?;
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject)?;

@@ -1,6 +1,6 @@
 //! The region of a layer, as commands take it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_caricature::{Curved, HEAD_PARTS, Limbs, Painted, Sphere};
 use chladni_mesh::{TriMesh, weld};
@@ -49,6 +49,11 @@ impl RegionOptions {
     pub fn is_given(&self) -> bool {
         let lists = self.region.is_empty() && self.part.is_empty() && self.limb.is_empty();
         !lists || self.curved.is_some() || self.mask.is_some()
+    }
+
+    /// The file of --mask.
+    pub fn mask_file(&self) -> Option<&Path> {
+        self.mask.as_deref()
     }
 
     /// χ01 on the shape that is called `name`.

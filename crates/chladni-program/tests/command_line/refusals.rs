@@ -134,6 +134,40 @@ fn nothing_that_is_read_is_replaced_and_no_array_is_called_a_mesh() {
         Run::of(arguments).refused("shape.obj");
         assert!(std::fs::read(&shape).unwrap() == before, "{arguments:?}");
     }
+    // A project's own shape and template, and masks.
+    let [project, mask] = ["p.chladni", "mask.npy"].map(|name| folder.path().join(name));
+    let [project_name, mask_name] = [text(&project), text(&mask)];
+    Run::of(&["project", "new", shape_name, "-k", "8", "-o", project_name]).succeeded();
+    Run::of(&["project", "add-layer", project_name, "--template", other_name]).succeeded();
+    Run::of(&["mask", shape_name, "--curved", "bumps", "-o", mask_name]).succeeded();
+    let kept = [&shape, &other, &mask].map(|path| std::fs::read(path).unwrap());
+    for (arguments, name) in [
+        (&["caricature", "--recipe", project_name, "-o", shape_name][..], "shape.obj"),
+        (&["caricature", "--recipe", project_name, "-o", other_name], "other.obj"),
+        (&["caricature", "sample:bell", "ellipsoid", "--mask", shape_name, "-o", shape_name], "shape.obj"),
+        (&["mask", project_name, "-o", shape_name], "shape.obj"),
+        (&["mask", shape_name, "--mask", mask_name, "-o", mask_name], "mask.npy"),
+    ] {
+        Run::of(arguments).refused(name);
+        assert!(kept == [&shape, &other, &mask].map(|path| std::fs::read(path).unwrap()), "{arguments:?}");
+    }
+    // A batch into the folder of its template, and one whose pictures cannot be.
+    let shapes = folder.path().join("shapes");
+    std::fs::create_dir(&shapes).unwrap();
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &shapes.join("other.obj")).unwrap();
+    let batch = ["caricature", "--recipe", project_name, "--batch", text(&shapes), "-o", text(folder.path())];
+    Run::of(&batch).refused("other.obj");
+    assert!(std::fs::read(&other).unwrap() == kept[1]);
+    let results = folder.path().join("results");
+    let pictures = ["--render", text(&folder.path().join("pictures")), "--up", "y", "--front", "-y"];
+    let batch = ["caricature", "--recipe", project_name, "--batch", text(&shapes), "-o", text(&results)];
+    Run::of(&[&batch[..], &pictures].concat()).refused("front");
+    assert!(!results.exists());
+    for option in [&["--model", "normal"][..], &["--mu", "-2"], &["--no-clamp"], &["--scale-curve", "broad"]]
+    {
+        let gallery = ["caricature", shape_name, "--gallery", "-o", "never.png"];
+        Run::of(&[&gallery[..], option].concat()).refused(option[0]);
+    }
     let unknown = text(&folder.path().join("mean.abc")).to_owned();
     Run::of(&["mean", shape_name, other_name, "-o", &unknown]).refused("mean.abc");
     Run::of(&["match", shape_name, "ellipsoid"]).refused("--method ellipsoid");

@@ -9,7 +9,7 @@ use chladni_mesh::Format;
 
 use super::{Caricature, one};
 use crate::cli::Terminal;
-use crate::work::outputs::mesh_format;
+use crate::work::outputs::{check_apart, mesh_format};
 use crate::work::{Error, Subject, Warning, Watcher};
 
 impl Caricature {
@@ -18,9 +18,11 @@ impl Caricature {
         let Some(results) = &self.output else {
             return Err(Error::input("--batch needs a folder for the results: -o"));
         };
+        self.portrait.check()?;
         let shapes = if batch.is_dir() { meshes_in(batch)? } else { meshes_listed(batch)? };
         // Whether results would collide depends on all of them, whichever of them are made here.
         let planned = self.planned(results, &shapes)?;
+        planned.iter().try_for_each(|(output, _)| check_apart(output, &project.files()))?;
         let piece = self.piece.map_or(0..shapes.len() as u64, |piece| piece.range(shapes.len() as u64));
         let piece = piece.start as usize..piece.end as usize;
         let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);

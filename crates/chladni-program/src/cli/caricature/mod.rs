@@ -95,12 +95,12 @@ impl Caricature {
         match (&self.batch, &self.shape) {
             (Some(folder), _) => self.batch(project, folder, terminal),
             (None, Some(shape)) => {
-                self.check()?;
+                self.check(&project.files())?;
                 let from = Subject::of(&mut project, terminal)?.mesh;
                 self.one_of(shape, &project, Some(&from), terminal)
             }
             (None, None) => {
-                self.check()?;
+                self.check(&project.files())?;
                 if self.resolution.wanted() != Resolution::Usual {
                     return Err(Error::input(
                         "--proxy is for another shape: its own is worked on as the recipe says",
@@ -112,10 +112,11 @@ impl Caricature {
         }
     }
 
-    /// Checks, before any work, that the results can be written.
-    fn check(&self) -> Result<(), Error> {
+    /// Checks, before any work, that the results can be written, and replace none of the files that are read: those of
+    /// the arguments and `of_recipe`.
+    fn check(&self, of_recipe: &[&Path]) -> Result<(), Error> {
         if let Some(output) = &self.output {
-            check_mesh(output, &self.read())?;
+            check_mesh(output, &[&self.read()[..], of_recipe].concat())?;
         }
         self.portrait.check()?;
         if let Some(film) = &self.turntable.turntable {
@@ -124,13 +125,14 @@ impl Caricature {
         self.render.as_deref().map_or(Ok(()), check_drawing)
     }
 
-    /// The meshes that are read.
+    /// The meshes that the arguments name.
     fn read(&self) -> Vec<&Path> {
         let template = match &self.template {
             Some(Template::File(path)) => Some(path.as_path()),
             _ => None,
         };
-        self.shape.as_deref().map(Path::new).into_iter().chain(template).collect()
+        let shape = self.shape.as_deref().map(Path::new);
+        shape.into_iter().chain(template).chain(self.region.mask_file()).collect()
     }
 
     fn pictures<'a>(&'a self, path: Option<&'a Path>) -> Pictures<'a> {
@@ -142,7 +144,7 @@ impl Caricature {
         let (Some(shape), Some(template)) = (&self.shape, &self.template) else {
             return Err(Error::input("a shape and a template are needed"));
         };
-        self.check()?;
+        self.check(&[])?;
         if self.harmonics == Some(0) {
             return Err(Error::input("the number of harmonics must be 1 or more"));
         }

@@ -102,6 +102,8 @@ type Row<'a> = (&'static str, &'a str, &'a str, &'a mut [f64; 3], f64, std::ops:
 
 fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edits: &mut Edits) {
     let size = 1.0 / session.stack.body().frame.scale;
+    // A thousandth of the shape can be set in any unit.
+    let decimals = (3.0 - size.log10()).ceil().clamp(3.0, 15.0) as usize;
     let mut now = known;
     let rows: [Row<'_>; 3] = [
         (
@@ -127,7 +129,9 @@ fn given(ui: &mut Ui, session: &Session, id: LayerId, known: GivenEllipsoid, edi
         theme::row(ui, name, tip, |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             for (value, axis) in values.iter_mut().zip(["x", "y", "z"]) {
-                let field = DragValue::new(value).speed(speed).range(range.clone()).max_decimals(3);
+                let field = DragValue::new(value).speed(speed).range(range.clone());
+                // What a project holds is not changed by being shown.
+                let field = field.max_decimals(decimals).clamp_existing_to_range(false);
                 let field = ui.add_sized([52.0, ui.spacing().interact_size.y], field);
                 responses
                     .push(field.accessible_name(format!("{name} {axis}")).author_id(format!("{id}/{axis}")));

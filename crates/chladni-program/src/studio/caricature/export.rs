@@ -14,6 +14,7 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::outputs::check_apart;
 use crate::work::{Error, Warning};
 
 /// The note while layers wait for matches.
@@ -151,6 +152,9 @@ impl CaricatureRoom {
         let Some(path) = shared.chooser.save(&[(&extension.to_uppercase(), &[extension])], &suggested) else {
             return;
         };
+        if let Err(why) = check_apart(&path, &session.project().files()) {
+            return shared.notices.failed(why);
+        }
         // What is written is the document as it is now.
         let newest = session
             .catch_up(&shared.ctx)

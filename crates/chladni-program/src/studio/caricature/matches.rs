@@ -59,10 +59,10 @@ fn template(
             if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Use another mesh as template").clicked()
                 && let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)])
             {
-                edits.once(Action::Set { layer: id, to: Property::Template(Template::File(path)) });
+                replace(layer, id, Template::File(path), edits, shared);
             }
             if let Some((_, template)) = shelf::show(ui, shared) {
-                edits.once(Action::Set { layer: id, to: Property::Template(template) });
+                replace(layer, id, template, edits, shared);
             }
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 ui.add(egui::Label::new(template_name(&layer.template, session.project())).truncate());
@@ -180,4 +180,17 @@ fn quality(ui: &mut Ui, report: &chladni_match::MatchReport) {
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
+}
+
+/// Gives a layer another template, and says what becomes of its landmarks.
+fn replace(layer: &Layer, id: LayerId, template: Template, edits: &mut Edits, shared: &mut Shared<'_>) {
+    if !layer.matching.landmarks.is_empty()
+        && template.is_mesh()
+        && !layer.template.shares_vertices_with(&template)
+    {
+        shared
+            .notices
+            .warn("The landmarks belonged to the template before and are gone: pick new ones, or undo.");
+    }
+    edits.once(Action::Set { layer: id, to: Property::Template(template) });
 }

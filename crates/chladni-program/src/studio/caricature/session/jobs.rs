@@ -158,10 +158,14 @@ impl Session {
         self.matching.as_ref().map(|(_, job)| job)
     }
 
-    /// Tries the failed match of the selected layer again.
+    /// Tries again what has failed of the selected layer: its match, or keeping its triangles.
     pub fn retry_match(&mut self) {
         if let Some(request) = self.selected_request() {
             self.stack.forget(&request);
+        }
+        if let Some(layer) = self.selected {
+            self.stack.forget_limit(layer);
+            self.refresh();
         }
     }
 }

@@ -30,7 +30,8 @@ impl Session {
     pub fn furthest_mu(&self, may_fold: f64) -> Option<f64> {
         let layer = self.project().layer(self.selected?)?;
         let evaluated = self.selected_layer()?;
-        let displacement = evaluated.displacement.as_ref()?;
+        // What keeps triangles holds it back further and further: only without that is it proportional to μ.
+        let displacement = evaluated.unlimited.as_ref()?;
         let mu = layer.effective_mu();
         if mu == 0.0 || layer.strength == 0.0 {
             return None;
