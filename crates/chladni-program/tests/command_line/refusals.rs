@@ -158,8 +158,8 @@ fn nothing_that_is_read_is_replaced_and_no_array_is_called_a_mesh() {
     let batch = ["caricature", "--recipe", project_name, "--batch", text(&shapes), "-o", text(folder.path())];
     Run::of(&batch).refused("other.obj");
     assert!(std::fs::read(&other).unwrap() == kept[1]);
-    let results = folder.path().join("results");
-    let pictures = ["--render", text(&folder.path().join("pictures")), "--up", "y", "--front", "-y"];
+    let [results, drawn] = ["results", "drawn"].map(|name| folder.path().join(name));
+    let pictures = ["--render", text(&drawn), "--up", "y", "--front", "-y"];
     let batch = ["caricature", "--recipe", project_name, "--batch", text(&shapes), "-o", text(&results)];
     Run::of(&[&batch[..], &pictures].concat()).refused("front");
     assert!(!results.exists());
