@@ -363,7 +363,7 @@ mod tests {
         let before = gallery.clone();
         (0..3).for_each(|i| gallery.item_mut(i).unwrap().chosen = false);
         assert!(matches!(gallery.breed(), Err(BreedingError::TooManyGenerations(3))));
-        assert!(gallery.mutate(0, 0.5).is_err() && gallery.load(0, "", Numbers(vec![0.0])).is_err());
+        assert!(gallery.mutate(0, 0.5).is_err());
         assert_eq!(gallery, before);
         gallery.go_to(1).unwrap();
         assert!(gallery.restart(9, 6, initial(6)).unwrap().mutate(0, 0.5).is_ok());
