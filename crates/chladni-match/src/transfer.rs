@@ -124,11 +124,14 @@ mod tests {
         expression.triangles.iter_mut().flatten().for_each(|v| *v = n - 1 - *v);
         let settings = MatchSettings { method: Method::Same, ..MatchSettings::default() };
         let found = transfer(&neutral, &expression, &neutral, &settings, &Task::new()).unwrap();
-        let distance = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
-        let expected = moved(&neutral).positions;
-        let error: f64 = found.positions.iter().zip(&expected).map(|(a, b)| distance(a, b)).sum();
-        let whole: f64 = neutral.positions.iter().zip(&expected).map(|(a, b)| distance(a, b)).sum();
-        assert!(error < 0.35 * whole, "{error} of {whole}");
+        // Its vertices may slip along the face; they follow the grimace where there is one.
+        let (mut along, mut whole) = (0.0, 0.0);
+        for (x, found) in neutral.positions.iter().zip(&found.positions) {
+            let d = grimace(x);
+            along += (0..3).map(|i| (found[i] - x[i]) * d[i]).sum::<f64>();
+            whole += d.iter().map(|d| d * d).sum::<f64>();
+        }
+        assert!((0.6..1.4).contains(&(along / whole)), "{along} of {whole}");
     }
 
     #[test]
