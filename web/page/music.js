@@ -134,12 +134,15 @@ function mayReplace(what = "Let another shape dance", stayed = "The shape has st
 /** What another shape was prepared for is not wanted any more. */
 const forget = () => works("work") && giveUp(obsolete(), ["work"]);
 
+/** Gives whether it dances: not where something else was asked for meanwhile. */
 async function danceOn(name, begin) {
   const mine = ++visit;
   forget();
   say(`${label(name)}…`);
   const body = await bodyOf(name);
-  if (mine === visit) show(body, begin);
+  if (mine !== visit) return false;
+  show(body, begin);
+  return true;
 }
 
 export async function openMesh(name, bytes) {
@@ -239,8 +242,9 @@ export async function openText(name, bytes) {
     dancing.open_show(text);
     return needs.songs.map((song) => songs.find(song) ?? { name: song });
   };
-  if (needs.body?.startsWith("sample:") && needs.body !== state.body) await danceOn(needs.body, begin);
-  else {
+  if (needs.body?.startsWith("sample:") && needs.body !== state.body) {
+    if (!await danceOn(needs.body, begin)) return;
+  } else {
     heard.splice(0, heard.length, ...begin(concert));
     edits = 0;
     hear();

@@ -111,6 +111,46 @@ export async function galleries() {
   await page.context().close();
 }
 
+/** Whoever has gone on while the shape of a show loads finds no show opened there. */
+export async function overtaken() {
+  // The cat comes when it is told to.
+  const prepare = () => {
+    const { fetch } = window;
+    window.fetch = async (what, ...rest) => {
+      if (what !== "bodies/cat.body") return fetch(what, ...rest);
+      await new Promise((done) => { window.comes = done; });
+      const cat = await fetch(what, ...rest);
+      window.comes = undefined;
+      return cat;
+    };
+  };
+  const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { prepare });
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await breed(page);
+  const cat = (await saved(page)).text.replace("sample:octopus", "sample:cat");
+  const ways = [
+    ["sample:bell", () => page.selectOption("#shape", "sample:bell")],
+    ["sample:plate", () => page.click("#home")],
+  ];
+  for (const [body, goOn] of ways) {
+    await drop(page, ["cat.toml", Buffer.from(cat)]);
+    await until(page, () => window.comes);
+    await goOn();
+    await until(page, (body) => window.chladni.state.body === body, body);
+    const { seed } = await state(page);
+    await page.evaluate(() => window.comes());
+    await until(page, () => !window.comes);
+    await page.waitForTimeout(1000);
+    const now = await state(page);
+    assert.deepEqual([now.body, now.seed], [body, seed]);
+    assert.ok(await page.evaluate(() => document.getElementById("play-show").hidden), "no show was opened");
+  }
+  step("a show whose shape was overtaken by another wish does not open");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
 export async function layers() {
   const asked = [];
   let yes = false;
