@@ -21,7 +21,7 @@ const rooms = {
   music: [music.laptop, music.phone],
   beats: [beats],
   shows: [shows.shows, shows.films],
-  returns: [returns.dances, returns.layers],
+  returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
   films: [shows.wholeFilms, shows.stoppedFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],

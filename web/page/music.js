@@ -57,14 +57,18 @@ async function bodyOf(name) {
   return (await busy(label(name), (tell) => ask({ work: "prepare", name, harmonics: 96 }, tell))).body;
 }
 
-function show(body) {
+/** Lets a body dance. `begin(concert)` gives the songs that the new concert has heard; where it throws, the one before stays. */
+function show(body, begin = () => []) {
   const before = concert;
-  concert = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
+  const next = new Concert(body, gallerySize(), Math.floor(Math.random() * 2 ** 31));
+  let songsHeard;
+  try { songsHeard = begin(next); } catch (error) { next.free(); throw error; }
+  concert = next;
   before?.free();
   atFront = undefined;
   edits = 0;
-  // A new concert has heard nothing yet: its first song is the one that plays.
-  heard.length = 0;
+  // A concert that has heard nothing yet: its first song is the one that plays.
+  heard.splice(0, heard.length, ...songsHeard);
   hear();
   refresh();
 }
@@ -119,10 +123,10 @@ const KEPT = ["breed", "mutate", "favorite", "lock", "rename", "set-transfer", "
 /** Whether dances would be lost. */
 export const isUnsaved = () => (atFront ? parked?.edits ?? 0 : edits) > 0;
 
-/** Whether another shape may dance, without what was bred on this one. */
-function mayReplace() {
-  if (!isUnsaved() || confirm("The dances that were bred here are not saved. Let another shape dance without them?")) return true;
-  say("The shape has stayed: Save show keeps its dances.");
+/** Whether another shape may dance, or a show be opened, without what was bred here. */
+function mayReplace(what = "Let another shape dance", stayed = "The shape has stayed: Save show keeps its dances.") {
+  if (!isUnsaved() || confirm(`The dances that were bred here are not saved. ${what} without them?`)) return true;
+  say(stayed);
   refresh();
   return false;
 }
@@ -130,12 +134,15 @@ function mayReplace() {
 /** What another shape was prepared for is not wanted any more. */
 const forget = () => works("work") && giveUp(obsolete(), ["work"]);
 
-async function danceOn(name) {
+/** Gives whether it dances: not where something else was asked for meanwhile. */
+async function danceOn(name, begin) {
   const mine = ++visit;
   forget();
   say(`${label(name)}…`);
   const body = await bodyOf(name);
-  if (mine === visit) show(body);
+  if (mine !== visit) return false;
+  show(body, begin);
+  return true;
 }
 
 export async function openMesh(name, bytes) {
@@ -230,13 +237,20 @@ export async function openText(name, bytes) {
     refresh();
     return say(`${name}: this dance is in the gallery now.`);
   }
-  if (needs.body?.startsWith("sample:") && needs.body !== state.body) await danceOn(needs.body);
-  concert.open_show(text);
+  if (!mayReplace("Open the show", "The show is not open: Save show keeps the dances that are here.")) return;
+  const begin = (dancing) => {
+    dancing.open_show(text);
+    return needs.songs.map((song) => songs.find(song) ?? { name: song });
+  };
+  if (needs.body?.startsWith("sample:") && needs.body !== state.body) {
+    if (!await danceOn(needs.body, begin)) return;
+  } else {
+    heard.splice(0, heard.length, ...begin(concert));
+    edits = 0;
+    hear();
+  }
   shows.know(text, needs);
-  heard.splice(0, heard.length, ...needs.songs.map((song) => songs.find(song) ?? { name: song }));
-  hear();
   refresh();
-  edits = 0;
   const missing = needs.songs.filter((song) => !songs.names().includes(song));
   const behind = [state.looks.picture, state.looks.panorama].filter(Boolean).map(base);
   if (behind.length) needs.caution = [needs.caution, `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`].filter(Boolean).join(" ");

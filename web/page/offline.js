@@ -7,9 +7,8 @@ async function fresh(request) {
   const response = await fetch(request);
   if (response.ok && response.type === "basic") {
     const copy = response.clone();
-    const cache = await caches.open(CACHE);
-    // What there is no room for is shown, and not kept.
-    await cache.put(request, copy).catch(() => {});
+    // What there is no room for, or no cache, is shown, and not kept.
+    await caches.open(CACHE).then((cache) => cache.put(request, copy)).catch(() => {});
   }
   return response;
 }

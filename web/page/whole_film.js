@@ -51,6 +51,7 @@ async function shoot(mine) {
       stage.at(n / rate, from + n / rate);
       drawOnce(width, height, take);
       await film.picture(canvas);
+      of("film-keep").disabled = false;
       if (performance.now() - told > TELL) { tell(n + 1, count, began); told = performance.now(); }
       await wait();
     }
@@ -87,6 +88,8 @@ function show() {
   of("whole-film").classList.toggle("going", !!going);
   of("film-asks").hidden = of("film-begin").hidden = !!going;
   of("film-going").hidden = of("film-keep").hidden = !going;
+  // It takes the place of the button that begins: the second press of a double click is not to end a film without pictures.
+  of("film-keep").disabled = true;
   of("film-progress").value = 0;
   of("film-left").textContent = "";
 }

@@ -1,9 +1,29 @@
-// The page without a connection.
+// The page without a connection, and without a place to keep it.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { serve } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { browser, folder, step, until } from "./driver.mjs";
+import { address, browser, folder, step, until } from "./driver.mjs";
+
+/** What the network gives is shown, whether a browser opens no cache or puts nothing into it. No browser can be asked to refuse. */
+async function refused() {
+  const run = new Function("self", "caches", "fetch", readFileSync(join(folder, "offline.js"), "utf8"));
+  const came = { ok: true, type: "basic", clone: () => ({}) };
+  const request = { method: "GET", url: `${address}main.js`, destination: "script" };
+  const none = () => Promise.reject(new Error("refused"));
+  for (const open of [none, async () => ({ put: none })]) {
+    const on = {};
+    let shown;
+    run({ registration: { scope: address }, addEventListener: (kind, act) => { on[kind] = act; } }, { open, match: none }, async () => came);
+    on.fetch({ request, respondWith: (found) => { shown = found; } });
+    assert.equal(await shown, came);
+  }
+  step("what cannot be kept is shown");
+}
 
 export async function offline() {
+  await refused();
   const server = await serve(folder);
   const context = await browser.newContext({ viewport: { width: 1000, height: 700 } });
   const page = await context.newPage();

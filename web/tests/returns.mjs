@@ -67,6 +67,90 @@ export async function dances() {
   await page.context().close();
 }
 
+/** Shows are opened: dances that no file has are asked about, and stay where the show cannot be danced. */
+export async function galleries() {
+  const asked = [];
+  let yes = false;
+  const answers = (type) => { asked.push(type); return yes; };
+  const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { answers });
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await breed(page);
+  const { text } = await saved(page);
+  const cat = text.replace("sample:octopus", "sample:cat");
+  assert.notEqual(cat, text);
+  await breed(page);
+  for (const show of [text, cat]) {
+    asked.length = 0;
+    await drop(page, ["show.toml", Buffer.from(show)]);
+    await says(page, "The show is not open");
+    assert.deepEqual(asked, ["confirm"]);
+  }
+  yes = true;
+  // There is no hundredth dance: nobody can tell before the show is danced.
+  for (const show of [text, cat]) {
+    await drop(page, ["broken.toml", Buffer.from(show.replace("item = 1\n", "item = 99\n"))]);
+    await says(page, "broken.toml: ");
+    const { body, generation: now } = await state(page);
+    assert.deepEqual([body, now], ["sample:octopus", 2], "dances stay until the show is open");
+    assert.ok(await page.isHidden("#play-show"));
+  }
+  asked.length = 0;
+  await drop(page, ["cat.toml", Buffer.from(cat)]);
+  await says(page, "cat.toml is open.");
+  assert.deepEqual(asked, ["confirm"], "dances were still unsaved");
+  const { body } = await state(page);
+  assert.equal(body, "sample:cat");
+  await generation(page, 1);
+  asked.length = 0;
+  await drop(page, ["cat.toml", Buffer.from(cat)]);
+  await says(page, "cat.toml is open.");
+  assert.deepEqual(asked, [], "nobody is asked about a show that is in its file");
+  step("unsaved dances are asked about before a show, and stay where it cannot be danced");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+/** Whoever has gone on while the shape of a show loads finds no show opened there. */
+export async function overtaken() {
+  // The cat comes when it is told to.
+  const prepare = () => {
+    const { fetch } = window;
+    window.fetch = async (what, ...rest) => {
+      if (what !== "bodies/cat.body") return fetch(what, ...rest);
+      await new Promise((done) => { window.comes = done; });
+      const cat = await fetch(what, ...rest);
+      window.comes = undefined;
+      return cat;
+    };
+  };
+  const { page, wrong, elsewhere } = await opened({ width: 1440, height: 900 }, false, { prepare });
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await breed(page);
+  const cat = (await saved(page)).text.replace("sample:octopus", "sample:cat");
+  const ways = [
+    ["sample:bell", () => page.selectOption("#shape", "sample:bell")],
+    ["sample:plate", () => page.click("#home")],
+  ];
+  for (const [body, goOn] of ways) {
+    await drop(page, ["cat.toml", Buffer.from(cat)]);
+    await until(page, () => window.comes);
+    await goOn();
+    await until(page, (body) => window.chladni.state.body === body, body);
+    const { seed } = await state(page);
+    await page.evaluate(() => window.comes());
+    await until(page, () => !window.comes);
+    await page.waitForTimeout(1000);
+    const now = await state(page);
+    assert.deepEqual([now.body, now.seed], [body, seed]);
+    assert.ok(await page.evaluate(() => document.getElementById("play-show").hidden), "no show was opened");
+  }
+  step("a show whose shape was overtaken by another wish does not open");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
 export async function layers() {
   const asked = [];
   let yes = false;

@@ -1,5 +1,6 @@
 //! Progress and cancellation of long work, files that are written whole or not at all, files that are read
-//! whole up to a size limit, copies of unsaved work that outlive a crash, and other programs that are started.
+//! whole up to a size limit, copies of unsaved work that outlive a crash, other programs that are started, and
+//! names in addresses.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -24,6 +25,7 @@
 
 mod atomic_file;
 mod other_program;
+mod percent;
 mod progress;
 mod read_file;
 mod recovery;
@@ -33,6 +35,7 @@ pub use atomic_file::{
     write_atomic_with,
 };
 pub use other_program::{Needs, other_program};
+pub use percent::percent_decoded;
 pub use progress::{Cancelled, Progress, Stage, Task};
 pub use read_file::{open_file, read_file, read_text_file};
 pub use recovery::RecoveryCopy;

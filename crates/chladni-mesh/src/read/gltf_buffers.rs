@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use chladni_task::percent_decoded;
+
 use super::beside::Beside;
 use super::gltf_json::{Accessor, Root};
 use crate::error::Fault;
@@ -203,27 +205,6 @@ impl Component {
     }
 }
 
-/// `%20` and its like as the bytes they stand for.
-pub(crate) fn percent_decoded(uri: &str) -> String {
-    let bytes = uri.as_bytes();
-    let mut decoded = Vec::with_capacity(bytes.len());
-    let mut i = 0;
-    while i < bytes.len() {
-        let hex = bytes.get(i + 1..i + 3).and_then(|hex| std::str::from_utf8(hex).ok());
-        match hex.and_then(|hex| u8::from_str_radix(hex, 16).ok()).filter(|_| bytes[i] == b'%') {
-            Some(byte) => {
-                decoded.push(byte);
-                i += 3;
-            }
-            None => {
-                decoded.push(bytes[i]);
-                i += 1;
-            }
-        }
-    }
-    String::from_utf8_lossy(&decoded).into_owned()
-}
-
 fn base64_decoded(text: &str) -> Option<Vec<u8>> {
     let mut decoded = Vec::with_capacity(text.len() / 4 * 3);
     let (mut bits, mut held) = (0_u32, 0);
@@ -252,8 +233,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn uris_decode() {
-        assert_eq!(percent_decoded("fuze%20uv.jpg%"), "fuze uv.jpg%");
+    fn base64_decodes() {
         assert_eq!(base64_decoded("Q2hsYWRuaQ==").as_deref(), Some(&b"Chladni"[..]));
         assert_eq!(base64_decoded("Q2hs YWRuaQ"), None);
     }

@@ -1,5 +1,6 @@
 //! Folders and playlists: the songs that a path stands for if it is not a song itself.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::Error;
@@ -88,18 +89,30 @@ fn text(bytes: &[u8]) -> String {
 /// The names of the songs in an M3U list, without their folders: for a page, which is given files alone.
 pub fn names_in(bytes: &[u8]) -> Vec<String> {
     let text = text(bytes);
-    lines(&text).filter_map(|line| line.rsplit(['/', '\\']).next()).map(str::to_owned).collect()
+    lines(&text).filter_map(|line| line.rsplit(['/', '\\']).next().map(str::to_owned)).collect()
 }
 
-fn lines(text: &str) -> impl Iterator<Item = &str> {
+fn lines(text: &str) -> impl Iterator<Item = Cow<'_, str>> {
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
-    lines.map(|line| line.strip_prefix("file://").unwrap_or(line))
+    lines.map(|line| line.strip_prefix("file://").map_or(Cow::Borrowed(line), |rest| path_in(rest).into()))
+}
+
+/// The path in an address, behind its `file://`.
+fn path_in(address: &str) -> String {
+    // This machine has a name there, or none.
+    let named = address.strip_prefix("localhost").filter(|rest| rest.starts_with('/'));
+    let path = chladni_task::percent_decoded(named.unwrap_or(address));
+    match path.as_bytes() {
+        // A path of Windows begins with its drive.
+        [b'/', drive, b':', ..] if drive.is_ascii_alphabetic() => path[1..].to_owned(),
+        _ => path,
+    }
 }
 
 fn entries(text: &str, folder: &Path) -> Vec<PathBuf> {
     lines(text)
         .map(|line| {
-            let as_written = folder.join(line);
+            let as_written = folder.join(&*line);
             // Lists of other systems.
             if as_written.is_file() { as_written } else { folder.join(line.replace('\\', "/")) }
         })
@@ -151,5 +164,27 @@ mod tests {
         assert!(is_list(&list));
         std::fs::write(&list, [0xff; 9]).unwrap();
         assert!(songs_of(&list).is_err());
+    }
+
+    #[test]
+    fn addresses_in_a_list_are_paths() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a b.mp3", "c%20d.mp3"] {
+            std::fs::write(folder.path().join(name), b"").unwrap();
+        }
+        let root = folder.path().to_str().unwrap().replace('\\', "/");
+        let root = root.trim_start_matches('/');
+        let text = format!(
+            "file:///{root}/a%20b.mp3\nfile://localhost/{root}/a%20b.mp3\nfile:///{root}/c%2520d.mp3\nc%20d.mp3\n"
+        );
+        let list = folder.path().join("set.m3u8");
+        std::fs::write(&list, &text).unwrap();
+        let found = songs_of(&list).unwrap();
+        assert_eq!(names(&found, folder.path()), ["a b.mp3", "a b.mp3", "c%20d.mp3", "c%20d.mp3"]);
+        assert_eq!(found.warning, None);
+        assert_eq!(names_in(text.as_bytes()), ["a b.mp3", "a b.mp3", "c%20d.mp3", "c%20d.mp3"]);
+        let of_windows = "file:///C:/My%20Music/zw%C3%B6lf.mp3\nfile://localhost/c:/x.mp3\nfile:///C/x.mp3";
+        let paths: Vec<_> = lines(of_windows).collect();
+        assert_eq!(paths, ["C:/My Music/zw\u{f6}lf.mp3", "c:/x.mp3", "/C/x.mp3"]);
     }
 }

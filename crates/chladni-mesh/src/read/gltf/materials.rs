@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Scene;
 use crate::read::Mended;
 use crate::read::beside::Beside;
-use crate::read::gltf_buffers::{Buffers, percent_decoded};
+use crate::read::gltf_buffers::Buffers;
 use crate::read::gltf_json::Material as JsonMaterial;
 use crate::read::mtl::is_picture;
 use crate::{Material, Texture};
