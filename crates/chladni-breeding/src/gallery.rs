@@ -8,7 +8,7 @@ use rand_chacha::rand_core::SeedableRng;
 
 pub use self::candidates::CANDIDATES;
 use crate::BreedingError;
-use crate::item::{GalleryItem, Generation, Genome, ItemId, Origin};
+use crate::item::{GalleryItem, Generation, Genome, ItemId, Origin, item_name};
 
 /// The sizes S that a gallery may have.
 pub const GALLERY_SIZES: [usize; 4] = [6, 9, 12, 16];
@@ -224,15 +224,16 @@ impl<G: Genome> Gallery<G> {
         Ok(())
     }
 
-    /// Appends a generation in which one item is replaced by `genome`, called `name`, and shows it. Where there is no
+    /// Appends a generation in which one item is replaced by `genome`, called `name` ([`item_name`]), and shows it. Where there is no
     /// room for more generations, the item is replaced in the one that is shown: a show of many days goes on.
     ///
     /// # Errors
     /// An item that does not exist.
     pub fn load(&mut self, index: usize, name: &str, genome: G) -> Result<(), BreedingError> {
         self.item_mut(index)?;
-        let mut item = self.item(genome, Origin::Loaded { name: name.to_owned() });
-        item.name = name.to_owned();
+        let name = item_name(name);
+        let mut item = self.item(genome, Origin::Loaded { name: name.clone() });
+        item.name = name;
         if self.check_room().is_ok() {
             self.replace(index, item);
         } else {

@@ -53,6 +53,14 @@ pub enum Origin {
     },
 }
 
+/// The longest name of an item, in characters.
+const LONGEST_NAME: usize = 200;
+
+/// A name as an item may have it, of what a user or a file says: one line, of at most 200 characters.
+pub fn item_name(said: &str) -> String {
+    said.chars().filter(|c| !c.is_control()).take(LONGEST_NAME).collect()
+}
+
 /// One item of a gallery.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GalleryItem<G> {

@@ -46,7 +46,7 @@ mod suggestion;
 pub use crossing::{inherit, shift};
 pub use error::BreedingError;
 pub use gallery::{CANDIDATES, GALLERY_SIZES, Gallery};
-pub use item::{GalleryItem, Generation, Genome, ItemId, Origin};
+pub use item::{GalleryItem, Generation, Genome, ItemId, Origin, item_name};
 pub use rand_chacha::ChaCha8Rng;
 pub use suggestion::{Describe, Descriptor, most_different, suggest};
 

@@ -74,7 +74,8 @@ struct BindingFile {
 }
 
 impl Bindings {
-    /// Bindings that were read from a file. If a control is listed twice, the last target counts.
+    /// Bindings as [`list`](Self::list) had them. If a control is listed twice, the last target counts; beyond 512 they are
+    /// left out.
     pub fn new(list: Vec<Binding>) -> Self {
         let mut bindings = Self::default();
         for binding in list {
@@ -102,13 +103,18 @@ impl Bindings {
     /// Adds the bindings of a text file to those of other devices and controls. Returns how many were read.
     ///
     /// # Errors
-    /// Text that does not list bindings (the error states the line), or a newer format version. Then
-    /// nothing changes.
+    /// Text that does not list bindings (the error states the line), a newer format version, or more bindings than there
+    /// is room for. Then nothing changes.
     pub fn import(&mut self, text: &str) -> Result<usize, MusicError> {
         text_file::version("bindings", text)?;
         let file: BindingFile = text_file::parse("bindings", text)?;
         let count = file.binding.len();
-        file.binding.into_iter().for_each(|binding| self.bind(binding));
+        let mut all = self.clone();
+        if !file.binding.into_iter().all(|binding| all.bind(binding)) {
+            let why = format!("no more than {MOST_BINDINGS} are kept: forget some first");
+            return Err(MusicError::Parse { kind: "bindings", why });
+        }
+        *self = all;
         Ok(count)
     }
 
@@ -130,16 +136,18 @@ impl Bindings {
         }
     }
 
-    /// Handles a touch. If a target is waiting for a control, binds this control to it; otherwise the
+    /// Handles a touch. If a target is waiting for a control and there is room, binds this control to it; otherwise the
     /// control turns its target. A knob or fader whose position differs from its target's takes over when
     /// it passes that position.
     pub fn touch(&mut self, touch: &Touch, parameters: &Parameters, standing: Standing<'_>) -> Option<Cue> {
         let value = if touch.value.is_finite() { touch.value.clamp(0.0, 1.0) } else { return None };
         let learned = self.learning.filter(|_| value > 0.0);
         if let Some((target, number)) = learned {
-            self.learning = None;
             let (device, control) = (touch.device.clone(), touch.control.clone());
-            self.bind(Binding { device, control, target, number });
+            // Where there is no room, it goes on waiting.
+            if self.bind(Binding { device, control, target, number }) {
+                self.learning = None;
+            }
         }
         let at = self.list.iter().position(|binding| binding.is_of(&touch.device, &touch.control))?;
         let (binding, hand) = (self.list.get(at)?, self.hands.get_mut(at)?);
@@ -194,16 +202,19 @@ impl Bindings {
         messages
     }
 
-    fn bind(&mut self, binding: Binding) {
+    /// Returns whether there was room for it.
+    fn bind(&mut self, binding: Binding) -> bool {
         while let Some(known) = self.list.iter().position(|known| {
             known.control == binding.control && (known.device.is_empty() || known.device == binding.device)
         }) {
             self.forget(known);
         }
-        if self.list.len() < MOST_BINDINGS {
+        let has_room = self.list.len() < MOST_BINDINGS;
+        if has_room {
             self.list.push(binding);
             self.hands.push(Hand::default());
         }
+        has_room
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use chladni_breeding::{ItemId, Origin};
+use chladni_breeding::{ItemId, Origin, item_name};
 
 use crate::gallery::{Gallery, GalleryItem, GalleryShape, initial};
 use crate::stage::{Scene, Stage};
@@ -232,7 +232,7 @@ impl Instrument {
             }
             Action::Rename { item, ref name } => {
                 let item = self.gallery.item_mut(item)?;
-                item.name = name.chars().filter(|c| !c.is_control()).take(200).collect();
+                item.name = item_name(name);
                 let (id, name) = (item.id, item.name.clone());
                 self.favorites.iter_mut().filter(|f| f.id == id).for_each(|f| f.name.clone_from(&name));
             }
@@ -289,7 +289,11 @@ impl Instrument {
                 let Some((id, _)) = self.stage.next() else { return Err(MusicError::NothingNext) };
                 self.stage.show_item(id, moment.at_beat, &self.favorites, &self.parameters);
             }
-            Action::Crossfade { share } => self.stage.fade(share),
+            Action::Crossfade { share } if share.is_finite() => self.stage.fade(share),
+            Action::Crossfade { share } => {
+                let (value, range) = (f64::from(share), "the finite numbers".to_owned());
+                return Err(MusicError::OutOfRange { name: "the fader", value, range });
+            }
             Action::LeaveStage => self.stage.clear(),
             Action::Sweep => self.sweeps = self.sweeps.wrapping_add(1),
             Action::SetLook { ref look } => {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use chladni_breeding::item_name;
 use serde::{Deserialize, Serialize};
 
 use crate::text_file;
@@ -104,6 +105,7 @@ impl Preset {
         if version == 2 {
             preset.settings = preset.settings.of_version_2();
         }
+        preset.name = item_name(&preset.name);
         preset.validate()?;
         Ok(preset)
     }

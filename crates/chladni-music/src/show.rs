@@ -219,7 +219,8 @@ impl Show {
             return bad(format!("crossfades take 0 to {LONGEST_CROSSFADE_SECS} seconds"));
         }
         let wrong = |r: &BeatReading| {
-            r.octave.abs() > MOST_OCTAVES || r.shift_secs.abs().partial_cmp(&60.0).is_none_or(|o| o.is_gt())
+            !(-MOST_OCTAVES..=MOST_OCTAVES).contains(&r.octave)
+                || r.shift_secs.abs().partial_cmp(&60.0).is_none_or(|o| o.is_gt())
         };
         if self.songs.iter().any(|song| wrong(&song.reading)) {
             return bad("the beats of a song cannot be read so".into());

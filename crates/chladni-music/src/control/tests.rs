@@ -220,3 +220,24 @@ fn a_fader_that_is_moved_fast_keeps_its_target_and_is_not_driven_against_the_han
     assert_eq!(bindings.feedback(&standing, &|_| true).len(), 1);
     assert_eq!(touch(&mut bindings, &knob(1, 118), &parameters), None);
 }
+
+#[test]
+fn bindings_that_find_no_room_are_said() {
+    let control = |n: usize| Control::Note { channel: (n / 128) as u8, number: (n % 128) as u8 };
+    let target = Target::Parameter(Parameter::Limit);
+    let list: Vec<Binding> = (0..MOST_BINDINGS).map(|n| binding(control(n), target)).collect();
+    let full = Bindings::new(list);
+    let text = |n: usize| Bindings::new(vec![binding(control(n), target)]).to_text().unwrap();
+    let mut bindings = full.clone();
+    let why = bindings.import(&text(MOST_BINDINGS)).unwrap_err().to_string();
+    assert!(why.contains("512") && bindings == full, "{why}");
+    assert_eq!(bindings.import(&text(0)).unwrap(), 1, "one that takes the place of another");
+    // A target goes on waiting until there is room for its control.
+    let parameters = Parameters::default();
+    bindings.learn(Some((target, None)));
+    assert_eq!(touch(&mut bindings, &knob(7, 127), &parameters), None);
+    assert_eq!((bindings.learning(), bindings.list().len()), (Some((target, None)), MOST_BINDINGS));
+    bindings.forget(0);
+    assert!(touch(&mut bindings, &knob(7, 127), &parameters).is_some());
+    assert_eq!((bindings.learning(), bindings.list().len()), (None, MOST_BINDINGS));
+}

@@ -61,7 +61,7 @@ impl BeatReading {
             both.sort_by(f64::total_cmp);
             read = both;
         }
-        for _ in 0..(-self.octave).clamp(0, MOST_OCTAVES) {
+        for _ in 0..self.octave.saturating_neg().clamp(0, MOST_OCTAVES) {
             read = read.into_iter().step_by(2).collect();
         }
         read.iter_mut().for_each(|beat| *beat += self.shift_secs);
@@ -174,6 +174,7 @@ mod tests {
         assert_eq!(read(0, 0.0), [1.0, 2.0, 3.0]);
         assert_eq!(read(1, 0.25), [1.25, 1.75, 2.25, 2.75, 3.25]);
         assert_eq!(read(-1, 0.0), [1.0, 3.0]);
+        assert_eq!((read(i32::MIN, 0.0), read(i32::MAX, 0.0)), (read(-3, 0.0), read(3, 0.0)));
         assert_eq!(BeatReading { octave: 3, shift_secs: 0.0 }.of(&[]), [0.0; 0]);
     }
 }

@@ -63,6 +63,8 @@ fn a_session_of_version_1_opens_as_a_show_with_the_knobs_of_then() {
         ("actions = [{ at_secs = inf, at_beat = 0.0, do = \"breed\" }]", "times"),
         ("actions = [{ at_secs = 1.0, at_beat = nan, do = \"breed\" }]", "times"),
         ("viewpoint = { distance = 0.0 }", "viewpoint"),
+        ("songs = [{ path = \"a.ogg\", reading = { octave = 4 } }]", "beats"),
+        ("songs = [{ path = \"a.ogg\", reading = { octave = -2147483648 } }]", "beats"),
     ] {
         let text = format!("format_version = 2\nseed = 5\nsize = 6\n{bad}\n");
         assert!(Show::from_text(&text).unwrap_err().to_string().contains(why), "{bad}");
@@ -70,6 +72,43 @@ fn a_session_of_version_1_opens_as_a_show_with_the_knobs_of_then() {
     // An installation that plays for a week.
     let text = "format_version = 2\nseed = 5\nsize = 6\nduration_secs = 604800.0\n";
     assert_eq!(Show::from_text(text).unwrap().ends_secs(), 604_800.0);
+}
+
+#[test]
+fn a_fader_that_is_nowhere_is_refused() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut instrument = Instrument::new(3, 6, shape).unwrap();
+    let mut fade = |share: f32| {
+        let faded = instrument.apply(Moment::default(), Action::Crossfade { share });
+        (faded.is_ok(), instrument.fader())
+    };
+    assert_eq!(fade(0.25), (true, 0.25));
+    for share in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        assert_eq!(fade(share), (false, 0.25));
+    }
+    assert_eq!((fade(7.0), fade(-7.0)), ((true, 1.0), (true, 0.0)));
+}
+
+#[test]
+fn a_name_is_a_line_of_a_few_words_wherever_it_comes_from() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut instrument = Instrument::new(3, 6, shape).unwrap();
+    let (long, shown) = (format!("one\ntwo\u{1b}{}", "é".repeat(300)), format!("onetwo{}", "é".repeat(194)));
+    let mapping = instrument.gallery().items()[0].genome.clone();
+    let mut preset = instrument.preset(&instrument.gallery().items()[0], vec![]);
+    preset.name = long.clone();
+    assert_eq!(Preset::from_text(&preset.to_text().unwrap()).unwrap().name, shown);
+    let actions = [
+        Action::Rename { item: 0, name: long.clone() },
+        Action::Load { item: 1, name: long.clone(), mapping },
+        Action::Take { item: 2, preset: Box::new(preset) },
+    ];
+    for (item, action) in actions.into_iter().enumerate() {
+        instrument.apply(Moment::default(), action).unwrap();
+        let item = &instrument.gallery().items()[item];
+        assert_eq!(item.name, shown);
+        assert!(!matches!(&item.origin, chladni_music::Origin::Loaded { name } if *name != shown));
+    }
 }
 
 fn coefficients_of(items: &[Item]) -> Vec<u32> {

@@ -6,6 +6,7 @@ mod opus;
 mod reader;
 mod resample;
 mod song;
+mod source;
 mod track;
 mod wav;
 

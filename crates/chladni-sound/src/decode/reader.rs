@@ -7,14 +7,16 @@ use chladni_task::open_file;
 use symphonia::core::codecs::audio::{AudioDecoder, well_known};
 use symphonia::core::errors::Error as CodecError;
 use symphonia::core::formats::probe::Hint;
+use symphonia::core::formats::well_known::FORMAT_ID_OGG;
 use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo};
 use symphonia::core::io::{MediaSource, MediaSourceStream};
 use symphonia::core::meta::{MetadataOptions, StandardTag, StandardVisualKey};
-use symphonia::core::units::{TimeBase, Timestamp};
+use symphonia::core::units::{Duration, TimeBase, Timestamp};
 
 use super::downmix::Downmix;
 use super::mp4_edits::{self, Audible};
-use super::track::{look_at_start, open_track, rewind, unrecognized};
+use super::source::SharedSource;
+use super::track::{OpenedTrack, look_at_start, open_track, rewind, unrecognized};
 use crate::SoundError;
 
 /// The longest part of a tag that is used, in characters.
@@ -40,9 +42,13 @@ const MISSED_SECS: f64 = 0.1;
 /// (ITU-R BS.775). Encoder padding is removed if the file states its length. Seeking is exact to the frame
 /// (in Matroska, whose clock is coarse, to 1 ms).
 ///
+/// Ogg files may be a chain of several ones, as recordings of radio stations are; all links are read. The length of those
+/// that were not reached yet is not known.
+///
 /// Memory use does not depend on the length of the song.
 pub struct SongReader {
     name: String,
+    source: SharedSource,
     format: Box<dyn FormatReader>,
     decoder: Box<dyn AudioDecoder>,
     track_id: u32,
@@ -50,8 +56,12 @@ pub struct SongReader {
     rate_hz: u32,
     channels: usize,
     declared_frames: Option<u64>,
+    /// Whether that may be a guess.
+    is_guess: bool,
     audible: Audible,
-    /// Frames of the song before the next block.
+    /// Frames of the song before this link of a chain; 0 in any other file.
+    link_begin: u64,
+    /// Frames of the link before the next block.
     position: u64,
     /// Decoded frames still to be dropped.
     skip: u64,
@@ -67,6 +77,8 @@ pub struct SongReader {
     cut_short: bool,
     /// At the end: how many frames fewer than stated in the header were found.
     missing_frames: u64,
+    /// Those that were missing in links before this one.
+    missing_before: u64,
 }
 
 impl SongReader {
@@ -94,15 +106,13 @@ impl SongReader {
         let mp4 = start.get(4..8) == Some(b"ftyp");
         let audible = if mp4 { mp4_edits::audible_part(source.as_mut()) } else { None };
         rewind(name, source.as_mut())?;
-        let stream = MediaSourceStream::new(source, Default::default());
-        // No hint is given: the first bytes of a file are more reliable than its name.
-        let format = symphonia::default::get_probe()
-            .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
-            .map_err(|error| unrecognized(name, &start, &error))?;
+        let source = SharedSource::new(source);
+        let format = probe(name, &source)?;
         let opened = open_track(name, format.as_ref())?;
         let audible = audible.unwrap_or(opened.audible);
         let mut reader = Self {
             name: name.to_owned(),
+            source,
             format,
             decoder: opened.decoder,
             track_id: opened.track_id,
@@ -110,7 +120,9 @@ impl SongReader {
             rate_hz: 0,
             channels: 0,
             declared_frames: opened.frames,
+            is_guess: opened.is_guess,
             audible,
+            link_begin: 0,
             position: 0,
             skip: audible.skip,
             sought: None,
@@ -121,6 +133,7 @@ impl SongReader {
             damaged_packets: 0,
             cut_short: false,
             missing_frames: 0,
+            missing_before: 0,
         };
         // The header may state a wrong rate or number of channels; the first decoded block is right.
         reader.pending = reader.decode_block()?;
@@ -188,8 +201,12 @@ impl SongReader {
         front.or(pictures.first()).map(|picture| picture.data.to_vec())
     }
 
-    /// Length in frames as stated in the header, which may be wrong.
+    /// Length in frames as stated in the header, which may be wrong; of a chain, up to the end of this link.
     pub fn total_frames(&self) -> Option<u64> {
+        self.link_frames().map(|frames| self.link_begin + frames)
+    }
+
+    fn link_frames(&self) -> Option<u64> {
         self.audible.frames.or(self.declared_frames)
     }
 
@@ -227,7 +244,11 @@ impl SongReader {
     /// The file cannot be read again from its start.
     pub fn seek(&mut self, frame: u64) -> Result<(), SoundError> {
         self.pending = false;
-        let target = frame.saturating_add(self.audible.skip);
+        if frame < self.link_begin {
+            self.reopen()?;
+        }
+        let position = frame - self.link_begin;
+        let target = position.saturating_add(self.audible.skip);
         let preroll = (PREROLL_SECS * f64::from(self.rate_hz)) as u64;
         // Some containers cannot seek to their end, or not at all. Then decoding continues from the start.
         let reached = self.seek_container(target.saturating_sub(preroll)) || self.seek_container(0);
@@ -238,7 +259,37 @@ impl SongReader {
         self.decoder.reset();
         self.skip = 0;
         self.sought = Some(target);
-        self.position = frame;
+        self.position = position;
+        Ok(())
+    }
+
+    /// Goes back to the first link of a chain: container readers seek only within one.
+    fn reopen(&mut self) -> Result<(), SoundError> {
+        rewind(&self.name, &mut self.source)?;
+        self.format = probe(&self.name, &self.source)?;
+        (self.link_begin, self.missing_before) = (0, 0);
+        self.enter_link()
+    }
+
+    /// Opens the track of the link that begins here, which may be another one.
+    fn enter_link(&mut self) -> Result<(), SoundError> {
+        let OpenedTrack { audible, track_id, time_base, frames, is_guess, decoder } =
+            open_track(&self.name, self.format.as_ref())?;
+        (self.audible, self.track_id, self.time_base) = (audible, track_id, time_base);
+        (self.declared_frames, self.is_guess, self.decoder) = (frames, is_guess, decoder);
+        Ok(())
+    }
+
+    /// Goes on with the next link of a chain; where its end was sought, with what lies beyond that.
+    fn next_link(&mut self) -> Result<(), SoundError> {
+        let seeks = self.skip > 0 || self.sought.take().is_some();
+        let declared = self.declared_frames.filter(|_| seeks);
+        let frames = self.audible.frames.or(declared).unwrap_or(self.position);
+        self.missing_before += self.link_frames().unwrap_or(0).saturating_sub(self.position);
+        self.link_begin += frames;
+        self.position = self.position.saturating_sub(frames);
+        self.enter_link()?;
+        self.skip = self.audible.skip.saturating_add(self.position);
         Ok(())
     }
 
@@ -269,11 +320,12 @@ impl SongReader {
 
     /// Fills `stereo` with at least one frame. Returns false at the end.
     fn decode_block(&mut self) -> Result<bool, SoundError> {
-        let song_end = self.audible.frames.unwrap_or(u64::MAX);
         self.stereo.clear();
         while self.stereo.is_empty() {
-            let left = song_end.saturating_sub(self.position);
-            if left == 0 || !self.decode_packet(left)? {
+            let left = self.audible.frames.unwrap_or(u64::MAX).saturating_sub(self.position);
+            // Another link may follow.
+            let is_over = left == 0 && self.format.format_info().format != FORMAT_ID_OGG;
+            if is_over || !self.decode_packet(left)? {
                 return Ok(false);
             }
         }
@@ -282,7 +334,7 @@ impl SongReader {
 
     /// Decodes one packet into `stereo`, at most `left` frames of it. Returns false at the end.
     fn decode_packet(&mut self, left: u64) -> Result<bool, SoundError> {
-        let packet = match self.format.next_packet() {
+        let mut packet = match self.format.next_packet() {
             Ok(Some(packet)) => packet,
             Ok(None) => {
                 self.count_missing();
@@ -296,18 +348,17 @@ impl SongReader {
             Err(CodecError::IoError(source)) => {
                 return Err(SoundError::Read { name: self.name.clone(), source });
             }
-            // A chained stream begins here; it may have different tracks.
             Err(CodecError::ResetRequired) => {
-                let opened = open_track(&self.name, self.format.as_ref())?;
-                self.decoder = opened.decoder;
-                self.track_id = opened.track_id;
-                self.time_base = opened.time_base;
+                self.next_link()?;
                 return Ok(true);
             }
             Err(error) => return self.failure(&error),
         };
         if packet.track_id != self.track_id {
             return Ok(true);
+        }
+        if self.is_guess {
+            packet.trim_end = Duration::ZERO;
         }
         let (rate_hz, channels) = match self.decoder.decode(&packet) {
             Ok(decoded) => {
@@ -358,8 +409,8 @@ impl SongReader {
     /// reveals. That of an MP3 may be an estimate.
     fn count_missing(&mut self) {
         let known = self.decoder.codec_params().codec != well_known::CODEC_ID_MP3;
-        let stated = self.total_frames().filter(|_| known).unwrap_or(0);
-        self.missing_frames = stated.saturating_sub(self.position);
+        let stated = self.link_frames().filter(|_| known).unwrap_or(0);
+        self.missing_frames = self.missing_before + stated.saturating_sub(self.position);
     }
 
     fn failure(&mut self, error: &CodecError) -> Result<bool, SoundError> {
@@ -371,4 +422,14 @@ impl SongReader {
         }
         Ok(true)
     }
+}
+
+fn probe(name: &str, source: &SharedSource) -> Result<Box<dyn FormatReader>, SoundError> {
+    let mut source = source.clone();
+    let start = look_at_start(name, &mut source)?;
+    let stream = MediaSourceStream::new(Box::new(source), Default::default());
+    // No hint is given: the first bytes of a file are more reliable than its name.
+    symphonia::default::get_probe()
+        .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
+        .map_err(|error| unrecognized(name, &start, &error))
 }

@@ -35,6 +35,8 @@ pub(super) struct OpenedTrack {
     pub track_id: u32,
     pub time_base: Option<TimeBase>,
     pub frames: Option<u64>,
+    /// Whether those frames may be a guess from the size of the file, of which no packet must be cut off.
+    pub is_guess: bool,
     pub decoder: Box<dyn AudioDecoder>,
 }
 
@@ -61,6 +63,7 @@ pub(super) fn open_track(name: &str, format: &dyn FormatReader) -> Result<Opened
         track_id: track.id,
         time_base: track.time_base,
         frames: track.num_frames,
+        is_guess: params.codec == well_known::CODEC_ID_MP3 && track.delay.unwrap_or(0) == 0,
         decoder,
     })
 }

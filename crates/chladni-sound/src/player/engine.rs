@@ -165,15 +165,17 @@ impl Engine {
     }
 
     /// Replaces the list around the song that plays. If that song is no longer in it, the one in its place
-    /// plays.
+    /// plays. If only the one that is decoded ahead is not, the song that is heard goes on to its end.
     fn set_songs(&mut self, songs: Vec<PathBuf>) {
         let places = self.list.places_in(&songs);
+        let heard = self.place().and_then(|heard| Some(((*places.get(heard.song)?)?, heard.song_secs)));
         self.shared.timeline().stretches.renumber(&places);
         let current = self.list.current;
         let last = songs.len().checked_sub(1);
         self.list.songs = songs;
         match places.get(current).copied().flatten() {
             Some(place) => self.list.current = place,
+            None if let Some((place, secs)) = heard => self.start(Some(place), secs, self.playing),
             None => self.start(last.map(|last| current.min(last)), 0.0, self.playing),
         }
     }
@@ -216,13 +218,23 @@ impl Engine {
 
     /// Starts a song at a time, at once: the ring is flushed.
     fn start(&mut self, song: Option<usize>, secs: f64, playing: bool) {
-        self.shared.clock.flush_before(self.written);
+        self.flush();
         (self.song, self.tail) = (None, Tail::default());
         self.shared.clock.set_drained(true);
         if let Some(song) = song {
             self.open_song(song, secs, None);
         }
         self.set_playing(playing && self.song.is_some());
+    }
+
+    /// Drops what was not yet handed out.
+    fn flush(&self) {
+        // What was handed out is still heard, and the picture shows it so much earlier.
+        let mut timeline = self.shared.timeline();
+        let ahead = (self.shared.clock.shown_ahead_secs() * f64::from(timeline.rate_hz)) as i64;
+        let first = self.shared.clock.consumed().saturating_add_signed(ahead).min(self.written);
+        timeline.dropped.add(first..self.written.saturating_add_signed(ahead.max(0)));
+        self.shared.clock.flush_before(self.written);
     }
 
     /// Opens a song, or the next one that can be opened, and records its place in the ring, behind what the song before has

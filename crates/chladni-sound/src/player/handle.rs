@@ -37,7 +37,7 @@ pub struct PlayerStatus {
     /// The time in that song of the sample that is heard now; the latency of the device is accounted for. Where a picture
     /// is shown ahead ([`Player::show_ahead`]), both are those of the moment that it shows.
     pub position_secs: f64,
-    /// The length of that song, if its header states it.
+    /// The length of that song, if its header states it; no less than where it has come to.
     pub duration_secs: Option<f64>,
     /// The length of the crossfade with which that song began, half of it before it became the song that is
     /// heard; 0 where it began at once.
@@ -173,6 +173,11 @@ impl Player {
         let heard = self.shared.clock.shown_frame(Instant::now(), timeline.rate_hz);
         let rate_hz = timeline.rate_hz.max(1);
         let place = timeline.stretches.at(heard, rate_hz);
+        // A picture that is shown ahead ends with the song; headers may say less than there is.
+        let written = timeline.history.written();
+        let position_secs = place.map_or(0.0, |(stretch, secs)| {
+            secs.min(stretch.duration_secs.unwrap_or(0.0).max(stretch.secs_at(written as f64, rate_hz)))
+        });
         PlayerStatus {
             state: match (timeline.stopped, timeline.playing) {
                 (true, _) => PlayerState::Stopped,
@@ -180,10 +185,10 @@ impl Player {
                 (false, false) => PlayerState::Paused,
             },
             song: place.map_or(0, |(stretch, _)| stretch.song),
-            position_secs: place.map_or(0.0, |(stretch, secs)| {
-                stretch.duration_secs.map_or(secs, |duration| secs.min(duration))
-            }),
-            duration_secs: place.and_then(|(stretch, _)| stretch.duration_secs),
+            position_secs,
+            duration_secs: place
+                .and_then(|(stretch, _)| stretch.duration_secs)
+                .map(|duration| duration.max(position_secs)),
             crossfade_secs: place.map_or(0.0, |(stretch, _)| stretch.crossfade_secs),
             device: timeline.device.clone(),
             rate_hz: timeline.rate_hz,
@@ -204,20 +209,26 @@ impl Player {
 
     /// Appends all frames that were heard after frame `from`, before volume, at [`PlayerStatus::rate_hz`],
     /// and sets `from` to the frame heard now; the first call appends nothing, nor does the first one after a change of
-    /// device, which counts anew. Frames more than a few seconds old are silence.
+    /// device, which counts anew. What a jump dropped was not heard. Frames more than a few seconds old are silence.
     pub fn take_heard(&self, from: &mut Option<u64>, left: &mut Vec<f32>, right: &mut Vec<f32>) {
         let timeline = self.shared.timeline();
         let rate_hz = timeline.rate_hz.max(1);
         let heard = self.shared.clock.shown_frame(Instant::now(), rate_hz).round().max(0.0) as u64;
-        let most = 4 * u64::from(rate_hz);
         let (count, now) = since(*from, heard, u64::from(rate_hz));
-        let count = count.min(most) as usize;
         *from = Some(now);
-        let before = left.len();
-        left.resize(before + count, 0.0);
-        right.resize(before + count, 0.0);
-        let (Some(left), Some(right)) = (left.get_mut(before..), right.get_mut(before..)) else { return };
-        timeline.history.window(heard as i64, left, right);
+        let parts = timeline.dropped.heard_of(heard - count..heard);
+        let all: u64 = parts.iter().map(|part| part.end - part.start).sum();
+        let mut too_old = all.saturating_sub(4 * u64::from(rate_hz));
+        for part in parts {
+            let old = too_old.min(part.end - part.start);
+            too_old -= old;
+            let before = left.len();
+            let after = before + (part.end - part.start - old) as usize;
+            left.resize(after, 0.0);
+            right.resize(after, 0.0);
+            let (Some(left), Some(right)) = (left.get_mut(before..), right.get_mut(before..)) else { return };
+            timeline.history.window(part.end as i64, left, right);
+        }
     }
 
     fn send(&self, command: Command) {

@@ -1,6 +1,7 @@
-//! The playlist, and a record of which song each part of the ring holds.
+//! The playlist, and a record of which song each part of the ring holds, and which parts were dropped.
 
 use std::collections::{HashMap, VecDeque};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// What happens after the last sample of a song.
@@ -69,6 +70,13 @@ pub(super) struct Stretch {
     pub crossfade_secs: f64,
 }
 
+impl Stretch {
+    /// The time in the song at a ring frame.
+    pub fn secs_at(&self, ring_frame: f64, rate_hz: u32) -> f64 {
+        self.song_secs + (ring_frame - self.ring_frame as f64).max(0.0) / f64::from(rate_hz)
+    }
+}
+
 /// Stretches are kept for this long after they were heard: what is shown may lie behind what is heard.
 const KEPT_SECS: f64 = 1.0;
 
@@ -107,8 +115,49 @@ impl Stretches {
         }
         let begun = self.list.iter().rev().find(|stretch| stretch.ring_frame as f64 <= ring_frame);
         let stretch = *begun.or_else(|| self.list.front())?;
-        let since = (ring_frame - stretch.ring_frame as f64).max(0.0) / f64::from(rate_hz);
-        Some((stretch, stretch.song_secs + since))
+        Some((stretch, stretch.secs_at(ring_frame, rate_hz)))
+    }
+}
+
+/// Jumps that are remembered, each with sound that was heard before it: whoever takes what was heard does so more often.
+const MOST_JUMPS: usize = 64;
+
+/// The parts of the ring that jumps dropped, in order: they were decoded, and never heard.
+#[derive(Default)]
+pub(super) struct Dropped {
+    list: VecDeque<Range<u64>>,
+}
+
+impl Dropped {
+    pub fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    pub fn add(&mut self, part: Range<u64>) {
+        if part.is_empty() {
+            return;
+        }
+        match self.list.back_mut() {
+            // Nothing was heard between two jumps.
+            Some(last) if last.end >= part.start => last.end = last.end.max(part.end),
+            _ => self.list.push_back(part),
+        }
+        if self.list.len() > MOST_JUMPS {
+            self.list.pop_front();
+        }
+    }
+
+    /// The parts of `frames` that were heard, in order.
+    pub fn heard_of(&self, frames: Range<u64>) -> Vec<Range<u64>> {
+        let mut heard = Vec::new();
+        let mut from = frames.start;
+        for part in self.list.iter().filter(|part| part.end > frames.start && part.start < frames.end) {
+            heard.push(from..part.start.max(from));
+            from = part.end;
+        }
+        heard.push(from..frames.end.max(from));
+        heard.retain(|part| !part.is_empty());
+        heard
     }
 }
 
@@ -143,6 +192,19 @@ mod tests {
         });
         stretches.renumber(&places);
         assert_eq!(stretches.at(0.0, 48_000).map(|(s, _)| s.song), Some(1));
+    }
+
+    #[test]
+    fn what_jumps_dropped_was_not_heard() {
+        let mut dropped = Dropped::default();
+        for part in [100..200, 200..250, 300..300, 400..500] {
+            dropped.add(part);
+        }
+        assert_eq!(dropped.heard_of(0..600), [0..100, 250..400, 500..600]);
+        assert_eq!(dropped.heard_of(150..450), [250..400]);
+        assert_eq!(dropped.heard_of(250..400), [250..400]);
+        assert_eq!(dropped.heard_of(120..130), []);
+        assert_eq!(dropped.heard_of(600..600), []);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::clock::Clock;
-use super::queue::Stretches;
+use super::queue::{Dropped, Stretches};
 use crate::history::History;
 
 /// The audio callback uses only the clock and never waits.
@@ -14,6 +14,7 @@ pub(super) struct Shared {
 
 pub(super) struct Timeline {
     pub stretches: Stretches,
+    pub dropped: Dropped,
     pub history: History,
     pub rate_hz: u32,
     pub device: Option<String>,
@@ -27,6 +28,7 @@ impl Shared {
         clock.set_volume(volume.clamp(0.0, 1.0));
         let timeline = Mutex::new(Timeline {
             stretches: Stretches::default(),
+            dropped: Dropped::default(),
             history: History::new(0),
             rate_hz: 0,
             device: None,

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
+mod chained;
 mod damaged;
 
 use std::path::Path;
@@ -144,6 +145,28 @@ fn every_format_that_ffmpeg_writes_comes_back_in_place() {
             seeks_land_exactly(&path, &read, 2e-3);
         }
     }
+}
+
+#[test]
+fn an_mp3_whose_length_is_guessed_too_short_is_read_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let (source, path) = (folder.path().join("noise.wav"), folder.path().join("noise.mp3"));
+    // A loud second and quiet ones: without a table of contents, the length is guessed from the first frames.
+    let mut noise = 1u32;
+    let mut next = |n: u32| {
+        noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        if n < 48_000 { (noise >> 16) as f32 / 65_536.0 - 0.5 } else { 0.0 }
+    };
+    let left: Vec<f32> = (0..6 * 48_000).map(&mut next).collect();
+    write_wav(&source, &Song { rate_hz: 48_000, right: left.clone(), left }, WavSample::Int16).unwrap();
+    let options = ["-c:a", "libmp3lame", "-q:a", "0", "-write_xing", "0", "-id3v2_version", "0"];
+    if !ffmpeg(&source, &options, &path) {
+        return eprintln!("skipped: no ffmpeg that writes MP3 here");
+    }
+    let mut reader = SongReader::open(&path).unwrap();
+    assert!(reader.total_frames().unwrap() < 4 * 48_000, "it is guessed");
+    let song = Song::read(&mut reader, &SongOptions::default(), &Task::new()).unwrap();
+    assert!((6.0..6.1).contains(&song.duration_secs()), "{} s", song.duration_secs());
 }
 
 fn ffmpeg(source: &Path, arguments: &[&str], target: &Path) -> bool {

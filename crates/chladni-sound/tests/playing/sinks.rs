@@ -8,7 +8,7 @@ use std::time::Duration;
 use chladni_sound::{Song, WavSample, sample_tune, write_wav};
 use chladni_testdata::SoundServer;
 
-use super::{wait, write_tone};
+use super::{undisturbed, wait, write_tone};
 
 /// The example that cargo has built beside this test.
 fn example(name: &str) -> PathBuf {
@@ -27,19 +27,6 @@ fn played(server: &SoundServer, arguments: &[&str]) -> String {
     let output = server.command(example("playback")).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8_lossy(&output.stdout).into_owned()
-}
-
-/// Playback follows the wall clock, and a busy machine can disturb it: one of four attempts must succeed.
-fn undisturbed(mut measure: impl FnMut() -> (bool, String)) {
-    let mut reports = Vec::new();
-    while reports.len() < 4 {
-        let (right, report) = measure();
-        if right {
-            return;
-        }
-        reports.push(report);
-    }
-    panic!("never right: {reports:#?}");
 }
 
 #[test]

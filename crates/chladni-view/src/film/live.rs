@@ -21,8 +21,11 @@ use crate::{Picture, ViewError};
 const MOST_WAITING: usize = 4;
 /// Messages that may wait; sound comes in small pieces.
 const MOST_MESSAGES: usize = 4096;
-/// After a gap longer than this, silence is inserted.
+/// Sound that lags behind the picture by more than this is preceded by silence, and of sound that runs ahead by more, what
+/// is too much is left out: no device's clock keeps exactly this one's time.
 const LATE_SECS: f64 = 0.1;
+/// Silence is written in pieces of this many frames.
+const SILENT_FRAMES: usize = 4096;
 
 /// An MP4 with sound that is written while it happens. Dropped before it is finished, it leaves nothing behind; if it
 /// fails, its folder stays ([`CutOff`](super::CutOff)).
@@ -43,6 +46,8 @@ pub struct LiveFilm {
 enum Message {
     Frame(u64, Picture),
     Sound(Vec<f32>),
+    /// So many frames of it.
+    Silence(u64),
     Finish(u64),
 }
 
@@ -129,18 +134,28 @@ impl LiveFilm {
         self.left_out += u64::from(!sent);
     }
 
-    /// Takes the sound up to `at_secs`; a gap before it is silence.
+    /// Takes the sound up to `at_secs`; a gap before it is silence, and what is too much is left out at its beginning.
     pub fn sound(&mut self, at_secs: f64, left: &[f32], right: &[f32]) {
         let due = (at_secs.max(0.0) * f64::from(self.sound_hz)) as u64;
-        let missing = due.saturating_sub(self.sounded + left.len() as u64);
         let late = (LATE_SECS * f64::from(self.sound_hz)) as u64;
-        let silence = if missing > late { missing } else { 0 };
-        let mut samples = vec![0.0; 2 * silence as usize];
-        samples.extend(left.iter().zip(right).flat_map(|(left, right)| [*left, *right]));
-        let frames = samples.len() as u64 / 2;
-        let send = |sender: &SyncSender<Message>| sender.try_send(Message::Sound(samples)).is_ok();
-        // Sound that the queue does not take is silence in the film.
-        if frames > 0 && self.sender.as_ref().is_some_and(send) {
+        let frames = left.len().min(right.len());
+        let with_all = self.sounded + frames as u64;
+        let beyond = |surplus: u64| if surplus > late { surplus } else { 0 };
+        let silence = beyond(due.saturating_sub(with_all));
+        let dropped = beyond(with_all.saturating_sub(due)).min(frames as u64) as usize;
+        if silence > 0 {
+            self.send_sound(silence, Message::Silence(silence));
+        }
+        if dropped < frames {
+            let pairs = left.iter().zip(right).skip(dropped);
+            let samples = pairs.flat_map(|(left, right)| [*left, *right]).collect();
+            self.send_sound((frames - dropped) as u64, Message::Sound(samples));
+        }
+    }
+
+    /// Sound that the queue does not take is silence in the film.
+    fn send_sound(&mut self, frames: u64, message: Message) {
+        if self.sender.as_ref().is_some_and(|sender| sender.try_send(message).is_ok()) {
             self.sounded += frames;
         }
     }
@@ -212,10 +227,14 @@ impl Writer {
                     self.shown = fit(picture, self.shown.width, self.shown.height);
                     self.hold(slot + 1)?;
                 }
-                Message::Sound(samples) => {
-                    for sample in samples {
-                        let written = self.sound.write_all(&sample.to_le_bytes());
-                        written.map_err(|source| self.unwritten(source))?;
+                Message::Sound(samples) => self.write_sound(&samples)?,
+                Message::Silence(frames) => {
+                    let silence = [0.0; 2 * SILENT_FRAMES];
+                    let mut left = frames;
+                    while left > 0 {
+                        let now = left.min(SILENT_FRAMES as u64);
+                        self.write_sound(&silence[..2 * now as usize])?;
+                        left -= now;
                     }
                 }
                 Message::Finish(slots) => {
@@ -225,6 +244,14 @@ impl Writer {
             }
         }
         Ok(false)
+    }
+
+    fn write_sound(&mut self, samples: &[f32]) -> Result<(), ViewError> {
+        for sample in samples {
+            let written = self.sound.write_all(&sample.to_le_bytes());
+            written.map_err(|source| self.unwritten(source))?;
+        }
+        Ok(())
     }
 
     fn unwritten(&self, source: std::io::Error) -> ViewError {
@@ -366,6 +393,55 @@ mod tests {
         };
         assert!(loudest(0..7200) < 0.05 && loudest(9000..15_000) > 0.3);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    /// A film without an encoder, and what would be written of it.
+    fn unwritten() -> (LiveFilm, Receiver<Message>) {
+        let (sender, receiver) = sync_channel(MOST_MESSAGES);
+        let film = LiveFilm {
+            folder: PathBuf::new(),
+            sender: Some(sender),
+            waiting: Arc::default(),
+            rate: FrameRate::per_second(30),
+            sound_hz: 8000,
+            last: None,
+            sounded: 0,
+            left_out: 0,
+            thread: None,
+        };
+        (film, receiver)
+    }
+
+    fn frames(message: &Message) -> u64 {
+        match message {
+            Message::Sound(samples) => samples.len() as u64 / 2,
+            Message::Silence(frames) => *frames,
+            Message::Frame(..) | Message::Finish(_) => 0,
+        }
+    }
+
+    #[test]
+    fn sound_of_a_device_that_runs_fast_or_slow_stays_beside_the_picture() {
+        for each in [397, 400, 403] {
+            let (mut film, receiver) = unwritten();
+            let tone = vec![0.5; each];
+            let mut written = 0;
+            for i in 1..=2000 {
+                film.sound(0.05 * f64::from(i), &tone, &tone);
+                written += receiver.try_iter().map(|message| frames(&message)).sum::<u64>();
+                assert!(written.abs_diff(400 * i as u64) <= 800, "{written} frames in {i} pieces of {each}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_gap_needs_no_memory() {
+        let (mut film, receiver) = unwritten();
+        film.sound(10.0 * 3600.0, &[0.5], &[0.5]);
+        let messages: Vec<Message> = receiver.try_iter().collect();
+        let held = |message: &Message| if let Message::Sound(samples) = message { samples.len() } else { 0 };
+        assert!(messages.iter().all(|message| held(message) <= 2));
+        assert_eq!(messages.iter().map(frames).sum::<u64>(), 36_000 * 8000);
     }
 
     #[test]

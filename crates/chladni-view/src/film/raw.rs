@@ -49,13 +49,15 @@ fn gone(why: std::io::Error) -> ViewError {
 
 impl<W: Write + Send> Encode for Raw<W> {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
-        match self.format {
-            RawFormat::Rgba => self.to.write_all(&picture.rgba).map_err(gone),
+        let written = match self.format {
+            RawFormat::Rgba => self.to.write_all(&picture.rgba),
             RawFormat::Y4m => {
                 planes(&picture.rgba, &mut self.planes);
-                self.to.write_all(b"FRAME\n").and_then(|()| self.to.write_all(&self.planes)).map_err(gone)
+                self.to.write_all(b"FRAME\n").and_then(|()| self.to.write_all(&self.planes))
             }
-        }
+        };
+        // Standard output keeps what does not end in a line break, and the next frame may be long in coming.
+        written.and_then(|()| self.to.flush()).map_err(gone)
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), ViewError> {
@@ -122,6 +124,20 @@ mod tests {
         film.finish().unwrap();
         let bytes = pipe.0.lock().unwrap().clone();
         assert_eq!(bytes, [[0u8; 24], [100; 24], [255; 24]].concat());
+    }
+
+    #[test]
+    fn each_frame_is_there_before_the_next_one_is_drawn() {
+        for (format, head) in [(RawFormat::Rgba, 0), (RawFormat::Y4m, 6)] {
+            let pipe = Pipe::default();
+            // As standard output keeps what does not end in a line break.
+            let lines = std::io::LineWriter::new(pipe.clone());
+            let mut film = Film::to_pipe(lines, format, settings(2)).unwrap();
+            let before = pipe.0.lock().unwrap().len();
+            film.push(&picture(100)).unwrap();
+            let there = pipe.0.lock().unwrap().len() - before;
+            assert_eq!(there, head + if format == RawFormat::Rgba { 24 } else { 18 });
+        }
     }
 
     #[test]

@@ -100,6 +100,7 @@ impl Engine {
         timeline.device = self.output.device.clone();
         timeline.history = History::new(self.output.rate_hz);
         timeline.stretches.clear();
+        timeline.dropped.clear();
         if let Some(place) = place {
             timeline.stretches.begin(Stretch { ring_frame: 0, ..place });
         }
