@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use chladni_task::percent_decoded;
+
 use super::Scene;
 use crate::read::Mended;
 use crate::read::beside::Beside;
