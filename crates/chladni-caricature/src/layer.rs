@@ -1,6 +1,6 @@
 //! One layer of a project: the difference that it exaggerates, how, and where.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_match::{Ellipsoid, MatchError, MatchSettings, Method};
 use chladni_mesh::ShapeSource;
@@ -144,11 +144,21 @@ impl Template {
         self == other || given || (portrait(self) && portrait(other))
     }
 
-    /// Whether the numbers of this template's vertices are also the other's: of portraits, and of a file that was moved.
-    pub fn shares_vertices_with(&self, other: &Self) -> bool {
-        match (self, other) {
+    /// Whether landmarks that were set on this template are wrong on the `next` one: on another mesh, unless both are portraits,
+    /// or one file that was moved.
+    pub fn loses_landmarks_to(&self, next: &Self) -> bool {
+        let has_same_vertices = match (self, next) {
             (Self::File(one), Self::File(two)) => one.file_name() == two.file_name(),
-            _ => self.alike(other),
+            _ => self.alike(next),
+        };
+        self.is_mesh() && next.is_mesh() && !has_same_vertices
+    }
+
+    /// Its file; `None` where it has none.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            _ => None,
         }
     }
 

@@ -146,15 +146,8 @@ impl Project {
 
     /// The files that it is made of: of its shape and of its layers' templates.
     pub fn files(&self) -> Vec<&Path> {
-        let shape = match &self.shape {
-            ShapeSource::File(path) => Some(path.as_path()),
-            ShapeSource::Sample(_) => None,
-        };
-        let templates = self.layers.iter().filter_map(|(_, layer)| match &layer.template {
-            Template::File(path) => Some(path.as_path()),
-            _ => None,
-        });
-        shape.into_iter().chain(templates).collect()
+        let templates = self.layers.iter().filter_map(|(_, layer)| layer.template.file());
+        self.shape.file().into_iter().chain(templates).collect()
     }
 
     /// The layer called `id`.
@@ -327,8 +320,7 @@ impl Property {
             Self::Name(name) => layer.name = name,
             Self::Template(template) => {
                 // Landmarks name vertices of the mesh that they were set on.
-                let meshes = layer.template.is_mesh() && template.is_mesh();
-                if meshes && !layer.template.shares_vertices_with(&template) {
+                if layer.template.loses_landmarks_to(&template) {
                     layer.matching.landmarks.clear();
                 }
                 layer.template = template;

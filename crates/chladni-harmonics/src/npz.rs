@@ -277,8 +277,8 @@ fn header(file: &mut impl Read) -> Result<Vec<u8>> {
     if text.filter(|byte| b"([{".contains(byte)).count() > MOST_BRACKETS {
         return Err(Error::other("it holds records, not numbers, or its header is damaged"));
     }
-    let mut shape = header.iter().skip_while(|byte| **byte != b'(').take_while(|byte| **byte != b')');
-    if shape.by_ref().filter(|byte| byte.is_ascii_digit()).count() > MOST_DIGITS {
+    let shape = header.iter().skip_while(|byte| **byte != b'(').take_while(|byte| **byte != b')');
+    if shape.filter(|byte| byte.is_ascii_digit()).count() > MOST_DIGITS {
         return Err(Error::other("it promises more numbers than a file can hold"));
     }
     Ok(header)

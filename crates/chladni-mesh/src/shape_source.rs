@@ -34,6 +34,14 @@ impl ShapeSource {
         name.to_str()?.strip_prefix(SAMPLE)
     }
 
+    /// Its file; `None` for a sample.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Sample(_) => None,
+        }
+    }
+
     /// How it stands where that is known without looking at it: samples stand as they were modeled.
     pub fn stands(&self) -> Option<Orientation> {
         match self {

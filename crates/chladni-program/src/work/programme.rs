@@ -113,7 +113,9 @@ impl Programme {
         let (before, generation) = (&self.before.0, self.before.1);
         let now = instrument.parameters().of_a_dance();
         let mut actions = Vec::new();
-        if instrument.gallery().current() != generation {
+        let gallery = instrument.gallery();
+        // Another gallery may have taken the place of that one.
+        if gallery.current() != generation && generation < gallery.generations().len() {
             actions.push(Action::GoTo { generation });
         }
         let form = before.form.filter(|_| before.form != now.form);

@@ -119,7 +119,7 @@ impl Stretches {
     }
 }
 
-/// Jumps that are remembered, each with sound that was heard before it: whoever takes what was heard does so more often.
+/// Jumps that are remembered, each with sound that was heard before it: recordings fetch what was heard more often.
 const MOST_JUMPS: usize = 64;
 
 /// The parts of the ring that jumps dropped, in order: they were decoded, and never heard.

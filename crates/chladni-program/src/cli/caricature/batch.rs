@@ -21,8 +21,7 @@ impl Caricature {
         self.portrait.check()?;
         let shapes = if batch.is_dir() { meshes_in(batch)? } else { meshes_listed(batch)? };
         // Whether results would collide depends on all of them, whichever of them are made here.
-        let planned = self.planned(results, &shapes)?;
-        planned.iter().try_for_each(|(output, _)| check_apart(output, &project.files()))?;
+        let planned = self.planned(results, &shapes, &project.files())?;
         let piece = self.piece.map_or(0..shapes.len() as u64, |piece| piece.range(shapes.len() as u64));
         let piece = piece.start as usize..piece.end as usize;
         let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
@@ -60,9 +59,14 @@ impl Caricature {
         }
     }
 
-    /// The mesh in `results` and the picture that each of `shapes` becomes; refused where one would replace another or
-    /// a shape.
-    fn planned(&self, results: &Path, shapes: &[PathBuf]) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
+    /// The mesh in `results` and the picture that each of `shapes` becomes; refused where one would replace another, a
+    /// shape, or one of the files `of_recipe`.
+    fn planned(
+        &self,
+        results: &Path,
+        shapes: &[PathBuf],
+        of_recipe: &[&Path],
+    ) -> Result<Vec<(PathBuf, Option<PathBuf>)>, Error> {
         let real = |path: &Path| {
             let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
             std::fs::canonicalize(path).ok()
@@ -83,6 +87,7 @@ impl Caricature {
                 Err(_) => "ply".as_ref(),
             };
             let output = named(results, stem, extension);
+            check_apart(&output, of_recipe)?;
             let render = self.render.as_ref().map(|folder| named(folder, stem, "png".as_ref()));
             for path in std::iter::once(&output).chain(&render) {
                 if let Some(other) = owners.insert(path.clone(), shape) {

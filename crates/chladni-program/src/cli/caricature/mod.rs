@@ -127,10 +127,7 @@ impl Caricature {
 
     /// The meshes that the arguments name.
     fn read(&self) -> Vec<&Path> {
-        let template = match &self.template {
-            Some(Template::File(path)) => Some(path.as_path()),
-            _ => None,
-        };
+        let template = self.template.as_ref().and_then(Template::file);
         let shape = self.shape.as_deref().map(Path::new);
         shape.into_iter().chain(template).chain(self.region.mask_file()).collect()
     }

@@ -186,7 +186,7 @@ impl CaricatureRoom {
     /// Keeps a picture of a shape that has no project yet; a project's picture is made when it is saved.
     pub(super) fn picture_new_shape(&self, shared: &mut Shared<'_>) {
         let Some(session) = self.session.as_ref().filter(|session| session.path.is_none()) else { return };
-        if let ShapeSource::File(path) = &session.project().shape {
+        if let Some(path) = session.project().shape.file() {
             self.keep_picture(path, shared);
         }
     }

@@ -1,6 +1,6 @@
 //! Regions read from files or from the shape's own numbers, and written to files.
 
-use chladni_caricature::{Action, Bend, Curved, LayerId, PaintEdit, Painted, ShapeSource};
+use chladni_caricature::{Action, Bend, Curved, LayerId, PaintEdit, Painted};
 use chladni_mesh::Format;
 use egui::{RichText, Ui};
 
@@ -122,6 +122,5 @@ fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<()
 
 /// The format of the shape's file; samples have neither colors nor attributes.
 fn format(session: &Session) -> Format {
-    let ShapeSource::File(path) = &session.project().shape else { return Format::Ply };
-    Format::of_path(path).unwrap_or(Format::Ply)
+    session.project().shape.file().and_then(Format::of_path).unwrap_or(Format::Ply)
 }

@@ -184,10 +184,7 @@ fn percent(share: f64) -> String {
 
 /// Gives a layer another template, and says what becomes of its landmarks.
 fn replace(layer: &Layer, id: LayerId, template: Template, edits: &mut Edits, shared: &mut Shared<'_>) {
-    if !layer.matching.landmarks.is_empty()
-        && template.is_mesh()
-        && !layer.template.shares_vertices_with(&template)
-    {
+    if !layer.matching.landmarks.is_empty() && layer.template.loses_landmarks_to(&template) {
         shared
             .notices
             .warn("The landmarks belonged to the template before and are gone: pick new ones, or undo.");

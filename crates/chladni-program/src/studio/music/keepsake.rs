@@ -125,8 +125,11 @@ impl MusicRoom {
                     .warn(format!("There will be no copy of the show after a crash: {path}: {why}"));
             }));
         }
-        let show = the_show(concert, listening, &self.names, shared, unread);
-        self.keepsake.write(show, actions);
+        // Where no copy can be kept, the show need not be put together, either.
+        if let Some(Ok(_)) = self.keepsake.copy {
+            let show = the_show(concert, listening, &self.names, shared, unread);
+            self.keepsake.write(show, actions);
+        }
     }
 
     /// The program must end: unsaved work is written before that, and stays.

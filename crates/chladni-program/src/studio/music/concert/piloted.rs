@@ -65,14 +65,7 @@ impl Concert {
     /// The stage was left or taken by hand: back to the gallery as it was.
     pub(super) fn end_piloting(&mut self) -> Result<(), Error> {
         let Some(programme) = self.piloted.take() else { return Ok(()) };
-        for action in programme.end(&self.instrument) {
-            let returns = matches!(action, Action::GoTo { .. });
-            match self.instrument.apply(self.moment, action) {
-                // Another gallery has taken the place of the one before.
-                Err(_) if returns => {}
-                done => done?,
-            }
-        }
-        Ok(())
+        let actions = programme.end(&self.instrument);
+        Ok(actions.into_iter().try_for_each(|action| self.instrument.apply(self.moment, action))?)
     }
 }
