@@ -51,7 +51,7 @@ def measure(meshes):
                 counts = {True: "match", False: "**do not match**", None: "none"}[report["inertia_counts_match"]]
                 peak = max(on["peak_bytes"]) / 1e6
                 rows.append(
-                    f"| {m * n:,} | {ranks} ranks, {groups or "no"} factors | {seconds / usual:.1f} | "
+                    f"| {m * n:,} | {ranks} ranks, {groups or 'no'} factors | {seconds / usual:.1f} | "
                     f"{spent['count']:.1f} + {spent['solve']:.1f} + {spent['polish']:.1f} | {peak:.0f} | {off:.1e} | "
                     f"{report['max_relative_residual']:.1e}, {report['max_orthogonality_error']:.1e} | {counts} |"
                 )
