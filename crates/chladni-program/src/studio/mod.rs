@@ -29,6 +29,8 @@ mod pictures;
 mod processor_window;
 mod room;
 mod screen;
+#[cfg(target_os = "linux")]
+mod screen_changes;
 mod settings;
 mod shortcut;
 mod start;

@@ -34,24 +34,33 @@ impl Screen {
     pub fn of(creation: &eframe::CreationContext<'_>, draw: Draw) -> Result<Self, NoDevice> {
         let state = creation.wgpu_render_state.as_ref();
         let is_card = |state: &&RenderState| state.adapter.get_info().device_type != wgpu::DeviceType::Cpu;
+        let window = creation.winit_window().cloned();
         let chosen = match draw {
             Draw::Auto => state.filter(is_card),
             Draw::Gpu => Some(state.ok_or(NoDevice)?),
             Draw::Cpu => None,
         };
         Ok(match chosen {
-            Some(state) => Self {
-                device: Device::Graphics(Gpu::shared(state.device.clone(), state.queue.clone())),
-                way: Way::Textures(state.clone()),
-                window: creation.winit_window().cloned(),
-            },
-            None => Self::processor(&creation.egui_ctx, creation.winit_window().cloned()),
+            Some(state) => Self::within(
+                window,
+                Device::Graphics(Gpu::shared(state.device.clone(), state.queue.clone())),
+                Way::Textures(state.clone()),
+            ),
+            None => Self::processor(&creation.egui_ctx, window),
         })
     }
 
     /// The processor, for a window that is painted by anything.
     pub fn processor(ctx: &egui::Context, window: Option<Arc<Window>>) -> Self {
-        Self { device: Device::Processor, way: Way::Pixels(ctx.clone()), window }
+        Self::within(window, Device::Processor, Way::Pixels(ctx.clone()))
+    }
+
+    fn within(window: Option<Arc<Window>>, device: Device, way: Way) -> Self {
+        #[cfg(target_os = "linux")]
+        if let Some(window) = &window {
+            super::screen_changes::follow(window);
+        }
+        Self { device, way, window }
     }
 
     /// One that nobody looks at.

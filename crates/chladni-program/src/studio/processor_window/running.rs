@@ -154,14 +154,17 @@ impl<'a> Running<'a> {
         windows.show(&self.ctx, ViewportId::ROOT, output, Some(events))?;
         for (id, viewport) in &viewports {
             windows.patch(*id, viewport.builder.clone(), &self.ctx);
-            if let Some(surface) = windows.open.get_mut(id) {
-                surface.obey(&self.ctx, viewport.commands.clone());
-            }
         }
         windows.open.retain(|id, _| viewports.contains_key(id));
         windows.wanted.retain(|id, _| viewports.contains_key(id));
         if windows.open_wanted(&self.ctx, events)? {
             self.due = Some(Instant::now());
+        }
+        // Also to windows that have just opened.
+        for (id, viewport) in viewports {
+            if let Some(surface) = windows.open.get_mut(&id) {
+                surface.obey(&self.ctx, viewport.commands);
+            }
         }
         if let Some(why) = windows.trouble.take() {
             return Err(why);
@@ -337,7 +340,8 @@ impl Windows {
     }
 }
 
-/// A window that is shown while the main one is. One that is not there yet opens after the frame.
+/// A window that is shown while the main one is. One that is not there yet opens after the frame, which also takes the
+/// commands to it.
 fn show_within(ctx: &egui::Context, windows: &RefCell<Windows>, mut viewport: ImmediateViewport<'_>) {
     let id = viewport.ids.this;
     let input = {
@@ -352,12 +356,8 @@ fn show_within(ctx: &egui::Context, windows: &RefCell<Windows>, mut viewport: Im
         windows.painter.forget(&mut output.textures_delta);
         return;
     }
-    let commands = output.viewport_output.get(&id).map(|output| output.commands.clone()).unwrap_or_default();
     if let Err(why) = windows.show(ctx, id, output, None) {
         windows.trouble.get_or_insert(why);
-    }
-    if let Some(surface) = windows.open.get_mut(&id) {
-        surface.obey(ctx, commands);
     }
 }
 

@@ -3,8 +3,9 @@
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
-use egui::{FullOutput, ViewportBuilder, ViewportCommand, ViewportId, ViewportInfo};
+use egui::{FullOutput, Vec2, ViewportBuilder, ViewportCommand, ViewportId, ViewportInfo};
 use egui_winit::ActionRequested;
+use winit::dpi::PhysicalSize;
 use winit::event_loop::{ActiveEventLoop, OwnedDisplayHandle};
 use winit::window::Window;
 
@@ -26,14 +27,16 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Opens a window that stays hidden until it is painted.
+    /// Opens a window that stays hidden until it is painted, no larger than the largest screen.
     pub fn open(
         ctx: &egui::Context,
         events: &ActiveEventLoop,
         id: ViewportId,
         builder: &ViewportBuilder,
     ) -> Result<Self, ProcessorWindowError> {
-        let window = Arc::new(egui_winit::create_window(ctx, events, &builder.clone().with_visible(false))?);
+        let mut builder = builder.clone().with_visible(false);
+        builder.inner_size = builder.inner_size.map(|size| within(size, ctx.zoom_factor(), screens(events)));
+        let window = Arc::new(egui_winit::create_window(ctx, events, &builder)?);
         let context = softbuffer::Context::new(events.owned_display_handle())?;
         let pixels = softbuffer::Surface::new(&context, Arc::clone(&window))?;
         let (scale, theme) = (window.scale_factor() as f32, events.system_theme());
@@ -102,5 +105,40 @@ impl Surface {
         self.window.pre_present_notify();
         pixels.present()?;
         Ok(())
+    }
+}
+
+/// The size in pixels and the scale of each screen.
+fn screens(events: &ActiveEventLoop) -> impl Iterator<Item = (PhysicalSize<u32>, f64)> {
+    events.available_monitors().map(|screen| (screen.size(), screen.scale_factor()))
+}
+
+/// `size` in points, as far as the largest of `screens` has room.
+fn within(size: Vec2, zoom: f32, screens: impl Iterator<Item = (PhysicalSize<u32>, f64)>) -> Vec2 {
+    let points = |(pixels, scale): (PhysicalSize<u32>, f64)| {
+        let points = pixels.to_logical::<f32>(f64::from(zoom) * scale);
+        Vec2::new(points.width, points.height)
+    };
+    // A system that does not tell names none, or one without a size.
+    let room = screens.map(points).reduce(Vec2::max).filter(|room| room.x > 0.0 && room.y > 0.0);
+    room.map_or(size, |room| size.min(room))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_is_no_larger_than_the_largest_screen() {
+        let within = |screens: &[(u32, u32, f64)]| {
+            let screens =
+                screens.iter().map(|&(width, height, scale)| (PhysicalSize::new(width, height), scale));
+            within(Vec2::new(1320.0, 820.0), 1.0, screens)
+        };
+        assert_eq!(within(&[(1920, 1080, 1.0)]), Vec2::new(1320.0, 820.0));
+        assert_eq!(within(&[(1366, 768, 1.0)]), Vec2::new(1320.0, 768.0));
+        assert_eq!(within(&[(2560, 1440, 2.0), (800, 600, 1.0)]), Vec2::new(1280.0, 720.0));
+        assert_eq!(within(&[]), Vec2::new(1320.0, 820.0));
+        assert_eq!(within(&[(0, 0, 1.0)]), Vec2::new(1320.0, 820.0));
     }
 }

@@ -93,6 +93,10 @@ impl Concert {
                 Change::Missing { .. } => ViewportCommand::Fullscreen(false),
             };
             ctx.send_viewport_cmd_to(window(), command);
+            if matches!(change, Change::Missing { filled: true, .. }) {
+                // The system puts it on another screen, and so before the controls.
+                ctx.send_viewport_cmd_to(ViewportId::ROOT, ViewportCommand::Focus);
+            }
             change.warning().into_iter().for_each(|why| shared.notices.warn(why));
         }
         let settings = self.instrument.parameters().frame_settings();
