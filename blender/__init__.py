@@ -95,7 +95,9 @@ class Work:
         self.folder = tempfile.TemporaryDirectory(prefix="chladni-")
         folder = pathlib.Path(self.folder.name)
         self.result, self.said = folder / "result.glb", folder / "said.txt"
-        mask = weights(target, settings.mask) if settings.mask else None
+        # A project has masks of its own.
+        masked = settings.mask and settings.template != "project"
+        mask = weights(target, settings.mask) if masked else None
         shape = folder / "shape.ply"
         exchange.write_ply(shape, *polygons(target.data), mask)
         words = [path, "--quiet", "caricature", shape]
@@ -128,7 +130,14 @@ class Work:
         said = self.said.read_text(encoding="utf-8", errors="replace").strip()
         if self.process.returncode:
             raise ValueError(said.splitlines()[-1] if said else "chladni ended without a word")
-        if len(self.target.data.vertices) != self.vertices:
+        try:
+            mode, vertices = self.target.mode, len(self.target.data.vertices)
+        except ReferenceError:
+            raise ValueError("the object was deleted in the meantime") from None
+        if mode == "EDIT":
+            # Leaving it would write the mesh that is edited over the shape keys.
+            raise ValueError("leave edit mode, and exaggerate again")
+        if vertices != self.vertices:
             raise ValueError("the mesh was changed in the meantime")
         layers = exchange.read_targets(self.result)
         if self.target.data.shape_keys is None:

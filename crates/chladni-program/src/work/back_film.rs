@@ -61,15 +61,16 @@ impl BackFilm {
         &self.picture
     }
 
-    /// Goes to the picture at a time of the show; returns whether it is a different one.
+    /// Goes to the picture at a time of the show; returns whether it is a different one. Where it is far ahead, pictures
+    /// are decoded one by one only as long as it `goes_on`.
     ///
     /// # Errors
     /// Output of ffmpeg that cannot be read.
-    pub fn go_to(&mut self, at_secs: f64) -> Result<bool, Error> {
+    pub fn go_to(&mut self, at_secs: f64, goes_on: impl Fn() -> bool) -> Result<bool, Error> {
         let index = (at_secs.max(0.0) * RATE_HZ + 1e-6) as u64;
         let mut wanted = 1 + self.length.map_or(index, |length| index % length);
         let before = self.decoded;
-        while self.decoded != wanted {
+        while self.decoded != wanted && goes_on() {
             if self.decoded > wanted {
                 (self.decoder, self.decoded) = (Decoder::begin(&self.path, self.longest_side)?, 0);
             }
@@ -188,16 +189,20 @@ mod tests {
         assert_eq!((film.picture().width, film.picture().height), (32, 16));
         let mut seen = Vec::new();
         for frame in 0..30 {
-            film.go_to(f64::from(frame) / 25.0).unwrap();
+            film.go_to(f64::from(frame) / 25.0, || true).unwrap();
             seen.push(brightness(&film));
         }
         assert!(seen[..10].is_sorted() && seen[9] > seen[0] + 100, "{seen:?}");
         assert_eq!((&seen[10..20], &seen[20..]), (&seen[..10], &seen[..10]));
-        assert!(!film.go_to(29.5 / 25.0).unwrap());
+        assert!(!film.go_to(29.5 / 25.0, || true).unwrap());
+        // Far ahead, it can be given up after any picture.
+        let left = std::cell::Cell::new(2_u32);
+        film.go_to(2.5, || left.replace(left.get().saturating_sub(1)) > 0).unwrap();
+        assert_eq!(brightness(&film), seen[1]);
         // A film opened in the middle shows the same.
         let mut later = BackFilm::open(&name, LONGEST_SIDE).unwrap();
         for frame in [27, 3, 14] {
-            later.go_to(f64::from(frame) / 25.0).unwrap();
+            later.go_to(f64::from(frame) / 25.0, || true).unwrap();
             assert_eq!(brightness(&later), seen[frame as usize], "{frame}");
         }
     }

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use super::source::TUNE;
+
 pub use chladni_sound::SONG_EXTENSIONS as SONGS;
 
 /// Meshes that can be read.
@@ -29,7 +31,7 @@ pub enum Kind {
     Mesh,
 }
 
-/// The kind of `path`.
+/// The kind of `path`, or of a sample by its name.
 pub fn kind(path: &Path) -> Kind {
     let ending = path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
     match ending.as_str() {
@@ -37,6 +39,7 @@ pub fn kind(path: &Path) -> Kind {
         TEXT => Kind::Text,
         list if LISTS.contains(&list) => Kind::List,
         song if SONGS.contains(&song) => Kind::Song,
+        _ if path == Path::new(TUNE) => Kind::Song,
         _ => Kind::Mesh,
     }
 }
@@ -56,5 +59,6 @@ mod tests {
         assert!(MESHES.iter().all(|ending| Format::from_extension(ending).is_some()));
         let kinds = ["a.CHLADNI", "a.toml", "a.Mp3", "a.obj", "a"].map(|name| kind(Path::new(name)));
         assert_eq!(kinds, [Kind::Project, Kind::Text, Kind::Song, Kind::Mesh, Kind::Mesh]);
+        assert_eq!([TUNE, "sample:octopus"].map(|name| kind(Path::new(name))), [Kind::Song, Kind::Mesh]);
     }
 }

@@ -82,8 +82,10 @@ impl Common {
     fn decode(&self, name: &str, longest_side: usize) -> Result<(), Error> {
         let mut film = BackFilm::open(name, longest_side)?;
         let (mut is_new, mut copy) = (true, Picture::default());
-        while !self.ends.load(Ordering::Relaxed) {
-            is_new |= film.go_to(f64::from_bits(self.wanted_secs.load(Ordering::Relaxed)))?;
+        let goes_on = || !self.ends.load(Ordering::Relaxed);
+        while goes_on() {
+            let wanted_secs = f64::from_bits(self.wanted_secs.load(Ordering::Relaxed));
+            is_new |= film.go_to(wanted_secs, goes_on)?;
             if std::mem::take(&mut is_new) {
                 copy.clone_from(film.picture());
                 let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);

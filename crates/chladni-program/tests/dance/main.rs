@@ -81,6 +81,49 @@ fn a_dance_becomes_a_glb_with_its_sound_beside_it() {
 }
 
 #[test]
+fn no_file_of_a_film_replaces_one_that_it_reads() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    save_mesh(&samples::sample("octopus").unwrap(), &path("hero.glb")).unwrap();
+    std::fs::create_dir(path("film")).unwrap();
+    write_wav(&path("film/sound.wav"), &chladni_sound::sample_tune(), WavSample::Int16).unwrap();
+    image::RgbaImage::new(4, 4).save(path("wall.png")).unwrap();
+    let project = chladni_caricature::Project::new(chladni_mesh::ShapeSource::File(path("hero.glb")), 24);
+    project.save(&path("hero.chladni")).unwrap();
+    let before = bytes_below(folder.path());
+    let refused = |body: &str, song: &str, more: &[&str]| {
+        let named =
+            |name: &str| if name.contains(':') { name.to_owned() } else { path(name).display().to_string() };
+        let more =
+            more.iter().map(|more| if more.starts_with('-') { (*more).to_owned() } else { named(more) });
+        let arguments = ["dance".to_owned(), named(body), named(song), "-k".into(), "24".into()];
+        let arguments: Vec<String> = arguments.into_iter().chain(more).collect();
+        assert_eq!(run(&arguments.iter().map(String::as_str).collect::<Vec<_>>()), 2, "{arguments:?}");
+        assert!(bytes_below(folder.path()) == before, "{arguments:?}");
+    };
+    let (octopus, tune) = ("sample:octopus", "sample:tune");
+    refused("hero.glb", tune, &["-o", "hero.glb"]);
+    refused("hero.chladni", tune, &["-o", "hero.glb"]);
+    refused(octopus, "film/sound.wav", &["--frames", "film"]);
+    refused(octopus, "film/sound.wav", &["--coefficients", "film/sound.wav"]);
+    refused(octopus, tune, &["--picture", "wall.png", "-o", "wall.png"]);
+    // Nor is there any work for what cannot be written.
+    refused(octopus, tune, &["--frames", "wall.png/film"]);
+    refused(octopus, tune, &["-o", "film.gif", "--fps=60"]);
+}
+
+/// Every file below a folder, with its bytes.
+fn bytes_below(folder: &Path) -> std::collections::BTreeMap<std::path::PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    entries
+        .flat_map(|path| match path.is_dir() {
+            true => bytes_below(&path),
+            false => [(path.clone(), std::fs::read(&path).unwrap())].into(),
+        })
+        .collect()
+}
+
+#[test]
 fn frames_on_a_pipe_are_those_of_the_film_and_ffmpeg_reads_them() {
     use std::process::{Command, Stdio};
     if !chladni_view::ffmpeg_is_there() {

@@ -264,7 +264,7 @@ fn a_program_that_is_asked_to_end_closes_its_window() {
 }
 
 /// Shows that were left in the folder of recovery copies.
-fn shows_in(folder: &Path) -> Vec<std::path::PathBuf> {
+pub fn shows_in(folder: &Path) -> Vec<std::path::PathBuf> {
     let entries = std::fs::read_dir(folder.join("recovery")).into_iter().flatten().flatten();
     entries
         .map(|entry| entry.path())

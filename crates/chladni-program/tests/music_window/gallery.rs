@@ -235,7 +235,9 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
 #[test]
 fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    let recovery = Some(folder.path().join("recovery"));
+    let folders = Folders { recovery, ..folders(folder.path()) };
+    let mut window = enter(Opening { folders, ..Opening::default() });
     click(&mut window, "suggest-children");
     click(&mut window, "dance/2");
     click(&mut window, "breed");
@@ -247,6 +249,8 @@ fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts(
     window.run_steps(1);
     control(&window, "dance/4").click();
     wait(&mut window, "more children", |w| shows(w, "3 / 3"));
+    // They would be missed.
+    wait(&mut window, "a copy", |_| files::shows_in(folder.path()).len() == 1);
 }
 
 #[test]

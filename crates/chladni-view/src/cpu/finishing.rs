@@ -31,6 +31,11 @@ struct Small {
 }
 
 impl Finishing {
+    /// A picture had no finish: the next one has no trail of those before it.
+    pub(super) fn forget(&mut self) {
+        self.before = None;
+    }
+
     /// Lays a finish for a moment over a picture of this size.
     pub(super) fn lay(
         &mut self,

@@ -145,6 +145,8 @@ impl Renderer {
         }
         if !finish.is_nothing() {
             self.finishing.lay(self.instructions, (finish, at_secs), size, &mut pixels);
+        } else {
+            self.finishing.forget();
         }
         Ok(())
     }

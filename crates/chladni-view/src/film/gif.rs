@@ -43,9 +43,6 @@ fn failed(error: &dyn std::fmt::Display) -> ViewError {
 impl Gif {
     pub(super) fn create(path: &Path, settings: &FilmSettings) -> Result<Self, ViewError> {
         let rate = settings.rate;
-        if u64::from(rate.numerator) > 50 * u64::from(rate.denominator) {
-            return Err(ViewError::Film("a GIF shows at most 50 frames per second".into()));
-        }
         Ok(Self {
             path: path.to_owned(),
             file: beside(path)?,

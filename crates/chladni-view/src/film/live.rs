@@ -4,7 +4,7 @@
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -14,7 +14,7 @@ use image::RgbaImage;
 
 use super::cut_off::RecordingFolder;
 use super::mp4::{Layout, Mp4};
-use super::{Encode, FilmSettings, FrameRate, ffmpeg_is_there};
+use super::{Encode, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
 use crate::{Picture, ViewError};
 
 /// Pictures that may wait for the encoder.
@@ -34,6 +34,8 @@ pub struct LiveFilm {
     folder: PathBuf,
     sender: Option<SyncSender<Message>>,
     waiting: Arc<AtomicUsize>,
+    /// How many pictures long it is, once it is finished; 0 before.
+    slots: Arc<AtomicU64>,
     rate: FrameRate,
     sound_hz: u32,
     /// The slot of the last picture, and frames of sound so far.
@@ -48,7 +50,6 @@ enum Message {
     Sound(Vec<f32>),
     /// So many frames of it.
     Silence(u64),
-    Finish(u64),
 }
 
 impl LiveFilm {
@@ -64,7 +65,7 @@ impl LiveFilm {
         sound_hz: u32,
     ) -> Result<Self, ViewError> {
         let settings = FilmSettings { width, height, rate, frames: u64::MAX, first: 0, audio: None };
-        settings.check()?;
+        settings.check_for(FilmFormat::Mp4)?;
         if !ffmpeg_is_there() {
             return Err(ViewError::NoFfmpeg);
         }
@@ -73,11 +74,13 @@ impl LiveFilm {
         let sound = std::fs::File::create(folder.sound()).map_err(failed)?;
         let encoder = Mp4::create(&folder.picture(), &settings, Layout::Pieces)?;
         let place = folder.path().to_owned();
+        let slots = Arc::default();
         let blank = RgbaImage::from_pixel(width, height, image::Rgba([0, 0, 0, 255]));
         let writer = Writer {
             folder,
             encoder,
             sound: BufWriter::new(sound),
+            slots: Arc::clone(&slots),
             rate,
             shown: Picture { width, height, rgba: blank.into_raw() },
             written: 0,
@@ -94,6 +97,7 @@ impl LiveFilm {
             folder: place,
             sender: Some(sender),
             waiting,
+            slots,
             rate,
             sound_hz,
             last: None,
@@ -165,14 +169,14 @@ impl LiveFilm {
         self.left_out
     }
 
-    /// It ends at `at_secs`; its file appears a little later ([`ended`](Self::ended)).
+    /// It ends at `at_secs`; its file appears a little later ([`ended`](Self::ended)). Nobody waits here either, though the
+    /// queue may be full.
     pub fn finish(&mut self, at_secs: f64) {
         let silence = LATE_SECS + 1.0 / f64::from(self.sound_hz);
         self.sound(at_secs + silence, &[], &[]);
-        let slots = self.rate.slot(at_secs).max(1);
-        if let Some(sender) = self.sender.take() {
-            // If the encoder has stopped, its thread says why.
-            let _ = sender.send(Message::Finish(slots));
+        if self.sender.is_some() {
+            self.slots.store(self.rate.slot(at_secs).max(1), Ordering::Release);
+            self.sender = None;
         }
     }
 
@@ -197,6 +201,8 @@ struct Writer {
     encoder: Mp4,
     sound: BufWriter<std::fs::File>,
     folder: RecordingFolder,
+    /// As [`LiveFilm::slots`].
+    slots: Arc<AtomicU64>,
     rate: FrameRate,
     shown: Picture,
     written: u64,
@@ -237,13 +243,11 @@ impl Writer {
                         left -= now;
                     }
                 }
-                Message::Finish(slots) => {
-                    self.hold(slots)?;
-                    return Ok(true);
-                }
             }
         }
-        Ok(false)
+        let slots = self.slots.load(Ordering::Acquire);
+        self.hold(slots)?;
+        Ok(slots > 0)
     }
 
     fn write_sound(&mut self, samples: &[f32]) -> Result<(), ViewError> {
@@ -402,6 +406,7 @@ mod tests {
             folder: PathBuf::new(),
             sender: Some(sender),
             waiting: Arc::default(),
+            slots: Arc::default(),
             rate: FrameRate::per_second(30),
             sound_hz: 8000,
             last: None,
@@ -416,7 +421,7 @@ mod tests {
         match message {
             Message::Sound(samples) => samples.len() as u64 / 2,
             Message::Silence(frames) => *frames,
-            Message::Frame(..) | Message::Finish(_) => 0,
+            Message::Frame(..) => 0,
         }
     }
 
@@ -432,6 +437,16 @@ mod tests {
                 assert!(written.abs_diff(400 * i as u64) <= 800, "{written} frames in {i} pieces of {each}");
             }
         }
+    }
+
+    #[test]
+    fn nobody_waits_for_a_full_queue_in_the_end() {
+        let (mut film, receiver) = unwritten();
+        while film.sender.as_ref().is_some_and(|sender| sender.try_send(Message::Silence(1)).is_ok()) {}
+        film.finish(2.0);
+        assert!(film.sender.is_none());
+        assert_eq!(film.slots.load(Ordering::Acquire), 60);
+        assert_eq!(receiver.iter().count(), MOST_MESSAGES);
     }
 
     #[test]

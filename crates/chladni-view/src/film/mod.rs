@@ -123,6 +123,24 @@ pub struct FilmSettings {
 }
 
 impl FilmSettings {
+    /// Checks that a film of this format can have them.
+    ///
+    /// # Errors
+    /// [`ViewError::Size`], and [`ViewError::Film`] for a rate or a size that the format does not know.
+    pub fn check_for(&self, format: FilmFormat) -> Result<(), ViewError> {
+        self.check()?;
+        let fast = u64::from(self.rate.numerator) > 50 * u64::from(self.rate.denominator);
+        match format {
+            FilmFormat::Gif if fast => {
+                Err(ViewError::Film("a GIF shows at most 50 frames per second".into()))
+            }
+            FilmFormat::Mp4 if self.width < 2 || self.height < 2 => {
+                Err(ViewError::Film("an MP4 needs at least 2×2 pixels".into()))
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn check(&self) -> Result<(), ViewError> {
         let Self { width, height, rate, frames, .. } = *self;
         let sane = 1..=16_384;
@@ -157,8 +175,9 @@ impl Film {
     /// [`ViewError::NoFfmpeg`] for an MP4 without ffmpeg, [`ViewError::Film`] for settings the
     /// format cannot hold, [`ViewError::File`] where the file cannot be made.
     pub fn create(path: &Path, settings: FilmSettings) -> Result<Self, ViewError> {
-        settings.check()?;
-        let encoder: Box<dyn Encode> = match FilmFormat::of(path)? {
+        let format = FilmFormat::of(path)?;
+        settings.check_for(format)?;
+        let encoder: Box<dyn Encode> = match format {
             FilmFormat::Mp4 => Box::new(mp4::Mp4::create(path, &settings, mp4::Layout::Whole)?),
             FilmFormat::Gif => Box::new(gif::Gif::create(path, &settings)?),
             FilmFormat::Apng => Box::new(frames::Apng::create(path, &settings)?),

@@ -29,9 +29,6 @@ pub(super) struct Mp4 {
 
 impl Mp4 {
     pub(super) fn create(path: &Path, settings: &FilmSettings, layout: Layout) -> Result<Self, ViewError> {
-        if settings.width < 2 || settings.height < 2 {
-            return Err(ViewError::Film("an MP4 needs at least 2×2 pixels".into()));
-        }
         let file = match layout {
             Layout::Whole => Some(beside(path)?),
             Layout::Pieces => None,

@@ -89,6 +89,11 @@ impl Finishing {
         Self { size, pipelines, uniform, bare, last, spreading, finish, before_secs: None }
     }
 
+    /// A picture had no finish: the next one has no trail of those before it.
+    pub fn forget(&mut self) {
+        self.before_secs = None;
+    }
+
     /// Where the picture is drawn that is to be finished.
     pub(crate) fn bare(&self) -> &wgpu::TextureView {
         &self.bare

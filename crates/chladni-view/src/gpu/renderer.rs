@@ -142,8 +142,12 @@ impl Renderer {
             focusing.draw(&self.gpu, &mut encoder, (finish, cells), bare);
         }
         self.focusing = kept;
-        if let Some(finishing) = finishing.as_mut().filter(|_| finished) {
-            finishing.draw(&self.gpu, &mut encoder, canvas, finish, at_secs);
+        match &mut finishing {
+            Some(finishing) if finished => {
+                finishing.draw(&self.gpu, &mut encoder, canvas, finish, at_secs);
+            }
+            Some(finishing) => finishing.forget(),
+            None => {}
         }
         self.finishing = finishing;
         self.gpu.queue.submit([encoder.finish()]);

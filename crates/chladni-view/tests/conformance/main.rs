@@ -305,10 +305,11 @@ fn there_are_no_trails_across_a_cut() {
         let model = Model::new(device, 12);
         let figures = [model.figure()];
         let trail = Finish { trail_secs: 0.2, ..Finish::NOTHING };
+        // Nor in the picture after the one that is cut to.
         let after = |first: Camera, then: Camera| {
             let canvas = Canvas::new(device, 80, 60).unwrap();
             let mut renderer = Renderer::new(device);
-            for (camera, at_secs) in [(first, 1.0), (then, 1.04)] {
+            for (camera, at_secs) in [(first, 1.0), (then, 1.04), (then, 1.08)] {
                 let cell = Cell { camera, ..model.cell(&figures, [80, 60]) };
                 renderer.draw_finished(&canvas, &[cell], &trail, at_secs).unwrap();
             }

@@ -24,7 +24,7 @@ impl MusicRoom {
         let Some(concert) = &mut self.concert else { return };
         let done = match wish {
             Wish::Do(action) => concert.act(action),
-            Wish::Experiment => concert.experiment().into_iter().try_for_each(|action| concert.act(action)),
+            Wish::Experiment => concert.act_all(concert.experiment()),
             Wish::Show(view) => {
                 concert.look_at(view);
                 Ok(())

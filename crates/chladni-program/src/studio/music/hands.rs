@@ -270,8 +270,10 @@ fn choose_look(target: Target, which: &Which, shared: &mut Shared<'_>) -> bool {
     let Some(name) = pick(&names, now, which).and_then(|at| names.get(at)) else { return false };
     let name = (*name).to_owned();
     match target {
-        // A look is a whole, so parts that were chosen for another look are dropped.
-        Target::Look => looks = Looks { look: name, ..Looks::default() },
+        Target::Look => {
+            shared.settings.music.put_on(name);
+            return true;
+        }
         Target::Palette => looks.palette = name,
         Target::Material => looks.material = name,
         Target::Lights => looks.lights = name,

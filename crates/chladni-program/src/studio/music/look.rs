@@ -22,18 +22,10 @@ pub fn show(
     wishes: &mut Vec<Wish>,
 ) {
     let preferences = &mut shared.settings.music;
-    let before = preferences.look.clone();
-    scene(ui, &mut preferences.look);
-    if preferences.look != before {
-        // A look is a whole: parts that were chosen for another one go.
-        let parts = [
-            &mut preferences.palette,
-            &mut preferences.material,
-            &mut preferences.lights,
-            &mut preferences.background,
-        ];
-        parts.into_iter().for_each(String::clear);
-        preferences.blur_percent = None;
+    let mut look = preferences.look.clone();
+    scene(ui, &mut look);
+    if look != preferences.look {
+        preferences.put_on(look);
     }
     part(ui, "material", &mut preferences.material, Material::PRESETS.map(|preset| preset.0));
     part(ui, "light", &mut preferences.lights, Lights::PRESETS.map(|preset| preset.0));

@@ -114,6 +114,8 @@ pub struct MusicRoom {
     taken: Taken,
     /// The stage has a window of its own.
     apart: bool,
+    /// The number of the pass in which the room was shown last.
+    pass: u64,
     /// The time of the last frame, by the window's clock.
     recorded_secs: f64,
     salvage: Salvage,

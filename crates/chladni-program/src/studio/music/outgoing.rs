@@ -53,6 +53,12 @@ impl Outgoing {
         (self.recorder, self.since_secs, self.last) = (Some(recorder), now_secs, None);
     }
 
+    /// Another show begins: what was recorded is not heard in it.
+    pub fn change_show(&mut self) {
+        self.recorded.clear();
+        self.recorder.iter_mut().for_each(Recorder::change_show);
+    }
+
     /// The film ends now; its last pictures are fetched.
     pub fn end_recording(
         &mut self,

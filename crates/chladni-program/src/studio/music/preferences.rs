@@ -219,6 +219,13 @@ impl Preferences {
         (self.picture, self.panorama, self.blur_percent) = (picture, panorama, blur_percent);
     }
 
+    /// Chooses a look by its name. It is a whole: parts that were chosen for another one go. Pictures around the stage are
+    /// the user's own, and stay.
+    pub fn put_on(&mut self, look: String) {
+        let [picture, panorama] = [&self.picture, &self.panorama].map(String::clone);
+        self.look_like(&Looks { look, picture, panorama, ..Looks::default() });
+    }
+
     /// The look that those names describe.
     pub fn look(&self) -> Look {
         look_named(&self.looks()).0
@@ -228,6 +235,16 @@ impl Preferences {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn another_look_drops_parts_and_keeps_pictures() {
+        let pictured =
+            Preferences { picture: "wall.png".into(), panorama: "sky.hdr".into(), ..Preferences::default() };
+        let mut preferences =
+            Preferences { material: "gold".into(), blur_percent: Some(40), ..pictured.clone() };
+        preferences.put_on("ember".into());
+        assert_eq!(preferences, Preferences { look: "ember".into(), ..pictured });
+    }
 
     #[test]
     fn each_output_device_has_a_picture_of_its_own_lateness() {

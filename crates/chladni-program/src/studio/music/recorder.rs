@@ -36,6 +36,8 @@ pub struct Recorder {
     since_secs: Option<f64>,
     /// The same moment since the show began.
     show_secs: Option<f64>,
+    /// Another show began meanwhile.
+    spans_shows: bool,
     /// Its length, once it ends.
     duration_secs: f64,
     resampler: Option<(u32, StereoResampler)>,
@@ -59,6 +61,7 @@ impl Recorder {
             asked_secs: now_secs,
             since_secs: None,
             show_secs: None,
+            spans_shows: false,
             duration_secs: 0.0,
             resampler: None,
             last_secs: now_secs,
@@ -140,10 +143,16 @@ impl Recorder {
         }
     }
 
-    /// The set as it can be heard again, once it has ended; `None` if it never began.
+    /// Another show goes on in the same film, which then is a set of neither.
+    pub fn change_show(&mut self) {
+        self.spans_shows = true;
+    }
+
+    /// The set as it can be heard again, once it has ended; `None` if it never began, or has more than one show.
     pub fn set(&self) -> Option<RecordedSet> {
         let (path, duration_secs) = (self.path.clone(), self.duration_secs);
-        Some(RecordedSet { path, at_secs: self.show_secs?, duration_secs })
+        let at_secs = self.show_secs.filter(|_| !self.spans_shows)?;
+        Some(RecordedSet { path, at_secs, duration_secs })
     }
 
     /// It ends now; its file appears a little later.

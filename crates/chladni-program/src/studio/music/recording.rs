@@ -1,6 +1,6 @@
 //! Beginning and ending a recording of the set, and the camera that other programs see.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::MusicRoom;
 use super::preferences::Camera;
@@ -9,6 +9,7 @@ use super::wish::Then;
 use crate::studio::opening::{SetOutput, SetTarget};
 use crate::studio::room::Shared;
 use crate::work::Error;
+use crate::work::outputs::check_apart;
 
 impl MusicRoom {
     /// Asks where to record the set; or ends a recording.
@@ -55,6 +56,11 @@ impl MusicRoom {
         if concert.outgoing.recorder.is_some() {
             return Err(Error::input("The set is being recorded already."));
         }
+        let music = &shared.settings.music;
+        let around = [&music.picture, &music.panorama].map(Path::new);
+        let songs = listening.songs().iter().map(PathBuf::as_path);
+        let inputs: Vec<&Path> = songs.chain(around).chain([self.names.dancing.as_path()]).collect();
+        check_apart(path, &inputs)?;
         let mut recorder = Recorder::begin(path, size.unwrap_or_else(|| concert.picture_size()), now_secs)?;
         if let Some(recovery) = &shared.folders.recovery
             && let Err(why) = recorder.note(recovery)

@@ -47,6 +47,7 @@ impl Room for MusicRoom {
         if self.concert.is_none() && self.loading.is_none() && !self.refused {
             self.load(sample_path("octopus"), shared);
         }
+        self.notice_absence(shared);
         self.listening(shared);
         self.poll(shared);
         self.follow_dialog(shared);
@@ -175,7 +176,13 @@ impl Room for MusicRoom {
                 },
                 Kind::Text => self.waiting.push(path.clone()),
                 Kind::Song => songs.push(path.clone()),
-                Kind::Project | Kind::Mesh | Kind::List => self.load(path.clone(), shared),
+                Kind::Project | Kind::Mesh | Kind::List => {
+                    if let Some((show, _)) = self.coming.take() {
+                        let show = show.display();
+                        shared.notices.warn(format!("{show} was not opened: another shape was chosen."));
+                    }
+                    self.load(path.clone(), shared);
+                }
             }
             if chladni_mesh::ShapeSource::sample_name(path).is_none() {
                 shared.settings.remember(path);
@@ -194,6 +201,17 @@ impl Room for MusicRoom {
 }
 
 impl MusicRoom {
+    /// While another room is shown, the system closes the stage's own window, and nothing is recorded.
+    fn notice_absence(&mut self, shared: &mut Shared<'_>) {
+        let pass = shared.ctx.cumulative_pass_nr();
+        let was_away = std::mem::replace(&mut self.pass, pass) + 1 < pass;
+        let Some(concert) = self.concert.as_mut().filter(|_| was_away) else { return };
+        concert.come_back();
+        if concert.outgoing.recorder.is_some() {
+            shared.notices.warn("The recording stood still while another room was open.");
+        }
+    }
+
     /// The warning about dances that are in no file, if there are any.
     pub(super) fn unsaved_show(&self) -> Option<String> {
         let concert = self.concert.as_ref().filter(|concert| concert.has_unsaved_work())?;

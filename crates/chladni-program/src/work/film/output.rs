@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use chladni_synth::Backend;
 use chladni_view::film::{RawFormat, frame_path};
-use chladni_view::{Draw, FilmFormat, FrameRate, Samples};
+use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 
-use crate::work::outputs::{check_file, check_film};
+use super::{sound_beside, sound_in};
+use crate::work::outputs::{check_file, check_film, check_folder};
 use crate::work::{Error, Piece};
 
 /// Morph targets of an animation unless said.
@@ -118,20 +119,18 @@ impl Output {
         if self.piece.is_some() && self.animation.is_some() {
             return Err(Error::input("--piece: a GLB holds the whole dance"));
         }
-        if let Some(path) = self.film.as_deref().filter(|_| !self.is_folder) {
-            let format = FilmFormat::of(path).map_err(Error::input)?;
-            if format == FilmFormat::Frames {
-                let path = path.display();
-                return Err(Error::Input(format!(
-                    "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
-                )));
-            }
-            if format == FilmFormat::Gif && self.piece.is_some() {
-                return Err(Error::input(
-                    "--piece: a GIF has one palette for all frames: use --frames, -o -, or .mp4",
-                ));
-            }
-            check_film(path)?;
+        if let Some(path) = &self.film {
+            let format = if self.is_folder { FilmFormat::Frames } else { self.format_of(path)? };
+            let settings = FilmSettings {
+                width: self.width,
+                height: self.height,
+                rate: self.rate,
+                frames: 1,
+                first: 0,
+                audio: None,
+            };
+            settings.check_for(format).map_err(Error::input)?;
+            if self.is_folder { check_folder(path) } else { check_film(path) }?;
         }
         if let Some(path) = &self.animation {
             if !(1..=MOST_TARGETS).contains(&self.targets) {
@@ -140,6 +139,33 @@ impl Output {
             }
             check_file(path)?;
         }
+        self.presets.as_deref().map_or(Ok(()), check_folder)?;
         self.coefficients.as_deref().map_or(Ok(()), check_file)
+    }
+
+    /// The format of a film in one file, as its name says.
+    fn format_of(&self, path: &Path) -> Result<FilmFormat, Error> {
+        match FilmFormat::of(path).map_err(Error::input)? {
+            FilmFormat::Frames => {
+                let path = path.display();
+                Err(Error::Input(format!(
+                    "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
+                )))
+            }
+            FilmFormat::Gif if self.piece.is_some() => Err(Error::input(
+                "--piece: a GIF has one palette for all frames: use --frames, -o -, or .mp4",
+            )),
+            format => Ok(format),
+        }
+    }
+
+    /// The files that it consists of, but for the pictures in a folder, which have names of their own, and presets.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let film = self.film.as_ref().filter(|_| !self.is_folder);
+        let beside = self.animation.as_deref().map(sound_beside);
+        let within = self.folder().map(sound_in);
+        let named =
+            [film, self.animation.as_ref(), self.coefficients.as_ref()].into_iter().flatten().cloned();
+        named.chain(beside).chain(within).collect()
     }
 }

@@ -17,7 +17,7 @@ use super::performance::{Done, Means, Performance};
 use super::report::Seconds;
 use super::songs::Songs;
 use super::titles::Titles;
-use super::{Film, sound_beside};
+use super::{Film, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::earlier_frames;
@@ -179,7 +179,7 @@ impl Prepared {
             _ => None,
         };
         if let Some(folder) = output.folder() {
-            save_sound(&folder.join("sound.wav"), &self.songs)?;
+            save_sound(&sound_in(folder), &self.songs)?;
         }
         if let Some(path) = &output.coefficients {
             done.recording.write(path).map_err(|error| Error::unwritten(path, error))?;

@@ -108,13 +108,13 @@ impl Concert {
             keys(ui.ctx(), wishes);
             let projection = shared.settings.music.projection;
             if self.house.frozen && self.pane.shown.is_some() {
-                return self.repaint(ui, projection, rect);
+                self.repaint(ui, projection, rect)?;
+            } else {
+                self.synthesize(&apart.items, &settings)?;
+                let area = viewport::area(ui, rect);
+                let (cells, _) = Staging::cells(area, apart.count);
+                self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
             }
-            self.deformed.synthesize(&apart.items, &settings)?;
-            self.seen.clear();
-            let area = viewport::area(ui, rect);
-            let (cells, _) = Staging::cells(area, apart.count);
-            self.draw(ui, shared, (rect, area), &cells, (frame, framing), pose)?;
             self.song_title.show(ui, rect, self.title_opacity(ui.input(|input| input.time)));
             if self.flashes {
                 let light = calibration_flash(ui.input(|input| input.time));

@@ -16,6 +16,9 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{Error, Staging};
 
+/// So many times a trail's length after the last movement, less than a hundredth of it is left.
+const TRAILS_FADE: f64 = 5.0;
+
 impl Concert {
     pub(super) fn draw(
         &mut self,
@@ -32,7 +35,12 @@ impl Concert {
         self.pane.viewport.finish(staged.look.finish, frame.at_secs);
         self.hang()?;
         let shown = StillPicture { pose, staged: staged.clone() };
-        let is_new = self.pane.shown.as_ref() != Some(&shown);
+        let has_changed = self.pane.shown.as_ref() != Some(&shown);
+        if has_changed {
+            self.pane.changed_secs = frame.at_secs;
+        }
+        let trails_secs = TRAILS_FADE * f64::from(shown.staged.look.finish.trail_secs);
+        let is_new = has_changed || (0.0..trails_secs).contains(&(frame.at_secs - self.pane.changed_secs));
         self.moving |= is_new;
         if is_new {
             self.pane.viewport.invalidate();

@@ -225,11 +225,7 @@ impl Concert {
     /// window would flash.
     pub fn act(&mut self, action: Action) -> Result<(), Error> {
         let opens = action.opens_stage();
-        let curtain = if self.on_stage() { action == Action::LeaveStage } else { opens };
-        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        if curtain && limited && !self.pane.guard.may_step(self.seconds) {
-            return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
-        }
+        let curtain = self.may_draw(std::slice::from_ref(&action))?;
         if action == Action::Breed && self.instrument.parameters().is_on(Switch::Suggest) {
             self.judging.want();
             return Ok(());
@@ -244,6 +240,31 @@ impl Concert {
         }
         self.marked = self.marked.filter(|&item| item < count);
         Ok(())
+    }
+
+    /// Does all of `actions`, or none where the flash guard holds the stage back.
+    pub fn act_all(&mut self, actions: Vec<Action>) -> Result<(), Error> {
+        self.may_draw(&actions)?;
+        actions.into_iter().try_for_each(|action| self.act(action))
+    }
+
+    /// Whether any of `actions` draws the curtain, which is refused where that would be a flash too many.
+    fn may_draw(&mut self, actions: &[Action]) -> Result<bool, Error> {
+        let on_stage = self.on_stage();
+        let curtain = actions.iter().any(|action| match on_stage {
+            true => *action == Action::LeaveStage,
+            false => action.opens_stage(),
+        });
+        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        if curtain && limited && !self.pane.guard.may_step(self.seconds) {
+            return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
+        }
+        Ok(curtain)
+    }
+
+    /// The room was not shown for a while, and its second window is gone.
+    pub fn come_back(&mut self) {
+        self.apart.iter_mut().for_each(Apart::leave);
     }
 
     /// A picture was drawn.
@@ -276,7 +297,7 @@ impl Concert {
         self.instrument = show.replay(shape)?;
         // It played the other show.
         (self.piloted, self.marked) = (None, None);
-        self.outgoing.recorded.clear();
+        self.outgoing.change_show();
         self.mark_saved();
         self.view = View::Gallery;
         self.viewpoint = show.viewpoint;
@@ -296,7 +317,7 @@ impl Concert {
     pub fn go_on_as(&mut self, before: Self) {
         let is_flat = self.staging.is_flat();
         self.piloted = before.piloted.map(|programme| programme.on_sheet(is_flat));
-        (self.outgoing, self.house) = (before.outgoing, before.house);
+        (self.outgoing, self.house, self.backcloth) = (before.outgoing, before.house, before.backcloth);
     }
 
     /// Sets all up for sand where a flat sheet takes the place of a body, and takes that back where a body takes the place of
@@ -356,7 +377,7 @@ impl Concert {
 }
 
 fn is_bred(action: &Action) -> bool {
-    matches!(action, Action::Breed | Action::Mutate { .. })
+    matches!(action, Action::Breed | Action::BreedFrom { .. } | Action::Mutate { .. })
 }
 
 fn is_by_hand(action: &Action) -> bool {

@@ -18,6 +18,8 @@ pub struct Pane {
     pub veil: Veil,
     /// The last picture; `None` where something else was shown.
     pub shown: Option<StillPicture>,
+    /// When it was another one for the last time, in the show.
+    pub changed_secs: f64,
     /// The brightness of the kept picture is known.
     pub judged: bool,
 }
@@ -31,6 +33,7 @@ impl Pane {
             guard: FlashGuard::default(),
             veil: Veil::Clear,
             shown: None,
+            changed_secs: 0.0,
             judged: false,
         }
     }

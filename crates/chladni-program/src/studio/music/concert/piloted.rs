@@ -31,7 +31,7 @@ impl Concert {
         let programme = Programme::new(&self.instrument, favorites, self.moment.at_secs, now)?;
         let mut programme = programme.on_sheet(self.staging.is_flat());
         let actions = programme.step(self.moment.at_secs, true, &self.instrument);
-        actions.into_iter().try_for_each(|action| self.act(action))?;
+        self.act_all(actions)?;
         self.piloted = Some(programme);
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use chladni_music::{Framing, Mapping, Moment, Settings};
-use chladni_synth::{Coefficients, Item};
+use chladni_synth::{Coefficients, FrameSettings, Item};
 use chladni_view::Rect;
 use egui::{Response, Ui};
 
@@ -140,6 +140,16 @@ impl Concert {
         Ok(())
     }
 
+    /// Deforms the shapes as `items` say, and notes how fine their waves are.
+    pub(super) fn synthesize(&mut self, items: &[Item], settings: &FrameSettings) -> Result<(), Error> {
+        self.deformed.synthesize(items, settings)?;
+        self.seen.clear();
+        if !self.details.is_empty() {
+            self.seen.extend(items.iter().map(coarse::harmonics_seen));
+        }
+        Ok(())
+    }
+
     /// Deforms the shapes as `items` say, to which their lag is added where the look wants it, and strews their sand; the
     /// pose, which tells whether anything has moved.
     fn deform(
@@ -158,11 +168,7 @@ impl Concert {
         let pose = stillness::pose(items, settings.normal_blending) ^ self.sand.version();
         // Where another window is drawn, too, its shapes have taken the place of these.
         if frame.is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
-            self.deformed.synthesize(items, &settings)?;
-            self.seen.clear();
-            if !self.details.is_empty() {
-                self.seen.extend(items.iter().map(coarse::harmonics_seen));
-            }
+            self.synthesize(items, &settings)?;
             let took = (shared.now)().saturating_duration_since(frame.began);
             if let Some(message) = self.pace.frame(took, self.ensemble.dancer().harmonics()) {
                 self.ensemble.use_at_most(self.pace.harmonics());

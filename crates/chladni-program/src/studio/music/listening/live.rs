@@ -80,12 +80,18 @@ impl Listening {
 
     fn go_live(&mut self, live: Live) {
         self.player.pause();
-        self.live = Some(live);
+        (self.live, self.wanted) = (Some(live), None);
         self.forget_beat();
     }
 
-    /// Back to the songs.
+    /// Back to the songs; an input that is still looked for is not wanted any more.
     pub fn stop_listening(&mut self) {
+        self.wanted = None;
+        self.leave_live();
+    }
+
+    /// Back to the songs until an input is found that is looked for.
+    pub(super) fn leave_live(&mut self) {
         if self.live.take().is_some() {
             self.forget_beat();
         }
@@ -103,7 +109,7 @@ impl Listening {
             Fate::Back => self.warnings.push(format!("{} is heard again.", live.name)),
             Fate::Gone => {
                 self.warnings.push(format!("{} is gone; choose it again when it is back.", live.name));
-                self.live = None;
+                self.leave_live();
             }
         }
     }

@@ -201,7 +201,7 @@ impl Listening {
     /// Goes on with a show in which `heard` was heard of `songs`, in part to a `clock`, until `at_secs`; they are
     /// played from now on.
     pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], clock: ClockTrack, at_secs: f64) {
-        (self.live, self.study) = (None, None);
+        (self.live, self.wanted, self.study) = (None, None, None);
         self.hearing = Hearing::continued(heard, clock, at_secs);
         self.clock = ShowClock::from(at_secs);
         self.repertoire = songs;

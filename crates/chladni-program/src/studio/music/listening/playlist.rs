@@ -6,6 +6,7 @@ use chladni_sound::{PlayerState, Repeat};
 
 use super::super::study::SongCover;
 use super::{Listening, ShowSong};
+use crate::work::source::TUNE;
 
 impl Listening {
     /// The playlist.
@@ -13,16 +14,19 @@ impl Listening {
         &self.songs
     }
 
-    /// Adds songs at the end of the list and plays the first of them; the sample tune goes.
+    /// Adds songs at the end of the list and plays the first of them; the sample tune goes, unless it is named among them.
     pub fn add(&mut self, songs: Vec<PathBuf>) {
         if songs.is_empty() {
             return;
         }
         self.songs.retain(|song| *song != self.tune);
         let first = self.songs.len();
-        self.songs.extend(songs);
+        let file = |song: PathBuf| if song == Path::new(TUNE) { self.tune.clone() } else { song };
+        self.songs.extend(songs.into_iter().map(file));
         self.player.set_songs(self.songs.clone());
-        self.select(first);
+        // A window that is opened with songs and a live input goes on looking for that.
+        self.leave_live();
+        self.player.select(first);
     }
 
     /// Puts the songs in an order by chance; the one that is heard comes first, and goes on.
@@ -56,7 +60,7 @@ impl Listening {
 
     /// Plays a song of the list.
     pub fn select(&mut self, song: usize) {
-        self.live = None;
+        self.stop_listening();
         self.player.select(song);
     }
 
@@ -164,7 +168,9 @@ impl Listening {
 
     /// Plays or pauses; leaves live input.
     pub fn toggle(&mut self) {
-        if self.live.take().is_some() {
+        let was_live = self.live.is_some();
+        self.stop_listening();
+        if was_live {
             return self.player.play();
         }
         if self.player.status().state == PlayerState::Playing {
@@ -209,6 +215,13 @@ mod tests {
         let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
         listening.listen_on(capture, "feed".into());
         assert_eq!(listening.ahead_secs(), 0.0, "live input is not known before it is heard");
+    }
+
+    #[test]
+    fn the_sample_tune_is_a_song_by_its_name() {
+        let mut listening = listening();
+        listening.add(vec![PathBuf::from("gone.flac"), PathBuf::from(TUNE)]);
+        assert_eq!(listening.songs, [PathBuf::from("gone.flac"), listening.tune.clone()]);
     }
 
     #[test]

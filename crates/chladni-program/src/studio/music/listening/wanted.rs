@@ -56,9 +56,9 @@ impl Listening {
         self.input = input;
     }
 
-    /// Switches to the live input of this name, or back to the songs if live input is on.
+    /// Switches to the live input of this name, or back to the songs if live input is on or looked for.
     pub fn toggle_live(&mut self, name: Option<&str>, ctx: &Context) {
-        if self.live.is_some() {
+        if self.live.is_some() || self.wanted.is_some() {
             return self.stop_listening();
         }
         match name {
@@ -108,7 +108,7 @@ impl Listening {
 
 #[cfg(test)]
 mod tests {
-    use chladni_music::Parameters;
+    use chladni_music::{ClockTrack, Parameters};
     use chladni_sound::Capture;
 
     use super::*;
@@ -162,5 +162,27 @@ mod tests {
         }
         assert!(listening.live().is_none());
         assert!(listening.messages().iter().any(|said| said.starts_with("no such input")));
+    }
+
+    #[test]
+    fn an_input_that_is_looked_for_is_not_taken_once_something_else_is_wanted() {
+        let ctx = Context::default();
+        let mut listening = Listening::start(&ctx, 1.0, None).unwrap();
+        let instead: [&dyn Fn(&mut Listening); 5] = [
+            &|listening| listening.select(0),
+            &Listening::toggle,
+            &Listening::next_song,
+            &|listening| listening.toggle_live(Some("no such input"), &ctx),
+            &|listening| listening.go_on(Vec::new(), &[], ClockTrack::default(), 0.0),
+        ];
+        for choose in instead {
+            listening.listen_to_named("no such input", &ctx);
+            choose(&mut listening);
+            assert!(listening.wanted.is_none());
+        }
+        // A window is opened with both.
+        listening.listen_to_named("no such input", &ctx);
+        listening.add(vec!["song.flac".into()]);
+        assert!(listening.wanted.is_some());
     }
 }

@@ -95,7 +95,7 @@ impl Performance {
             self.deform(&mut deformed, &items, &mut done, seconds)?;
             let drawing = Instant::now();
             if let Some(film) = &mut behind
-                && film.go_to(start_secs + shot.time_secs)?
+                && film.go_to(start_secs + shot.time_secs, || true)?
             {
                 surroundings = std::mem::take(&mut surroundings).before(&device, film.picture())?;
                 renderer.surround(&surroundings)?;
