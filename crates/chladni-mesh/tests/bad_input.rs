@@ -157,6 +157,20 @@ fn errors_say_where_and_why() {
 }
 
 #[test]
+fn a_medit_section_that_is_not_known_does_not_take_the_next_one_with_it() {
+    let known = medit(TETRAHEDRON_MEDIT);
+    for unknown in ["Corners\n", "Corners 2\n1\n2\n", "Geometry\n"] {
+        let text = TETRAHEDRON_MEDIT.replacen("Triangles", &format!("{unknown}Triangles"), 1);
+        assert!(text != TETRAHEDRON_MEDIT);
+        assert_eq!(medit(&text), known, "{unknown}");
+    }
+}
+
+fn medit(text: &str) -> TriMesh {
+    read_mesh(text.as_bytes(), Format::Medit).unwrap().mesh
+}
+
+#[test]
 fn gltf_nodes_must_form_a_tree_of_any_depth() {
     let file = |nodes: &str| {
         format!(r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}],"meshes":[]}}"#)
