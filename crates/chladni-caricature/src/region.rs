@@ -5,11 +5,11 @@ use std::sync::Arc;
 use chladni_harmonics::{Basis, Body};
 use serde::{Deserialize, Serialize};
 
-use crate::{CaricatureError, Surface};
 use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
 use crate::wavelength::{eigenvalue_of, wavelengths};
+use crate::{CaricatureError, Surface};
 use chladni_mesh::surface::vec3::{Vec3, distance};
 
 /// The part of the shape that a layer deforms.

@@ -236,8 +236,18 @@ mod tests {
         assert_eq!(curve.residual, 0.25);
         assert_eq!("broad".parse::<ScaleCurve>().unwrap(), ScaleCurve::broad());
         // Including the syntax from before wavelengths.
-        let refused =
-            ["", "loud", "0:1,0.4:2,1:0,d:0", "50%:1,50%:2", "50%:9", "400%:1", "50%:x", "20%:1,50%:1", "50%:1,d:nan", "50%:nan"];
+        let refused = [
+            "",
+            "loud",
+            "0:1,0.4:2,1:0,d:0",
+            "50%:1,50%:2",
+            "50%:9",
+            "400%:1",
+            "50%:x",
+            "20%:1,50%:1",
+            "50%:1,d:nan",
+            "50%:nan",
+        ];
         for bad in refused {
             assert!(bad.parse::<ScaleCurve>().is_err(), "{bad}");
         }

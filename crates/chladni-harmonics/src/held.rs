@@ -45,8 +45,7 @@ impl Body {
         let mass: Vec<f64> = free.iter().map(|v| operator.mass[*v]).collect();
         let positions: Vec<[f64; 3]> = free.iter().map(|v| operator.positions[*v]).collect();
         let choose = |basis: &mut Basis| canonical::choose(basis, &positions, &stiffness);
-        let (inner, report) =
-            Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
+        let (inner, report) = Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
         let mut vectors = vec![0.0; n * inner.harmonics()];
         for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
             free.iter().zip(inner.harmonic(k)).for_each(|(v, value)| h[*v] = *value);

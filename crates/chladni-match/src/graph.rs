@@ -298,6 +298,6 @@ mod tests {
         let places: Vec<DVec3> = (0..20).map(|i| DVec3::new(f64::from(i), 0.0, 0.0)).collect();
         let (surface, task) = (scattered(&places), Task::new());
         task.cancel();
-        assert!(matches!(Graph::new(&surface, 60, 1, &task), Err(MatchError::Cancelled)));
+        assert!(matches!(Graph::new(&surface, 60, 1, &task), Err(MatchError::Cancelled(_))));
     }
 }

@@ -293,7 +293,8 @@ mod tests {
     #[test]
     fn a_vertex_without_triangles_of_area_follows_another_one_in_its_place() {
         // Vertices 4 and 5 lie in the places of 0 and 3; a sliver uses the first, and no triangle the second.
-        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-0.0; 3], [1.0, 1.0, 0.0]];
+        let corners =
+            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-0.0; 3], [1.0, 1.0, 0.0]];
         let m = mesh(&corners, &[[0, 1, 2], [2, 1, 3], [4, 1, 1]]);
         let s = UnitSurface::new(&m, Side::Shape).unwrap();
         assert_eq!(s.points.len(), 4);

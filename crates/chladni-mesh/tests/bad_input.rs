@@ -4,7 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_mesh::{Format, HealthReport, MeshError, load_mesh, read_mesh, samples, weld, write_mesh};
+use chladni_mesh::{
+    Format, HealthReport, MeshError, TriMesh, load_mesh, read_mesh, samples, weld, write_mesh,
+};
 use proptest::prelude::*;
 
 const FORMATS: [Format; 7] =

@@ -252,9 +252,8 @@ fn what_a_match_is_not_trusted_at_is_filled_in_as_far_as_asked_and_no_longer_exa
 #[test]
 fn harmonics_do_not_outlive_another_number_of_them() {
     let mesh = chladni_mesh::samples::icosphere(2);
-    let body = |harmonics| {
-        Arc::new(Body::build(&mesh, &BasisSettings::new(harmonics), &Task::new()).unwrap())
-    };
+    let body =
+        |harmonics| Arc::new(Body::build(&mesh, &BasisSettings::new(harmonics), &Task::new()).unwrap());
     let first = Stack::new(body(20)).unwrap();
     let (before, basis) = (Arc::downgrade(first.body()), Arc::downgrade(&first.body().basis));
     first.brush_preparation()();

@@ -137,14 +137,14 @@ mod tests {
     use super::*;
     use crate::{BasisSettings, Operator, SymmetricSparse};
 
-    fn solved(pencil: &Pencil, harmonics: usize) -> crate::Basis {
+    fn solved(pencil: &Pencil, harmonics: usize) -> Basis {
         let (basis, report) = pencil.solve(&BasisSettings::new(harmonics), &Task::new()).unwrap();
         assert!(report.warnings(&basis.certificate).is_empty(), "{:?}", basis.certificate);
         basis
     }
 
     /// ‖S h − λ M h‖ relative to the size of the part of the spectrum that was requested.
-    fn worst_residual(pencil: &Pencil, basis: &crate::Basis) -> f64 {
+    fn worst_residual(pencil: &Pencil, basis: &Basis) -> f64 {
         let scale = basis.eigenvalues.last().copied().unwrap_or(1.0).max(1e-300);
         let residual = |k: usize| {
             let (h, image) = (basis.harmonic(k), pencil.stiffness.times(basis.harmonic(k)));
