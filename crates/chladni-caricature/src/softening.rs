@@ -6,7 +6,8 @@ use chladni_harmonics::{HarmonicsError, HeatFlow, HeatStep};
 
 use crate::Surface;
 
-/// The heat steps that the layers of a stack ask for, on any number of harmonics: heat does not depend on them. Layers of equal softness share a factorization.
+/// The heat steps that the layers of a stack ask for, on any number of harmonics: heat does not depend on them. Layers
+/// of equal softness share a factorization.
 #[derive(Clone, Debug)]
 pub(crate) struct Softening {
     flow: Arc<SharedFlow>,
