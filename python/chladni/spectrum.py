@@ -49,7 +49,7 @@ def point_cloud_laplacian(points, mollify_factor=1e-5, n_neighbors=30):
     mollify_factor : float
         As in ``mesh_laplacian``.
     n_neighbors : int
-        How many points around each are looked at; two or more.
+        How many points around each are looked at, two or more; all where there are fewer.
 
     Returns
     -------

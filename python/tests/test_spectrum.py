@@ -164,6 +164,10 @@ def test_points_without_triangles_have_a_laplacian(sphere):
         chladni.point_cloud_laplacian(np.arange(30)[:, None] * [1.0, 2.0, 3.0])
     with pytest.raises(chladni.InputError, match="n_neighbors"):
         chladni.point_cloud_laplacian(V, n_neighbors=1)
+    few = V[::9]
+    for all_and_more in (10**6, 10**15):
+        S, M = chladni.point_cloud_laplacian(few, n_neighbors=all_and_more)
+        assert (S != chladni.point_cloud_laplacian(few, n_neighbors=len(few) - 1)[0]).nnz == 0
 
 
 def test_a_held_border_is_rows_and_columns_left_out(square, elements):

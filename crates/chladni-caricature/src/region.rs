@@ -5,11 +5,11 @@ use std::sync::Arc;
 use chladni_harmonics::{Basis, Body};
 use serde::{Deserialize, Serialize};
 
-use crate::CaricatureError;
 use crate::difference::check_count;
 use crate::painted_spectrum::PaintedSpectrum;
 use crate::softening::Softening;
 use crate::wavelength::{eigenvalue_of, wavelengths};
+use crate::{CaricatureError, Surface};
 use chladni_mesh::surface::vec3::{Vec3, distance};
 
 /// The part of the shape that a layer deforms.
@@ -152,7 +152,7 @@ impl Smoothing {
     /// A signal of another number of values; a surface on which no heat flows.
     pub fn apply(&self, body: &Arc<Body>, painted: &[f32]) -> Result<Arc<[f32]>, CaricatureError> {
         check_count("the painted region", painted.len(), &body.basis)?;
-        let mut softening = Softening::of(body.clone());
+        let mut softening = Softening::of(Arc::new(Surface::new(body)));
         self.apply_with(&body.basis, painted, &mut PaintedSpectrum::default(), &mut softening)
     }
 
@@ -263,7 +263,7 @@ mod tests {
         for (wavelength, halved) in chosen.into_iter().chain([(1e-3, None), (40.0, None), (1e30, None)]) {
             let heat = Smoothing { wavelength, roll_off: RollOff::Heat, clamp: false };
             // The step itself, before anything could be clamped.
-            let mut softening = Softening::of(body.clone());
+            let mut softening = Softening::of(Arc::new(Surface::new(&body)));
             let chi = softening.step(heat.heat_time(&body.basis)).unwrap().apply(&painted);
             assert!(chi.iter().all(|c| *c >= 0.0 && *c <= 1.0 + 1e-12), "{wavelength}");
             let after = body.basis.transform(&chi);

@@ -186,13 +186,14 @@ impl std::str::FromStr for ScaleCurve {
         }
         let bad = |why: &str| CaricatureError::syntax("scale curve", text, why);
         let number = |t: &str| t.trim().parse::<f64>().map_err(|_| bad(&format!("`{t}` is not a number")));
-        let mut curve = Self { points: Vec::new(), residual: f64::NAN };
+        let mut curve = Self { points: Vec::new(), residual: 1.0 };
+        let mut residual = None;
         for part in text.split(',') {
             let (at, gain) = part.split_once(':').ok_or_else(|| {
                 bad("write flat, smooth, broad, mid, fine or points as wavelength:gain,… such as 90%:1,40%:0,d:0")
             })?;
             if at.trim() == "d" {
-                curve.residual = number(gain)?;
+                residual = Some(number(gain)?);
                 continue;
             }
             let wavelength = parse_wavelength(at).ok_or_else(|| {
@@ -200,9 +201,7 @@ impl std::str::FromStr for ScaleCurve {
             })?;
             curve.points.push([wavelength, number(gain)?]);
         }
-        if curve.residual.is_nan() {
-            curve.residual = curve.points.last().map_or(1.0, |p| p[1]);
-        }
+        curve.residual = residual.unwrap_or_else(|| curve.points.last().map_or(1.0, |p| p[1]));
         curve.validate()?;
         Ok(curve)
     }
@@ -237,8 +236,18 @@ mod tests {
         assert_eq!(curve.residual, 0.25);
         assert_eq!("broad".parse::<ScaleCurve>().unwrap(), ScaleCurve::broad());
         // Including the syntax from before wavelengths.
-        let refused =
-            ["", "loud", "0:1,0.4:2,1:0,d:0", "50%:1,50%:2", "50%:9", "400%:1", "50%:x", "20%:1,50%:1"];
+        let refused = [
+            "",
+            "loud",
+            "0:1,0.4:2,1:0,d:0",
+            "50%:1,50%:2",
+            "50%:9",
+            "400%:1",
+            "50%:x",
+            "20%:1,50%:1",
+            "50%:1,d:nan",
+            "50%:nan",
+        ];
         for bad in refused {
             assert!(bad.parse::<ScaleCurve>().is_err(), "{bad}");
         }

@@ -2,9 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 
-use chladni_harmonics::{Body, HarmonicsError, HeatFlow, HeatStep};
+use chladni_harmonics::{HarmonicsError, HeatFlow, HeatStep};
 
-/// The heat steps that the layers of a stack ask for. Layers of equal softness share a factorization.
+use crate::Surface;
+
+/// The heat steps that the layers of a stack ask for, on any number of harmonics: heat does not depend on them. Layers
+/// of equal softness share a factorization.
 #[derive(Clone, Debug)]
 pub(crate) struct Softening {
     flow: Arc<SharedFlow>,
@@ -12,16 +15,17 @@ pub(crate) struct Softening {
     steps: Vec<(f64, Arc<HeatStep>)>,
 }
 
-/// A Laplacian that is built on first use.
+/// A Laplacian that is built on first use. It outlives the harmonics of its shape, and holds none of them.
 #[derive(Debug)]
 pub(crate) struct SharedFlow {
-    body: Arc<Body>,
+    surface: Arc<Surface>,
     flow: OnceLock<Result<Arc<HeatFlow>, HarmonicsError>>,
 }
 
 impl SharedFlow {
     pub(crate) fn get(&self) -> Result<&Arc<HeatFlow>, HarmonicsError> {
-        self.flow.get_or_init(|| HeatFlow::of(&self.body).map(Arc::new)).as_ref().map_err(Clone::clone)
+        let of = |surface: &Surface| HeatFlow::on_surface(&surface.positions, &surface.triangles);
+        self.flow.get_or_init(|| of(&self.surface).map(Arc::new)).as_ref().map_err(Clone::clone)
     }
 }
 
@@ -29,19 +33,13 @@ impl SharedFlow {
 const MAX_STEPS: usize = 4;
 
 impl Softening {
-    pub(crate) fn of(body: Arc<Body>) -> Self {
-        Self { flow: Arc::new(SharedFlow { body, flow: OnceLock::new() }), steps: Vec::new() }
+    pub(crate) fn of(surface: Arc<Surface>) -> Self {
+        Self { flow: Arc::new(SharedFlow { surface, flow: OnceLock::new() }), steps: Vec::new() }
     }
 
     /// The Laplacian that all steps share.
     pub(crate) fn flow(&self) -> Arc<SharedFlow> {
         self.flow.clone()
-    }
-
-    /// For the same shape with other harmonics, on which heat does not depend.
-    pub(crate) fn with_harmonics_of(&self, body: Arc<Body>) -> Self {
-        let flow = self.flow.flow.clone();
-        Self { flow: Arc::new(SharedFlow { body, flow }), steps: self.steps.clone() }
     }
 
     /// The slow preparation before the first region can be softened, to be run on another thread. A step that

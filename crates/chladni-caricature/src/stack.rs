@@ -56,7 +56,7 @@ impl Stack {
         let original = Base::new(body.basis.clone(), surface.clone(), body.positions.clone())?;
         let file_positions = surface.file_positions().into();
         let (matches, kept, layers) = (Vec::new(), HashMap::new(), HashMap::new());
-        let softening = Softening::of(body.clone());
+        let softening = Softening::of(surface.clone());
         let keeper = Arc::new(SharedKeeper::of(surface.clone(), softening.flow()));
         let (original, all_models_of) = (Arc::new(original), None);
         Ok(Self {
@@ -80,8 +80,7 @@ impl Stack {
     /// A body of another shape.
     pub fn with_harmonics_of(&self, body: Arc<Body>) -> Result<Self, CaricatureError> {
         check_count("the shape", self.body.positions.len(), &body.basis)?;
-        let softening = self.softening.with_harmonics_of(body.clone());
-        let keeper = self.keeper.clone();
+        let (softening, keeper) = (self.softening.clone(), self.keeper.clone());
         Ok(Self { matches: self.matches.clone(), softening, keeper, ..Self::new(body)? })
     }
 

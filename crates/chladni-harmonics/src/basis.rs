@@ -27,7 +27,6 @@ impl Certificate {
 
     /// The joint certificate of two sets of pairs with disjoint supports.
     pub(crate) fn and(&self, other: &Self) -> Self {
-        let larger = |a: f64, b: f64| if b.is_nan() { b } else { a.max(b) };
         let both = |a: Option<bool>, b: Option<bool>| match (a, b) {
             (Some(a), Some(b)) => Some(a && b),
             (Some(false), None) | (None, Some(false)) => Some(false),
@@ -78,6 +77,11 @@ impl Certificate {
         }
         (!failed.is_empty()).then(|| failed.join("; "))
     }
+}
+
+/// The larger of two errors; NaN, which `f64::max` drops, must not count as small.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
 /// The first K generalized eigenpairs S h = λ M h of a shape.
@@ -132,6 +136,20 @@ impl Basis {
 #[cfg(test)]
 mod tests {
     use super::{Certificate, Laplacian};
+
+    #[test]
+    fn what_is_unknown_in_one_part_is_unknown_in_the_whole() {
+        let sound = Certificate {
+            laplacian: Laplacian::Delaunay,
+            inertia_counts_match: Some(true),
+            max_relative_residual: 1e-11,
+            max_orthogonality_error: 1e-10,
+        };
+        let unknown = Certificate { max_relative_residual: f64::NAN, ..sound };
+        for both in [sound.and(&unknown), unknown.and(&sound)] {
+            assert!(both.max_relative_residual.is_nan() && both.max_orthogonality_error == 1e-10);
+        }
+    }
 
     #[test]
     fn a_warning_names_what_failed_and_nothing_else() {

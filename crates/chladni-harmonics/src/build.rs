@@ -122,12 +122,22 @@ impl Pencil<'_> {
         settings: &BasisSettings,
         task: &Task,
     ) -> Result<(Basis, BuildReport), HarmonicsError> {
+        self.solve_and_choose(settings, |_| {}, task)
+    }
+
+    /// As [`solve`](Self::solve); `choose` chooses among equally good pairs, of which it sees whole groups.
+    pub(crate) fn solve_and_choose(
+        &self,
+        settings: &BasisSettings,
+        choose: impl FnOnce(&mut Basis) + Send,
+        task: &Task,
+    ) -> Result<(Basis, BuildReport), HarmonicsError> {
         let start = Instant::now();
         let vertices = self.mass.len();
         let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
         let settings = BasisSettings { harmonics: settings.clamped(vertices)?, ..settings.clone() };
         let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile } =
-            on_threads(settings.threads, || eigen::solve_given(*self, &settings, task))??;
+            on_threads(settings.threads, || eigen::solve_given(*self, &settings, choose, task))??;
         (report.cuts_cluster, report.fell_back_to_dense) = (cuts_cluster, fell_back_to_dense);
         report.short_of_memory = short_of_memory;
         report.profile = profile;

@@ -8,6 +8,7 @@
 use faer::{Mat, MatRef, Par};
 use rayon::prelude::*;
 
+use crate::basis::larger;
 use crate::symmetric_eigen::symmetric_eigen;
 use crate::{Basis, SymmetricSparse};
 
@@ -38,9 +39,9 @@ pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &Symm
         let worst = columns
             .par_chunks_exact(n)
             .map(|h| relative_residual(stiffness, &basis.mass, mean, h))
-            .reduce(|| 0.0, f64::max);
+            .reduce(|| 0.0, larger);
         let certified = &mut basis.certificate.max_relative_residual;
-        *certified = certified.max(worst);
+        *certified = larger(*certified, worst);
     }
     let heights: Vec<f64> = positions.iter().map(height).collect();
     basis.vectors.par_chunks_exact_mut(n).for_each(|h| {

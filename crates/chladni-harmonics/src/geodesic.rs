@@ -207,6 +207,24 @@ mod tests {
     }
 
     #[test]
+    fn a_piece_without_area_is_a_line_and_does_no_harm_to_others() {
+        let sphere = samples::icosphere(3);
+        let n = sphere.positions.len();
+        let alone = HeatGeodesics::of(&sphere, 1.0).unwrap().distances(&[3]).unwrap();
+        for end in [[7.0, 0.0, 0.0], [7.0, 1e-12, 0.0]] {
+            let mut two = sphere.clone();
+            two.positions.extend([[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], end]);
+            let line = [0, 1, 2].map(|i| (n + i) as u32);
+            two.triangles.push(line);
+            let geodesics = HeatGeodesics::of(&two, 1.0).unwrap();
+            let found = geodesics.distances(&[3]).unwrap();
+            assert!(found.iter().zip(&alone).all(|(a, b)| (a - b).abs() < 1e-3));
+            let along = geodesics.distances(&[n]).unwrap();
+            assert!((0..3).all(|i| (along[n + i] - i as f64).abs() < 1e-4), "{:?}", &along[n..]);
+        }
+    }
+
+    #[test]
     fn a_way_that_no_heat_goes_is_refused() {
         // A strip of three thousand squares.
         let positions =

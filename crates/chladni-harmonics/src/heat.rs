@@ -57,12 +57,20 @@ impl HeatFlow {
     /// # Errors
     /// [`HarmonicsError::NoTriangle`] if no triangle has three different corners.
     pub fn of(body: &Body) -> Result<Self, HarmonicsError> {
+        Self::on_surface(&body.positions, &body.triangles)
+    }
+
+    /// The same from the N positions of a body, in its working frame, and its triangles.
+    ///
+    /// # Errors
+    /// Those of [`of`](Self::of).
+    pub fn on_surface(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self, HarmonicsError> {
         let whole = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
-        let triangles: Vec<[u32; 3]> = body.triangles.iter().filter(whole).copied().collect();
+        let triangles: Vec<[u32; 3]> = triangles.iter().filter(whole).copied().collect();
         if triangles.is_empty() {
             return Err(HarmonicsError::NoTriangle);
         }
-        let (stiffness, mass) = delaunay_laplacian(&body.positions, &triangles, MOLLIFY)?;
+        let (stiffness, mass) = delaunay_laplacian(positions, &triangles, MOLLIFY)?;
         Ok(Self::on(&stiffness, &mass))
     }
 

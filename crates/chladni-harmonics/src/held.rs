@@ -43,9 +43,9 @@ impl Body {
         });
         let stiffness = SymmetricSparse::from_entries(free.len(), entries)?;
         let mass: Vec<f64> = free.iter().map(|v| operator.mass[*v]).collect();
-        let (mut inner, report) = Pencil::new(&stiffness, &mass)?.solve(settings, task)?;
         let positions: Vec<[f64; 3]> = free.iter().map(|v| operator.positions[*v]).collect();
-        canonical::choose(&mut inner, &positions, &stiffness);
+        let choose = |basis: &mut Basis| canonical::choose(basis, &positions, &stiffness);
+        let (inner, report) = Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
         let mut vectors = vec![0.0; n * inner.harmonics()];
         for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
             free.iter().zip(inner.harmonic(k)).for_each(|(v, value)| h[*v] = *value);

@@ -52,6 +52,25 @@ fn a_held_rectangle_has_the_tones_of_a_membrane() {
     }
 }
 
+/// The second and third eigenvalue of a held square are equal.
+#[test]
+fn a_group_that_k_cuts_has_the_harmonics_of_the_whole_group() {
+    let mesh = samples::grid_square(24);
+    let of = |harmonics| {
+        let settings = BasisSettings::new(harmonics);
+        Body::with_held_border(&mesh, &settings, &Task::new()).unwrap()
+    };
+    let ((cut, cut_report), (whole, report)) = (of(2), of(3));
+    assert_eq!((cut.basis.harmonics(), whole.basis.harmonics()), (2, 3));
+    assert!(cut_report.cuts_cluster && !report.cuts_cluster);
+    for k in 0..2 {
+        assert!((cut.basis.eigenvalues[k] / whole.basis.eigenvalues[k] - 1.0).abs() < 1e-9);
+        for (a, b) in cut.basis.harmonic(k).iter().zip(whole.basis.harmonic(k)) {
+            assert!((a - b).abs() < 1e-6, "harmonic {k}: {a} and {b}");
+        }
+    }
+}
+
 #[test]
 fn a_closed_surface_has_no_border_to_hold_and_one_triangle_nothing_else() {
     let (sphere, settings) = (samples::icosphere(3), BasisSettings::new(9));

@@ -170,6 +170,11 @@ fn planted_faults_fail_the_certificate() {
     doubled.eigenvalues[41] = doubled.eigenvalues[40];
     doubled.vectors[41 * n..42 * n].copy_from_slice(&copy);
     assert!(operator.certify(&doubled).unwrap().max_orthogonality_error > 0.9);
+    let mut unknown = good.clone();
+    unknown.vectors[30 * n] = f64::NAN;
+    let certificate = operator.certify(&unknown).unwrap();
+    assert!(certificate.max_relative_residual.is_nan() && certificate.max_orthogonality_error.is_nan());
+    assert!(!certificate.is_precise());
     let mut wrong = good;
     wrong.vectors[30 * n] += 1.0;
     assert!(operator.certify(&wrong).unwrap().max_relative_residual > 1e-6);

@@ -57,7 +57,7 @@ pub(crate) fn bend(
     let vertices = data_vertices(shape, seed);
     let stage = task.stage("bending", LEVELS.iter().map(|l| l.iterations as u64).sum());
     for level in &LEVELS {
-        let graph = Graph::new(shape, level.nodes.min(shape.points.len()), seed);
+        let graph = Graph::new(shape, level.nodes.min(shape.points.len()), seed, task)?;
         let partners = Partners::by_vote(shape, template, pose, &bent);
         for step in 0..level.iterations {
             task.check()?;

@@ -3,12 +3,16 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::num::NonZeroUsize;
 
+use chladni_task::Task;
 use glam::DVec3;
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rayon::prelude::*;
 
+use crate::MatchError;
 use crate::surface::UnitSurface;
 
 /// The number of nodes whose maps are blended at a vertex.
@@ -111,7 +115,7 @@ impl Graph {
     }
 
     /// A graph of about `count` nodes, with at least one on every component.
-    pub fn new(surface: &UnitSurface, count: usize, seed: u64) -> Self {
+    pub fn new(surface: &UnitSurface, count: usize, seed: u64, task: &Task) -> Result<Self, MatchError> {
         let n = surface.points.len();
         let spacing = Self::spacing(surface, count);
         let mut walker = Walker::new(surface);
@@ -129,14 +133,19 @@ impl Graph {
             let total: f64 = list.iter().map(|b| b.1).sum();
             list.iter_mut().for_each(|b| b.1 /= total);
         }
-        let edges = edges(surface, &nodes, &blend);
-        Self { nodes, spacing, blend, edges }
+        let edges = edges(surface, &nodes, &blend, task)?;
+        Ok(Self { nodes, spacing, blend, edges })
     }
 }
 
 /// Pairs of nodes that share a vertex. Nodes outside the largest component are also paired with the nearest
 /// nodes of other components: eyes and teeth then follow their head.
-fn edges(surface: &UnitSurface, nodes: &[u32], blend: &[Vec<(u32, f64)>]) -> Vec<(u32, u32, f64)> {
+fn edges(
+    surface: &UnitSurface,
+    nodes: &[u32],
+    blend: &[Vec<(u32, f64)>],
+    task: &Task,
+) -> Result<Vec<(u32, u32, f64)>, MatchError> {
     let mut pairs: Vec<(u32, u32)> = Vec::new();
     for list in blend {
         for (i, a) in list.iter().enumerate() {
@@ -151,24 +160,65 @@ fn edges(surface: &UnitSurface, nodes: &[u32], blend: &[Vec<(u32, f64)>]) -> Vec
         let mut size = vec![0_usize; components];
         nodes.iter().for_each(|v| size[surface.component[*v as usize] as usize] += 1);
         let largest = (0..components).max_by_key(|c| size[*c]).unwrap_or(0) as u32;
-        let place = |j: usize| (surface.points[nodes[j] as usize], surface.component[nodes[j] as usize]);
-        let beside = (0..nodes.len()).into_par_iter().filter(|i| place(*i).1 != largest);
-        let ties = beside.flat_map_iter(|i| {
-            let (p, component) = place(i);
-            let mut nearest = [(f64::INFINITY, u32::MAX); 3];
-            for j in (0..nodes.len()).filter(|j| place(*j).1 != component) {
-                let distance = place(j).0.distance_squared(p);
-                let after = nearest.partition_point(|(known, _)| *known <= distance);
-                if after < nearest.len() {
-                    nearest[after..].rotate_right(1);
-                    nearest[after] = (distance, j as u32);
-                }
-            }
-            nearest.into_iter().filter(|(_, j)| *j != u32::MAX).map(move |(_, j)| (i as u32, j, 1.0))
+        let others = Others::of(surface, nodes);
+        let beside = (0..nodes.len() as u32).into_par_iter().filter(|i| others.component(*i) != largest);
+        let ties = beside.map(|i| {
+            task.check()?;
+            Ok(others.nearest(i).into_iter().map(move |j| (i, j, 1.0)))
         });
-        edges.par_extend(ties);
+        edges.extend(ties.collect::<Result<Vec<_>, MatchError>>()?.into_iter().flatten());
     }
-    edges
+    Ok(edges)
+}
+
+/// The nodes in a tree, to find the nearest ones of other components.
+struct Others<'a> {
+    surface: &'a UnitSurface,
+    nodes: &'a [u32],
+    tree: Option<ImmutableKdTree<f64, 3>>,
+}
+
+impl<'a> Others<'a> {
+    /// Two squared distances whose ratio is above this may be equal but for rounding.
+    const SURE: f64 = 1.0 - 1e-9;
+    /// The number of nodes of other components that one is paired with.
+    const NEAREST: usize = 3;
+
+    fn of(surface: &'a UnitSurface, nodes: &'a [u32]) -> Self {
+        let points: Vec<[f64; 3]> = nodes.iter().map(|v| surface.points[*v as usize].to_array()).collect();
+        Self { surface, nodes, tree: ImmutableKdTree::new_from_slice(&points).ok() }
+    }
+
+    fn point(&self, node: u32) -> DVec3 {
+        self.surface.points[self.nodes[node as usize] as usize]
+    }
+
+    fn component(&self, node: u32) -> u32 {
+        self.surface.component[self.nodes[node as usize] as usize]
+    }
+
+    /// The nearest nodes of other components, nearest first; of equally near ones the lowest.
+    fn nearest(&self, node: u32) -> Vec<u32> {
+        let Some(tree) = &self.tree else { return Vec::new() };
+        let (own, p) = (self.component(node), self.point(node));
+        let all = self.nodes.len();
+        let mut count = 4 * Self::NEAREST;
+        loop {
+            let asked = NonZeroUsize::new(count.min(all)).unwrap_or(NonZeroUsize::MIN);
+            let found = tree.query(&p.to_array()).nearest_n::<SquaredEuclidean<f64>>(asked).execute();
+            let reach = found.iter().map(|f| self.point(f.item).distance_squared(p)).fold(0.0, f64::max);
+            let others = found.iter().map(|f| f.item).filter(|j| self.component(*j) != own);
+            let mut others: Vec<(f64, u32)> =
+                others.map(|j| (self.point(j).distance_squared(p), j)).collect();
+            others.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            // One as near as the last of those found may have been left out.
+            let are_certain = others.get(Self::NEAREST - 1).is_some_and(|last| last.0 < Self::SURE * reach);
+            if are_certain || count >= all {
+                return others.into_iter().take(Self::NEAREST).map(|(_, j)| j).collect();
+            }
+            count *= 2;
+        }
+    }
 }
 
 /// An affine map of one node: y = g + t + A (x − g), as the rows of [A | t].
@@ -194,5 +244,60 @@ impl Graph {
                     .sum()
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::TriMesh;
+
+    use super::*;
+    use crate::Side;
+
+    /// Small triangles at `places`, each a component, and a strip of large ones.
+    fn scattered(places: &[DVec3]) -> UnitSurface {
+        let mut positions = Vec::new();
+        let mut triangles: Vec<[u32; 3]> = Vec::new();
+        for p in places {
+            let first = positions.len() as u32;
+            positions.extend([DVec3::ZERO, DVec3::X * 1e-3, DVec3::Y * 1e-3].map(|d| (*p + d).to_array()));
+            triangles.push([first, first + 1, first + 2]);
+        }
+        let first = positions.len() as u32;
+        positions.extend((0..40).map(|i| [f64::from(i / 2), -5.0 + f64::from(i % 2), 0.0]));
+        triangles.extend((0..38).map(|i| [first + i, first + i + 1, first + i + 2]));
+        let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
+        UnitSurface::new(&mesh, Side::Shape).unwrap()
+    }
+
+    #[test]
+    fn pieces_are_paired_with_the_nearest_of_others_also_where_many_are_equally_near() {
+        let grid = (0..300).map(|i| DVec3::new(f64::from(i % 20), f64::from(i / 20), 0.0));
+        let noise = |i: i32, k: i32| f64::from(i * 7919 * k % 104_729 % 1000) * 0.02;
+        let random = (0..300).map(|i| DVec3::new(noise(i, 1), noise(i, 3), noise(i, 7)));
+        for places in [grid.collect::<Vec<_>>(), random.collect()] {
+            let surface = scattered(&places);
+            let graph = Graph::new(&surface, 60, 1, &Task::new()).unwrap();
+            let others = Others::of(&surface, &graph.nodes);
+            let nodes = graph.nodes.len() as u32;
+            assert!(nodes > 300);
+            for i in 0..nodes {
+                let mut all: Vec<(f64, u32)> = (0..nodes)
+                    .filter(|j| others.component(*j) != others.component(i))
+                    .map(|j| (others.point(j).distance_squared(others.point(i)), j))
+                    .collect();
+                all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                let nearest: Vec<u32> = all[..3].iter().map(|(_, j)| *j).collect();
+                assert_eq!(others.nearest(i), nearest, "node {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn pairing_pieces_ends_when_it_is_cancelled() {
+        let places: Vec<DVec3> = (0..20).map(|i| DVec3::new(f64::from(i), 0.0, 0.0)).collect();
+        let (surface, task) = (scattered(&places), Task::new());
+        task.cancel();
+        assert!(matches!(Graph::new(&surface, 60, 1, &task), Err(MatchError::Cancelled(_))));
     }
 }

@@ -23,7 +23,7 @@ pub(crate) struct UnitSurface {
     pub triangles: Vec<[u32; 3]>,
     /// For each of `triangles`, its index in the file.
     pub file_triangle: Vec<u32>,
-    /// For each of the n file vertices, its welded vertex; `None` if no triangle uses it.
+    /// For each of the n file vertices, its welded vertex; `None` if no triangle with area uses its position.
     pub point_of_vertex: Vec<Option<u32>>,
     /// Unit normals of `triangles`.
     pub triangle_normals: Vec<DVec3>,
@@ -213,20 +213,17 @@ fn weld(mesh: &TriMesh) -> Welded {
         .collect();
     let place = places(&mesh.positions);
     let mut point_of_place = vec![None; mesh.positions.len()];
-    let mut point_of_vertex = vec![None; mesh.positions.len()];
     let mut file_vertex = Vec::new();
     for &t in &kept {
         for v in mesh.triangles[t as usize] {
-            if point_of_vertex[v as usize].is_some() {
-                continue;
-            }
-            let point = *point_of_place[place[v as usize] as usize].get_or_insert_with(|| {
+            point_of_place[place[v as usize] as usize].get_or_insert_with(|| {
                 file_vertex.push(v);
                 file_vertex.len() as u32 - 1
             });
-            point_of_vertex[v as usize] = Some(point);
         }
     }
+    // A vertex that only triangles without area use follows another one in its place, as in the operator.
+    let point_of_vertex = place.iter().map(|place| point_of_place[*place as usize]).collect();
     Welded { point_of_vertex, file_vertex, kept }
 }
 
@@ -291,6 +288,22 @@ mod tests {
         assert_eq!(s.point_of_vertex[6], None);
         assert!(s.boundary.iter().all(|b| *b) && s.component.iter().all(|c| *c == 0));
         assert!((s.diagonal - 2.0_f64.sqrt()).abs() < 1e-15 && (s.area() - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_vertex_without_triangles_of_area_follows_another_one_in_its_place() {
+        // Vertices 4 and 5 lie in the places of 0 and 3; a sliver uses the first, and no triangle the second.
+        let corners =
+            [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-0.0; 3], [1.0, 1.0, 0.0]];
+        let m = mesh(&corners, &[[0, 1, 2], [2, 1, 3], [4, 1, 1]]);
+        let s = UnitSurface::new(&m, Side::Shape).unwrap();
+        assert_eq!(s.points.len(), 4);
+        assert_eq!(s.point_of_vertex[4], s.point_of_vertex[0]);
+        assert_eq!(s.point_of_vertex[5], s.point_of_vertex[3]);
+        let in_operator = chladni_mesh::surface::weld(&m).operator_vertex;
+        for (v, point) in s.point_of_vertex.iter().enumerate() {
+            assert_eq!(point.is_some(), in_operator[v].is_some());
+        }
     }
 
     #[test]

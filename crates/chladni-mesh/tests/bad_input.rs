@@ -4,7 +4,9 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_mesh::{Format, HealthReport, MeshError, load_mesh, read_mesh, samples, weld, write_mesh};
+use chladni_mesh::{
+    Format, HealthReport, MeshError, TriMesh, load_mesh, read_mesh, samples, weld, write_mesh,
+};
 use proptest::prelude::*;
 
 const FORMATS: [Format; 7] =
@@ -154,6 +156,20 @@ fn errors_say_where_and_why() {
             assert!(message.contains(part), "{message:?} should say {part:?}");
         }
     }
+}
+
+#[test]
+fn a_medit_section_that_is_not_known_does_not_take_the_next_one_with_it() {
+    let known = medit(TETRAHEDRON_MEDIT);
+    for unknown in ["Corners\n", "Corners 2\n1\n2\n", "Geometry\n"] {
+        let text = TETRAHEDRON_MEDIT.replacen("Triangles", &format!("{unknown}Triangles"), 1);
+        assert!(text != TETRAHEDRON_MEDIT);
+        assert_eq!(medit(&text), known, "{unknown}");
+    }
+}
+
+fn medit(text: &str) -> TriMesh {
+    read_mesh(text.as_bytes(), Format::Medit).unwrap().mesh
 }
 
 #[test]

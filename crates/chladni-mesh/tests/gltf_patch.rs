@@ -259,6 +259,31 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
 }
 
 #[test]
+fn sliders_of_another_scene_are_as_many_as_those_of_its_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut root, data) = rigged();
+    let node = root["nodes"].as_array().unwrap().len();
+    let elsewhere = json!({ "mesh": 0, "name": "elsewhere", "weights": [0.25] });
+    root["nodes"].as_array_mut().unwrap().push(elsewhere);
+    root["scenes"].as_array_mut().unwrap().push(json!({ "nodes": [node] }));
+    let channel = json!({ "sampler": 0, "target": { "node": node, "path": "weights" } });
+    root["animations"][0]["channels"].as_array_mut().unwrap().push(channel);
+    let path = folder.path().join("scenes.glb");
+    std::fs::write(&path, glb(&root, &data)).unwrap();
+    let mesh = load_mesh(&path).unwrap().mesh;
+    assert_eq!(mesh.positions.len(), 12, "the copies of the first scene");
+    let now = parsed(&add_morph_targets(&path, &mesh, &targets(&mesh)).unwrap());
+    assert_eq!(now.0["nodes"][node]["mesh"], 0);
+    assert_eq!(now.0["meshes"][0]["primitives"][0]["targets"].as_array().unwrap().len(), 3);
+    assert_eq!(now.0["nodes"][node]["weights"], json!([0.25, 0.0, 0.0]));
+    for channel in 0..2 {
+        let sampler = now.0["animations"][0]["channels"][channel]["sampler"].as_u64().unwrap() as usize;
+        let output = &now.0["animations"][0]["samplers"][sampler]["output"];
+        assert_eq!(floats(&now, output), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
+    }
+}
+
+#[test]
 fn what_is_no_animation_stays_as_it_is() {
     let folder = tempfile::tempdir().unwrap();
     let (mut root, data) = rigged();

@@ -34,6 +34,8 @@ pub struct Instrument {
     /// Voices that were changed; the others do what [`VoiceSettings::initial`] says.
     voices: BTreeMap<usize, VoiceSettings>,
     stage: Stage,
+    /// Items that the stage still names although they may have left the gallery, as they were then.
+    staying: Vec<GalleryItem>,
     /// How often the sand was swept.
     sweeps: u32,
     /// The look that [`Action::SetLook`] put over the stage; empty if none.
@@ -70,6 +72,7 @@ impl Instrument {
             parameters,
             voices: BTreeMap::new(),
             stage: Stage::default(),
+            staying: Vec::new(),
             sweeps: 0,
             look: String::new(),
             log: Vec::new(),
@@ -146,9 +149,10 @@ impl Instrument {
         self.stage.fader()
     }
 
-    /// An item by id, among favorites and all generations.
+    /// An item by id, among all generations, those on stage and favorites.
     pub fn item(&self, id: ItemId) -> Option<&GalleryItem> {
-        self.gallery.find(id).or_else(|| self.favorites.iter().find(|item| item.id == id))
+        let elsewhere = || self.staying.iter().chain(&self.favorites).find(|item| item.id == id);
+        self.gallery.find(id).or_else(elsewhere)
     }
 
     /// The origin of `item`, then those of its ancestors, newest first; at most 256 entries.
@@ -238,7 +242,9 @@ impl Instrument {
             }
             Action::GoTo { generation } => self.gallery.go_to(generation)?,
             Action::NewGallery { seed, size } => {
-                self.gallery = self.gallery.restart(seed, size, initial(size, &self.shape))?;
+                let gallery = self.gallery.restart(seed, size, initial(size, &self.shape))?;
+                self.keep_staged();
+                self.gallery = gallery;
             }
             Action::SetTransfer { item, ref transfer } => {
                 self.edit(item, |m| m.transfer.clone_from(transfer))?;
@@ -250,13 +256,13 @@ impl Instrument {
             Action::SetItemGain { item, gain } => self.edit(item, |m| m.gain = gain)?,
             Action::Load { item, ref name, ref mapping } => {
                 mapping.validate()?;
-                self.gallery.load(item, name, mapping.clone())?;
+                self.load(item, name, mapping.clone())?;
             }
             Action::Take { item, ref preset } => {
                 preset.validate()?;
                 let mapping = preset.mapping_on(&self.shape);
                 mapping.validate()?;
-                self.gallery.load(item, &preset.name, mapping)?;
+                self.load(item, &preset.name, mapping)?;
                 self.parameters.apply(&preset.settings)?;
             }
             Action::Set { parameter, value } => self.parameters.set(parameter, value)?,
@@ -304,7 +310,21 @@ impl Instrument {
         if action.opens_stage() || *action == Action::LeaveStage {
             self.look.clear();
         }
+        self.staying.retain(|item| self.stage.items().any(|id| id == item.id));
         Ok(())
+    }
+
+    /// Loads a mapping, which may take the place of an item where there is no room for another generation.
+    fn load(&mut self, index: usize, name: &str, mapping: Mapping) -> Result<(), MusicError> {
+        self.gallery.item_mut(index)?;
+        self.keep_staged();
+        Ok(self.gallery.load(index, name, mapping)?)
+    }
+
+    /// Keeps what the stage names, so that a dance goes on there whatever becomes of the gallery.
+    fn keep_staged(&mut self) {
+        let staged: Vec<GalleryItem> = self.stage.items().filter_map(|id| self.item(id).cloned()).collect();
+        self.staying = staged;
     }
 
     fn edit(&mut self, index: usize, change: impl FnOnce(&mut Mapping)) -> Result<(), MusicError> {

@@ -78,6 +78,15 @@ impl Stage {
         self.shown.is_none()
     }
 
+    /// The items that it names besides favorites in turn: the one shown, the one before it and the next one.
+    pub(crate) fn items(&self) -> impl Iterator<Item = ItemId> + use<> {
+        let shown = match self.shown {
+            Some(Shown::Item(id)) => Some(id),
+            Some(Shown::Favorites(_)) | None => None,
+        };
+        [shown, self.before, self.next.map(|(id, _)| id)].into_iter().flatten()
+    }
+
     pub(crate) fn show_item(
         &mut self,
         id: ItemId,

@@ -280,8 +280,12 @@ impl Tempo {
     }
 
     fn change_octave(&mut self, octave: i32, at_secs: f64) {
+        let octave = octave.clamp(-MOST_OCTAVES, MOST_OCTAVES);
+        if octave == self.octave {
+            return;
+        }
         let count = self.at(at_secs).count;
-        self.octave = octave.clamp(-MOST_OCTAVES, MOST_OCTAVES);
+        self.octave = octave;
         self.told_bar = None;
         self.rebase(count, at_secs);
     }

@@ -63,8 +63,8 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// A random variant for a sitter with these numbers of parts and templates: two to four parts become larger, one
-    /// or two smaller.
+    /// A random variant for a sitter with these numbers of parts and templates: up to three parts become much larger,
+    /// and up to two much smaller.
     pub fn random(parts: usize, templates: usize, rng: &mut ChaCha8Rng) -> Self {
         let mut some = |count: usize| -> Vec<f32> { (0..count).map(|_| rng.random()).collect() };
         let strength = some(2).into_iter().map(|x| 0.45 + 0.55 * x).collect();

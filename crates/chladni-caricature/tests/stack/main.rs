@@ -250,6 +250,20 @@ fn what_a_match_is_not_trusted_at_is_filled_in_as_far_as_asked_and_no_longer_exa
 }
 
 #[test]
+fn harmonics_do_not_outlive_another_number_of_them() {
+    let mesh = chladni_mesh::samples::icosphere(2);
+    let body =
+        |harmonics| Arc::new(Body::build(&mesh, &BasisSettings::new(harmonics), &Task::new()).unwrap());
+    let first = Stack::new(body(20)).unwrap();
+    let (before, basis) = (Arc::downgrade(first.body()), Arc::downgrade(&first.body().basis));
+    first.brush_preparation()();
+    let stack = first.with_harmonics_of(body(9)).unwrap();
+    drop(first);
+    assert!(before.upgrade().is_none() && basis.upgrade().is_none());
+    assert_eq!(stack.body().basis.harmonics(), 9);
+}
+
+#[test]
 fn matches_outlive_another_number_of_harmonics() {
     let (mesh, stack) = stack();
     let body = Arc::new(Body::build(&mesh, &BasisSettings::new(32), &Task::new()).unwrap());

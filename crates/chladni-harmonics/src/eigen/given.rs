@@ -6,7 +6,7 @@ use super::components::{self, Kind};
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
 use super::{Solved, Wanted, or_dense, plan, solve_connected, where_it_fits};
-use crate::{BasisSettings, HarmonicsError, Pencil, canonical};
+use crate::{Basis, BasisSettings, HarmonicsError, Pencil, canonical};
 
 /// Shares of a bound on the largest eigenvalue: below the first, an eigenvalue counts as zero, and the
 /// search for others begins there; the second is how far rounding may push one below zero; the third is the
@@ -24,9 +24,17 @@ const PROPORTIONAL: usize = 5;
 /// solved. Its eigenvalues are those of S plus t, where t is about the distance between the first ones;
 /// none of them is small compared with the distance to the next. If all that are wanted are 0, t is about the
 /// first eigenvalue that is not.
-pub(crate) fn solve(pencil: Pencil, settings: &BasisSettings, task: &Task) -> Result<Solved, HarmonicsError> {
+///
+/// `choose` chooses among equally good pairs, before a group of equal eigenvalues is cut at K.
+pub(crate) fn solve(
+    pencil: Pencil,
+    settings: &BasisSettings,
+    choose: impl FnOnce(&mut Basis),
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
     let (vertices, planned) = (pencil.mass.len(), plan::slices(settings.harmonics));
     let mut solved = where_it_fits(vertices, planned, settings, |wanted| solve_wanted(pencil, wanted, task))?;
+    choose(&mut solved.basis);
     if !settings.whole_clusters && solved.basis.harmonics() > settings.harmonics {
         solved.basis.truncate(settings.harmonics);
         solved.cuts_cluster = true;
@@ -129,14 +137,14 @@ mod tests {
     use super::*;
     use crate::{BasisSettings, Operator, SymmetricSparse};
 
-    fn solved(pencil: &Pencil, harmonics: usize) -> crate::Basis {
+    fn solved(pencil: &Pencil, harmonics: usize) -> Basis {
         let (basis, report) = pencil.solve(&BasisSettings::new(harmonics), &Task::new()).unwrap();
         assert!(report.warnings(&basis.certificate).is_empty(), "{:?}", basis.certificate);
         basis
     }
 
     /// ‖S h − λ M h‖ relative to the size of the part of the spectrum that was requested.
-    fn worst_residual(pencil: &Pencil, basis: &crate::Basis) -> f64 {
+    fn worst_residual(pencil: &Pencil, basis: &Basis) -> f64 {
         let scale = basis.eigenvalues.last().copied().unwrap_or(1.0).max(1e-300);
         let residual = |k: usize| {
             let (h, image) = (basis.harmonic(k), pencil.stiffness.times(basis.harmonic(k)));

@@ -27,6 +27,7 @@ use components::Kind;
 pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};
 
+use crate::basis::larger;
 use crate::memory::Room;
 use crate::platform::Instant;
 use crate::threads::on_threads;
@@ -244,7 +245,7 @@ pub(crate) fn certify(
         let norm = s.iter().map(|x| x * x).sum::<f64>().sqrt();
         let weighted = pencil.mass_times(h);
         let error: f64 = s.iter().zip(weighted).map(|(s, m)| (s - lambda * m).powi(2)).sum();
-        residual = residual.max(error.sqrt() / norm);
+        residual = larger(residual, error.sqrt() / norm);
     }
     let h = MatRef::from_column_major_slice(vectors, n, k);
     let mut orthogonality = 0.0_f64;
@@ -255,7 +256,7 @@ pub(crate) fn certify(
         for j in 0..gram.ncols() {
             for i in 0..k {
                 let unit = f64::from(u8::from(i == number * COLUMNS + j));
-                orthogonality = orthogonality.max((gram[(i, j)] - unit).abs());
+                orthogonality = larger(orthogonality, (gram[(i, j)] - unit).abs());
             }
         }
     }

@@ -65,7 +65,7 @@ impl StoredBasis {
         };
         let row = |row: f64| match row {
             -1.0 => Ok(None),
-            _ if row >= 0.0 && row < vertices as f64 => Ok(Some(row as u32)),
+            _ if row >= 0.0 && row < vertices as f64 && row.fract() == 0.0 => Ok(Some(row as u32)),
             _ => Err(bad(&at("operator_vertex"), format!("{row} is no row of {vertices}"))),
         };
         let mass = values("mass", Some(vertices))?;
@@ -365,6 +365,29 @@ mod tests {
         assert!(why(StoredBasis::open(folder.path()).unwrap_err()).contains("642 rows of 30 columns"));
         fs::remove_file(&vectors).unwrap();
         assert!(StoredBasis::open(folder.path()).is_err());
+    }
+
+    #[test]
+    fn a_row_between_two_rows_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        write_basis_folder(folder.path(), &ball().1).unwrap();
+        let path = folder.path().join("operator_vertex.npy");
+        let rows = numbers(&path, None).unwrap();
+        let write = |second: f64| {
+            let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}\n", rows.len());
+            let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+            bytes.extend((text.len() as u16).to_le_bytes());
+            bytes.extend(text.as_bytes());
+            let changed = rows.iter().enumerate().map(|(i, row)| if i == 1 { second } else { *row });
+            bytes.extend(changed.flat_map(f64::to_le_bytes));
+            fs::write(&path, bytes).unwrap();
+            StoredBasis::open(folder.path())
+        };
+        write(rows[1]).unwrap();
+        for wrong in [0.5, 1.9, f64::NAN, -0.5] {
+            let why = write(wrong).unwrap_err().to_string();
+            assert!(why.contains("operator_vertex") && why.contains("is no row"), "{why}");
+        }
     }
 
     /// One of the four files, damaged.

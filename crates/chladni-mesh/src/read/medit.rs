@@ -27,7 +27,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
             b"Quadrilaterals" => read_faces(&mut words, 4, &mut faces)?,
             b"End" => break,
             _ if word[0].is_ascii_alphabetic() => {
-                let count = words.number::<usize>("a number of entries").unwrap_or(0);
+                // One that is not known may have no count: the next word may be another section.
+                let has_count = words.peek().is_some_and(|next| !next[0].is_ascii_alphabetic());
+                let count =
+                    if has_count { words.number::<usize>("a number of entries").unwrap_or(0) } else { 0 };
                 if count > 0 {
                     let name = String::from_utf8_lossy(word.get(..32).unwrap_or(word)).into_owned();
                     draft.mended.push(Mended::LeftOut(format!("{count} {name}")));

@@ -21,8 +21,8 @@ pub fn delaunay_stars(points: &[Vec3], neighbors: NonZeroUsize) -> Vec<[u32; 3]>
         return Vec::new();
     }
     let Ok(tree) = ImmutableKdTree::<f64, 3>::new_from_slice(points) else { return Vec::new() };
-    // The point itself is among those that are found.
-    let count = neighbors.saturating_add(1);
+    // The point itself is among those that are found. The tree makes room for as many as are asked for.
+    let count = neighbors.saturating_add(1).min(NonZeroUsize::new(points.len()).unwrap_or(neighbors));
     let star = |v: usize| {
         let found = tree.query(&points[v]).nearest_n::<SquaredEuclidean<f64>>(count).execute();
         let around: Vec<u32> = found.iter().map(|n| n.item).filter(|u| *u as usize != v).collect();
@@ -198,5 +198,15 @@ mod tests {
         let line: Vec<Vec3> = (0..40).map(|i| [f64::from(i), 0.0, 0.0]).collect();
         assert!(stars(&line).is_empty(), "a line has no triangles");
         assert!(stars(&[[1.0; 3]; 40]).is_empty(), "one place has no triangles");
+    }
+
+    #[test]
+    fn more_neighbors_than_there_are_points_are_all_of_them() {
+        let sphere = samples::icosphere(1).positions;
+        let all = delaunay_stars(&sphere, NonZeroUsize::new(sphere.len() - 1).unwrap());
+        assert!(!all.is_empty());
+        for neighbors in [NonZeroUsize::new(1_000_000_000_000_000).unwrap(), NonZeroUsize::MAX] {
+            assert_eq!(delaunay_stars(&sphere, neighbors), all);
+        }
     }
 }

@@ -160,7 +160,7 @@ impl Patch<'_> {
     fn add(&mut self, placed: &[Placed]) -> Result<(), MeshError> {
         let shape = Shape::of(self.mesh, self.targets);
         let originals = list(&mut self.document, "meshes").clone();
-        let (mut taken, mut patched_nodes) = (HashSet::new(), HashMap::new());
+        let (mut taken, mut before_at) = (HashSet::new(), HashMap::new());
         for same in placed.chunk_by(|a, b| (a.place, a.mesh) == (b.place, b.mesh)) {
             let Some(first) = same.first() else { continue };
             let Some(original) = originals.get(first.mesh) else { continue };
@@ -180,15 +180,22 @@ impl Patch<'_> {
             };
             if let Some(node) = first.node {
                 self.document["nodes"][node]["mesh"] = json!(at);
-                if before > 0 {
-                    patched_nodes.insert(node, before);
-                }
-                if let Some(Value::Array(weights)) = self.document["nodes"][node].get_mut("weights") {
-                    weights.extend(self.targets.iter().map(|_| json!(0.0)));
-                }
+                before_at.insert(node, before);
             }
         }
-        self.lengthen_animations(&patched_nodes)
+        // Nodes outside the scene that was read have these meshes, too.
+        for (node, known) in self.root.nodes.iter().enumerate() {
+            if let Some(mesh) = known.mesh.filter(|mesh| taken.contains(mesh)) {
+                before_at.entry(node).or_insert_with(|| self.targets_before(mesh));
+            }
+        }
+        for node in before_at.keys() {
+            if let Some(Value::Array(weights)) = self.document["nodes"][*node].get_mut("weights") {
+                weights.extend(self.targets.iter().map(|_| json!(0.0)));
+            }
+        }
+        before_at.retain(|_, before| *before > 0);
+        self.lengthen_animations(&before_at)
     }
 
     /// How many targets a mesh has in the file.

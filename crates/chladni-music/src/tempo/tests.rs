@@ -137,3 +137,17 @@ fn it_is_nudged_halved_doubled_and_locked() {
     tempo.hear(ClockMessage::Start, 23.0);
     assert!(tempo == locked && tempo.is_locked());
 }
+
+#[test]
+fn a_bar_does_not_begin_again_where_the_tempo_cannot_be_doubled_or_halved_further() {
+    for change in [Tempo::double, Tempo::halve] {
+        let mut tempo = Tempo::default();
+        tempo.set(120.0, 0.0, 10.0);
+        (0..9).for_each(|_| change(&mut tempo, 10.0));
+        assert!(tempo.bar(10.1, 0.5, false).is_some());
+        let before = tempo.clone();
+        change(&mut tempo, 10.1);
+        assert!(tempo == before);
+        assert_eq!(tempo.bar(10.1, 0.5, false), None);
+    }
+}

@@ -172,6 +172,43 @@ fn a_session_replays_bit_for_bit_through_its_file() {
 }
 
 #[test]
+fn a_dance_stays_on_stage_when_another_gallery_begins() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let at = |at_beat: f64| Moment { at_secs: 0.5 * at_beat, at_beat };
+    let mut instrument = Instrument::new(3, 6, shape.clone()).unwrap();
+    instrument.apply(at(0.0), Action::Perform { item: 2 }).unwrap();
+    let another = Action::Set { parameter: chladni_music::Parameter::TransitionBeats, value: 4.0 };
+    instrument.apply(at(0.0), another).unwrap();
+    instrument.apply(at(8.0), Action::SetItemGain { item: 4, gain: 0.3 }).unwrap();
+    instrument.apply(at(8.0), Action::Perform { item: 4 }).unwrap();
+    instrument.apply(at(9.0), Action::CueUp { item: 5 }).unwrap();
+    let [before, shown, next] = [2, 4, 5].map(|item| instrument.gallery().items()[item].clone());
+    let loud = vec![0.5; BANDS];
+    let bands = Bands { left: &loud, right: &loud, mid: &loud, side: &loud, side_gain: 1.0, ringing: None };
+    let dance = |instrument: &Instrument, beat: f64| {
+        let mut ensemble = Ensemble::new(octopus().dancer.clone());
+        let beat = Beat { count: beat, confidence: 1.0 };
+        coefficients_of(ensemble.play(instrument, &bands, beat).unwrap())
+    };
+    let moved = dance(&instrument, 10.0);
+    for seed in [4, 5] {
+        instrument.apply(at(10.0), Action::NewGallery { seed, size: 9 }).unwrap();
+        assert_eq!(dance(&instrument, 10.0), moved);
+    }
+    for item in [&before, &shown, &next] {
+        assert_eq!(instrument.item(item.id), Some(item));
+    }
+    // What has left the stage is forgotten.
+    instrument.apply(at(20.0), Action::Go).unwrap();
+    assert_eq!((instrument.item(before.id), instrument.item(next.id)), (None, Some(&next)));
+    assert!(dance(&instrument, 20.0).iter().any(|bits| *bits != 0));
+    let text = Show::of(&instrument).to_text().unwrap();
+    assert_eq!(Show::from_text(&text).unwrap().replay(shape).unwrap(), instrument);
+    instrument.apply(at(30.0), Action::LeaveStage).unwrap();
+    assert_eq!((instrument.item(shown.id), instrument.item(next.id)), (None, None));
+}
+
+#[test]
 fn files_of_newer_versions_and_of_nonsense_are_refused() {
     assert!(Show::from_text("format_version = 99").unwrap_err().to_string().contains("99"));
     assert!(Preset::from_text("name = 3").is_err());

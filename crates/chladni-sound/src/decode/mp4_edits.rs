@@ -47,6 +47,7 @@ pub(crate) fn audible_part<R: Read + Seek + ?Sized>(source: &mut R) -> Option<Au
         let edts = walk.find(trak, b"edts")?;
         let elst = walk.find(edts, b"elst").and_then(|b| walk.bytes(b))?;
         let (skip, edit_duration) = single_edit(&elst)?;
+        let Some(media_duration) = media_duration else { return Some(Audible { skip, frames: None }) };
         let rest = media_duration.checked_sub(skip)?;
         // The clock of the movie is often coarse (1 ms). If both durations agree to a tick or two, that of
         // the media is the exact one.
@@ -58,15 +59,17 @@ pub(crate) fn audible_part<R: Read + Seek + ?Sized>(source: &mut R) -> Option<Au
     None
 }
 
-/// Timescale and duration of an `mvhd` or `mdhd` box.
-fn header_scale_and_duration(body: &[u8]) -> Option<(u32, u64)> {
+/// Timescale and duration of an `mvhd` or `mdhd` box; no duration where it is unknown, as in fragmented files.
+fn header_scale_and_duration(body: &[u8]) -> Option<(u32, Option<u64>)> {
     let (scale_at, long) = match body.first()? {
         0 => (12, false),
         _ => (20, true),
     };
     let scale = u32_at(body, scale_at)?;
     let duration = if long { u64_at(body, scale_at + 4)? } else { u64::from(u32_at(body, scale_at + 4)?) };
-    (scale > 0).then_some((scale, duration))
+    // §8.4.2: all bits are 1 if the duration cannot be determined. Fragmented files have 0.
+    let unknown = if long { u64::MAX } else { u64::from(u32::MAX) };
+    (scale > 0).then_some((scale, Some(duration).filter(|d| *d != 0 && *d != unknown)))
 }
 
 /// (media time, duration in the movie's clock) of an edit list with one real edit.
@@ -192,11 +195,15 @@ mod tests {
 
     /// A sound track of 100 000 samples at 44.1 kHz of which the first 1024 are priming.
     fn movie() -> Vec<u8> {
+        movie_with(&words(&[0, 0, 0, 44_100, 100_000]), 2244, 1024)
+    }
+
+    fn movie_with(media_header: &[u8], edit_duration: u32, skip: u32) -> Vec<u8> {
         let mvhd = boxed(b"mvhd", &words(&[0, 0, 0, 1000, 2244]));
         let hdlr = boxed(b"hdlr", &[&words(&[0, 0])[..], b"soun"].concat());
-        let mdhd = boxed(b"mdhd", &words(&[0, 0, 0, 44_100, 100_000]));
+        let mdhd = boxed(b"mdhd", media_header);
         let mdia = boxed(b"mdia", &[mdhd, hdlr].concat());
-        let edts = boxed(b"edts", &boxed(b"elst", &words(&[0, 1, 2244, 1024, 0x1_0000])));
+        let edts = boxed(b"edts", &boxed(b"elst", &words(&[0, 1, edit_duration, skip, 0x1_0000])));
         let trak = boxed(b"trak", &[edts, mdia].concat());
         let moov = boxed(b"moov", &[mvhd, trak].concat());
         [boxed(b"ftyp", b"M4A "), moov].concat()
@@ -206,6 +213,19 @@ mod tests {
     fn an_edit_list_gives_the_exact_length() {
         let audible = audible_part(&mut Cursor::new(movie()));
         assert_eq!(audible, Some(Audible { skip: 1024, frames: Some(98_976) }));
+    }
+
+    #[test]
+    fn the_unknown_length_of_a_fragmented_file_is_no_length() {
+        let headers = [
+            words(&[0, 0, 0, 44_100, 0]),
+            words(&[0, 0, 0, 44_100, u32::MAX]),
+            words(&[1 << 24, 0, 0, 0, 0, 44_100, u32::MAX, u32::MAX]),
+        ];
+        for (header, skip) in headers.iter().flat_map(|header| [(header, 0), (header, 1024)]) {
+            let audible = audible_part(&mut Cursor::new(movie_with(header, 0, skip)));
+            assert_eq!(audible, Some(Audible { skip: skip.into(), frames: None }));
+        }
     }
 
     proptest! {

@@ -112,7 +112,8 @@ fn every_format_that_ffmpeg_writes_comes_back_in_place() {
     let song = chirp(44_100);
     let source = folder.path().join("source.wav");
     write_wav(&source, &song, WavSample::Float32).unwrap();
-    let formats: [(&str, &[&str], i64, f64); 12] = [
+    let fragments = "frag_keyframe+empty_moov+delay_moov";
+    let formats: [(&str, &[&str], i64, f64); 13] = [
         ("u8.wav", &["-c:a", "pcm_u8"], 0, 0.02),
         ("s24.wav", &["-c:a", "pcm_s24le"], 0, 1e-5),
         ("s32.wav", &["-c:a", "pcm_s32le"], 0, 1e-6),
@@ -121,6 +122,7 @@ fn every_format_that_ffmpeg_writes_comes_back_in_place() {
         ("s16.flac", &["-c:a", "flac"], 0, 1e-3),
         ("alac.m4a", &["-c:a", "alac"], 0, 1e-3),
         ("aac.m4a", &["-c:a", "aac", "-b:a", "192k"], 0, 0.05),
+        ("fragments.m4a", &["-c:a", "aac", "-b:a", "192k", "-movflags", fragments], 0, 0.05),
         ("lame.mp3", &["-c:a", "libmp3lame", "-b:a", "192k"], 0, 0.05),
         ("vorbis.ogg", &["-c:a", "libvorbis", "-q:a", "6"], 0, 0.05),
         ("flac.ogg", &["-c:a", "flac"], 0, 1e-3),
