@@ -126,7 +126,12 @@ async function solve(mine) {
   } catch (error) {
     if (mine !== opened || harmonics !== harmonicsAsked) return;
     // Those that are there stay.
-    if (state.solved) { harmonicsAsked = harmonicsSolved; sitting.act(JSON.stringify({ set_harmonics: harmonicsSolved })); }
+    if (state.solved) {
+      harmonicsAsked = harmonicsSolved;
+      sitting.act(JSON.stringify({ set_harmonics: harmonicsSolved }));
+      solving = false;
+      refresh();
+    }
     throw error;
   } finally {
     if (mine === opened && harmonics === harmonicsAsked) { solving = false; refresh(); }

@@ -123,8 +123,14 @@ export async function songs() {
   const { page } = opening;
   await drop(page, ["clicks.wav", song(40)]);
   await songIs(page, "clicks.wav");
+  // The bell has heard no other song.
+  await page.selectOption("#shape", "sample:bell");
+  await dances(page, "sample:bell");
   await page.waitForTimeout(500);
-  const show = readFileSync(await downloaded(page, "#save-show"));
+  const saved = readFileSync(await downloaded(page, "#save-show"), "utf8");
+  // One that lasts.
+  const show = Buffer.from(saved.replace(/^duration_secs = .*$/m, "duration_secs = 600.0"));
+  assert.notEqual(show.toString(), saved);
   await drop(page, ["show.toml", show]);
   await says(page, "show.toml is open.");
   // A song that was asked for before the show is played.
@@ -152,7 +158,7 @@ export async function songs() {
   assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "nothing is heard at the front");
   await dances(page, "sample:plate");
   await page.click("#enter");
-  await dances(page, "sample:octopus");
+  await dances(page, "sample:bell");
 
   // It is left while a song is decoded: the next one is next to the one that plays.
   await drop(page, ["third.wav", song(30)]);
@@ -165,7 +171,7 @@ export async function songs() {
   await dances(page, "sample:plate");
   await release(page);
   await page.click("#enter");
-  await dances(page, "sample:octopus");
+  await dances(page, "sample:bell");
   await page.click("#next");
   await songIs(page, "2 of 3: late.wav");
 
@@ -205,13 +211,12 @@ export async function films() {
   await drop(page, ["clicks.wav", song(3)]);
   await songIs(page, "clicks.wav");
   assert.ok(!(await asks()));
-  await page.selectOption("#film-size", "1280x720");
-  await page.selectOption("#film-rate", "24");
   for (const [what, ask] of [["cat.body", () => page.selectOption("#shape", "sample:cat")], ["decode late.wav", () => drop(page, ["late.wav", song(2)])]]) {
     await holdBack(page, what);
     await ask();
     await isHeldBack(page);
     await page.click("#film-song");
+    await page.selectOption("#film-rate", "24");
     const film = page.waitForEvent("download", { timeout: 180_000 });
     await page.click("#film-begin");
     await until(page, () => /^Picture/.test(document.getElementById("film-left").textContent));
@@ -299,6 +304,7 @@ export async function layers() {
   await release(page);
   await until(page, () => window.chladni.sitting.wanted_harmonics === 256);
   assert.equal(await page.evaluate(() => window.chladni.sitting.harmonics), 256);
+  assert.ok(await page.isEnabled("#gallery"), "nothing is solved for any more");
 
   // Keys in a text are the text's own.
   const { mu } = await page.evaluate(() => window.chladni.sitting.layers[0]);
