@@ -14,12 +14,11 @@ const { dataset } = document.body;
 const isIn = (view) => dataset.view === view;
 report.view = () => (isIn("caricature") ? caricature : music).view();
 
-/** Enters the music room for a mesh, or for something else. */
-async function enterMusic(isMesh = false) {
+async function enterMusic() {
   if (isIn("music")) return;
   dataset.view = "music";
   delete dataset.empty;
-  await music.open(isMesh);
+  await music.open();
 }
 
 function enterCaricature() {
@@ -37,7 +36,7 @@ async function take(name, bytes) {
     case "mesh":
       if (caricature.waitsFor(name)) enterCaricature();
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
-      await enterMusic(true);
+      await enterMusic();
       return music.openMesh(name, bytes);
     case "mask": enterCaricature(); return caricature.takeMask(name, bytes);
     default: throw new Error(`${name}: the page opens meshes, songs and lists of them, shows, dances, projects and masks.`);
@@ -71,7 +70,7 @@ async function inOrderOf(lists, songs) {
   return { inOrder: songs.toSorted((a, b) => place(a) - place(b)), missing: names.filter((name) => !songs.some((song) => song.name === name)) };
 }
 
-/** Whoever closes the page is asked, where a caricature, a gallery or a film would be lost. */
+/** Asks before the page is closed, where a caricature, a gallery or a film would be lost. */
 function asksBeforeClosing(event) {
   if (caricature.isUnsaved() || music.isUnsaved() || isUnfinished()) event.preventDefault();
 }
@@ -108,7 +107,7 @@ const start = attempt(async () => {
   tellCores();
   listen();
   draw(memory);
-  // Whoever enters a room at once needs no plate any more, but the tune.
+  // Where a room is entered at once the plate is not needed any more, but the tune is.
   const began = await Promise.allSettled([music.front(), music.know(tune)]);
   const failed = began.find(({ reason }) => reason && !["ObsoleteError", "AbortError"].includes(reason.name));
   if (failed) throw failed.reason;

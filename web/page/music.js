@@ -137,8 +137,12 @@ function mayReplace(what = "Let another shape dance", stayed = "The shape has st
   return false;
 }
 
+/** The mesh that is being prepared. */
+let coming;
+
 /** Another shape that was asked for is not wanted any more; gives the number of this wish. */
 function overtake() {
+  coming = undefined;
   if (works("work")) giveUp(obsolete(), ["work"]);
   return ++visit;
 }
@@ -163,6 +167,7 @@ async function danceOn(name, begin) {
 export async function openMesh(name, bytes) {
   if (!mayReplace()) return;
   const mine = overtake();
+  coming = name;
   const harmonics = harmonicsOf(bytes.length);
   await busy(name, async (tell) => {
     const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, tell);
@@ -170,7 +175,7 @@ export async function openMesh(name, bytes) {
     // The show that was danced by this mesh begins anew on it.
     const opens = lacks?.needs.body === name ? lacks : undefined;
     show(body, opens?.begin);
-    lacks = undefined;
+    lacks = coming = undefined;
     if (opens) shows.know(opens.text, opens.needs);
     refresh();
     report.solveSecs = secs;
@@ -267,7 +272,8 @@ export async function openText(name, bytes) {
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) {
     if (!await danceOn(needs.body, begin)) return;
   } else {
-    overtake();
+    // Its own mesh may come.
+    if (!coming || coming !== needs.body) overtake();
     heard.splice(0, heard.length, ...begin(concert));
     edits = 0;
     hear();
@@ -454,10 +460,10 @@ export async function enter() {
   await Promise.all([playAloud().then(refresh), goesOn || danceOn("sample:octopus")]);
 }
 
-/** Goes in with what is there, for a file that was brought; where nothing dances yet and the file is no mesh, the octopus does. */
-export async function open(isMesh) {
+/** Goes in with what is there, for a file that was brought; where nothing dances yet, the octopus does. */
+export async function open() {
   goIn();
-  if (!concert && !isMesh) await danceOn("sample:octopus");
+  if (!concert) await danceOn("sample:octopus");
 }
 
 function goIn() {

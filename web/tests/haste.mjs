@@ -105,6 +105,17 @@ export async function shapes() {
   await drop(page, ["torus.obj", ring]);
   await dances(page, "torus.obj");
   assert.equal(await generation(page), 1);
+  // The mesh is dropped first, and still prepared when the show comes.
+  await page.selectOption("#shape", "sample:octopus");
+  await dances(page, "sample:octopus");
+  await holdBack(page, "prepare torus.obj");
+  await drop(page, ["torus.obj", ring]);
+  await isHeldBack(page);
+  await drop(page, ["theirs.toml", theirs]);
+  await says(page, "theirs.toml was danced by torus.obj: drop that mesh, too.");
+  await release(page);
+  await dances(page, "torus.obj");
+  assert.equal(await generation(page), 1);
   // Another shape has taken its place: the mesh is one of its own.
   await drop(page, ["theirs.toml", Buffer.from(theirs.toString().replace("torus.obj", "other.obj"))]);
   await says(page, "drop that mesh, too.");
@@ -261,7 +272,7 @@ export async function beginnings() {
     await page.close();
   }
   await context.close();
-  step("whoever does not wait for the plate has the octopus and a song");
+  step("without waiting for the plate there is the octopus, and a song");
 }
 
 const isIdle = (page) => until(page, () => document.getElementById("cancel").hidden);
