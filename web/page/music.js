@@ -100,7 +100,7 @@ async function listenTo(id) {
   const take = (left, right) => concert?.take_sound(left, right);
   const lost = attempt(async () => { await stopListening(); throw new Error("The microphone is gone."); });
   const opened = await Microphone.open(id, take, lost);
-  // Whoever has left meanwhile is not to be heard, and a film has its song.
+  // Nothing is to be heard where the room was left meanwhile, and a film has its song.
   if (!isHere() || films.isFilmed()) return opened.close();
   await stopListening();
   sound.pause();
