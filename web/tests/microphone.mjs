@@ -1,9 +1,9 @@
 // The music room listens to a microphone, into which a file plays here.
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { WITHOUT_CARD, launch, microphone, song } from "../browser.mjs";
-import { downloaded, moves, opened, out, screens, state, step, still, until } from "./driver.mjs";
+import { downloaded, drop, moves, opened, out, screens, state, step, still, until } from "./driver.mjs";
 
 const LAPTOP = { width: 1100, height: 760 };
 
@@ -54,8 +54,10 @@ export async function heard() {
     await moves(page, "to the song again");
     assert.equal((await state(page)).dances.length, 12);
     // A show that is played is the user's own once something else is heard.
-    const show = await downloaded(page, "#save-show");
-    await page.setInputFiles("#file", show);
+    const saved = readFileSync(await downloaded(page, "#save-show"), "utf8");
+    const lasting = saved.replace(/^duration_secs = .*$/m, "duration_secs = 6000.0");
+    assert.notEqual(lasting, saved);
+    await drop(page, ["show.toml", Buffer.from(lasting)]);
     await until(page, () => !document.getElementById("play-show").hidden);
     await page.click("#play-show");
     await until(page, () => window.chladni.state.played);
