@@ -1,6 +1,7 @@
 // Makes the sample bodies, and the match of the two sample heads, ready beforehand, by the module itself:
 // node web/bake.mjs PAGE
 import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { sampleHarmonics } from "./page/harmonics.js";
 import { PLAIN_HEAD } from "./page/plain_head.js";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -9,9 +10,6 @@ const page = resolve(process.argv[2]);
 const wasm = join(page, "chladni_web_bg.wasm");
 const { Sitting, initSync, match_template, prepare, samples } = await import(pathToFileURL(join(page, "chladni_web.js")));
 initSync({ module: readFileSync(wasm) });
-
-/** Those of the plate are seen first; sand needs no more. */
-const harmonics = (name) => (name === "plate" ? 64 : 96);
 
 const built = statSync(join(page, "..", "wasm32-unknown-unknown/release/chladni_web.wasm")).mtimeMs;
 
@@ -25,7 +23,7 @@ function bake(name, make) {
 }
 
 for (const [name] of JSON.parse(samples())) {
-  bake(`${name}.body`, () => prepare(`sample:${name}`, undefined, harmonics(name), () => {}));
+  bake(`${name}.body`, () => prepare(`sample:${name}`, undefined, sampleHarmonics(name), () => {}));
 }
 
 // What the caricature room begins with: the request, and after it what answers it.

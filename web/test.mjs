@@ -1,11 +1,12 @@
 // The page in a real browser: it opens, moves, takes a mesh and a song, breeds, exaggerates, saves and opens again.
-// node web/test.mjs PAGE OUT [music|beats|shows|returns|films|microphone|caricature|tools|ways|access|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
+// node web/test.mjs PAGE OUT [music|beats|shows|returns|haste|films|microphone|caricature|tools|ways|access|models|card|webgl|threads|offline|firefox]; pictures of it go into OUT/screens.
 import * as access from "./tests/access.mjs";
 import { browser, stop } from "./tests/driver.mjs";
 import * as card from "./tests/card.mjs";
 import { beats } from "./tests/beats.mjs";
 import * as caricature from "./tests/caricature.mjs";
 import { firefox } from "./tests/firefox.mjs";
+import * as haste from "./tests/haste.mjs";
 import * as microphone from "./tests/microphone.mjs";
 import * as models from "./tests/models.mjs";
 import * as music from "./tests/music.mjs";
@@ -22,6 +23,7 @@ const rooms = {
   beats: [beats],
   shows: [shows.shows, shows.films],
   returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
+  haste: [haste.shapes, haste.songs, haste.films, haste.beginnings, haste.layers, haste.projects],
   films: [shows.wholeFilms, shows.stoppedFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
@@ -30,7 +32,7 @@ const rooms = {
   access: [access.names, access.fullScreen, access.motion, access.large, access.pictures],
   models: [models.chosen],
   card: [card.webgpu.pictures, card.webgpu.loss],
-  webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.looks, card.webgl.skin],
+  webgl: [card.webgl.pictures, card.webgl.loss, card.webgl.gallery, card.webgl.looks, card.webgl.skin],
   threads: [threads],
   offline: [offline],
   firefox: [firefox],

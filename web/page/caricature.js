@@ -24,7 +24,7 @@ let state;
 let shape = {};
 /** What was brought, by name: shapes and templates. */
 const files = new Map();
-/** A project that waits for its shape. */
+/** A project that waits for its shape, and the templates that it names besides. */
 let waiting;
 /** How often a shape was opened: what was asked for an older one is not wanted any more. */
 let opened = 0;
@@ -33,6 +33,10 @@ let matching = 0;
 /** Its harmonics are being solved for, as many as were asked for last. */
 let solving = false;
 let harmonicsAsked;
+/** As many as were solved for last. */
+let harmonicsSolved;
+/** How often parts were asked for. */
+let partings = 0;
 
 export const viewer = () => sitting;
 export const view = () => JSON.parse(sitting.state());
@@ -59,7 +63,13 @@ const room = {
     if (state.in_models && !wall.isOpen()) drawModels(sitting, state, set, width, height); else wall.drawWall(width, height);
     drawNumbers(held === "landmarks" ? [...sitting.landmark_labels()] : [], width, height);
   },
-  byProcessor: () => sitting?.draw_by_processor(),
+  byProcessor: () => {
+    if (!sitting) return;
+    sitting.draw_by_processor();
+    // What lay on the card is gone: the gallery, and the shapes with landmarks.
+    wall.leave();
+    refresh();
+  },
 };
 
 // ---- shapes, matches, projects
@@ -101,13 +111,13 @@ async function solve(mine) {
   const { name, bytes } = shape;
   const { harmonics, laplacian } = JSON.parse(sitting.needs());
   const asked = { work: "solve", name, bytes: bytes?.slice(), harmonics, laplacian };
-  const before = harmonicsAsked;
   harmonicsAsked = harmonics;
   solving = true;
   refresh();
   try {
     const { basis, secs } = await busy(label(name), (tell) => ask(asked, tell, "solve"));
     sitting.take_harmonics(basis);
+    harmonicsSolved = harmonics;
     shape.basis = basis;
     report.solveSecs = secs;
     if (!state.parts.length) sitting.find_parts(Number(of("level").value));
@@ -116,7 +126,12 @@ async function solve(mine) {
   } catch (error) {
     if (mine !== opened || harmonics !== harmonicsAsked) return;
     // Those that are there stay.
-    if (state.solved) { harmonicsAsked = before; sitting.act(JSON.stringify({ set_harmonics: before })); }
+    if (state.solved) {
+      harmonicsAsked = harmonicsSolved;
+      sitting.act(JSON.stringify({ set_harmonics: harmonicsSolved }));
+      solving = false;
+      refresh();
+    }
     throw error;
   } finally {
     if (mine === opened && harmonics === harmonicsAsked) { solving = false; refresh(); }
@@ -165,21 +180,22 @@ export async function openProject(name, bytes) {
   const needs = JSON.parse(needs_of_project(name, text));
   const brought = needs.file ? files.get(base(needs.shape)) : undefined;
   if (needs.file && !brought) {
-    waiting = { name, bytes, shape: base(needs.shape) };
+    waiting = { name, bytes, shape: base(needs.shape), templates: needs.templates.map(base) };
     return say(`${name} is made on ${base(needs.shape)}: bring that mesh, too.`, false, 600);
   }
   waiting = undefined;
   await openShape(needs.shape, brought, text);
 }
 
-/** A mesh was brought: the shape of a project that waits, a template that a layer waits for, or, as the user says, one
- * of both. */
+/** A mesh was brought: the shape of a project that waits, a template that a layer or such a project waits for, or, as the
+ * user says, one of both. */
 export async function takeMesh(name, bytes) {
   files.set(name, bytes);
-  if (waitsFor(name)) return openProject(waiting.name, waiting.bytes);
+  if (waiting?.shape === name) return openProject(waiting.name, waiting.bytes);
   const wanting = state?.layers.filter((layer) => layer.state === "failed" && base(layer.template) === name) ?? [];
   for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
   if (wanting.length) return changed();
+  if (waitsFor(name)) return say(`${name} is kept for ${waiting.name}, which is made on ${waiting.shape}: bring that mesh, too.`, false, 600);
   switch (sitting ? await whichOf(name) : "shape") {
     case "shape": return openShape(name, bytes);
     case "template": sitting.compare(name); return changed();
@@ -245,7 +261,7 @@ function refresh() {
   scaleCurve.show();
   showLandmarks(layer);
   clearTimeout(resting);
-  if (state.keep_triangles) resting = setTimeout(attempt(() => {
+  if (state.keep_triangles && state.solved) resting = setTimeout(attempt(() => {
     sitting.keep_triangles();
     // Fewer are folded now.
     state = report.sitting = JSON.parse(sitting.state());
@@ -383,8 +399,8 @@ function empty(isSo) {
   for (const id of ["undo", "redo", "save-project"]) of(id).inert = isSo;
 }
 
-/** Whether a project waits for the mesh of this name. */
-export const waitsFor = (name) => waiting?.shape === name;
+/** Whether a project waits for the mesh of this name, or will need it as a template. */
+export const waitsFor = (name) => waiting?.shape === name || !!waiting?.templates.includes(name);
 
 /** A mask was brought. */
 export async function takeMask(name, bytes) {
@@ -423,6 +439,8 @@ export function listen() {
   on("redo", () => { const label = sitting.redo(); if (label) say(`Done again: ${label}`); return changed(); });
   addEventListener("keydown", attempt((event) => {
     if (document.body.dataset.view !== "caricature" || !sitting || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    // There it is the text's own.
+    if (event.target.closest("input[type=text], input[type=number], dialog")) return;
     event.preventDefault();
     if (event.shiftKey) sitting.redo(); else sitting.undo();
     return changed();
@@ -440,7 +458,7 @@ export function listen() {
   on("everywhere", () => paint({ set: "everywhere" }));
   on("invert", () => paint("invert"));
   of("parts-of").addEventListener("change", attempt(findParts));
-  of("level").addEventListener("change", attempt(() => { sitting.find_parts(Number(of("level").value)); refresh(); }));
+  of("level").addEventListener("change", attempt(findPartsByForm));
   of("keep").addEventListener("change", () => act({ keep_triangles: of("keep").checked }));
   of("up").addEventListener("change", attempt(() => { sitting.stand(of("up").value); return changed(); }));
   for (const from of ["front", "portrait", "right"]) on(`look-${from}`, () => sitting.look(from));
@@ -458,15 +476,23 @@ export function listen() {
   hold("turn");
 }
 
+function findPartsByForm() {
+  partings++;
+  sitting.find_parts(Number(of("level").value));
+  refresh();
+}
+
 async function findParts() {
-  if (of("parts-of").value === "form") { sitting.find_parts(Number(of("level").value)); return refresh(); }
-  const mine = opened;
+  if (of("parts-of").value === "form") return findPartsByForm();
+  const mine = ++partings;
   try {
     const asked = { work: "parts", name: shape.name, bytes: shape.bytes?.slice() };
     const { parts } = await busy(label(shape.name), (tell) => ask(asked, tell, "match"));
+    // Others were asked for meanwhile.
+    if (mine !== partings) return;
     if (parts) sitting.take_parts_of_head(parts);
     if (!parts) say(`${shape.name} does not look like a head: its parts are found by their form.`);
   } catch (error) {
-    if (mine === opened) throw error;
+    if (mine === partings) throw error;
   } finally { refresh(); }
 }

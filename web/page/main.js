@@ -7,18 +7,18 @@ import { attempt, of, ofFile, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
 import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
-import { isFilmed } from "./room_films.js";
+import { isFilmed, isUnfinished } from "./room_films.js";
 import * as caricature from "./caricature.js";
 
 const { dataset } = document.body;
 const isIn = (view) => dataset.view === view;
 report.view = () => (isIn("caricature") ? caricature : music).view();
 
-function enterMusic() {
+async function enterMusic() {
   if (isIn("music")) return;
   dataset.view = "music";
   delete dataset.empty;
-  music.open();
+  await music.open();
 }
 
 function enterCaricature() {
@@ -31,12 +31,12 @@ function enterCaricature() {
 /** Opens what was brought where it belongs. */
 async function take(name, bytes) {
   switch (/\.np[yz]$/i.test(name) ? "mask" : kind(name)) {
-    case "text": enterMusic(); return music.openText(name, bytes);
+    case "text": await enterMusic(); return music.openText(name, bytes);
     case "project": enterCaricature(); return caricature.openProject(name, bytes);
     case "mesh":
       if (caricature.waitsFor(name)) enterCaricature();
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
-      enterMusic();
+      await enterMusic();
       return music.openMesh(name, bytes);
     case "mask": enterCaricature(); return caricature.takeMask(name, bytes);
     default: throw new Error(`${name}: the page opens meshes, songs and lists of them, shows, dances, projects and masks.`);
@@ -57,8 +57,7 @@ const open = attempt(async (files) => {
   for (const file of files.toSorted((a, b) => order(a) - order(b))) if (![...songs, ...lists].includes(file)) await takeFile(file);
   const { inOrder, missing } = await inOrderOf(lists, songs);
   if (inOrder.length) {
-    enterMusic();
-    await music.openSongs(inOrder);
+    await Promise.all([enterMusic(), music.openSongs(inOrder)]);
   }
   if (missing.length) throw new Error(`${lists[0].name}: a page finds no files by itself. Open these together with the list: ${missing.slice(0, 5).join(", ")}${missing.length > 5 ? `, and ${missing.length - 5} more` : ""}.`);
 });
@@ -71,9 +70,9 @@ async function inOrderOf(lists, songs) {
   return { inOrder: songs.toSorted((a, b) => place(a) - place(b)), missing: names.filter((name) => !songs.some((song) => song.name === name)) };
 }
 
-/** Whoever closes the page is asked, where a caricature or a gallery would be lost. */
+/** Asks before the page is closed, where a caricature, a gallery or a film would be lost. */
 function asksBeforeClosing(event) {
-  if (caricature.isUnsaved() || music.isUnsaved()) event.preventDefault();
+  if (caricature.isUnsaved() || music.isUnsaved() || isUnfinished()) event.preventDefault();
 }
 
 function listen() {
@@ -108,8 +107,10 @@ const start = attempt(async () => {
   tellCores();
   listen();
   draw(memory);
-  await music.front();
-  await music.know(tune);
+  // Where a room is entered at once the plate is not needed any more, but the tune is.
+  const began = await Promise.allSettled([music.front(), music.know(tune)]);
+  const failed = began.find(({ reason }) => reason && !["ObsoleteError", "AbortError"].includes(reason.name));
+  if (failed) throw failed.reason;
   say("");
 });
 start();

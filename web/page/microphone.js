@@ -1,4 +1,5 @@
 // A microphone, and what a browser says where it lends none.
+import { runs } from "./sound.js";
 
 const REFUSED = {
   NotAllowedError: "The microphone was refused: allow it for this page, then press Listen again.",
@@ -23,11 +24,12 @@ export class Microphone {
     }
     const context = new AudioContext();
     try {
-      await context.resume();
+      if (!await runs(context)) throw new Error("No sound device answers, without which a microphone cannot be heard.");
       await context.audioWorklet.addModule("capture.js");
     } catch (error) {
       for (const track of stream.getTracks()) track.stop();
-      await context.close();
+      // One that never began may never end.
+      context.close().catch(() => {});
       throw error;
     }
     return new Microphone(stream, context, take, lost);

@@ -16,6 +16,7 @@ import { attempt, base, busy, label, of, ofFile, on, options, report, save, say 
 import * as playlist from "./playlist.js";
 import { LONGEST, show as showPicture, takePicture } from "./picture.js";
 import * as films from "./room_films.js";
+import { sampleHarmonics } from "./harmonics.js";
 
 /** Harmonics of a dropped mesh: fewer where the page would have to wait for minutes. */
 const harmonicsOf = (bytes) => (bytes < 4e6 ? 128 : 64);
@@ -38,6 +39,10 @@ let atFront;
 let parked;
 /** How often something else was asked for: what comes for an older wish is not wanted any more. */
 let visit = 0;
+/** A show that is open on another shape than its own: its text, its needs, and what begins it on a concert. */
+let lacks;
+/** The room is seen. */
+const isHere = () => document.body.dataset.view === "music";
 Object.assign(report, { position: () => sound.position(), sound });
 
 /** What the viewer's hands turn. */
@@ -54,7 +59,7 @@ async function bodyOf(name) {
     say("");
     return body;
   }
-  return (await busy(label(name), (tell) => ask({ work: "prepare", name, harmonics: 96 }, tell))).body;
+  return (await busy(label(name), (tell) => ask({ work: "prepare", name, harmonics: sampleHarmonics(label(name)) }, tell))).body;
 }
 
 /** Lets a body dance. `begin(concert)` gives the songs that the new concert has heard; where it throws, the one before stays. */
@@ -95,12 +100,13 @@ async function listenTo(id) {
   const take = (left, right) => concert?.take_sound(left, right);
   const lost = attempt(async () => { await stopListening(); throw new Error("The microphone is gone."); });
   const opened = await Microphone.open(id, take, lost);
-  // Whoever has left meanwhile is not to be heard.
-  if (document.body.dataset.view !== "music") return opened.close();
+  // Nothing is to be heard where the room was left meanwhile, and a film has its song.
+  if (!isHere() || films.isFilmed()) return opened.close();
   await stopListening();
   sound.pause();
   microphone = opened;
-  concert.listen(microphone.rate);
+  endShow();
+  concert?.listen(microphone.rate);
   const all = await Microphone.all();
   of("microphone").replaceChildren(...all.map(([each, name]) => new Option(name, each)));
   of("microphone").value = microphone.id;
@@ -131,30 +137,49 @@ function mayReplace(what = "Let another shape dance", stayed = "The shape has st
   return false;
 }
 
-/** What another shape was prepared for is not wanted any more. */
-const forget = () => works("work") && giveUp(obsolete(), ["work"]);
+/** The mesh that is being prepared. */
+let coming;
+
+/** Another shape that was asked for is not wanted any more; gives the number of this wish. */
+function overtake() {
+  coming = undefined;
+  if (works("work")) giveUp(obsolete(), ["work"]);
+  return ++visit;
+}
+
+/** A song that was asked for is not wanted any more; gives the number of this wish. */
+function passOver() {
+  wanted = undefined;
+  return ++turn;
+}
 
 /** Gives whether it dances: not where something else was asked for meanwhile. */
 async function danceOn(name, begin) {
-  const mine = ++visit;
-  forget();
+  const mine = overtake();
   say(`${label(name)}…`);
   const body = await bodyOf(name);
   if (mine !== visit) return false;
   show(body, begin);
+  lacks = undefined;
   return true;
 }
 
 export async function openMesh(name, bytes) {
   if (!mayReplace()) return;
-  const mine = ++visit;
-  forget();
+  const mine = overtake();
+  coming = name;
   const harmonics = harmonicsOf(bytes.length);
   await busy(name, async (tell) => {
     const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, tell);
     if (mine !== visit) return;
-    show(body);
+    // The show that was danced by this mesh begins anew on it.
+    const opens = lacks?.needs.body === name ? lacks : undefined;
+    show(body, opens?.begin);
+    lacks = coming = undefined;
+    if (opens) shows.know(opens.text, opens.needs);
+    refresh();
     report.solveSecs = secs;
+    if (opens) tell("said", isOpen(opens.name, opens.needs));
     tell("said", `${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s.`);
   });
 }
@@ -173,7 +198,8 @@ let wanted;
 
 /** Plays a song of the list; one that cannot be read leaves it to the next. */
 async function playSong(song) {
-  const mine = ++turn;
+  const mine = passOver();
+  endShow();
   while (song) {
     wanted = song;
     try {
@@ -202,7 +228,7 @@ export const openSongs = (files) => playSong(songs.add(files));
 
 const playBeside = attempt((steps) => playSong(songs.beside(wanted ?? songs.current(), steps)));
 sound.onend = () => {
-  if (concert.plays_show()) return;
+  if (concert?.plays_show()) return;
   const isLast = songs.place() === songs.count() - 1;
   if (playlist.repeats() !== "off" || !isLast) return playBeside(1);
   sound.pause();
@@ -216,6 +242,7 @@ const isRepeated = () => playlist.repeats() === "song" || (playlist.repeats() ==
 const ofTheList = {
   plays: attempt((song) => playSong(song)),
   takesOut: attempt(async (song) => {
+    if (song === wanted) passOver();
     const next = songs.takeOut(song);
     if (next) await playSong(next); else sound.setRepeats(isRepeated());
     refresh();
@@ -245,24 +272,44 @@ export async function openText(name, bytes) {
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) {
     if (!await danceOn(needs.body, begin)) return;
   } else {
+    // Its own mesh may come.
+    if (!coming || coming !== needs.body) overtake();
     heard.splice(0, heard.length, ...begin(concert));
     edits = 0;
     hear();
   }
   shows.know(text, needs);
   refresh();
+  lacks = needs.body && needs.body !== state.body ? { name, text, needs, begin } : undefined;
+  say(isOpen(name, needs));
+}
+
+/** The news that a show is open, and what it still lacks. */
+function isOpen(name, needs) {
+  if (lacks) return `${name} was danced by ${needs.body}: drop that mesh, too.`;
   const missing = needs.songs.filter((song) => !songs.names().includes(song));
+  if (missing.length) return `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.`;
   const behind = [state.looks.picture, state.looks.panorama].filter(Boolean).map(base);
-  if (behind.length) needs.caution = [needs.caution, `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`].filter(Boolean).join(" ");
-  if (needs.body && needs.body !== state.body) say(`${name} was danced by ${needs.body}: drop that mesh, then the show again.`);
-  else say(missing.length ? `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.` : needs.caution ?? `${name} is open.`);
+  const unseen = behind.length && `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`;
+  return [needs.caution, unseen].filter(Boolean).join(" ") || `${name} is open.`;
 }
 
 /** Plays the show that was opened, or leaves it to the user. */
 async function playShow() {
-  if (concert.plays_show()) { concert.stop_show(); return refresh(); }
+  if (concert.plays_show()) return endShow();
   await stopListening();
-  heard.splice(0, heard.length, ...shows.begin(concert));
+  const cast = shows.begin(concert);
+  // What was asked for earlier does not come into it.
+  overtake();
+  passOver();
+  heard.splice(0, heard.length, ...cast);
+  refresh();
+}
+
+/** What a show plays is the user's own from now on. */
+function endShow() {
+  if (!concert?.plays_show()) return;
+  concert.stop_show();
   refresh();
 }
 
@@ -270,7 +317,10 @@ async function playShow() {
 async function hearSong(song, secs, playing) {
   if (!song) return sound.pause();
   if (song !== songs.current() || !song.sound) {
+    const mine = visit;
     const decoded = await songs.soundOf(song);
+    // The room was left meanwhile, or the show has ended.
+    if (mine !== visit || !concert?.plays_show()) return;
     songs.play(song, decoded);
     sound.load(decoded, false);
   }
@@ -312,7 +362,7 @@ const room = {
     const filmed = films.moment();
     if (filmed) return concert.frame(filmed.clock, sound.number, filmed.position, sound.duration, width, height);
     if (concert === atFront && plate.isStill()) return stands(now, width, height);
-    if (concert.plays_show()) followShow();
+    if (concert.plays_show() && isHere()) followShow();
     return !shows.isWaiting() && concert.frame(shows.clockSecs(now), sound.number, sound.position(), sound.duration, width, height);
   },
   pixels: () => concert.pixels(),
@@ -404,13 +454,19 @@ async function playAloud() {
 }
 
 export async function enter() {
-  const goesOn = !!parked;
-  open();
+  // It is parked once the plate is there.
+  const goesOn = !!parked || (!!concert && concert !== atFront);
+  goIn();
   await Promise.all([playAloud().then(refresh), goesOn || danceOn("sample:octopus")]);
 }
 
-/** Goes in with what is there, for a file that was brought. */
-export function open() {
+/** Goes in with what is there, for a file that was brought; where nothing dances yet, the octopus does. */
+export async function open() {
+  goIn();
+  if (!concert) await danceOn("sample:octopus");
+}
+
+function goIn() {
   visit++;
   showPicture(room);
   unpark();
@@ -420,7 +476,9 @@ export function leave() {
   attempt(films.endFilm)();
   sound.pause();
   stopListening();
-  turn++;
+  // The song for which it waits would be missing when the room is entered again.
+  if (shows.isWaiting()) endShow();
+  passOver();
   visit++;
 }
 
@@ -465,13 +523,16 @@ export async function front() {
 
 /** The tune, which runs silently until somebody asks for sound. */
 export async function know(tune) {
-  sound.load(songs.begin(await tune).sound, true);
+  const decoded = await tune;
+  // A song that was brought earlier plays on.
+  if (songs.current()) return;
+  sound.load(songs.begin(decoded).sound, true);
   hear();
 }
 
 /** Keys of the desktop, where nothing else has them: in full screen there are no controls. */
 const onKey = attempt((event) => {
-  if (document.body.dataset.view !== "music" || event.ctrlKey || event.altKey || event.metaKey) return undefined;
+  if (!isHere() || event.ctrlKey || event.altKey || event.metaKey) return undefined;
   if (event.target.closest("button, input, select, textarea, summary, dialog, [role=slider]")) return undefined;
   const acts = { " ": playOrPause, PageUp: () => playBeside(-1), PageDown: () => playBeside(1) }[event.key];
   if (!acts) return undefined;
@@ -481,8 +542,7 @@ const onKey = attempt((event) => {
 
 async function playOrPause() {
   await stopListening();
-  // From the first touch on it is the user's own.
-  if (concert.plays_show()) concert.stop_show();
+  endShow();
   if (sound.isHeard) sound.pause(); else await playAloud();
   refresh();
 }
@@ -498,7 +558,7 @@ export function listen() {
   plate.listen(holdStill);
   addEventListener("keydown", onKey);
   curves.listen(act, (item, name) => { concert.begin_curve(item, name); edits++; refresh(); });
-  films.listen({ sound, concert: () => concert, microphone: () => microphone, playAloud, refresh });
+  films.listen({ sound, concert: () => concert, microphone: () => microphone, playAloud, refresh, forget: () => { overtake(); passOver(); } });
   on("draw", () => { drawing = !drawing; refresh(); });
   on("previous", () => playBeside(-1));
   on("next", () => playBeside(1));
@@ -522,7 +582,7 @@ export function listen() {
   on("play-show", playShow);
   on("save-picture", async () => save("chladni.png", await takePicture(LONGEST)));
   of("seek").addEventListener("input", () => {
-    if (concert.plays_show()) { concert.stop_show(); refresh(); }
+    endShow();
     sound.seek(of("seek").value * sound.duration);
   });
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));

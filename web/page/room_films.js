@@ -5,7 +5,8 @@ import { watch } from "./picture.js";
 import * as shows from "./shows.js";
 import * as wholeFilm from "./whole_film.js";
 
-/** The room has its `sound`, `concert()`, `microphone()`, `playAloud()` and `refresh()`. */
+/** The room has its `sound`, `concert()`, `microphone()`, `playAloud()` and `refresh()`, and `forget()`: the shape and the song
+ * that were asked for earlier do not come any more. */
 let room;
 /** The recording, and what ends it. */
 let filming;
@@ -40,6 +41,8 @@ export async function endFilm() {
 
 /** Whether a film waits for its pictures. */
 export const isFilmed = () => !!filmed;
+/** Whether there is a film that would be lost. */
+export const isUnfinished = () => !!filming || !!filmed;
 
 /** The song for a film that waits for its pictures. */
 const stage = {
@@ -47,6 +50,7 @@ const stage = {
   begin: () => {
     if (room.microphone()) throw new Error("A film of a song needs a song: stop listening first.");
     if (room.concert().plays_show()) throw new Error("A show is played: stop it first, or have chladni dance --show film it.");
+    room.forget();
     const clock = shows.clockSecs(performance.now());
     filmed = { from: clock, clock, position: room.sound.position(), aloud: room.sound.isHeard, playing: room.sound.playing };
     room.sound.pause();

@@ -30,7 +30,8 @@ export function add(files) {
 /** The tune alone, as it was decoded. */
 export function begin(sound) {
   playing = { name: TUNE, sound };
-  list.push(playing);
+  // Before a song that is still being decoded, which takes its place.
+  list.unshift(playing);
   return playing;
 }
 

@@ -4,6 +4,12 @@
 /** How long a sound device may take to begin. Firefox waits for one for ever. */
 const PATIENCE_SECS = 2;
 
+/** Whether a context runs, after as long as a device may take. `resumed` is its promise. */
+export async function runs(context, resumed = context.resume()) {
+  await Promise.race([resumed, new Promise((done) => setTimeout(done, 1000 * PATIENCE_SECS))]);
+  return context.state === "running";
+}
+
 export class Sound {
   constructor() {
     this.number = -1;
@@ -12,6 +18,8 @@ export class Sound {
     this.from = 0;
     this.playing = true;
     this.volume = 1;
+    /** How often it was paused. */
+    this.pauses = 0;
   }
 
   /** A song from its beginning. One that does not repeat calls `onend` at its end, where it is heard. */
@@ -46,16 +54,18 @@ export class Sound {
   }
 
   /** Aloud from here on; call it from a click. False where no sound device begins: the song runs on silently then, and
-   * aloud as soon as one does. */
+   * aloud as soon as one does. A pause meanwhile has the last word. */
   async play() {
     let at = this.position();
+    const { pauses } = this;
     this.context ??= new AudioContext();
     const resumed = this.context.resume();
-    await Promise.race([resumed, new Promise((done) => setTimeout(done, 1000 * PATIENCE_SECS))]);
-    if (this.context.state !== "running") {
+    const isRunning = await runs(this.context, resumed);
+    if (pauses !== this.pauses) return true;
+    if (!isRunning) {
       if (!this.playing) this.seek(at);
       this.playing = true;
-      resumed.then(() => { if (this.playing && !this.source) this.play(); });
+      resumed.then(() => { if (pauses === this.pauses && this.playing && !this.source) this.play(); });
       return false;
     }
     if (this.playing && !this.source) at = this.position();
@@ -71,6 +81,7 @@ export class Sound {
   }
 
   pause() {
+    this.pauses++;
     this.from = this.position();
     this.stopSource();
     this.playing = false;

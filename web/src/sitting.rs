@@ -178,8 +178,11 @@ impl Sitting {
 
     /// The same with all layers limited where the project keeps triangles.
     fn settle(&mut self) -> Result<(), Error> {
-        let task = Task::new();
-        settled(&mut self.stack, self.history.project(), &Aside::new(&task))?;
+        // An unsolved shape has nothing to limit yet.
+        if self.solved {
+            let task = Task::new();
+            settled(&mut self.stack, self.history.project(), &Aside::new(&task))?;
+        }
         self.refresh()
     }
 

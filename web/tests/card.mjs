@@ -74,7 +74,7 @@ const WEBGPU = { flags: WITH_CARD, draw: "gpu", says: "Drawn by the graphics car
 const WEBGL = { flags: WITH_WEBGL, draw: "webgl", says: "Drawn by the graphics card through WebGL2, deformed by the processor.", prepare: rememberContext };
 
 export const webgpu = { pictures: () => compared(WEBGPU), loss: () => loses(WEBGPU) };
-export const webgl = { pictures: () => compared(WEBGL), loss: () => loses(WEBGL), looks, skin: () => compared(WEBGL, skinned(60, 30)) };
+export const webgl = { pictures: () => compared(WEBGL), loss: () => loses(WEBGL), gallery, looks, skin: () => compared(WEBGL, skinned(60, 30)) };
 
 async function compared({ flags, draw, says }, own) {
   const what = own ? "an image on a torus" : "a head";
@@ -211,6 +211,24 @@ async function loses({ flags, draw, prepare }) {
     await moves(page, "by the processor");
     assert.deepEqual((await page.evaluate(() => window.chladni.state)).dances, dances);
     step(`${draw}: where the graphics card is lost, the processor goes on`);
+    await page.context().close();
+  } finally { await within.close(); }
+}
+
+/** Where the card is lost, a gallery of caricatures goes with its pictures, and so do its controls. */
+async function gallery() {
+  const within = await launch(out, WEBGL.flags);
+  try {
+    const { page } = await opened(SMALL, false, { within, query: "?draw=webgl", prepare: WEBGL.prepare });
+    await page.click("#exaggerate");
+    await acts(page);
+    await page.evaluate(() => document.getElementById("gallery").click());
+    await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
+    await page.evaluate(() => window.lose());
+    await until(page, () => document.querySelector("#front .drawn-by").textContent === "Drawn by the processor.");
+    await until(page, () => !window.chladni.wall && !document.querySelector("#cells .cell"));
+    assert.deepEqual(await page.evaluate(() => [document.getElementById("wall").hidden, document.getElementById("gallery").getAttribute("aria-pressed")]), [true, "false"]);
+    step("webgl: where the graphics card is lost, a gallery of caricatures is left");
     await page.context().close();
   } finally { await within.close(); }
 }

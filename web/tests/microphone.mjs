@@ -1,9 +1,9 @@
 // The music room listens to a microphone, into which a file plays here.
 import assert from "node:assert/strict";
-import { writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { WITHOUT_CARD, launch, microphone, song } from "../browser.mjs";
-import { moves, opened, out, screens, state, step, still, until } from "./driver.mjs";
+import { downloaded, drop, moves, opened, out, screens, state, step, still, until } from "./driver.mjs";
 
 const LAPTOP = { width: 1100, height: 760 };
 
@@ -53,6 +53,17 @@ export async function heard() {
     await page.click("#play");
     await moves(page, "to the song again");
     assert.equal((await state(page)).dances.length, 12);
+    // A show that is played is the user's own once something else is heard.
+    const saved = readFileSync(await downloaded(page, "#save-show"), "utf8");
+    const lasting = saved.replace(/^duration_secs = .*$/m, "duration_secs = 6000.0");
+    assert.notEqual(lasting, saved);
+    await drop(page, ["show.toml", Buffer.from(lasting)]);
+    await until(page, () => !document.getElementById("play-show").hidden);
+    await page.click("#play-show");
+    await until(page, () => window.chladni.state.played);
+    await page.click("#listen");
+    await listens(page);
+    await until(page, () => !window.chladni.state.played);
     step("a shape dances to a microphone, and to the song again");
     assert.deepEqual([wrong, elsewhere], [[], []]);
     await page.context().close();
@@ -77,6 +88,16 @@ export async function refused() {
   await page.click("#listen");
   await until(page, () => document.getElementById("status").textContent.includes("allow it for this page"));
   await moves(page, "the song goes on");
+  // A device that never begins, as Firefox has it where there is none.
+  await page.evaluate(() => {
+    const { stream } = new AudioContext().createMediaStreamDestination();
+    navigator.mediaDevices.getUserMedia = () => Promise.resolve(stream);
+    AudioContext.prototype.resume = AudioContext.prototype.close = () => new Promise(() => {});
+    Object.defineProperty(AudioContext.prototype, "state", { get: () => "suspended" });
+  });
+  await page.click("#listen");
+  await until(page, () => document.getElementById("status").textContent.includes("No sound device answers"));
+  assert.equal(await page.getAttribute("#listen", "aria-pressed"), "false");
   step("a microphone that is not lent is reported, and the song goes on");
   await page.context().close();
 }

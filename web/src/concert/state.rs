@@ -42,7 +42,6 @@ struct State<'a> {
     piloted: bool,
     /// A saved show is played.
     played: bool,
-    look: &'a str,
     looks: &'a Looks,
     /// The shape brings colors.
     has_own_colors: bool,
@@ -93,7 +92,6 @@ impl Concert {
             sand: instrument.parameters().is_on(Switch::Sand),
             piloted: self.programme.is_some(),
             played: self.script.is_some(),
-            look: &self.looks.look,
             looks: &self.looks,
             has_own_colors: self.staging.has_own_colors(),
             viewpoint: self.viewpoint,

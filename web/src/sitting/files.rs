@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use chladni_caricature::{Action, PaintEdit, Painted, Project, ShapeSource, Template};
+use chladni_caricature::{Action, LayerState, PaintEdit, Painted, Project, ShapeSource, Template};
 use chladni_mesh::Format;
 use chladni_program::work::{Sculpture, mask};
 use serde::Serialize;
@@ -10,6 +10,10 @@ use wasm_bindgen::prelude::*;
 
 use super::Sitting;
 use crate::PROJECT;
+
+/// The reason why nothing is exported while layers wait.
+const STILL_WORKING: &str =
+    "Layers are still being matched, or harmonics solved for: export again once that is done.";
 
 /// The files of a project that the page has to find by itself.
 #[derive(Serialize)]
@@ -102,13 +106,23 @@ impl Sitting {
         Ok(self.act_once(&Action::Paint { layer, edit: PaintEdit::Set(painted) })?)
     }
 
-    /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`.
+    /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`. Layers whose match has failed
+    /// are left out, with a note.
     ///
     /// # Errors
-    /// Another format, or a shape that the format cannot hold.
+    /// Another format, a shape that the format cannot hold, or layers that are still worked on.
     pub fn export(&mut self, extension: &str) -> Result<Vec<u8>, JsError> {
         let format = Format::from_extension(extension).ok_or_else(|| JsError::new("no such format"))?;
+        let waits = |state: &LayerState| matches!(state, LayerState::Waiting | LayerState::Outdated);
+        if !self.solved || self.evaluation.layers.iter().any(|layer| waits(&layer.state)) {
+            return Err(JsError::new(STILL_WORKING));
+        }
         self.settle()?;
+        for layer in &self.evaluation.layers {
+            if matches!(layer.state, LayerState::Failed(_)) {
+                self.notes.push(format!("Written without the layer {}, whose match has failed.", layer.name));
+            }
+        }
         let sculpture = Sculpture {
             source: self.history.project().shape.clone(),
             subject: self.mesh.clone().into(),

@@ -89,8 +89,6 @@ struct State<'a> {
     own_look: bool,
     /// The hint at the next step, while landmarks are picked.
     hint: Option<String>,
-    /// Caricatures hang in the place of the figure.
-    hanging: bool,
 }
 
 #[wasm_bindgen]
@@ -127,7 +125,6 @@ impl Sitting {
             heat: self.shown_heat(),
             own_look: self.stage.has_own_look(),
             hint: self.landmark_hint(),
-            hanging: self.hanging.is_some(),
         };
         Ok(serde_json::to_string(&state)?)
     }

@@ -1,0 +1,385 @@
+// Somebody is faster than the page: what was asked for last is what happens, and what comes late does not undo it.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { head, song, torus } from "../browser.mjs";
+import { acts } from "./caricature.mjs";
+import { address, browser, downloaded, drop, opened, step, until } from "./driver.mjs";
+
+const LAPTOP = { width: 1280, height: 800 };
+
+/** What workers and files are asked for can be held back: what `holds` is part of, until `release()`. */
+function holdsBack() {
+  const held = [];
+  window.holds = undefined;
+  window.heldBack = () => held.length;
+  window.release = () => { window.holds = undefined; for (const goOn of held.splice(0)) goOn(); };
+  const isHeld = (text) => window.holds && text.includes(window.holds);
+  const { postMessage } = Worker.prototype;
+  Worker.prototype.postMessage = function (message, ...rest) {
+    const post = () => postMessage.call(this, message, ...rest);
+    if (message.work && isHeld(`${message.work} ${message.name}`)) held.push(post); else post();
+  };
+  const { fetch } = window;
+  window.fetch = async (what, ...rest) => {
+    if (isHeld(String(what))) await new Promise((done) => held.push(done));
+    if (window.missing && String(what).includes(window.missing)) return new Response("", { status: 404 });
+    return fetch(what, ...rest);
+  };
+}
+
+const holdBack = (page, what) => page.evaluate((what) => { window.holds = what; }, what);
+const isHeldBack = (page) => until(page, () => window.heldBack() > 0);
+const release = (page) => page.evaluate(() => window.release());
+/** What was held back has had the time to do harm. */
+async function comesLate(page) {
+  await release(page);
+  await page.waitForTimeout(2000);
+}
+
+const body = (page) => page.evaluate(() => window.chladni.state.body);
+const dances = (page, name) => until(page, (name) => window.chladni.state?.body === name, name);
+const says = (page, text) => until(page, (text) => document.getElementById("status").textContent.includes(text), text);
+const songIs = (page, text) => until(page, (text) => document.getElementById("song").textContent === text, text);
+const songNow = (page) => page.textContent("#song");
+const plays = (page) => until(page, () => window.chladni.state.played);
+const generation = (page) => page.evaluate(() => window.chladni.state.generation);
+
+async function entered(more = {}) {
+  const opening = await opened(LAPTOP, false, { prepare: holdsBack, ...more });
+  await opening.page.click("#enter");
+  await dances(opening.page, "sample:octopus");
+  return opening;
+}
+
+async function breed(page) {
+  const before = await generation(page);
+  await page.click("#cells .cell:nth-child(2) .choose");
+  await page.click("#cells .cell:nth-child(7) .choose");
+  await page.click("#breed");
+  await until(page, (before) => window.chladni.state.generation === before + 1, before);
+}
+
+async function ends({ page, wrong, elsewhere }) {
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+/** Shapes and shows. */
+export async function shapes() {
+  const opening = await entered();
+  const { page } = opening;
+  await breed(page);
+  const show = readFileSync(await downloaded(page, "#save-show"));
+  // A show on the shape that dances is opened after another shape was asked for.
+  await holdBack(page, "cat.body");
+  await page.selectOption("#shape", "sample:cat");
+  await isHeldBack(page);
+  await drop(page, ["show.toml", show]);
+  await says(page, "show.toml is open.");
+  await comesLate(page);
+  assert.deepEqual([await body(page), await generation(page)], ["sample:octopus", 1]);
+  step("a shape that was asked for does not end a show that was opened after it");
+
+  // The room is left and entered again before the plate is there.
+  await breed(page);
+  await holdBack(page, "plate.body");
+  await page.click("#home");
+  await isHeldBack(page);
+  await page.click("#enter");
+  await comesLate(page);
+  assert.deepEqual([await body(page), await generation(page)], ["sample:octopus", 2]);
+  step("dances stay where the room is left for a moment");
+
+  // A show and its mesh, together and one after the other.
+  const theirs = Buffer.from(show.toString().replace("sample:octopus", "shapes/torus.obj"));
+  const ring = torus(24, 12);
+  await drop(page, ["theirs.toml", theirs], ["torus.obj", ring]);
+  await dances(page, "torus.obj");
+  await says(page, "theirs.toml is open.");
+  assert.equal(await generation(page), 1, "the show is on its own shape");
+  assert.ok(await page.isVisible("#play-show"));
+  await page.selectOption("#shape", "sample:octopus");
+  await dances(page, "sample:octopus");
+  await drop(page, ["theirs.toml", theirs]);
+  await says(page, "theirs.toml was danced by torus.obj: drop that mesh, too.");
+  await drop(page, ["torus.obj", ring]);
+  await dances(page, "torus.obj");
+  assert.equal(await generation(page), 1);
+  // The mesh is dropped first, and still prepared when the show comes.
+  await page.selectOption("#shape", "sample:octopus");
+  await dances(page, "sample:octopus");
+  await holdBack(page, "prepare torus.obj");
+  await drop(page, ["torus.obj", ring]);
+  await isHeldBack(page);
+  await drop(page, ["theirs.toml", theirs]);
+  await says(page, "theirs.toml was danced by torus.obj: drop that mesh, too.");
+  await release(page);
+  await dances(page, "torus.obj");
+  assert.equal(await generation(page), 1);
+  // Another shape has taken its place: the mesh is one of its own.
+  await drop(page, ["theirs.toml", Buffer.from(theirs.toString().replace("torus.obj", "other.obj"))]);
+  await says(page, "drop that mesh, too.");
+  await page.selectOption("#shape", "sample:octopus");
+  await dances(page, "sample:octopus");
+  await drop(page, ["other.obj", ring]);
+  await dances(page, "other.obj");
+  assert.equal(await generation(page), 0);
+  step("a show waits for its mesh");
+  await ends(opening);
+}
+
+/** Songs, and shows that are played. */
+export async function songs() {
+  const opening = await entered();
+  const { page } = opening;
+  await drop(page, ["clicks.wav", song(40)]);
+  await songIs(page, "clicks.wav");
+  // The bell has heard no other song.
+  await page.selectOption("#shape", "sample:bell");
+  await dances(page, "sample:bell");
+  await page.waitForTimeout(500);
+  const saved = readFileSync(await downloaded(page, "#save-show"), "utf8");
+  // One that lasts.
+  const show = Buffer.from(saved.replace(/^duration_secs = .*$/m, "duration_secs = 600.0"));
+  assert.notEqual(show.toString(), saved);
+  await drop(page, ["show.toml", show]);
+  await says(page, "show.toml is open.");
+  // A song that was asked for before the show is played.
+  await holdBack(page, "decode late.wav");
+  await drop(page, ["late.wav", song(30)]);
+  await isHeldBack(page);
+  await page.click("#play-show");
+  await plays(page);
+  await comesLate(page);
+  assert.equal(await songNow(page), "1 of 2: clicks.wav");
+  assert.ok(await page.evaluate(() => window.chladni.state.played));
+  // One that is asked for then ends the show.
+  await holdBack(page, "decode clicks.wav");
+  await page.click("#next");
+  await songIs(page, "2 of 2: late.wav");
+  assert.ok(!(await page.evaluate(() => window.chladni.state.played)), "a song of the list is the user's own");
+  step("a show keeps its song until another is asked for");
+
+  // The room is left while a show waits for its song.
+  await isHeldBack(page);
+  await page.click("#play-show");
+  await plays(page);
+  await page.click("#home");
+  await comesLate(page);
+  assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "nothing is heard at the front");
+  await dances(page, "sample:plate");
+  await page.click("#enter");
+  await dances(page, "sample:bell");
+
+  // It is left while a song is decoded: the next one is next to the one that plays.
+  await drop(page, ["third.wav", song(30)]);
+  await songIs(page, "3 of 3: third.wav");
+  await page.click("#next");
+  await songIs(page, "1 of 3: clicks.wav");
+  await holdBack(page, "decode third.wav");
+  await page.click("#previous");
+  await page.click("#home");
+  await dances(page, "sample:plate");
+  await release(page);
+  await page.click("#enter");
+  await dances(page, "sample:bell");
+  await page.click("#next");
+  await songIs(page, "2 of 3: late.wav");
+
+  // One that is decoded is taken out.
+  await page.click("#more");
+  await drop(page, ["gone.wav", song(30)]);
+  await songIs(page, "4 of 4: gone.wav");
+  await page.click("#next");
+  await songIs(page, "1 of 4: clicks.wav");
+  await holdBack(page, "decode gone.wav");
+  await page.click('#song-list .name:has-text("gone.wav")');
+  await isHeldBack(page);
+  await page.click('#song-list [aria-label="Take gone.wav out of the list"]');
+  await comesLate(page);
+  assert.equal(await songNow(page), "1 of 3: clicks.wav");
+  step("songs that were asked for are forgotten where the room is left, or they are taken out");
+
+  // A pause while a device begins.
+  const isPlaying = await page.evaluate(async () => {
+    const { Sound } = await import("./sound.js");
+    const sound = new Sound();
+    sound.load({ rate_hz: 8000, left: new Float32Array(8000), right: new Float32Array(8000) }, true);
+    const began = sound.play();
+    sound.pause();
+    await began;
+    return sound.playing || sound.isHeard;
+  });
+  assert.ok(!isPlaying, "a pause has the last word");
+  await ends(opening);
+}
+
+/** A film of the song: nothing comes into it, and it is not lost without a question. */
+export async function films() {
+  const opening = await entered();
+  const { page } = opening;
+  const asks = () => page.evaluate(() => !dispatchEvent(new Event("beforeunload", { cancelable: true })));
+  await drop(page, ["clicks.wav", song(3)]);
+  await songIs(page, "clicks.wav");
+  assert.ok(!(await asks()));
+  for (const [what, ask] of [["cat.body", () => page.selectOption("#shape", "sample:cat")], ["decode late.wav", () => drop(page, ["late.wav", song(2)])]]) {
+    await holdBack(page, what);
+    await ask();
+    await isHeldBack(page);
+    await page.click("#film-song");
+    await page.selectOption("#film-rate", "24");
+    const film = page.waitForEvent("download", { timeout: 180_000 });
+    await page.click("#film-begin");
+    await until(page, () => /^Picture/.test(document.getElementById("film-left").textContent));
+    assert.ok(await asks(), "a film would be lost");
+    await release(page);
+    await film;
+    await page.waitForTimeout(1000);
+    assert.deepEqual([await body(page), /clicks.wav$/.test(await songNow(page))], ["sample:octopus", true], what);
+    assert.ok(!(await asks()));
+  }
+  await page.click("#film");
+  await until(page, () => /^Stop/.test(document.getElementById("film").textContent));
+  assert.ok(await asks(), "a recording would be lost");
+  await downloaded(page, "#film");
+  assert.ok(!(await asks()));
+  step("nothing comes into a film, and nobody loses one without a question");
+  await ends(opening);
+}
+
+/** The page before its plate is there. */
+export async function beginnings() {
+  const context = await browser.newContext({ viewport: LAPTOP });
+  for (const brings of [false, true]) {
+    const page = await context.newPage();
+    const wrong = [];
+    page.on("pageerror", (error) => wrong.push(error.message));
+    await page.addInitScript(holdsBack);
+    // The plate has to be solved for; with a song, the tune comes late.
+    await page.addInitScript((holds) => { window.missing = "plate.body"; window.holds = holds; }, brings ? "sample:" : "prepare");
+    await page.goto(address);
+    await until(page, (least) => window.heldBack?.() >= least, brings ? 2 : 1);
+    if (brings) {
+      await drop(page, ["clicks.wav", song(30)]);
+      await songIs(page, "clicks.wav");
+      await release(page);
+      await page.waitForTimeout(5000);
+      assert.deepEqual([await songNow(page), await page.evaluate(() => Math.round(window.chladni.sound.duration))], ["clicks.wav", 30], "the tune does not take its place");
+    } else await page.click("#enter");
+    await dances(page, "sample:octopus");
+    await until(page, () => window.chladni.sound.duration > 0);
+    assert.deepEqual(wrong, []);
+    await page.close();
+  }
+  await context.close();
+  step("without waiting for the plate there is the octopus, and a song");
+}
+
+const isIdle = (page) => until(page, () => document.getElementById("cancel").hidden);
+
+/** The caricature room. */
+export async function layers() {
+  const opening = await opened(LAPTOP, false, { prepare: holdsBack });
+  const { page } = opening;
+  await holdBack(page, "solve");
+  await page.click("#exaggerate");
+  await isHeldBack(page);
+  await page.evaluate(async () => {
+    const { Sitting } = await import("./chladni_web.js");
+    const { keep_triangles } = Sitting.prototype;
+    window.kept = 0;
+    Sitting.prototype.keep_triangles = function () { window.kept++; return keep_triangles.call(this); };
+  });
+  await page.check("#keep");
+  await until(page, () => window.chladni.sitting.keep_triangles);
+  // Nothing is written without the layers that wait.
+  await page.evaluate(() => document.getElementById("export-obj").click());
+  await says(page, "export again once that is done");
+  await page.waitForTimeout(1500);
+  assert.equal(await page.evaluate(() => window.kept), 0, "an unsolved shape has no triangles to keep");
+  await release(page);
+  await acts(page);
+  await until(page, () => window.kept > 0);
+  await page.uncheck("#keep");
+
+  // A second number of harmonics is given up: the first was never solved for.
+  await holdBack(page, "solve");
+  for (const count of ["64", "128"]) {
+    await page.fill("#wanted-harmonics", count);
+    await page.press("#wanted-harmonics", "Enter");
+    await until(page, (count) => window.chladni.sitting.wanted_harmonics === count, Number(count));
+    await isHeldBack(page);
+  }
+  await page.evaluate(() => document.getElementById("cancel").click());
+  await isIdle(page);
+  await release(page);
+  await until(page, () => window.chladni.sitting.wanted_harmonics === 256);
+  assert.equal(await page.evaluate(() => window.chladni.sitting.harmonics), 256);
+  assert.ok(await page.isEnabled("#gallery"), "nothing is solved for any more");
+
+  // Keys in a text are the text's own.
+  const { mu } = await page.evaluate(() => window.chladni.sitting.layers[0]);
+  const becomes = (mu, isSo) => until(page, ([mu, isSo]) => (window.chladni.sitting.layers[0].mu === mu) === isSo, [mu, isSo]);
+  await page.focus("#mu");
+  await page.keyboard.press("ArrowLeft");
+  await becomes(mu, false);
+  await page.focus("#layer-name");
+  await page.keyboard.press("Control+z");
+  await page.waitForTimeout(300);
+  await becomes(mu, false);
+  await page.focus("#mu");
+  await page.keyboard.press("Control+z");
+  await becomes(mu, true);
+
+  // Parts by form, chosen while those of a head are looked for.
+  await page.click("#hold-parts");
+  await page.selectOption("#parts-of", "form");
+  await until(page, () => window.chladni.sitting.level !== null);
+  await holdBack(page, "parts");
+  await page.selectOption("#parts-of", "head");
+  await isHeldBack(page);
+  await page.fill("#level", "0.6");
+  await until(page, () => window.chladni.sitting.level > 0.5);
+  await release(page);
+  await isIdle(page);
+  await page.waitForTimeout(300);
+  assert.ok(await page.evaluate(() => window.chladni.sitting.level > 0.5), "parts by form stay");
+  step("late harmonics and parts change nothing, and keys in a text are its own");
+  await ends(opening);
+}
+
+const PROJECT = Buffer.from(`format_version = 4
+
+[shape]
+source = "dent.obj"
+harmonics = 32
+
+[[layer]]
+name = "Smooth"
+mu = -1.0
+template = "smooth.obj"
+`);
+
+/** A project that comes together with its meshes, while another shape is open. */
+export async function projects() {
+  const opening = await opened(LAPTOP, false, { prepare: holdsBack });
+  const { page } = opening;
+  await page.click("#exaggerate");
+  await acts(page);
+  await page.evaluate(() => {
+    window.asked = 0;
+    const { showModal } = HTMLDialogElement.prototype;
+    HTMLDialogElement.prototype.showModal = function () { window.asked++; return showModal.call(this); };
+  });
+  await drop(page, ["dent.chladni", PROJECT], ["smooth.obj", head(20, 14)], ["dent.obj", head(24, 16)]);
+  await until(page, () => window.chladni.sitting.shape === "dent.obj");
+  await acts(page);
+  assert.equal(await page.evaluate(() => window.asked), 0, "nobody is asked what a template of the project is");
+  // Layers without their template are left out of an export, and named.
+  await drop(page, ["gone.chladni", Buffer.from(PROJECT.toString().replace("smooth.obj", "gone.obj"))]);
+  await until(page, () => window.chladni.sitting.layers[0]?.state === "failed" && window.chladni.sitting.solved);
+  await downloaded(page, "#export-obj");
+  await says(page, "Written without the layer Smooth");
+  step("a project comes with its meshes in any order, and says which layers an export lacks");
+  await ends(opening);
+}
