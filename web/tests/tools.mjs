@@ -298,6 +298,8 @@ async function layersToo(page, shot) {
   await page.click("#undo");
   await is(() => window.chladni.sitting.harmonics === 256);
   await acts(page);
+  // Until a new match is there a layer acts with the one before, and is not exported.
+  await is(() => document.getElementById("cancel").hidden);
   const { vertices } = await page.evaluate(() => window.chladni.sitting);
   const ply = readFileSync(await downloaded(page, "#export-ply")).toString("latin1", 0, 300);
   assert.match(ply, new RegExp(`^ply[^]*element vertex ${vertices}\n`));
