@@ -29,18 +29,18 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
     tempfile::tempfile_in(folder).map(drop).map_err(|error| Error::unwritten(path, error.kind().to_string()))
 }
 
-/// Checks that files can be written into the folder `path`, which is created if it does not exist, with all folders above.
+/// Checks that files can be written into the folder `path`, which is created if it does not exist.
 ///
 /// # Errors
-/// As [`check_file`] does.
+/// As [`check_file`] does, and [`Error::Input`] for a file.
 pub fn check_folder(path: &Path) -> Result<(), Error> {
-    let exists = |folder: &&Path| folder.exists() || folder.as_os_str().is_empty();
-    // A path that is relative ends in the empty one, which stands for the folder that the program is in.
-    let above = path.ancestors().find(exists).unwrap_or(path);
-    if above.is_file() {
-        return Err(Error::Input(format!("{}: {} is not a folder", path.display(), above.display())));
+    if path.is_dir() {
+        check_file(&path.join("new"))
+    } else if path.exists() {
+        Err(Error::Input(format!("{}: is a file; the name of a folder is needed", path.display())))
+    } else {
+        check_file(path)
     }
-    check_file(&above.join("new"))
 }
 
 /// Checks that a film can be written at `path`: a file, or frames into a folder.

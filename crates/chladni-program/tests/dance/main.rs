@@ -108,7 +108,8 @@ fn no_file_of_a_film_replaces_one_that_it_reads() {
     refused(octopus, "film/sound.wav", &["--coefficients", "film/sound.wav"]);
     refused(octopus, tune, &["--picture", "wall.png", "-o", "wall.png"]);
     // Nor is there any work for what cannot be written.
-    refused(octopus, tune, &["--frames", "wall.png/film"]);
+    refused(octopus, tune, &["--frames", "wall.png"]);
+    refused(octopus, tune, &["--frames", "missing/film"]);
     refused(octopus, tune, &["-o", "film.gif", "--fps=60"]);
 }
 
