@@ -43,7 +43,7 @@ fn watch(window: xproto::Window) -> Result<(), Box<dyn Error + Send + Sync>> {
     }
 }
 
-/// Appends nothing to the property: its change is told all the same.
+/// Appends nothing to the property, which the server announces as a change all the same.
 fn touch(server: &RustConnection, window: xproto::Window) -> Result<(), Box<dyn Error + Send + Sync>> {
     let (name, kind) = (AtomEnum::RESOURCE_MANAGER, AtomEnum::STRING);
     server.change_property(PropMode::APPEND, window, name, kind, 8, 0, &[])?.check()?;

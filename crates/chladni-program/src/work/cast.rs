@@ -37,6 +37,11 @@ impl Cast {
         &self.subject.mesh
     }
 
+    /// The files that its project names.
+    pub fn files(&self) -> Vec<&Path> {
+        self.project.as_ref().map_or_else(Vec::new, Project::files)
+    }
+
     /// How its project says that it stands.
     pub fn kept_stance(&self) -> Option<Orientation> {
         self.project.as_ref()?.stands

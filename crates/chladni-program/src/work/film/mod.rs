@@ -13,14 +13,12 @@ mod titles;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use chladni_caricature::Project;
 use chladni_music::{BeatReading, ClockTrack, Show, Stretch, Viewpoint};
 use chladni_view::Look;
 
-use super::outputs::{check_apart, is_same_file};
+use super::outputs::is_same_file;
 use super::{
-    Error, HARMONICS, Scenery, Stance, Warning, Watcher, first_looks, formats, look_named, opening_looks,
-    opening_view,
+    Error, HARMONICS, Scenery, Stance, Warning, Watcher, first_looks, look_named, opening_looks, opening_view,
 };
 use animation::Animation;
 pub use animation::Approximation;
@@ -171,22 +169,7 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
 }
 
 impl Film {
-    /// The files that are read for it; also those of a caricature.
-    fn inputs(&self) -> Vec<PathBuf> {
-        let songs = self.songs.iter().map(|(song, _)| song);
-        let named = songs.chain([&self.body, &self.picture, &self.panorama]);
-        let mut inputs: Vec<PathBuf> = named.filter(|name| !name.is_empty()).map(PathBuf::from).collect();
-        let body = Path::new(&self.body);
-        // One that cannot be read says so when the film is made.
-        if formats::is_project(body)
-            && let Ok(project) = Project::load(body)
-        {
-            inputs.extend(project.files().into_iter().map(Path::to_owned));
-        }
-        inputs
-    }
-
-    /// Checks, before any work, that it can be made.
+    /// Checks, before any work, that it can be made. Files that a caricature names are known once it is open.
     fn check(&self) -> Result<(), Error> {
         self.output.check()?;
         self.stance.check()?;
@@ -198,9 +181,10 @@ impl Film {
                 "the sound beside the GLB would replace the song {sound}: give the GLB another name"
             )));
         }
-        let inputs = self.inputs();
-        let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
-        self.output.files().iter().try_for_each(|file| check_apart(file, &inputs))?;
+        let songs = self.songs.iter().map(|(song, _)| song);
+        let inputs: Vec<&Path> =
+            songs.chain([&self.body, &self.picture, &self.panorama]).map(Path::new).collect();
+        self.output.check_apart(&inputs)?;
         let times = [Some(self.start_secs), self.duration_secs.map(|d| d.max(-1.0))];
         if times.iter().flatten().any(|secs| !(secs.is_finite() && *secs >= 0.0))
             || self.duration_secs == Some(0.0)

@@ -8,7 +8,7 @@ use chladni_view::film::{RawFormat, frame_path};
 use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 
 use super::{sound_beside, sound_in};
-use crate::work::outputs::{check_file, check_film, check_folder};
+use crate::work::outputs::{check_apart, check_file, check_film, check_folder};
 use crate::work::{Error, Piece};
 
 /// Morph targets of an animation unless said.
@@ -159,13 +159,13 @@ impl Output {
         }
     }
 
-    /// The files that it consists of, but for the pictures in a folder, which have names of their own, and presets.
-    pub(super) fn files(&self) -> Vec<PathBuf> {
+    /// Checks that none of its files replaces one of `inputs`. Pictures in a folder and presets have names of their own.
+    pub(super) fn check_apart(&self, inputs: &[&Path]) -> Result<(), Error> {
         let film = self.film.as_ref().filter(|_| !self.is_folder);
         let beside = self.animation.as_deref().map(sound_beside);
         let within = self.folder().map(sound_in);
-        let named =
-            [film, self.animation.as_ref(), self.coefficients.as_ref()].into_iter().flatten().cloned();
-        named.chain(beside).chain(within).collect()
+        let files =
+            [film, self.animation.as_ref(), self.coefficients.as_ref(), beside.as_ref(), within.as_ref()];
+        files.into_iter().flatten().try_for_each(|file| check_apart(file, inputs))
     }
 }

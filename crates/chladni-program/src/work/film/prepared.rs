@@ -40,6 +40,7 @@ impl Prepared {
     pub fn prepare(wanted: &mut Film, seconds: &mut Seconds, watcher: &impl Watcher) -> Result<Self, Error> {
         let reading = Instant::now();
         let cast = Cast::open(Path::new(&wanted.body), watcher)?;
+        wanted.output.check_apart(&cast.files())?;
         // The orientation decides which half hears the left channel, so it is needed even without pictures.
         let stands = cast.stands(wanted.stance, watcher)?;
         let range = (wanted.start_secs, wanted.duration_secs);
