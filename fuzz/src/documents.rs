@@ -6,11 +6,16 @@ use chladni_music::{
     Bindings, ClockMessage, GalleryShape, OscMessage, Parameters, Preset, Show, Tempo, Touch,
 };
 
-use crate::place;
+use crate::{MIB, place, within};
+
+/// The most memory that each byte of a text takes.
+const EACH: usize = 128;
 
 /// A caricature project, or the copy that autosave keeps of one.
 pub fn project(text: &str) {
-    let Ok((project, from)) = Project::from_text(text, place()) else { return };
+    // Painted values are packed; those of all layers are bounded together.
+    let read = within(text.len(), EACH, 256 * MIB, || Project::from_text(text, place()));
+    let Ok((project, from)) = read else { return };
     let written = project.to_text(place(), from).expect("what was read can be written");
     let (again, _) = Project::from_text(&written, place()).expect("what was written can be read");
     let rewritten = again.to_text(place(), None).expect("what was read can be written");
@@ -20,7 +25,7 @@ pub fn project(text: &str) {
 
 /// A preset.
 pub fn preset(text: &str) {
-    let Ok(preset) = Preset::from_text(text) else { return };
+    let Ok(preset) = within(text.len(), EACH, MIB, || Preset::from_text(text)) else { return };
     let written = preset.to_text().expect("what was read can be written");
     let again = Preset::from_text(&written).expect("what was written can be read");
     assert_eq!(written, again.to_text().expect("what was read can be written"));
@@ -29,7 +34,7 @@ pub fn preset(text: &str) {
 
 /// A show or a session, which is then replayed.
 pub fn show(text: &str) {
-    let Ok(show) = Show::from_text(text) else { return };
+    let Ok(show) = within(text.len(), EACH, MIB, || Show::from_text(text)) else { return };
     let written = show.to_text().expect("what was read can be written");
     let again = Show::from_text(&written).expect("what was written can be read");
     assert_eq!(written, again.to_text().expect("what was read can be written"));
@@ -41,7 +46,7 @@ pub fn show(text: &str) {
 /// Bindings of controllers.
 pub fn bindings(text: &str) {
     let mut bindings = Bindings::default();
-    if bindings.import(text).is_ok() {
+    if within(text.len(), EACH, MIB, || bindings.import(text)).is_ok() {
         let written = bindings.to_text().expect("what was read can be written");
         let mut again = Bindings::default();
         again.import(&written).expect("what was written can be read");
@@ -51,7 +56,7 @@ pub fn bindings(text: &str) {
 
 /// Pairs of vertices.
 pub fn landmarks(text: &str) {
-    if let Ok(landmarks) = read_landmarks(text) {
+    if let Ok(landmarks) = within(text.len(), EACH, MIB, || read_landmarks(text)) {
         assert_eq!(read_landmarks(&write_landmarks(&landmarks)).as_ref(), Ok(&landmarks));
     }
 }

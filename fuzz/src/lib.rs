@@ -11,14 +11,34 @@ use chladni_harmonics::npz::numbers_in;
 use chladni_mesh::{Format, HealthReport, Loaded, read_mesh, read_mesh_beside, weld, write_mesh};
 use chladni_sound::{Song, SongOptions, SongReader};
 use chladni_task::Task;
+use peak_alloc::PeakAlloc;
 
 pub use documents::{bindings, landmarks, messages, preset, project, show};
 pub use pipeline::{Shape, pipeline};
 pub use program::{arguments, cache, mask_mesh, panorama, picture, settings};
 
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+const MIB: usize = 1 << 20;
+
+/// Reads `length` bytes, which may take `each` bytes of memory for each of them, and `more` besides.
+fn within<T>(length: usize, each: usize, more: usize, read: impl FnOnce() -> T) -> T {
+    MEMORY.reset_peak_usage();
+    let before = MEMORY.current_usage();
+    let result = read();
+    let peak = MEMORY.peak_usage().saturating_sub(before);
+    assert!(peak <= each * length + more, "{peak} bytes of memory to read {length} bytes");
+    result
+}
+
 /// Reads a mesh, and where that works checks what the types promise.
 pub fn mesh(bytes: &[u8], format: Format) {
-    if let Ok(loaded) = read_mesh(bytes, format) {
+    // Of glTF, instances and accessors of zeros cost the file nothing; only `-rss_limit_mb` bounds them here.
+    let is_gltf = matches!(format, Format::Gltf | Format::Glb);
+    let (each, more) = if is_gltf { (256, 1 << 30) } else { (64, MIB) };
+    let read = within(bytes.len(), each, more, || read_mesh(bytes, format));
+    if let Ok(loaded) = read {
         promised(&loaded);
     }
 }

@@ -12,6 +12,8 @@ use chladni_task::Task;
 use chladni_view::{Panorama, Picture};
 use tempfile::TempDir;
 
+use crate::{MIB, within};
+
 /// A picture that stands behind a shape.
 pub fn picture(bytes: &[u8]) {
     let Ok(picture) = Picture::decode(bytes) else { return };
@@ -39,7 +41,7 @@ pub fn mask_mesh(bytes: &[u8]) {
 
 /// A file of preferences.
 pub fn settings(text: &str) {
-    let Ok(settings) = Settings::from_text(text) else { return };
+    let Ok(settings) = within(text.len(), 128, MIB, || Settings::from_text(text)) else { return };
     assert!((0.5..=3.0).contains(&settings.zoom) && settings.harmonics >= 2);
     let written = settings.to_text().expect("what was read can be written");
     assert_eq!(Settings::from_text(&written).expect("what was written can be read"), settings);

@@ -128,6 +128,11 @@ impl Bindings {
         self.learning
     }
 
+    /// Whether there is no room for another control; one that is bound already can still be bound to another target.
+    pub fn is_full(&self) -> bool {
+        self.list.len() >= MOST_BINDINGS
+    }
+
     /// Removes a binding.
     pub fn forget(&mut self, binding: usize) {
         if binding < self.list.len() {
@@ -209,7 +214,7 @@ impl Bindings {
         }) {
             self.forget(known);
         }
-        let has_room = self.list.len() < MOST_BINDINGS;
+        let has_room = !self.is_full();
         if has_room {
             self.list.push(binding);
             self.hands.push(Hand::default());

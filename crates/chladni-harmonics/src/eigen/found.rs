@@ -37,6 +37,13 @@ pub(super) struct Entry {
     pub column: usize,
 }
 
+impl Entry {
+    /// A λ just above its group of equal eigenvalues.
+    pub fn just_above(&self) -> f64 {
+        self.value * (1.0 + 3.0 * CLUSTER)
+    }
+}
+
 /// A run around one shift, whose pairs have not been checked yet.
 pub(super) struct Tried {
     attempt: u32,

@@ -9,7 +9,7 @@ pub(super) struct Known {
     pub entries: Vec<Entry>,
     /// The first position at or after K where neighboring eigenvalues differ.
     pub cluster_end: usize,
-    /// Whether it ends there only because the group is too large.
+    /// Whether it ends there only because the group is too large, as far as is known.
     pub is_cut: bool,
 }
 
@@ -91,7 +91,7 @@ impl Join {
 
     /// A λ just above all pairs that are known.
     pub(super) fn end(slices: &[Found], zeros: usize) -> Option<f64> {
-        joined(slices, zeros).ok()?.last().map(|last| last.value * (1.0 + 3.0 * CLUSTER))
+        joined(slices, zeros).ok()?.last().map(Entry::just_above)
     }
 }
 

@@ -102,7 +102,14 @@ fn mend(
         task.check()?;
         let join = if is_cut { Join::within_group } else { Join::of };
         match join(slices, problem.zeros, harmonics, top_count) {
-            Join::Whole(known) => return Ok(known),
+            Join::Whole(known) => {
+                // The group may end just at K.
+                let is_cut = match known.entries.last().filter(|_| known.is_cut) {
+                    Some(last) => inertia(problem, last.just_above(), profile)?.1 > known.cluster_end,
+                    None => false,
+                };
+                return Ok(Known { is_cut, ..known });
+            }
             Join::NeedsCount(at) => {
                 top_count = Some(inertia(problem, at, profile)?);
             }

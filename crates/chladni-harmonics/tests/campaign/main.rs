@@ -35,9 +35,9 @@ struct Tally {
     residual: f64,
 }
 
-/// Cases that failed once: runs of a slice that found no pair at all, and a small eigenvalue that was taken
-/// for 0.
-const FOUND: [u64; 4] = [10_000_141, 10_000_900, 10_002_341, 10_025_662];
+/// Cases that failed once: runs of a slice that found no pair at all, a small eigenvalue that was taken for 0, and a group of
+/// equal eigenvalues that was said to be cut though it ended at K.
+const FOUND: [u64; 5] = [10_000_141, 10_000_900, 10_002_341, 10_025_662, 30_060_950];
 
 #[test]
 fn no_certificate_is_wrong_and_no_pair_is_missed() {

@@ -237,7 +237,9 @@ fn bindings_that_find_no_room_are_said() {
     bindings.learn(Some((target, None)));
     assert_eq!(touch(&mut bindings, &knob(7, 127), &parameters), None);
     assert_eq!((bindings.learning(), bindings.list().len()), (Some((target, None)), MOST_BINDINGS));
+    assert!(bindings.is_full());
     bindings.forget(0);
+    assert!(!bindings.is_full());
     assert!(touch(&mut bindings, &knob(7, 127), &parameters).is_some());
     assert_eq!((bindings.learning(), bindings.list().len()), (None, MOST_BINDINGS));
 }

@@ -168,7 +168,14 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let numbered = matches!(target.kind(), Kind::Choice | Kind::Dance);
             let waits = bindings.learning().is_some_and(|(waits, _)| waits == target);
-            let learn = ui.selectable_label(waits, if waits { "Move it …" } else { "Learn" });
+            let learn = match waits {
+                true if bindings.is_full() => {
+                    let tip = "No more controls are kept: forget one, or move one that is bound already";
+                    ui.selectable_label(true, "No room …").on_hover_text(tip)
+                }
+                true => ui.selectable_label(true, "Move it …"),
+                false => ui.selectable_label(false, "Learn"),
+            };
             learn.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::Button, true, waits, format!("Learn {name}"))
             });
