@@ -1,5 +1,7 @@
 //! Writes the small good files that the fuzzer starts from: `cargo run --bin seeds -- seeds` in this folder.
 
+mod meshes;
+
 use std::error::Error;
 use std::fs;
 use std::path::Path;
@@ -14,6 +16,7 @@ use chladni_program::work::{Subject, mask};
 use chladni_sound::{Song, WavSample, wav_bytes};
 use chladni_task::Task;
 use chladni_view::Picture;
+use meshes::NamedSeed;
 
 const OFF: &str = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 const MEDIT: &str = "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n\
@@ -51,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     save("song", "int.wav", &wav_bytes(&song, WavSample::Int16)?)?;
     save("song", "float.wav", &wav_bytes(&song, WavSample::Float32)?)?;
     save("numbers", "mask.npy", &npy_of(&[0.0, 0.25, 1.0])?)?;
-    for (target, name, bytes) in of_the_program()? {
+    for (target, name, bytes) in of_the_program()?.into_iter().chain(meshes::meshes()?) {
         save(target, name, &bytes)?;
     }
     Ok(())
@@ -61,9 +64,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn painted(width: u32, height: u32, color: impl Fn(u32) -> [u8; 4]) -> Picture {
     Picture { width, height, rgba: (0..width * height).flat_map(color).collect() }
 }
-
-/// A target, a name, and what it starts from.
-type NamedSeed = (&'static str, &'static str, Vec<u8>);
 
 /// Pictures, a mask, preferences, command lines and an entry of the cache: each with its target and name.
 fn of_the_program() -> Result<Vec<NamedSeed>, Box<dyn Error>> {
