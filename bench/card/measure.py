@@ -69,7 +69,7 @@ for (model, items, backend), card in of.items():
 lines += [
     "",
     "Films of 8 s of our tune at 30 frames a second (`chladni dance sample:octopus sample:tune`, K = 512, the look aurora), the encoder left out: "
-    "times real time once the song is analyzed and the harmonics are there, and milliseconds a frame:",
+    "times real time once the beats are found and the harmonics are there, and milliseconds a frame:",
     "",
     "| film | size | who draws and deforms | times real time | drawing | synthesis and normals | flash guard |",
     "|" + "---|" * 7,

@@ -127,8 +127,8 @@ def main():
     text = f"""## Films and single pictures without a card
 
 {said}. `{' '.join(['chladni', *DANCE])}`, K = 512, 30 frames a second, medians of {REPEATS['cpu']} on the processor, once by a
-driver of software. *The start left out*: without reading, stance and mirror plane of the shape, and hearing the song, which a longer
-film takes no longer for. The processors' time is that of the whole command by frames, start included; ffmpeg's is its own,
+driver of software. *The start left out*: without reading, stance and mirror plane of the shape, and finding the song's beats, which
+is done once. The processors' time is that of the whole command by frames, start included; ffmpeg's is its own,
 with the change of colors. Made by `bench/draw/films.py`.
 
 {chr(10).join(rows)}

@@ -117,7 +117,7 @@ def caricature(
     ``caricature(basis, ...)`` uses the harmonics of a `Basis`, ``caricature(V, F, ...)`` solves for k of them (at most n).
     The template is "ellipsoid" or "sphere" (fitted), a mesh ``(V2, F2)``, which is matched as `match` does it, or a whole
     number: the shape's own first so many harmonics. ``model`` is "coordinate", "normal" or "distance", the three of the
-    paper.
+    paper. Where a matched mesh is exaggerated, the finest detail is left as it is, since no match is exact there.
     """
     basis = _basis(V, F, k, progress)
     template = tuple(template) if isinstance(template, list) and len(template) == 2 else template

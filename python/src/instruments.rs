@@ -63,14 +63,12 @@ pub fn caricature<'py>(
         }
     };
     let sizes = [mesh.positions.len(), template_mesh.as_ref().map_or(0, |mesh| mesh.positions.len())];
-    let layer = Layer {
-        mu: arrays::number(mu, "mu")?,
-        model,
-        matching: matching::settings(method, landmarks, sizes, seed, false)?,
-        ..Layer::new("caricature", template)
-    };
+    let mut project = Project::new(ShapeSource::File("shape".into()), DEFAULT_HARMONICS);
+    let mu = arrays::number(mu, "mu")?;
+    let matching = matching::settings(method, landmarks, sizes, seed, false)?;
+    let curve = project.usual_curve(&template, matching.method, mu);
+    let layer = Layer { mu, model, matching, curve, ..Layer::new("caricature", template) };
     let moved = work::run(py, progress, |task| {
-        let mut project = Project::new(ShapeSource::File("shape".into()), DEFAULT_HARMONICS);
         project.push(layer)?;
         let mut stack = Stack::new(body.clone())?;
         let mut warnings = Vec::new();

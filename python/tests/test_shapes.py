@@ -62,6 +62,11 @@ def test_a_caricature_exaggerates_what_is_different(pebble):
         for template in ("sphere", 10, (V[:, [1, 0, 2]] * [1, -1, 1.2], F)):
             moved = chladni.caricature(basis, template=template, model=model, method="icp")
             assert moved.shape == V.shape and np.isfinite(moved).all()
+    # Without its finest detail, in which a match is rough; vertices that belong together have no such detail.
+    other = (V * [1, 1, 1.2], F)
+    for method in ("icp", "same"):
+        away, toward = (chladni.caricature(basis, template=other, mu=mu, method=method) - V for mu in (-0.5, 0.5))
+        assert np.allclose(away, -toward, atol=1e-9) == (method == "same")
     pair = (V * 1.1, F)
     assert (chladni.caricature(basis, template=list(pair)) == chladni.caricature(basis, template=pair)).all()
     for bad in (dict(mu=np.nan), dict(mu=1000), dict(model="x"), dict(template="x"), dict(template=-3), dict(F=F)):

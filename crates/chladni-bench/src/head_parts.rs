@@ -110,7 +110,13 @@ fn rank_correlation(pairs: &[(f64, f64)]) -> f64 {
         let mut order: Vec<usize> = (0..pairs.len()).collect();
         order.sort_by(|a, b| value(&pairs[*a]).total_cmp(&value(&pairs[*b])));
         let mut ranks = vec![0.0; pairs.len()];
-        order.iter().enumerate().for_each(|(rank, i)| ranks[*i] = rank as f64);
+        let mut first = 0;
+        for tied in order.chunk_by(|a, b| value(&pairs[*a]) == value(&pairs[*b])) {
+            // Those that are equal share the mean of their ranks.
+            let mean = first as f64 + (tied.len() as f64 - 1.0) / 2.0;
+            tied.iter().for_each(|i| ranks[*i] = mean);
+            first += tied.len();
+        }
         ranks
     };
     let (a, b) = (ranks(|pair| pair.0), ranks(|pair| pair.1));
@@ -118,4 +124,18 @@ fn rank_correlation(pairs: &[(f64, f64)]) -> f64 {
     let product =
         |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - middle) * (b - middle)).sum::<f64>();
     product(&a, &b) / (product(&a, &a) * product(&b, &b)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_values_share_a_rank() {
+        // Whatever their order, ties say nothing: ranks 0.5, 0.5, 2, 3 beside 0, 1, 2, 3.
+        let (a, b) = ([(1.0, 1.0), (1.0, 2.0)], [(2.0, 3.0), (3.0, 4.0)]);
+        let forward = rank_correlation(&[a[0], a[1], b[0], b[1]]);
+        assert!((forward - 0.948_683_298).abs() < 1e-9, "{forward}");
+        assert_eq!(forward, rank_correlation(&[a[1], a[0], b[0], b[1]]));
+    }
 }

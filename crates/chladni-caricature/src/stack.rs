@@ -126,11 +126,15 @@ impl Stack {
         self.matches.push((request, matched.map(Arc::new).map_err(Arc::new)));
     }
 
-    /// Takes over what another stack of the same shape has matched.
+    /// Takes over what another stack of the same shape has matched, in place of matches that failed here. Its own failures
+    /// stay there.
     pub fn learn(&mut self, other: &Self) {
-        let new = other.matches.iter().filter(|(request, _)| self.matched(request).is_none()).cloned();
-        let new: Vec<_> = new.collect();
-        self.matches.extend(new);
+        for (request, found) in other.matches.iter().filter(|(_, found)| found.is_ok()) {
+            if self.matched(request).is_none() {
+                self.forget(request);
+                self.matches.push((request.clone(), found.clone()));
+            }
+        }
     }
 
     /// Forgets a match, so that it is [`missing`](Self::missing) again: its file has changed.

@@ -47,7 +47,7 @@ impl Body {
     /// the one in `settings` is ignored.
     ///
     /// # Errors
-    /// Those of [`build`](Self::build).
+    /// Those of [`build`](Self::build), and an operator of a mesh with another number of vertices.
     pub fn of_operator(
         mesh: &TriMesh,
         operator: &Operator,
@@ -55,6 +55,7 @@ impl Body {
         cache: Option<&BasisCache>,
         task: &Task,
     ) -> Result<(Self, BuildReport), HarmonicsError> {
+        operator.check_belongs_to(mesh)?;
         let settings = BasisSettings { laplacian: operator.laplacian, ..settings.clone() };
         built(mesh, Some(operator), &settings, cache, task)
     }
@@ -259,5 +260,15 @@ mod tests {
         assert_eq!((bare.positions, bare.basis.harmonics()), (made.positions, 0));
         let other = Body::of_basis(&icosphere(1), Basis::clone(&solved.basis)).unwrap_err();
         assert_eq!(other, HarmonicsError::OtherShape { harmonics_of: 162, vertices: 42 });
+        let operator = Operator::of(&icosphere(1)).unwrap();
+        let other = HarmonicsError::OtherShape { harmonics_of: 42, vertices: 162 };
+        let refused = Body::of_operator(&mesh, &operator, &BasisSettings::new(9), None, &task).unwrap_err();
+        assert_eq!(refused, other);
+        #[cfg(not(target_family = "wasm"))]
+        {
+            let ranks = crate::Ranks::here(1);
+            let refused = Body::solve_on_ranks(&mesh, &operator, &BasisSettings::new(9), &ranks, &task);
+            assert_eq!(refused.unwrap_err(), other);
+        }
     }
 }

@@ -113,7 +113,7 @@ impl CacheEntry {
             Err(source) => return Err(CacheError::Unreadable { path: self.path.clone(), source }),
         };
         let length = file.metadata().map(|m| m.len()).unwrap_or(0);
-        let keep = memory::room_for_harmonics(vertices, settings)?;
+        let keep = memory::room_for_harmonics(vertices, 1, settings)?;
         read_entry(&mut file, length, vertices, self.laplacian, keep)
             .map(Some)
             .map_err(|damage| CacheError::Damaged { path: self.path.clone(), damage })

@@ -6,9 +6,10 @@ use chladni_mesh::TriMesh;
 use chladni_mesh::surface::boundary_vertices;
 use chladni_task::Task;
 
+use crate::values::Keep;
 use crate::{
     Basis, BasisSettings, Body, BuildReport, Certificate, HarmonicsError, Operator, Pencil, SymmetricSparse,
-    canonical,
+    Values, canonical, memory,
 };
 
 impl Body {
@@ -45,18 +46,25 @@ impl Body {
         let mass: Vec<f64> = free.iter().map(|v| operator.mass[*v]).collect();
         let positions: Vec<[f64; 3]> = free.iter().map(|v| operator.positions[*v]).collect();
         let choose = |basis: &mut Basis| canonical::choose(basis, &positions, &stiffness);
-        let (inner, report) = Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
-        let mut vectors = vec![0.0; n * inner.harmonics()];
+        // For a moment there are the harmonics of the free vertices and those of all.
+        let clamped = BasisSettings { harmonics: settings.clamped(free.len())?, ..settings.clone() };
+        let keep = memory::room_for_harmonics(n, 2, &clamped)?;
+        let (inner, mut report) = Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
+        if let (Keep::Memory, Some(bytes)) = (keep, memory::free(settings)) {
+            // There are more than K where the last group is whole.
+            memory::check_vectors(n, inner.harmonics(), bytes)?;
+        }
+        let zeros = Values::zeroed(n * inner.harmonics(), keep);
+        let mut vectors = zeros.map_err(|error| keep.refused(&error))?;
+        (report.vertices, report.held) = (n, n - free.len());
+        if report.short_of_memory.is_none() {
+            report.short_of_memory = keep.short_of(1, 1, n, inner.harmonics());
+        }
         for (k, h) in vectors.chunks_exact_mut(n).enumerate() {
             free.iter().zip(inner.harmonic(k)).for_each(|(v, value)| h[*v] = *value);
         }
         let certificate = Certificate { laplacian: settings.laplacian, ..inner.certificate };
-        let basis = Basis {
-            eigenvalues: inner.eigenvalues,
-            vectors: vectors.into(),
-            mass: operator.mass,
-            certificate,
-        };
+        let basis = Basis { eigenvalues: inner.eigenvalues, vectors, mass: operator.mass, certificate };
         let mut body = Self::unsolved(mesh)?;
         body.basis = Arc::new(basis);
         Ok((body, report))

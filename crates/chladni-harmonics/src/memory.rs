@@ -99,22 +99,24 @@ pub(crate) fn room_for_solve<'a>(
     }
 }
 
-/// Where harmonics are kept that were solved elsewhere.
+/// Where harmonics are kept that were solved elsewhere, in this number of `copies` at once.
 pub(crate) fn room_for_harmonics(
     vertices: usize,
+    copies: usize,
     settings: &BasisSettings,
 ) -> Result<Keep<'_>, HarmonicsError> {
     let harmonics = settings.harmonics;
-    let needed = |on_disk| of_harmonics(vertices, harmonics, on_disk);
+    let columns = harmonics.saturating_mul(copies);
+    let needed = |on_disk| of_harmonics(vertices, columns, on_disk);
     match (free(settings), &settings.scratch) {
         (Some(free), Some(folder)) if needed(false) > free && needed(true) <= free => {
-            check_disk(folder, on_disk(vertices, harmonics) / 2)?;
+            check_disk(folder, on_disk(vertices, columns) / 2)?;
             Ok(Keep::Folder(folder))
         }
         (Some(free), scratch) if needed(false) > free => {
             Err(too_large(vertices, harmonics, needed(scratch.is_some()), free))
         }
-        _ => check_promise(vertices, harmonics).map(|()| Keep::Memory),
+        _ => check_promise(vertices, columns).map(|()| Keep::Memory),
     }
 }
 
@@ -210,7 +212,7 @@ mod tests {
         unlimited.memory_bytes = None;
         assert!(room_for_solve(usize::MAX, 1, 1, &unlimited).is_err());
         assert!(check_promise(3, usize::MAX / 8).unwrap_err().to_string().contains("this machine's memory"));
-        assert!(room_for_harmonics(1 << 60, &settings(1 << 10, free, None)).is_err());
+        assert!(room_for_harmonics(1 << 60, 1, &settings(1 << 10, free, None)).is_err());
     }
 
     #[cfg(not(target_family = "wasm"))]
@@ -233,7 +235,8 @@ mod tests {
         let nowhere = folder.path().join("none");
         let settings = settings(k, 6_000_000, Some(&nowhere));
         assert!(matches!(room_for_solve(n, 2, 8, &settings), Err(HarmonicsError::NoScratch { .. })));
-        assert!(matches!(room_for_harmonics(n, &settings), Ok(Keep::Memory)));
+        assert!(matches!(room_for_harmonics(n, 1, &settings), Ok(Keep::Memory)));
+        assert!(matches!(room_for_harmonics(n, 2, &settings), Err(HarmonicsError::NoScratch { .. })));
     }
 
     #[test]

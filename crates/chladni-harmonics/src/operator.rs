@@ -97,14 +97,17 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
     Ok((stiffness, mass))
 }
 
-/// Gives vertices without a triangle a 1 in S and a thousandth of the least area in M, as robust_laplacian does:
-/// they make no difference to others, and the pencil can be solved.
+/// Gives vertices without a triangle, or only with triangles whose corners lie in one place, a 1 in S and a thousandth of
+/// the least area in M, as robust_laplacian does: they make no difference to others, and the pencil can be solved.
 fn fill_unused(stiffness: &mut SymmetricSparse, mass: &mut [f64]) {
     let least = mass.iter().copied().filter(|a| *a > 0.0).fold(f64::INFINITY, f64::min);
     for (v, own) in mass.iter_mut().enumerate().filter(|(_, own)| **own == 0.0) {
         *own = 1e-3 * least;
+        // Only such triangles lead from here to others, with weights of 0.
         let range = stiffness.column_starts[v]..stiffness.column_starts[v + 1];
-        stiffness.values[range].fill(1.0);
+        for (row, value) in stiffness.rows[range.clone()].iter().zip(&mut stiffness.values[range]) {
+            *value = if *row as usize == v { 1.0 } else { 0.0 };
+        }
     }
 }
 
@@ -215,6 +218,17 @@ impl Operator {
             positions: self.positions.clone(),
             triangles: self.triangles.clone(),
             operator_vertex: self.operator_vertex.clone(),
+        }
+    }
+
+    /// Refuses a mesh that this cannot be the operator of.
+    pub(crate) fn check_belongs_to(&self, mesh: &TriMesh) -> Result<(), HarmonicsError> {
+        check_mesh(mesh)?;
+        let (harmonics_of, vertices) = (self.operator_vertex.len(), mesh.positions.len());
+        if harmonics_of == vertices {
+            Ok(())
+        } else {
+            Err(HarmonicsError::OtherShape { harmonics_of, vertices })
         }
     }
 

@@ -9,8 +9,10 @@ use crate::Certificate;
 pub struct BuildReport {
     /// K as requested.
     pub asked: usize,
-    /// N, the number of operator vertices, which is also the largest possible K.
+    /// N, the number of operator vertices. No K is larger than that less `held`.
     pub vertices: usize,
+    /// The number of them on a held border, where all harmonics are 0; 0 without one.
+    pub held: usize,
     /// Whether the basis was read from the cache.
     pub cached: bool,
     /// Wall-clock times.
@@ -31,8 +33,12 @@ pub struct BuildReport {
 impl BuildReport {
     /// The warnings that users of the basis should see; `certificate` is that of the basis.
     pub fn warnings(&self, certificate: &Certificate) -> Vec<BasisWarning> {
-        let Self { asked, vertices, .. } = *self;
-        let fewer = (asked > vertices).then_some(BasisWarning::FewerHarmonics { asked, vertices });
+        let Self { asked, vertices, held, .. } = *self;
+        let free = vertices.saturating_sub(held);
+        let fewer = (asked > free).then_some(match held {
+            0 => BasisWarning::FewerHarmonics { asked, vertices },
+            _ => BasisWarning::HeldBorder { asked, vertices, free },
+        });
         let cache = self.cache_warning.clone().map(BasisWarning::Cache);
         let short = self.short_of_memory.clone().map(BasisWarning::ShortOfMemory);
         let imprecise = certificate.warning().map(BasisWarning::Imprecise);
@@ -50,6 +56,16 @@ pub enum BasisWarning {
         asked: usize,
         /// N, which is K of the result.
         vertices: usize,
+    },
+    /// K was larger than the number of vertices that are not on the held border.
+    #[error("has {free} vertices off its held border, of {vertices}; {free} harmonics instead of {asked}")]
+    HeldBorder {
+        /// K as requested.
+        asked: usize,
+        /// N.
+        vertices: usize,
+        /// The number of vertices that are not held, which is K of the result.
+        free: usize,
     },
     /// The cache could not be used or written.
     #[error("{0}")]

@@ -1,13 +1,15 @@
 //! Long arrays in memory, or in a file where memory has no room for them.
 #![allow(unsafe_code, reason = "mapping a file, for which there is no safe interface")]
 
+#[cfg(not(target_family = "wasm"))]
+use std::fs::File;
 use std::io;
 use std::ops::{Deref, DerefMut};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bytemuck::Pod;
 
-use crate::pages;
+use crate::{HarmonicsError, pages};
 
 /// Where large arrays are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +32,14 @@ enum Place<T> {
         len: usize,
         of: std::marker::PhantomData<T>,
     },
+}
+
+impl Keep<'_> {
+    /// The error of values that could not be kept here.
+    pub(crate) fn refused(self, error: &io::Error) -> HarmonicsError {
+        let folder = if let Keep::Folder(folder) = self { folder.to_owned() } else { PathBuf::new() };
+        HarmonicsError::NoScratch { folder, reason: error.to_string() }
+    }
 }
 
 impl<T: Pod> Values<T> {
@@ -89,28 +99,66 @@ impl<T: Pod> Values<T> {
 /// A nameless file of `bytes` zeros in `folder`, with all of its blocks allocated: if a block were missing, writing
 /// to the mapped file would end the program.
 #[cfg(not(target_family = "wasm"))]
-fn file_of(folder: &Path, bytes: u64) -> io::Result<std::fs::File> {
+fn file_of(folder: &Path, bytes: u64) -> io::Result<File> {
     let mut file = tempfile::tempfile_in(folder)?;
-    #[cfg(target_os = "linux")]
-    {
-        use std::os::fd::AsRawFd;
-        let length = i64::try_from(bytes).map_err(io::Error::other)?;
-        // SAFETY: the descriptor is open, and the call only changes the file.
-        match unsafe { libc::posix_fallocate(file.as_raw_fd(), 0, length) } {
-            0 => return Ok(file),
-            // The file system cannot allocate ahead.
-            libc::EOPNOTSUPP | libc::EINVAL => {}
-            error => return Err(io::Error::from_raw_os_error(error)),
-        }
+    if !allocated(&file, bytes)? {
+        io::copy(&mut io::Read::take(io::repeat(0), bytes), &mut file)?;
     }
-    io::copy(&mut io::Read::take(io::repeat(0), bytes), &mut file)?;
     Ok(file)
 }
 
+/// Allocates `bytes` of a file without writing them; false where the file system cannot, and nothing was done. (The C
+/// library's `posix_fallocate` would then write all of them.)
+#[cfg(target_os = "linux")]
+fn allocated(file: &File, bytes: u64) -> io::Result<bool> {
+    use std::os::fd::AsRawFd;
+    let length = libc::off_t::try_from(bytes).map_err(io::Error::other)?;
+    loop {
+        // SAFETY: the descriptor is open, and the call only changes the file.
+        if unsafe { libc::fallocate(file.as_raw_fd(), 0, 0, length) } == 0 {
+            return Ok(true);
+        }
+        let error = io::Error::last_os_error();
+        match error.raw_os_error() {
+            Some(libc::EINTR) => {}
+            Some(libc::EOPNOTSUPP | libc::ENOSYS) => return Ok(false),
+            _ => return Err(error),
+        }
+    }
+}
+
+#[cfg(not(any(target_os = "linux", target_family = "wasm")))]
+fn allocated(_: &File, _: u64) -> io::Result<bool> {
+    Ok(false)
+}
+
 /// Fails if `folder` cannot take `bytes`, where the system can tell without writing them.
-#[cfg(not(target_family = "wasm"))]
+#[cfg(target_os = "linux")]
 pub(crate) fn check_folder(folder: &Path, bytes: u64) -> io::Result<()> {
-    if cfg!(target_os = "linux") { file_of(folder, bytes).map(drop) } else { Ok(()) }
+    let file = tempfile::tempfile_in(folder)?;
+    if allocated(&file, bytes)? || free_bytes(&file)? >= u128::from(bytes) {
+        return Ok(());
+    }
+    Err(io::ErrorKind::StorageFull.into())
+}
+
+/// The bytes that the file system of an open file has for this user.
+#[cfg(target_os = "linux")]
+fn free_bytes(file: &File) -> io::Result<u128> {
+    use std::os::fd::AsRawFd;
+    let mut about = std::mem::MaybeUninit::<libc::statvfs>::uninit();
+    // SAFETY: the descriptor is open, and the call writes no more than the structure.
+    if unsafe { libc::fstatvfs(file.as_raw_fd(), about.as_mut_ptr()) } != 0 {
+        return Err(io::Error::last_os_error());
+    }
+    // SAFETY: the call has succeeded, so that the structure is filled.
+    let about = unsafe { about.assume_init() };
+    Ok(u128::from(about.f_bavail) * u128::from(about.f_frsize))
+}
+
+#[cfg(not(any(target_os = "linux", target_family = "wasm")))]
+pub(crate) fn check_folder(_: &Path, _: u64) -> io::Result<()> {
+    Ok(())
 }
 
 #[cfg(target_family = "wasm")]
@@ -211,5 +259,10 @@ mod tests {
         assert!(Values::<f64>::zeroed(len, Keep::Folder(&folder.path().join("none"))).is_err());
         assert!(check_folder(folder.path(), 1 << 20).is_ok());
         assert!(!cfg!(target_os = "linux") || check_folder(folder.path(), 1 << 60).is_err());
+        #[cfg(target_os = "linux")]
+        {
+            let free = free_bytes(&tempfile::tempfile_in(folder.path()).unwrap()).unwrap();
+            assert!(free > 1 << 20 && free < 1 << 60, "{free}");
+        }
     }
 }

@@ -4,7 +4,9 @@
 
 use std::f64::consts::PI;
 
-use chladni_harmonics::{BasisSettings, Body, Pencil, mesh_laplacian, point_cloud_laplacian};
+use chladni_harmonics::{
+    BasisSettings, BasisWarning, Body, HarmonicsError, Pencil, mesh_laplacian, point_cloud_laplacian,
+};
 use chladni_mesh::{TriMesh, samples};
 use chladni_task::Task;
 
@@ -84,8 +86,45 @@ fn a_closed_surface_has_no_border_to_hold_and_one_triangle_nothing_else() {
         triangles: vec![[0, 1, 2]],
         ..TriMesh::default()
     };
+    // More harmonics than vertices off the border.
+    let grid = samples::grid_square(5);
+    let (body, report) = Body::with_held_border(&grid, &BasisSettings::new(100), &Task::new()).unwrap();
+    let free = body.basis.harmonics();
+    assert_eq!((report.vertices, report.vertices - report.held), (grid.positions.len(), free));
+    let warning = BasisWarning::HeldBorder { asked: 100, vertices: report.vertices, free };
+    assert!(report.warnings(&body.basis.certificate).contains(&warning), "{report:?}");
     let refused = Body::with_held_border(&triangle, &settings, &Task::new()).unwrap_err();
     assert!(refused.to_string().contains("border"), "{refused}");
+}
+
+/// The harmonics of all vertices stand beside those of the free ones for a moment.
+#[test]
+fn a_held_surface_keeps_its_harmonics_where_there_is_room() {
+    let (mesh, task, folder) = (rectangle(31), Task::new(), tempfile::tempdir().unwrap());
+    let n = mesh.positions.len() as u64;
+    let usual = BasisSettings { threads: Some(1), ..BasisSettings::new(600) };
+    let in_memory = Body::with_held_border(&mesh, &usual, &task).unwrap().0;
+    // One copy fits beside the solver's own memory, two do not.
+    let short = BasisSettings { memory_bytes: Some(10_000 * n), ..usual };
+    let refused = Body::with_held_border(&mesh, &short, &task).unwrap_err();
+    assert!(matches!(refused, HarmonicsError::TooMany { .. }), "{refused}");
+    let scratch = BasisSettings { scratch: Some(folder.path().to_owned()), ..short };
+    let (on_disk, report) = Body::with_held_border(&mesh, &scratch, &task).unwrap();
+    assert!(!on_disk.basis.vectors.is_in_memory() && report.short_of_memory.is_some());
+    assert!(on_disk.basis.vectors == in_memory.basis.vectors);
+}
+
+/// The corners of one triangle lie in one place, where a corner of another is.
+#[test]
+fn a_triangle_without_extent_leaves_numbers_where_nothing_is_mollified() {
+    let mut mesh = rectangle(4);
+    let n = mesh.positions.len() as u32;
+    mesh.positions.extend([mesh.positions[0]; 2]);
+    mesh.triangles.push([0, n, n + 1]);
+    let (stiffness, mass) = mesh_laplacian(&mesh, 0.0).unwrap();
+    assert!(mass.iter().all(|a| *a > 0.0) && stiffness.values.iter().all(|x| x.is_finite()));
+    assert!((mass.iter().sum::<f64>() - 2.0).abs() < 1e-3);
+    Pencil::new(&stiffness, &mass).unwrap().solve(&BasisSettings::new(5), &Task::new()).unwrap();
 }
 
 /// λ = l (l + 1), 2 l + 1 times, on the unit sphere.

@@ -19,6 +19,8 @@ use crate::{MatchError, Scaling, Side, Similarity};
 
 /// Sweeps of the relaxation.
 const SWEEPS: usize = 40;
+/// More landmarks are refused: the flow factors a dense matrix of twice as many rows at each of its steps.
+const MOST_LANDMARKS: usize = 2000;
 
 /// For each welded vertex of the shape a point of the template and a confidence; and the pose that fits all
 /// pairs.
@@ -103,7 +105,7 @@ impl Domain<'_> {
     }
 }
 
-/// Computes the map from three or more `landmarks`. `scale` is the scale of the pose, if it is not to be
+/// Computes the map from three to [`MOST_LANDMARKS`] `landmarks`. `scale` is the scale of the pose, if it is not to be
 /// fitted.
 pub(crate) fn crossmap(
     shape: &UnitSurface,
@@ -119,6 +121,13 @@ pub(crate) fn crossmap(
         .collect();
     if pins.len() < 3 {
         return Err(MatchError::TooFewLandmarks(pins.len()));
+    }
+    if pins.len() > MOST_LANDMARKS {
+        return Err(MatchError::Parameter {
+            name: "the number of landmarks of a map",
+            range: "at most 2000 (a fit takes any number)",
+            value: pins.len() as f64,
+        });
     }
     let users = pins.len();
     // If both surfaces are open, their largest holes are matched with each other.

@@ -11,7 +11,8 @@ use crate::{
 ///
 /// Each of the others is brought to the first by the similarity between paired points, weighted by
 /// confidence, for every matching method. Each vertex of the first is then averaged with its points on all
-/// of them. Where a match is not trusted, the difference is filled in from its surroundings ([`infilled`]).
+/// of them. Where a match is not trusted, the difference is filled in from its surroundings ([`infilled`]). A vertex that no
+/// triangle uses, and that has no partner, stays where it is.
 pub struct MeanShape<'a> {
     first: &'a TriMesh,
     sum: Vec<[f64; 3]>,
@@ -40,7 +41,15 @@ impl<'a> MeanShape<'a> {
         let similarity = Similarity::fit(&point, &self.first.positions, Some(&confidence), settings.scaling)?;
         let moved = point.into_iter().map(|p| similarity.apply(p)).collect();
         let direct = Correspondence::direct(moved, confidence);
-        let target = infilled(self.first, &direct)?.map_or(direct.target, |filled| filled.target);
+        let mut target = infilled(self.first, &direct)?.map_or(direct.target, |filled| filled.target);
+        let mut used = vec![false; target.len()];
+        self.first.triangles.as_flattened().iter().for_each(|v| used[*v as usize] = true);
+        for (v, own) in self.first.positions.iter().enumerate() {
+            // The closest point means nothing for a vertex off the surface.
+            if !used[v] && direct.confidence[v] == 0.0 {
+                target[v] = *own;
+            }
+        }
         for (sum, point) in self.sum.iter_mut().flatten().zip(target.iter().flatten()) {
             *sum += point;
         }
@@ -81,6 +90,21 @@ mod tests {
         for (found, known) in mean.positions().iter().flatten().zip(plain.positions.iter().flatten()) {
             assert!((found - known).abs() < 1e-9, "{found} {known}");
         }
+    }
+
+    #[test]
+    fn a_vertex_off_the_surface_stays_where_it_is() {
+        let mut first = torus(0.4, 24, 12);
+        let other = TriMesh {
+            positions: first.positions.iter().map(|[x, y, z]| [1.1 * x, *y, *z]).collect(),
+            ..first.clone()
+        };
+        first.positions.push([5.0, 6.0, 7.0]);
+        let settings = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
+        let mut mean = MeanShape::of(&first);
+        mean.add(&other, &settings, &Task::new()).unwrap();
+        assert_eq!(mean.positions().last(), Some(&[5.0, 6.0, 7.0]));
+        assert_ne!(mean.positions()[0], first.positions[0]);
     }
 
     /// Separate meshes, whose width is linear in its slider: the mean of broad and narrow is the plain

@@ -211,6 +211,11 @@ fn landmarks_that_are_not_there_are_named() {
     }
     let few = match_shapes(&shape, &shape, &settings(Method::Map), &Task::new());
     assert_eq!(few, Err(MatchError::TooFewLandmarks(0)));
+    let shape = samples::icosphere(4);
+    let landmarks = (0..2001).map(|v| Landmark { shape: v, template: v }).collect();
+    let many = MatchSettings { landmarks, ..settings(Method::Map) };
+    let refused = match_shapes(&shape, &shape, &many, &Task::new()).unwrap_err().to_string();
+    assert!(refused.contains("at most 2000") && refused.ends_with("not 2001"), "{refused}");
 }
 
 #[test]

@@ -57,6 +57,8 @@ pub struct Material {
     pub base_color: [f32; 4],
     /// A picture in texture coordinates.
     pub base_color_texture: Option<Texture>,
+    /// The options before the picture's name in an OBJ's material library, such as `-s 2 2 1`, for its export.
+    pub texture_options: String,
     /// An OBJ material's other statements, line by line, for its export.
     pub other_statements: Vec<String>,
 }
@@ -68,6 +70,7 @@ impl Material {
             name: name.to_owned(),
             base_color: [1.0; 4],
             base_color_texture: None,
+            texture_options: String::new(),
             other_statements: Vec::new(),
         }
     }

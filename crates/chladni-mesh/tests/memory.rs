@@ -130,7 +130,27 @@ fn gltf_files() -> Vec<File> {
         ("extras", with_node("extras", "0,")),
         ("materials", with_node("materials", "{},")),
         ("images", with_node("images", "{},")),
+        ("images of one picture", images_of_one_picture()),
     ]
+}
+
+/// A triangle, and as many images as materials, all with the bytes of the same bufferView.
+fn images_of_one_picture() -> Vec<u8> {
+    let (count, bytes) = (2000, 99_999);
+    // The first bytes of a PNG, then zeros.
+    let picture = format!("iVBORw0KGgoA{}", "A".repeat(bytes / 3 * 4 - 12));
+    let rows = |row: &str| (0..count).map(|i| row.replace('#', &i.to_string())).collect::<Vec<_>>().join(",");
+    let images = rows(r#"{"bufferView":0}"#);
+    let textures = rows(r##"{"source":#}"##);
+    let materials = rows(r##"{"pbrMetallicRoughness":{"baseColorTexture":{"index":#}}}"##);
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"componentType":5126,"count":3,"type":"VEC3"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":{bytes}}}],"buffers":[{{"byteLength":{bytes},
+        "uri":"data:application/octet-stream;base64,{picture}"}}],
+        "images":[{images}],"textures":[{textures}],"materials":[{materials}]}}"#
+    )
+    .into_bytes()
 }
 
 #[test]

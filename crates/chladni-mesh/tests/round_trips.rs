@@ -259,6 +259,13 @@ fn what_does_not_belong_together_is_not_written() {
     mesh.triangles[0][0] = 4;
     assert!(write_mesh(&mesh, Format::Ply).is_err());
     let mut mesh = dressed();
+    for x in [f64::NAN, f64::INFINITY, -1.1e75] {
+        mesh.positions[0][0] = x;
+        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Glb] {
+            let refused = write_mesh(&mesh, format).unwrap_err().to_string();
+            assert!(refused.contains("coordinate"), "{format}: {refused}");
+        }
+    }
     mesh.positions[0][0] = 1e60;
     assert!(write_mesh(&mesh, Format::Obj).is_ok());
     assert!(write_mesh(&mesh, Format::Stl).is_err());
@@ -290,6 +297,23 @@ fn materials_stay_apart_in_obj_whatever_they_are_called() {
         let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(apart < 1e-5, "triangle {i}: {found:?} for {expected:?}");
     }
+}
+
+/// Each material's primitive names all vertices; together they are more than a file may have.
+#[test]
+fn a_glb_of_many_vertices_and_materials_is_read_back() {
+    let (n, count) = (100_000, 170);
+    let positions = (0..n).map(|v| [f64::from(v), f64::from(v % 2), 0.0]).collect();
+    let triangles = (0..count).map(|t| [t, t + 1, t + 2]).collect();
+    let materials = (0..count).map(|i| Material::named(&format!("part {i}"))).collect();
+    let face_materials = (0..count).map(Some).collect();
+    let uvs = CornerUvs { points: vec![[0.25, 0.5]; 3], corners: [0, 1, 2].repeat(count as usize) };
+    let appearance = Appearance { materials, face_materials, uvs: Some(uvs), ..Appearance::default() };
+    let mesh = TriMesh { positions, triangles, appearance };
+    let back = round_trip(&mesh, Format::Glb);
+    assert!(back.positions == mesh.positions && back.triangles == mesh.triangles);
+    assert_eq!(back.triangle_materials(), mesh.triangle_materials());
+    assert_eq!(back.triangle_uvs(), mesh.triangle_uvs());
 }
 
 #[test]

@@ -133,11 +133,7 @@ impl Autopilot {
     fn turn(&mut self, at_secs: f64) -> Option<Turn> {
         let count = self.turns.len() as u64;
         let dance = self.choose(at_secs, hash(self.seed, 4 * count))?;
-        let before = self.turns.last().map(|turn| turn.look);
-        let others = self.looks - usize::from(before.is_some() && self.looks > 1);
-        let look = (hash(self.seed, 4 * count + 1) % others.max(1) as u64) as usize;
-        // Never the same look twice in a row.
-        let look = look + usize::from(self.looks > 1 && before.is_some_and(|before| look >= before));
+        let look = self.choose_look(hash(self.seed, 4 * count + 1));
         self.turns.push(Turn { dance, look, gain: 0.8 + 0.4 * self.energy.clamp(0.0, 1.0) });
         self.shown = self.turns.len() - 1;
         self.begin(at_secs)
@@ -148,6 +144,19 @@ impl Autopilot {
         (self.since_secs, self.bars) = (at_secs, 0);
         *self.danced_secs.get_mut(turn.dance)? = Some(at_secs);
         Some(turn)
+    }
+
+    /// Never the same look twice in a row: neither as that which is shown, nor as that of the last turn, which comes
+    /// next after a step back.
+    fn choose_look(&self, draw: u64) -> usize {
+        let before = [self.shown(), self.turns.last().copied()].map(|turn| turn.map(|turn| turn.look));
+        let without = |looks: &[Option<usize>]| -> Vec<usize> {
+            (0..self.looks).filter(|look| !looks.contains(&Some(*look))).collect()
+        };
+        // Two looks can only take turns, and one has no other.
+        let others = [&before[..], &before[..1]].into_iter().map(without).find(|others| !others.is_empty());
+        let others = others.unwrap_or_else(|| without(&[]));
+        others.get((draw % others.len().max(1) as u64) as usize).copied().unwrap_or(0)
     }
 
     fn choose(&self, at_secs: f64, draw: u64) -> Option<usize> {
@@ -212,6 +221,19 @@ mod tests {
         let other = counts[3..].iter().sum::<u32>() as f32 / 41.0;
         assert!(favorite > 1.1 * other, "{favorite} {other}");
         assert!(counts.iter().all(|count| *count > 10), "{counts:?}");
+    }
+
+    #[test]
+    fn after_a_step_back_the_next_look_is_neither_that_shown_nor_the_last() {
+        for (looks, seed) in [1, 2, 3, 6].into_iter().flat_map(|looks| (0..40).map(move |seed| (looks, seed)))
+        {
+            let mut autopilot = Autopilot::new(seed, candidates(), looks);
+            let turns: Vec<Turn> = (0..80).filter_map(|i| autopilot.hear(bar(i))).collect();
+            let back = (0..3).filter_map(|i| autopilot.step(160.0 + f64::from(i), false)).last().unwrap();
+            let next = (81..120).find_map(|i| autopilot.hear(bar(i))).unwrap();
+            assert!(looks == 1 || next.look != back.look, "seed {seed}: {looks} looks");
+            assert!(looks < 3 || turns.last().unwrap().look != next.look, "seed {seed}: {looks} looks");
+        }
     }
 
     #[test]

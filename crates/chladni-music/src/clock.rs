@@ -8,6 +8,11 @@ pub const TICKS_PER_QUARTER: f64 = 24.0;
 pub enum ClockMessage {
     /// One of [`TICKS_PER_QUARTER`].
     Tick,
+    /// Ticks that came here but could not be kept, between the tick that was heard last and the next one.
+    Lost {
+        /// How many.
+        ticks: u32,
+    },
     /// The next tick begins the song.
     Start,
     /// The next tick goes on where the song stopped.

@@ -105,7 +105,7 @@ fn pick<T: Copy + PartialEq>(choices: &[(&str, T)], now: T, which: &Which) -> Op
 /// The cue of an OSC message to one of the instrument's own addresses, which needs no binding.
 /// `/chladni/NAME VALUE` is [`setting`] for knobs, switches, form, choir and harmonics. For other targets
 /// the value says which one: a level in [0, 1], a number from 1, or a name; `/chladni/NAME/WHICH` means the
-/// same. A button is pressed by a message without a value, and a value of 0 releases it.
+/// same; numbers below 1 are none. A button is pressed by a message without a value, and a value of 0 releases it.
 pub fn osc_cue(
     address: &str,
     value: Option<f32>,
@@ -136,9 +136,11 @@ pub fn osc_cue(
             Err(_) => Which::Name(text.to_owned()),
         },
         (_, _, Some(0.0)) => return None,
-        (Kind::Choice | Kind::Dance, None, Some(value)) if value >= 1.0 => {
-            Which::Number(value.round() as u32)
-        }
+        (Kind::Choice | Kind::Dance, None, Some(value)) => match value.round() {
+            number if number >= 1.0 => Which::Number(number as u32),
+            // Each step of a fader would press.
+            _ => return None,
+        },
         _ => Which::Press,
     };
     Cue::of(target, which, parameters)
@@ -209,6 +211,15 @@ mod tests {
         assert_eq!(cue("/chladni/look", None), ask(Target::Look, Which::Press));
         assert_eq!(cue("/chladni/choose", Some(3.0)), ask(Target::Choose, Which::Number(3)));
         assert_eq!(cue("/chladni/choose", Some(0.0)), None);
+        for below in [-1.0, -0.0, 0.31, 0.32, 0.49] {
+            assert_eq!(
+                (cue("/chladni/song", Some(below)), cue("/chladni/choose", Some(below))),
+                (None, None)
+            );
+        }
+        assert_eq!(cue("/chladni/song", Some(0.9)), ask(Target::Song, Which::Number(1)));
+        assert_eq!(cue("/chladni/song", None), ask(Target::Song, Which::Press));
+        assert_eq!(cue("/chladni/breed", Some(0.31)), Some(Cue::Do(Action::Breed)));
         assert_eq!(cue("/chladni/crossfade", Some(7.0)), ask(Target::Crossfade, Which::Level(1.0)));
         assert_eq!(cue("/chladni/crossfade", None), None);
         assert_eq!(cue("/chladni/blackout/7", Some(0.0)), None);

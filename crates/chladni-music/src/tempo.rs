@@ -81,6 +81,7 @@ impl Tempo {
         }
         match message {
             ClockMessage::Tick => self.tick(at_secs),
+            ClockMessage::Lost { ticks } => self.skip(ticks),
             ClockMessage::Start => self.jump(0.0, at_secs),
             ClockMessage::Continue => {
                 self.runs = true;
@@ -209,6 +210,15 @@ impl Tempo {
         }
     }
 
+    /// Counts ticks whose times are unknown: the tempo stays the previous one until enough ticks are heard.
+    fn skip(&mut self, ticks: u32) {
+        if self.runs {
+            self.position += f64::from(ticks) / TICKS_PER_QUARTER;
+        }
+        // A line through the ticks on both sides of the gap would be too flat.
+        self.ticks.secs.clear();
+    }
+
     fn stop(&mut self, at_secs: f64) {
         if let Some(grid) = self.grid.filter(|_| self.runs) {
             // Stops at the tick that was heard last, or at the current count if there were no ticks.
@@ -244,7 +254,7 @@ impl Tempo {
         self.beats.add(at_secs);
         // The first beat of its song, or the nearest quarter if a clock is ticking.
         let quarters = self.grid.map_or(0.0, |grid| grid.at(at_secs));
-        let place = f64::from(in_bar.unwrap_or(1) - 1).rem_euclid(QUARTERS_PER_BAR);
+        let place = f64::from(in_bar.unwrap_or(1).saturating_sub(1)).rem_euclid(QUARTERS_PER_BAR);
         let whole = match in_bar {
             Some(_) => ((quarters - place) / QUARTERS_PER_BAR).round() * QUARTERS_PER_BAR + place,
             None => quarters.round(),

@@ -9,6 +9,11 @@ use realfft::{RealFftPlanner, RealToComplex};
 /// overflow.
 pub(crate) const LOUDEST: f32 = 1e6;
 
+/// The sample, or silence where it is NaN or louder than [`LOUDEST`].
+pub(crate) fn sounding(sample: f32) -> f32 {
+    if sample.abs() <= LOUDEST { sample } else { 0.0 }
+}
+
 /// The transform of real samples under a Hann window.
 pub(crate) struct WindowedFft {
     fft: Arc<dyn RealToComplex<f32>>,
@@ -51,7 +56,7 @@ impl WindowedFft {
         self.samples[..n - have].fill(0.0);
         let tail = self.samples[n - have..].iter_mut().zip(&self.window[n - have..]);
         for ((sample, w), x) in tail.zip(&heard[heard.len() - have..]) {
-            *sample = if x.abs() <= LOUDEST { w * x } else { 0.0 };
+            *sample = w * sounding(*x);
         }
         let done = self.fft.process_with_scratch(&mut self.samples, bins, &mut self.scratch);
         debug_assert!(done.is_ok(), "the buffers were made by this plan");

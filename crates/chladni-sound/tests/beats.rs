@@ -82,6 +82,29 @@ fn a_listener_does_not_know_what_comes() {
 }
 
 #[test]
+fn beats_and_bars_do_not_depend_on_how_much_sound_comes_at_once() {
+    let tune = sample_tune();
+    let frames = tune.frames().min(25 * tune.rate_hz as usize);
+    let heard = |block: usize| {
+        let mut follower = BeatFollower::new(tune.rate_hz).unwrap();
+        let (mut beats, mut bars) = (Vec::new(), Vec::new());
+        for (left, right) in tune.left[..frames].chunks(block).zip(tune.right[..frames].chunks(block)) {
+            follower.push(left, right);
+            beats.extend(std::iter::from_fn(|| follower.take_beat()));
+            bars.extend(std::iter::from_fn(|| follower.take_bar()));
+        }
+        (beats, bars)
+    };
+    let block = tune.rate_hz as usize / 100;
+    let (beats, bars) = heard(block);
+    assert!(beats.len() > 12 && bars.len() > 2, "{} beats, {} bars", beats.len(), bars.len());
+    // Frames of 250 ms and of 2 s.
+    for blocks in [25, 200] {
+        assert!(heard(blocks * block) == (beats.clone(), bars.clone()), "{blocks} blocks at once");
+    }
+}
+
+#[test]
 fn nothing_has_no_beat() {
     let silence = Song { rate_hz: 44_100, left: vec![0.0; 200_000], right: vec![0.0; 200_000] };
     let empty = Song { rate_hz: 44_100, left: Vec::new(), right: Vec::new() };

@@ -59,6 +59,7 @@ impl Finish {
         let since_secs = before_secs.map_or(0.0, |before| at_secs - before);
         // There are no trails after a pause or a jump, or if no time has passed.
         let follows = since_secs > 0.0 && since_secs < LONGEST_SECS && self.trail_secs > 0.0;
+        let fade = if follows { (FADE_PER_SEC * since_secs).max(LEAST_FADE) as f32 } else { 0.0 };
         let since_secs = since_secs as f32;
         let left = if follows { (-since_secs / self.trail_secs).exp() } else { 0.0 };
         let shrink = if follows { (-self.trail_growth * since_secs).exp() } else { 1.0 };
@@ -70,13 +71,20 @@ impl Finish {
             grain: self.grain.clamp(0.0, 1.0),
             moment: (at_secs * 24.0).floor() as i64 as u32,
             step: step(height),
-            padding: [0; 2],
+            fade,
+            padding: 0,
         }
     }
 }
 
 /// Pictures farther apart than this leave no trails.
 const LONGEST_SECS: f64 = 0.5;
+
+/// Trails lose this many 255ths a second besides their share: a share of a small number is rounded to the same number, so
+/// that they would never end.
+const FADE_PER_SEC: f64 = 42.0;
+/// And at least this many a picture, of which rounding leaves one.
+const LEAST_FADE: f64 = 0.51;
 
 /// How many pixels wide a pixel of the small picture is, on which light spreads and which has about 180 rows.
 pub(crate) fn step(height: u32) -> u32 {
@@ -96,7 +104,9 @@ pub(crate) struct FinishUniform {
     pub(crate) grain: f32,
     pub(crate) moment: u32,
     pub(crate) step: u32,
-    pub(crate) padding: [u32; 2],
+    /// The 255ths that trails lose besides, in this picture.
+    pub(crate) fade: f32,
+    pub(crate) padding: u32,
 }
 
 /// How light spreads along a row of the small picture: a Gaussian with a deviation of two pixels.
@@ -125,6 +135,12 @@ mod tests {
             let [light, size] = left(fps);
             assert!((light - (-1.0f32).exp()).abs() < 1e-3, "{fps}: {light}");
             assert!((size - (-0.06f32).exp()).abs() < 1e-3, "{fps}: {size}");
+        }
+        // What they lose besides is the same in a second as well, and at 60 pictures the number that it always was.
+        let fade = |fps: u32| finish.uniform([4, 4], 7.0 + 1.0 / f64::from(fps), Some(7.0)).fade;
+        assert_eq!((fade(60), fade(240)), (0.7, 0.51));
+        for fps in [10, 24, 30, 60] {
+            assert!((fps as f32 * fade(fps) - 42.0).abs() < 1e-3, "{fps}: {}", fade(fps));
         }
         for before in [None, Some(1.0), Some(2.0), Some(0.2)] {
             assert_eq!(finish.uniform([4, 4], 1.0, before).trail, [0.0, 1.0], "{before:?}");

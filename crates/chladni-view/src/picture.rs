@@ -139,12 +139,23 @@ impl Picture {
     }
 }
 
-/// A PNG, JPEG or Radiance HDR file, and whether its numbers are linear light.
+/// The largest picture that is decoded, in pixels.
+const MOST_PIXELS: u64 = 64 << 20;
+
+/// A PNG, JPEG or Radiance HDR file of 64 megapixels at most, and whether its numbers are linear light.
 pub(crate) fn read(bytes: &[u8]) -> Result<(image::DynamicImage, bool), ViewError> {
     let failed = |error: &dyn std::fmt::Display| ViewError::Image(error.to_string());
-    let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|error| failed(&error))?;
+    let open = || {
+        image::ImageReader::new(std::io::Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| failed(&error))
+    };
+    let (width, height) = open()?.into_dimensions().map_err(|error| failed(&error))?;
+    // The decoder's limit counts the bytes of the file's own colors; four channels of a gray picture take more.
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(ViewError::Image(format!("{width} × {height} pixels are more than 64 megapixels")));
+    }
+    let mut reader = open()?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(16_384);
     limits.max_image_height = Some(16_384);
@@ -166,4 +177,33 @@ fn over(above: [u8; 4], below: [u8; 4]) -> [u8; 4] {
         ((sum + alpha / 2) / alpha) as u8
     };
     [mix(0), mix(1), mix(2), ((alpha + 127) / 255) as u8]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Panorama;
+
+    /// The beginning of a gray PNG.
+    fn gray(width: u32, height: u32) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Grayscale);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_chunk(png::chunk::IDAT, &[]).unwrap();
+        drop(writer);
+        bytes
+    }
+
+    #[test]
+    fn a_picture_of_more_than_64_megapixels_is_refused_before_it_takes_memory() {
+        for (size, too_large) in [([16_384, 16_384], true), ([8192, 8193], true), ([8192, 8192], false)] {
+            let bytes = gray(size[0], size[1]);
+            for error in [Picture::decode(&bytes).map(drop), Panorama::decode(&bytes).map(drop)] {
+                // The allowed one has no pixels.
+                let error = error.unwrap_err().to_string();
+                assert_eq!(error.contains("64 megapixels"), too_large, "{size:?}: {error}");
+            }
+        }
+    }
 }

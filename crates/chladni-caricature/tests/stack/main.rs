@@ -166,6 +166,25 @@ fn off_solo_waiting_and_failed_layers_leave_the_shape_alone() {
 }
 
 #[test]
+fn a_match_made_elsewhere_takes_the_place_of_one_that_failed() {
+    let (mesh, mut stack) = stack();
+    let body = stack.body().clone();
+    let matching = MatchSettings { method: Method::Same, ..MatchSettings::default() };
+    let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+    project.push(Layer { matching, ..Layer::new("same", Template::File("absent.obj".into())) }).unwrap();
+    let request = stack.missing(&project).remove(0);
+    let (mut other, mut third) = (stack.clone(), stack.clone());
+    stack.install(request.clone(), request.run(&mesh, &body, None, &Task::new()));
+    assert!(matches!(stack.evaluate(&project).layers[0].state, LayerState::Failed(_)));
+    third.learn(&stack);
+    assert_eq!(third.missing(&project).len(), 1, "a failure is not learned");
+    let matched = request.run(&mesh, &body, Some(&mesh), &Task::new());
+    other.install(request, matched);
+    stack.learn(&other);
+    assert_eq!(stack.evaluate(&project).layers[0].state, LayerState::Acts);
+}
+
+#[test]
 fn a_layer_acts_with_its_last_match_until_the_new_one_is_there() {
     let (mesh, mut stack) = stack();
     let body = stack.body().clone();

@@ -90,7 +90,7 @@ impl Found {
     /// The slice with its vectors where they are `wanted`.
     pub fn kept(mut self, wanted: Wanted) -> Result<Self, HarmonicsError> {
         for pairs in &mut self.runs {
-            pairs.blocks.move_to(wanted.keep).map_err(|e| wanted.unkept(&e))?;
+            pairs.blocks.move_to(wanted.keep).map_err(|e| wanted.keep.refused(&e))?;
         }
         Ok(self)
     }

@@ -19,8 +19,6 @@ mod slicing;
 mod tall;
 mod window;
 
-use std::path::PathBuf;
-
 use chladni_task::{Stage, Task};
 
 use components::Kind;
@@ -86,17 +84,21 @@ impl Wanted<'_> {
             // More than K if the last group is whole, however large that is.
             memory::check_vectors(n, count, free)?;
         }
-        Values::zeroed(n * count, self.keep).map_err(|e| self.unkept(&e))
+        Values::zeroed(n * count, self.keep).map_err(|e| self.keep.refused(&e))
     }
 
     /// How many pairs to keep where the group of the K-th ends after `end`.
     fn kept(self, end: usize) -> usize {
         if self.whole_clusters && end <= self.most { end } else { self.harmonics }
     }
+}
 
-    fn unkept(self, error: &std::io::Error) -> HarmonicsError {
-        let folder = if let Keep::Folder(folder) = self.keep { folder.to_owned() } else { PathBuf::new() };
-        HarmonicsError::NoScratch { folder, reason: error.to_string() }
+/// A group of equal eigenvalues that reaches beyond this many pairs is cut at K.
+pub(crate) fn largest_group(settings: &BasisSettings) -> usize {
+    if settings.whole_clusters {
+        usize::MAX
+    } else {
+        settings.harmonics.saturating_mul(2).saturating_add(SPARE)
     }
 }
 
@@ -112,7 +114,7 @@ fn where_it_fits(
     let kept = if planned <= plan::KEPT { planned } else { 0 };
     let Room { slices: fitting, keep, frugal } = memory::room_for_solve(vertices, slices, kept, settings)?;
     let harmonics = settings.harmonics;
-    let most = if settings.whole_clusters { usize::MAX } else { harmonics.saturating_mul(2) + SPARE };
+    let most = largest_group(settings);
     let free = memory::free(settings);
     let wanted =
         Wanted { harmonics, whole_clusters: true, most, free, keep, frugal, at_once: fitting.max(1) };

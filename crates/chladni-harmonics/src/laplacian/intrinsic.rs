@@ -3,11 +3,15 @@
 use super::cover::{Cover, next};
 
 /// Area of a triangle with these side lengths, and the cotangent of the angle opposite to each side. A
-/// triangle that rounding has flattened gets a tiny positive area.
+/// triangle that rounding has flattened gets a tiny positive area; one whose corners lie in one place has none, and no
+/// weight.
 pub(super) fn cotangents(length: [f64; 3]) -> (f64, [f64; 3]) {
     let mut sorted = length;
     sorted.sort_by(|a, b| b.total_cmp(a));
     let [a, b, c] = sorted;
+    if a == 0.0 {
+        return (0.0, [0.0; 3]);
+    }
     // Kahan's stable form of Heron's formula.
     let product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
     let area = (0.25 * product.max(0.0).sqrt()).max(1e-14 * a * a);

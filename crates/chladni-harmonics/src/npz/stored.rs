@@ -18,8 +18,7 @@ const PIECE: usize = if cfg!(test) { 100 } else { 1 << 17 };
 ///
 /// Eigenvalues, areas and the rows of vertices are in memory. Harmonics are read from the folder in pieces
 /// of 1 MiB for each thread whenever a signal is analyzed or synthesized, so that neither their number nor
-/// that of vertices is limited by memory. Each call reads the harmonics that it needs once, in the order of
-/// the file.
+/// that of vertices is limited by memory. Each call reads each value that it needs once.
 ///
 /// ```
 /// use chladni_harmonics::npz::{StoredBasis, write_basis_folder};

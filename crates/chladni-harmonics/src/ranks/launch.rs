@@ -1,9 +1,11 @@
 //! Finds, starts, watches and ends the processes of the ranks.
 
-use std::io::{BufRead, BufReader};
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use chladni_task::{Cancelled, Needs, Task, other_program};
@@ -15,7 +17,7 @@ use crate::HarmonicsError;
 const LOOK: Duration = Duration::from_millis(50);
 /// Time that mpirun gets to end its ranks before it is killed.
 const FAREWELL: Duration = Duration::from_secs(10);
-/// The number of lines of error output that are kept.
+/// The number of lines of error output that are kept, the last ones.
 const LINES: usize = 200;
 
 /// The command that starts ranks on this machine.
@@ -82,8 +84,8 @@ impl Launcher {
         let failed = |reason: String| HarmonicsError::RanksFailed { reason };
         let mut command = self.command(ranks, worker, folder);
         let mut running = Running(command.spawn().map_err(|error| failed(format!("mpirun: {error}")))?);
-        let progress = lines(running.0.stdout.take());
-        let complaints = lines(running.0.stderr.take());
+        let progress = as_they_arrive(running.0.stdout.take());
+        let complaints = last_lines(running.0.stderr.take());
         loop {
             match progress.recv_timeout(LOOK) {
                 Ok(line) => {
@@ -100,25 +102,43 @@ impl Launcher {
         }
         let status = running.0.wait().map_err(|error| failed(format!("mpirun: {error}")))?;
         task.check()?;
-        if status.success() { Ok(()) } else { Err(failed(reason(&complaints.iter().collect::<Vec<_>>()))) }
+        if status.success() {
+            return Ok(());
+        }
+        let complaints = complaints.join().unwrap_or_default();
+        Err(failed(reason(&Vec::from(complaints))))
     }
 }
 
-/// The lines of a pipe as they arrive. If nobody reads them, all but the first ones are dropped.
-fn lines(pipe: Option<impl std::io::Read + Send + 'static>) -> Receiver<String> {
+/// The lines of a pipe.
+fn lines(pipe: impl Read) -> impl Iterator<Item = String> {
+    let lines = BufReader::new(pipe).split(b'\n').map_while(Result::ok);
+    lines.map(|line| String::from_utf8_lossy(&line).into_owned())
+}
+
+/// The lines of a pipe as they arrive. It is read to its end even if nobody takes them: a full pipe would block the ranks.
+fn as_they_arrive(pipe: Option<impl Read + Send + 'static>) -> Receiver<String> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
-        let Some(pipe) = pipe else { return };
-        let mut sent = 0;
-        // The pipe is read to its end in any case: a full pipe would block the ranks.
-        for line in BufReader::new(pipe).split(b'\n').map_while(Result::ok) {
-            sent += 1;
-            if sent <= LINES {
-                let _ = sender.send(String::from_utf8_lossy(&line).into_owned());
-            }
+        for line in pipe.into_iter().flat_map(lines) {
+            let _ = sender.send(line);
         }
     });
     receiver
+}
+
+/// The last lines of a pipe, once it has ended: a program says last why it ends.
+fn last_lines(pipe: Option<impl Read + Send + 'static>) -> JoinHandle<VecDeque<String>> {
+    std::thread::spawn(move || {
+        let mut last = VecDeque::new();
+        for line in pipe.into_iter().flat_map(lines) {
+            if last.len() == LINES {
+                last.pop_front();
+            }
+            last.push_back(line);
+        }
+        last
+    })
 }
 
 /// The reason that a rank gave, or otherwise mpirun's first sentence.
@@ -164,6 +184,13 @@ impl Drop for Running {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_last_lines_of_many_are_kept() {
+        let text = format!("{}chladni: rank 1 on a: out of memory\n", "a warning\n".repeat(1000));
+        let last = Vec::from(last_lines(Some(std::io::Cursor::new(text))).join().unwrap());
+        assert_eq!((last.len(), reason(&last).as_str()), (LINES, "rank 1 on a: out of memory"));
+    }
 
     #[test]
     fn the_reason_is_the_rank_s_own_where_it_gave_one() {

@@ -20,10 +20,10 @@ use chladni_task::{Task, private_folder};
 use serde::{Deserialize, Serialize};
 
 use crate::build::file_triangles;
-use crate::eigen::{CLUSTER, certify, cluster_end};
+use crate::eigen::{CLUSTER, certify, cluster_end, largest_group};
 use crate::operator::Domain;
 use crate::values::Keep;
-use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, canonical, pages};
+use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, Values, canonical, memory};
 use launch::Launcher;
 use pairs::Pairs;
 use petsc::ScaledOperator;
@@ -174,6 +174,7 @@ impl Body {
     ) -> Result<(Self, BuildReport, RanksReport), HarmonicsError> {
         let start = Instant::now();
         ranks.check()?;
+        operator.check_belongs_to(mesh)?;
         let vertices = operator.vertices();
         let (asked, harmonics) = (settings.harmonics, settings.clamped(vertices)?);
         if harmonics * 2 > vertices || ranks.count > vertices {
@@ -181,15 +182,16 @@ impl Body {
             return Err(HarmonicsError::TooMany { harmonics, vertices, reason: reason.into() });
         }
         let settings = BasisSettings { harmonics, ..settings.clone() };
-        let keep = crate::memory::room_for_harmonics(vertices, &settings)?;
+        let keep = memory::room_for_harmonics(vertices, 1, &settings)?;
         let mut report = BuildReport { asked, vertices, ..BuildReport::default() };
-        let (mut basis, of_ranks) = solve(operator, harmonics, ranks, keep, task)?;
+        let (mut basis, of_ranks) = solve(operator, &settings, ranks, keep, task)?;
         canonical::choose(&mut basis, &operator.positions, &operator.stiffness);
         let whole = basis.harmonics();
         if !settings.whole_clusters && whole > harmonics {
             basis.truncate(harmonics);
             report.cuts_cluster = true;
         }
+        report.cuts_cluster |= basis.harmonics() < operator.components();
         basis.certificate.laplacian = operator.laplacian;
         report.seconds.solve = start.elapsed().as_secs_f64();
         report.seconds.total = report.seconds.solve;
@@ -203,11 +205,12 @@ impl Body {
 /// K pairs, or more if K would cut a group of equal eigenvalues; and a report on how they were found.
 fn solve(
     operator: &Operator,
-    harmonics: usize,
+    settings: &BasisSettings,
     ranks: &Ranks,
     keep: Keep,
     task: &Task,
 ) -> Result<(Basis, RanksReport), HarmonicsError> {
+    let harmonics = settings.harmonics;
     let folder = folder_of(ranks).map_err(|error| unwritten(&error))?;
     let worker = folder.path().join("worker.py");
     for (name, text) in METHODS.into_iter().chain([("worker.py", WORKER)]) {
@@ -221,24 +224,25 @@ fn solve(
     };
     let pairs = if harmonics > zeros {
         task.stage("writing the operator", 0);
-        let settings = Settings {
+        let for_ranks = Settings {
             harmonics,
             zeros,
             weyl: 4.0 * std::f64::consts::PI / operator.mass.iter().sum::<f64>(),
             gap: GAP,
             groups,
         };
-        write_problem(folder.path(), operator, &settings)?;
+        write_problem(folder.path(), operator, &for_ranks)?;
         launcher.run(ranks, &worker, folder.path(), task)?;
         task.stage("reading the harmonics", 0);
         Pairs::read(folder.path(), ranks.count, operator.vertices(), zeros, keep)?
     } else {
-        Pairs { vectors: pages::zeroed(operator.vertices() * zeros).into(), ..Pairs::default() }
+        let vectors = room_for_constants(operator.vertices(), constants(zeros, settings), settings, keep)?;
+        Pairs { vectors, ..Pairs::default() }
     };
     drop(folder);
     task.stage("certificate", 0);
     let counts_match = (groups > 0).then(|| pairs.counts_match(zeros));
-    let mut eigenvalues = vec![0.0; zeros];
+    let mut eigenvalues = vec![0.0; constants(zeros, settings)];
     eigenvalues.extend(&pairs.eigenvalues);
     if !eigenvalues.is_sorted() {
         return Err(HarmonicsError::not_certified("the slices of the ranks overlap"));
@@ -251,10 +255,10 @@ fn solve(
     }
     // There are none below λ = 0, and the last bound lies beyond a gap.
     const { assert!(CLUSTER < GAP) };
-    let keep = if harmonics < zeros { zeros } else { cluster_end(&eigenvalues, harmonics) };
-    eigenvalues.truncate(keep);
+    let count = if harmonics < zeros { eigenvalues.len() } else { cluster_end(&eigenvalues, harmonics) };
+    eigenvalues.truncate(count);
     let mut vectors = pairs.vectors;
-    vectors.truncate(operator.vertices() * keep);
+    vectors.truncate(operator.vertices() * count);
     to_harmonics(&mut vectors, operator);
     let certificate = certify(operator.pencil(), zeros, &eigenvalues, &vectors, counts_match);
     let report = RanksReport {
@@ -269,6 +273,24 @@ fn solve(
         seconds: pairs.seconds,
     };
     Ok((Basis { eigenvalues, vectors, mass: operator.mass.clone(), certificate }, report))
+}
+
+/// How many of the constants of `zeros` components, which are one group of equal eigenvalues, are made.
+fn constants(zeros: usize, settings: &BasisSettings) -> usize {
+    if zeros <= largest_group(settings) { zeros } else { settings.harmonics }
+}
+
+/// Zeros for `count` constants, of which there may be more than K.
+fn room_for_constants(
+    vertices: usize,
+    count: usize,
+    settings: &BasisSettings,
+    keep: Keep,
+) -> Result<Values, HarmonicsError> {
+    if let (Keep::Memory, Some(free)) = (keep, memory::free(settings)) {
+        memory::check_vectors(vertices, count, free)?;
+    }
+    Values::zeroed(vertices * count, keep).map_err(|error| keep.refused(&error))
 }
 
 fn unwritten(error: &std::io::Error) -> HarmonicsError {
@@ -325,6 +347,19 @@ fn to_harmonics(vectors: &mut [f64], operator: &Operator) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_many_pieces_no_more_constants_are_made_than_our_own_solver_makes() {
+        let of = |harmonics, whole_clusters| {
+            constants(1000, &BasisSettings { whole_clusters, ..BasisSettings::new(harmonics) })
+        };
+        assert_eq!([of(1, false), of(371, false), of(372, false)], [1, 371, 1000]);
+        assert_eq!(of(1, true), 1000);
+        let tight = BasisSettings { memory_bytes: Some(10_000), ..BasisSettings::new(1) };
+        assert!(room_for_constants(100, 5, &tight, Keep::Memory).is_ok());
+        let refused = room_for_constants(100, 1000, &tight, Keep::Memory);
+        assert!(matches!(refused, Err(HarmonicsError::TooMany { harmonics: 1000, .. })));
+    }
 
     #[test]
     fn what_cannot_be_is_refused_before_any_work() {

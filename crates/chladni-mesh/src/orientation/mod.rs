@@ -154,8 +154,8 @@ fn direction(text: &str) -> Result<Vec3, MeshError> {
         return Ok(axis.direction());
     }
     let wrong = || MeshError::Direction(text.to_owned());
-    let parts: Vec<f64> = text.split_whitespace().map_while(|part| part.parse().ok()).collect();
-    let components: Vec3 = parts.try_into().map_err(|_| wrong())?;
+    let parts: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    let components: Vec3 = parts.map_err(|_| wrong())?.try_into().map_err(|_| wrong())?;
     let sound = components.iter().all(|c| c.is_finite()) && length(components) > 1e-6;
     if sound { Ok(components) } else { Err(wrong()) }
 }
@@ -216,7 +216,15 @@ mod tests {
             let back: Orientation = orientation.to_string().parse().unwrap();
             assert!(back.angle_to(&orientation) < 1e-3, "{orientation} {back}");
         }
-        for wrong in ["up y", "up y, front y", "up 0 0 0, front z", "up nan 0 1, front x", "y, z"] {
+        for wrong in [
+            "up y",
+            "up 0 1 0 oops, front z",
+            "up 0 1 0 0, front z",
+            "up y, front y",
+            "up 0 0 0, front z",
+            "up nan 0 1, front x",
+            "y, z",
+        ] {
             assert!(wrong.parse::<Orientation>().is_err(), "{wrong}");
         }
     }

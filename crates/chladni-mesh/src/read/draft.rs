@@ -8,7 +8,7 @@ use crate::read::{Loaded, Mended};
 use crate::{Appearance, Attribute, CornerUvs, Format, Material, MeshError, Rows, TriMesh};
 
 /// Coordinates beyond this have areas whose squares overflow.
-const GREATEST_COORDINATE: f64 = 1e75;
+pub(crate) const GREATEST_COORDINATE: f64 = 1e75;
 
 /// Checks one coordinate; the error says which line or byte it is in through `at`.
 pub(crate) fn coordinate(x: f64, at: impl FnOnce(String) -> Fault) -> Result<f64, Fault> {
@@ -32,6 +32,17 @@ pub(crate) fn vertex_index(
         Ok(v) if (v as usize) < vertices => Ok(v),
         _ => Err(at(format!("vertex index {index} is out of range (there are {vertices} vertices)"))),
     }
+}
+
+/// The value of a full channel in text: 255 where some exceed 1 and all are whole numbers, otherwise 1, which a program may
+/// pass by a little. Channels that are no numbers, or as great as numbers are, say nothing.
+pub(crate) fn full_channel<'a>(channels: impl Iterator<Item = &'a f64>) -> f64 {
+    let mut above = false;
+    let whole = channels.filter(|c| c.abs() < f64::MAX).all(|c| {
+        above |= *c > 1.0;
+        c.fract() == 0.0
+    });
+    if above && whole { 255.0 } else { 1.0 }
 }
 
 /// A mesh in the making. Faces may have any number of corners.

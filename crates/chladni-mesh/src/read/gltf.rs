@@ -1,5 +1,9 @@
 //! glTF 2.0: the triangles of a scene as one mesh.
 
+use std::collections::HashMap;
+use std::ops::Range;
+use std::sync::Arc;
+
 use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
 use super::gltf_buffers::Buffers;
@@ -11,8 +15,12 @@ use crate::read::{Loaded, Mended};
 use crate::{CornerUvs, Format, MeshError};
 
 mod materials;
+mod place;
 
-/// Instances of a mesh cost nothing in the file; this limits the vertices they may add up to.
+use place::Place;
+
+/// Instances of a mesh, and primitives that share an accessor, cost nothing in the file; this limits the vertices and the
+/// texture coordinates that all of them may add up to.
 const MOST_VERTICES: usize = 1 << 24;
 
 /// Reads triangles, strips and fans, with or without indices, of all meshes that the scene's
@@ -35,7 +43,7 @@ pub(crate) struct Placed {
     /// From its coordinates to the scene's.
     pub matrix: Matrix,
     /// For each of its vertices the one of the mesh that was read.
-    pub vertices: Vec<u32>,
+    pub vertices: Arc<[u32]>,
 }
 
 /// As [`read`], with where the parts of the mesh come from.
@@ -73,6 +81,10 @@ pub(crate) fn read_placed(
         draft
             .mended
             .push(Mended::LeftOut(format!("{left_out} primitives of points, lines or morph targets")));
+    }
+    // Only now, so that a point that primitives share is unusable for each of them.
+    for point in &mut draft.uvs {
+        *point = point.map(|x| if x.is_finite() { x } else { 0.0 });
     }
     let mut loaded = draft.finish(format)?;
     loaded.stored_positions = stored;
@@ -139,46 +151,87 @@ impl Scene<'_> {
         let Some(mesh) = self.root.meshes.get(index) else {
             return Err(Fault::part(format!("meshes[{index}]"), "there is no such mesh"));
         };
-        let start = self.stored.len();
-        let mut ids = Some(Vec::new());
+        let mut place = Place::starting_at(self.stored.len());
         let first_corner = self.draft.corners.len();
-        let (place, first_placed) = (self.places, self.placed.len());
-        self.places += 1;
+        let mut brought: Vec<(usize, Range<u32>)> = Vec::new();
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let at = format!("meshes[{index}].primitives[{p}]");
             self.left_out += usize::from(!primitive.targets.is_empty());
             if matches!(primitive.mode, 4..=6) {
-                let base = self.stored.len() as u32;
-                self.primitive(primitive, matrix, &at, &mut ids)?;
-                let vertices = (base..self.stored.len() as u32).collect();
-                let matrix = *matrix;
-                self.placed.push(Placed { place, node, mesh: index, primitive: p, matrix, vertices });
+                brought.push((p, self.primitive(primitive, matrix, &at, &mut place)?));
             } else {
                 self.left_out += 1;
             }
         }
-        if let Some(ids) = ids.filter(|ids| !ids.is_empty()) {
-            self.rejoin(start, first_corner, first_placed, &ids);
+        let joined = self.rejoin(&place, first_corner);
+        // Primitives with the same vertices have one list of them.
+        let mut lists: HashMap<Range<u32>, Arc<[u32]>> = HashMap::new();
+        for (primitive, range) in brought {
+            let list = || range.clone().map(|v| if joined { place.joined(v) } else { v }).collect();
+            let vertices: Arc<[u32]> = lists.entry(range.clone()).or_insert_with(list).clone();
+            let (place, matrix) = (self.places, *matrix);
+            self.placed.push(Placed { place, node, mesh: index, primitive, matrix, vertices });
         }
+        self.places += 1;
         Ok(())
     }
 
+    /// Reads a primitive; returns where its vertices lie among all.
     fn primitive(
         &mut self,
         primitive: &Primitive,
         matrix: &Matrix,
         at: &str,
-        ids: &mut Option<Vec<f64>>,
-    ) -> Result<(), Fault> {
+        place: &mut Place,
+    ) -> Result<Range<u32>, Fault> {
+        let vertices = self.vertices(primitive, matrix, at, place)?;
+        let count = vertices.len();
+        let indices: Vec<u32> = match primitive.indices {
+            Some(accessor) => {
+                let check = |index: f64| vertex_index(index as i64, count, |reason| Fault::part(at, reason));
+                self.buffers.scalars(accessor, at)?.into_iter().map(check).collect::<Result<_, _>>()?
+            }
+            None => (0..count as u32).collect(),
+        };
+        let first_corner = self.draft.corners.len();
+        let first_face = self.draft.face_count();
+        self.faces(primitive.mode, &indices, vertices.start, mirrors(matrix))?;
+        let material = primitive.material.filter(|&m| m < self.draft.materials.len()).map(|m| m as u32);
+        if material.is_some() && self.draft.face_materials.is_empty() {
+            self.draft.face_materials = vec![None; first_face];
+        }
+        if material.is_some() || !self.draft.face_materials.is_empty() {
+            self.draft.face_materials.resize(self.draft.face_count(), material);
+        }
+        self.uvs(primitive, &vertices, first_corner, at, place)?;
+        Ok(vertices)
+    }
+
+    /// Reads the vertices of a primitive, or finds those of an earlier one that says that they are the same.
+    fn vertices(
+        &mut self,
+        primitive: &Primitive,
+        matrix: &Matrix,
+        at: &str,
+        place: &mut Place,
+    ) -> Result<Range<u32>, Fault> {
         let attribute = |name: &str| primitive.attributes.get(name).copied();
         let Some(position) = attribute("POSITION") else {
             return Err(Fault::part(at, "has no POSITION"));
         };
+        let too_many = || Err(Fault::part(at, format!("more than {MOST_VERTICES} vertices in all")));
+        if self.draft.corners.len() > 6 * MOST_VERTICES {
+            return too_many();
+        }
+        let (color, id) = (attribute("COLOR_0"), attribute("_VERTEX"));
+        if let Some(known) = place.known(position, color, id) {
+            return Ok(known);
+        }
         let base = self.stored.len();
         let points = self.buffers.vectors::<3>(position, at)?;
         let count = points.len();
-        if base + count > MOST_VERTICES || self.draft.corners.len() > 6 * MOST_VERTICES {
-            return Err(Fault::part(at, format!("more than {MOST_VERTICES} vertices in all")));
+        if base + count > MOST_VERTICES {
+            return too_many();
         }
         let check = |x| coordinate(x, |reason| Fault::part(format!("{at}, accessors[{position}]"), reason));
         for point in points {
@@ -190,29 +243,11 @@ impl Scene<'_> {
             self.draft.positions.push(placed);
         }
         self.moved |= *matrix != IDENTITY;
-        self.colors(attribute("COLOR_0"), base, count, at)?;
-        match (attribute("_VERTEX"), ids.as_mut()) {
-            (Some(accessor), Some(ids)) => ids.extend(self.buffers.scalars(accessor, at)?),
-            _ => *ids = None,
-        }
-        let indices: Vec<u32> = match primitive.indices {
-            Some(accessor) => {
-                let check = |index: f64| vertex_index(index as i64, count, |reason| Fault::part(at, reason));
-                self.buffers.scalars(accessor, at)?.into_iter().map(check).collect::<Result<_, _>>()?
-            }
-            None => (0..count as u32).collect(),
-        };
-        let first_corner = self.draft.corners.len();
-        let first_face = self.draft.face_count();
-        self.faces(primitive.mode, &indices, base as u32, mirrors(matrix))?;
-        let material = primitive.material.filter(|&m| m < self.draft.materials.len()).map(|m| m as u32);
-        if material.is_some() && self.draft.face_materials.is_empty() {
-            self.draft.face_materials = vec![None; first_face];
-        }
-        if material.is_some() || !self.draft.face_materials.is_empty() {
-            self.draft.face_materials.resize(self.draft.face_count(), material);
-        }
-        self.uvs(primitive, base, count, first_corner, at)
+        self.colors(color, base, count, at)?;
+        let ids = id.map(|accessor| self.buffers.scalars(accessor, at)).transpose()?;
+        let vertices = base as u32..(base + count) as u32;
+        place.brings(vertices.clone(), position, color, id.zip(ids));
+        Ok(vertices)
     }
 
     fn faces(&mut self, mode: u32, indices: &[u32], base: u32, mirrored: bool) -> Result<(), Fault> {
@@ -264,25 +299,36 @@ impl Scene<'_> {
     fn uvs(
         &mut self,
         primitive: &Primitive,
-        base: usize,
-        count: usize,
+        vertices: &Range<u32>,
         first_corner: usize,
         at: &str,
+        place: &mut Place,
     ) -> Result<(), Fault> {
         let material = primitive.material.and_then(|m| self.root.materials.get(m));
         let texture = material.and_then(|m| m.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref());
         let set = texture.map_or(0, |texture| texture.tex_coord);
         let draft = &mut self.draft;
-        let first_point = draft.uvs.len();
-        if let Some(&accessor) = primitive.attributes.get(&format!("TEXCOORD_{set}")) {
-            // glTF's v runs downward.
-            let points = self.buffers.vectors::<2>(accessor, at)?;
-            draft.uvs.extend(points.into_iter().take(count).map(|[u, v]| [u, 1.0 - v]));
-        }
+        let points = match primitive.attributes.get(&format!("TEXCOORD_{set}")).copied() {
+            None => 0..0,
+            Some(accessor) => match place.known_uvs(vertices, accessor) {
+                Some(known) => known,
+                None => {
+                    let first = draft.uvs.len();
+                    let points = self.buffers.vectors::<2>(accessor, at)?;
+                    // glTF's v runs downward.
+                    draft.uvs.extend(points.into_iter().take(vertices.len()).map(|[u, v]| [u, 1.0 - v]));
+                    if draft.uvs.len() > MOST_VERTICES {
+                        let reason = format!("more than {MOST_VERTICES} texture coordinates in all");
+                        return Err(Fault::part(at, reason));
+                    }
+                    place.brings_uvs(vertices, accessor, first..draft.uvs.len())
+                }
+            },
+        };
         let mut bad = 0;
         for corner in first_corner..draft.corners.len() {
-            let point = first_point + (draft.corners[corner] as usize - base);
-            let uv = match draft.uvs.get(point) {
+            let point = points.start + (draft.corners[corner] - vertices.start) as usize;
+            let uv = match draft.uvs.get(point).filter(|_| point < points.end) {
                 Some(p) if p.iter().all(|x| x.is_finite()) => point as u32,
                 Some(_) => {
                     bad += 1;
@@ -292,44 +338,9 @@ impl Scene<'_> {
             };
             draft.corner_uvs.push(uv);
         }
-        for point in &mut draft.uvs[first_point..] {
-            *point = point.map(|x| if x.is_finite() { x } else { 0.0 });
-        }
         if bad > 0 {
             draft.mended.push(Mended::Uvs(bad));
         }
         Ok(())
-    }
-
-    /// Merges vertices with the same id, in the order of the ids. If another program has moved some of them
-    /// apart, or the ids are invalid, nothing changes.
-    fn rejoin(&mut self, start: usize, first_corner: usize, first_placed: usize, ids: &[f64]) {
-        let stored = &self.stored[start..];
-        let mut first: Vec<Option<u32>> = vec![None; stored.len()];
-        for (i, &id) in ids.iter().enumerate() {
-            let Some(seen) = (id >= 0.0 && id.fract() == 0.0).then(|| first.get_mut(id as usize)).flatten()
-            else {
-                return;
-            };
-            let known = *seen.get_or_insert(i as u32) as usize;
-            if stored.get(known) != stored.get(i) {
-                return;
-            }
-        }
-        let vertices = first.iter().take_while(|v| v.is_some()).count();
-        if ids.len() != stored.len() || first[vertices..].iter().any(Option::is_some) {
-            return;
-        }
-        let order: Vec<usize> = first[..vertices].iter().flatten().map(|&i| start + i as usize).collect();
-        let draft = &mut self.draft;
-        draft.positions.splice(start.., order.iter().map(|&i| draft.positions[i]).collect::<Vec<_>>());
-        if !draft.colors.is_empty() {
-            draft.colors.splice(start.., order.iter().map(|&i| draft.colors[i]).collect::<Vec<_>>());
-        }
-        self.stored.splice(start.., order.iter().map(|&i| self.stored[i]).collect::<Vec<_>>());
-        let placed = self.placed[first_placed..].iter_mut().flat_map(|placed| &mut placed.vertices);
-        for v in draft.corners[first_corner..].iter_mut().chain(placed) {
-            *v = start as u32 + ids[*v as usize - start] as u32;
-        }
     }
 }

@@ -1,6 +1,8 @@
 //! A glTF file's buffers and the accessors into them.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 use chladni_task::percent_decoded;
 
@@ -13,19 +15,25 @@ const MOST_ZEROS: usize = 1 << 24;
 
 pub(crate) struct Buffers<'a> {
     root: &'a Root,
-    data: Vec<Cow<'a, [u8]>>,
+    /// Buffers of one uri share their bytes.
+    data: Vec<Arc<Cow<'a, [u8]>>>,
 }
 
 impl<'a> Buffers<'a> {
     pub fn open(root: &'a Root, binary: Option<&'a [u8]>, beside: &Beside<'_>) -> Result<Self, Fault> {
-        let mut data = Vec::new();
+        let mut data: Vec<Arc<Cow<'a, [u8]>>> = Vec::new();
+        let mut by_uri: HashMap<&str, usize> = HashMap::new();
         for (i, buffer) in root.buffers.iter().enumerate() {
             let at = || format!("buffers[{i}]");
             let bytes = match (&buffer.uri, binary) {
-                (Some(uri), _) => {
-                    Cow::Owned(Self::uri(uri, beside).map_err(|reason| Fault::part(at(), reason))?)
-                }
-                (None, Some(binary)) if i == 0 => Cow::Borrowed(binary),
+                (Some(uri), _) => match by_uri.insert(uri, i) {
+                    Some(same) => data[same].clone(),
+                    None => {
+                        let bytes = Self::uri(uri, beside).map_err(|reason| Fault::part(at(), reason))?;
+                        Arc::new(Cow::Owned(bytes))
+                    }
+                },
+                (None, Some(binary)) if i == 0 => Arc::new(Cow::Borrowed(binary)),
                 (None, _) => return Err(Fault::part(at(), "has neither a uri nor a binary chunk")),
             };
             if bytes.len() < buffer.byte_length {
@@ -37,9 +45,9 @@ impl<'a> Buffers<'a> {
         Ok(Self { root, data })
     }
 
-    /// The bytes of all buffers.
+    /// The bytes of all buffers; those of one uri are the same slice.
     pub fn all(&self) -> impl Iterator<Item = &[u8]> {
-        self.data.iter().map(|data| &**data)
+        self.data.iter().map(|data| &***data)
     }
 
     /// The bytes behind a `data:` URI or of a file beside.
@@ -231,6 +239,20 @@ fn base64_decoded(text: &str) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_many_buffers_name_is_read_once() {
+        let root = r#"{"buffers":[{"byteLength":3,"uri":"a"},{"byteLength":1,"uri":"b"},{"byteLength":2,"uri":"a"}]}"#;
+        let root: Root = serde_json::from_str(root).unwrap();
+        let read = std::cell::RefCell::new(Vec::new());
+        let beside = |name: &str| {
+            read.borrow_mut().push(name.to_owned());
+            Ok(name.repeat(3).into_bytes())
+        };
+        let Ok(buffers) = Buffers::open(&root, None, &beside) else { panic!("they are all there") };
+        assert_eq!(buffers.all().collect::<Vec<_>>(), [b"aaa", b"bbb", b"aaa"]);
+        assert_eq!(*read.borrow(), ["a", "b"]);
+    }
 
     #[test]
     fn base64_decodes() {

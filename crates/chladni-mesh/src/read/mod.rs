@@ -1,7 +1,7 @@
 //! From bytes to a mesh.
 
 pub(crate) mod beside;
-mod draft;
+pub(crate) mod draft;
 pub(crate) mod gltf;
 pub(crate) mod gltf_buffers;
 pub(crate) mod gltf_chunks;
@@ -91,8 +91,8 @@ impl fmt::Display for Mended {
 /// Files that it refers to are not opened: a glTF file with external buffers is an error, and materials of an
 /// OBJ have only their names. [`load_mesh`] reads them.
 ///
-/// At most 64 bytes of memory are in use for each byte of the file, or 256 for glTF, whose instances may add up to 2^24 vertices
-/// besides.
+/// At most 64 bytes of memory are in use for each byte of the file, or 256 for glTF, whose primitives in all their instances may
+/// have 2^24 vertices in all besides.
 ///
 /// # Errors
 /// [`MeshError::Malformed`] with line, byte or part; [`MeshError::NoFace`] for a well-formed

@@ -35,6 +35,10 @@ pub(crate) fn read_into(draft: &mut Draft, name: &str, beside: &Beside<'_>) {
         let rest = String::from_utf8_lossy(line[keyword.len()..].trim_ascii()).into_owned();
         if keyword == b"newmtl" {
             current = draft.known_material(&rest);
+            // A second definition replaces the first.
+            if let Some(material) = current.and_then(|i| draft.materials.get_mut(i)) {
+                material.other_statements.clear();
+            }
             continue;
         }
         let Some(material) = current.and_then(|i| draft.materials.get_mut(i)) else { continue };
@@ -55,6 +59,7 @@ fn statement(
     picture: &dyn Fn(&str) -> Picture,
 ) -> Result<(), Mended> {
     let mut values = rest.split_ascii_whitespace().map_while(|word| word.parse::<f64>().ok());
+    let other = || format!("{} {rest}", String::from_utf8_lossy(keyword));
     match keyword {
         b"Kd" => {
             let color: Vec<f64> = values.by_ref().take(3).collect();
@@ -63,27 +68,30 @@ fn statement(
             {
                 let linear = [r, g, b].map(|c| linear_from_srgb(c.clamp(0.0, 1.0)) as f32);
                 material.base_color[..3].copy_from_slice(&linear);
+            } else {
+                material.other_statements.push(other());
             }
         }
-        b"d" => {
-            if let Some(opacity) = values.next().filter(|d| d.is_finite()) {
-                material.base_color[3] = opacity.clamp(0.0, 1.0) as f32;
-            }
-        }
+        b"d" => match values.next().filter(|d| d.is_finite()) {
+            Some(opacity) => material.base_color[3] = opacity.clamp(0.0, 1.0) as f32,
+            None => material.other_statements.push(other()),
+        },
         b"map_Kd" => {
+            let rest = rest.trim();
             let name = without_options(rest);
+            material.texture_options = rest[..rest.len() - name.len()].trim_end().to_owned();
             // Many materials may share one picture; it is read once.
             let found = pictures.entry(name.to_owned()).or_insert_with(|| picture(name)).clone();
             let bytes = found.clone().unwrap_or_default();
             material.base_color_texture = Some(Texture { name: name.to_owned(), bytes });
             found.map_err(|reason| Mended::MissingFile(name.to_owned(), reason))?;
         }
-        _ => material.other_statements.push(format!("{} {rest}", String::from_utf8_lossy(keyword))),
+        _ => material.other_statements.push(other()),
     }
     Ok(())
 }
 
-/// The file name of a texture statement, which may hold blanks, after options such as
+/// The end of a texture statement: its file name, which may hold blanks, after options such as
 /// `-s 1 1 1`.
 fn without_options(rest: &str) -> &str {
     let mut rest = rest.trim();

@@ -1,7 +1,9 @@
 //! Wavefront OBJ.
 
+use std::collections::HashSet;
+
 use super::beside::Beside;
-use super::draft::{Draft, coordinate, vertex_index};
+use super::draft::{Draft, coordinate, full_channel, vertex_index};
 use super::mtl;
 use super::text::{Lines, number, words};
 use crate::CornerUvs;
@@ -147,8 +149,7 @@ impl Obj {
             draft.mended.push(Mended::Uvs(bad_uvs));
         }
         if self.has_colors {
-            let in_bytes = self.colors.iter().flatten().any(|&c| c > 1.0);
-            let full = if in_bytes { 255.0 } else { 1.0 };
+            let full = full_channel(self.colors.iter().flatten());
             draft.set_srgb_colors(std::mem::take(&mut self.colors), [full, full, full, 1.0]);
         }
         if draft.face_materials.iter().all(Option::is_none) {
@@ -157,7 +158,9 @@ impl Obj {
         if self.free_form > 0 {
             draft.mended.push(Mended::LeftOut(format!("{} free-form curves and surfaces", self.free_form)));
         }
-        for library in &self.libraries {
+        // A library that is named again, as some programs do before each group, is read once.
+        let mut read = HashSet::new();
+        for library in self.libraries.iter().filter(|library| read.insert(*library)) {
             mtl::read_into(&mut draft, library, beside);
         }
         Ok(draft)

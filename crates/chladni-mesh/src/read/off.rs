@@ -1,6 +1,6 @@
 //! Geomview OFF, ascii and binary.
 
-use super::draft::{Draft, coordinate, vertex_index};
+use super::draft::{Draft, coordinate, full_channel, vertex_index};
 use super::text::{Lines, number, quoted, words};
 use crate::CornerUvs;
 use crate::error::Fault;
@@ -81,8 +81,8 @@ fn read_ascii(after: &[u8], mut lines: Lines<'_>, vertex: OffVertex) -> Result<D
     }
     read_ascii_faces(&mut draft, &mut lines, faces, has_uvs)?;
     if vertex.color {
-        let in_bytes = colors.iter().flatten().any(|&c| c > 1.0 && c < f64::MAX);
-        draft.set_srgb_colors(colors, [if in_bytes { 255.0 } else { 1.0 }; 4]);
+        let full = full_channel(colors.iter().flatten());
+        draft.set_srgb_colors(colors, [full; 4]);
     }
     Ok(draft)
 }

@@ -130,8 +130,14 @@ impl Patch<'_> {
     /// Joins all buffers to one, which a GLB holds itself, and takes in pictures that lie beside the file.
     fn take_in_buffers(&mut self, beside: &beside::Beside<'_>) {
         let mut starts = Vec::new();
+        let mut known = HashMap::new();
         for data in self.buffers.all() {
-            starts.push(self.file.data.len());
+            // Buffers of one uri are taken in once.
+            let at = *known.entry((data.as_ptr(), data.len())).or_insert(self.file.data.len());
+            starts.push(at);
+            if at < self.file.data.len() {
+                continue;
+            }
             self.file.data.extend_from_slice(data);
             self.file.data.resize(self.file.data.len().next_multiple_of(4), 0);
         }
@@ -142,12 +148,17 @@ impl Patch<'_> {
                 view["byteOffset"] = json!(start.saturating_add(known.byte_offset));
             }
         }
+        let mut views = HashMap::new();
         for (i, image) in self.root.images.iter().enumerate() {
             let Some(uri) = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) else { continue };
-            let Ok(bytes) = Buffers::uri(uri, beside) else { continue };
-            let view = self.file.view(bytes.iter().copied(), None);
+            let taken_in = views.entry(uri).or_insert_with(|| {
+                let bytes = Buffers::uri(uri, beside).ok()?;
+                let kind = if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" };
+                Some((self.file.view(bytes.iter().copied(), None), kind))
+            });
+            let Some((view, kind)) = *taken_in else { continue };
             let image = &mut self.document["images"][i];
-            image["mimeType"] = json!(if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" });
+            image["mimeType"] = json!(kind);
             image["bufferView"] = json!(self.root.buffer_views.len() + view);
             if let Some(image) = image.as_object_mut() {
                 image.remove("uri");
@@ -228,7 +239,7 @@ impl Patch<'_> {
             let moved: Vec<[f32; 3]> = moved.map(|d| narrowed(d, FORMAT)).collect::<Result<_, _>>()?;
             let mut entry = json!({ "POSITION": self.floats(&moved) });
             if let Some(normals) = &normals {
-                let turn = normals.iter().zip(&own.vertices).map(|(own, v)| {
+                let turn = normals.iter().zip(&*own.vertices).map(|(own, v)| {
                     let v = *v as usize;
                     let there =
                         local.normal_here(turned_along(local.normal_there(*own), shape.rest[v], turned[v]));

@@ -13,6 +13,7 @@ use chladni_task::write_atomic;
 pub use glb::{MorphAnimation, MorphTarget, write_animated_glb, write_glb};
 pub use gltf_patch::{add_morph_targets, add_morph_targets_in};
 
+use crate::read::draft::GREATEST_COORDINATE;
 use crate::{Attribute, Format, MeshError, TriMesh};
 
 /// Writes `mesh` as OBJ, binary PLY, binary STL or GLB.
@@ -36,7 +37,7 @@ pub fn write_mesh(mesh: &TriMesh, format: Format) -> Result<Vec<u8>, MeshError> 
 
 /// Writes `mesh` to `path` in the format of its extension, whole or not at all. An OBJ with
 /// materials brings a library and its pictures along, into the same folder; a picture never
-/// replaces another file.
+/// replaces another file, and a library only that of the file that was at `path`.
 ///
 /// # Errors
 /// Those of [`write_mesh`] and of the file system, each inside a [`MeshError::InFile`].
@@ -56,7 +57,7 @@ pub fn save_mesh(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
     save().map_err(|error| MeshError::InFile { path: path.to_owned(), error: Box::new(error) })
 }
 
-/// Whether all indices are in range and the appearance belongs to the triangles.
+/// Whether all coordinates can be read again, all indices are in range and the appearance belongs to the triangles.
 fn check(mesh: &TriMesh, format: Format) -> Result<(), MeshError> {
     let refused = |reason: &str| Err(MeshError::Unwritable { format, reason: reason.into() });
     let n = mesh.positions.len();
@@ -67,6 +68,13 @@ fn check(mesh: &TriMesh, format: Format) -> Result<(), MeshError> {
     }
     if !in_range(mesh.triangles.as_flattened()) {
         return refused("a triangle names a vertex that is not there");
+    }
+    // The readers refuse what lies beyond. Not a number is not below it, either.
+    let beyond = |p: &[f64; 3]| !p.iter().all(|x| x.abs() <= GREATEST_COORDINATE);
+    if let Some(v) = mesh.positions.iter().position(beyond) {
+        return refused(&format!(
+            "vertex {v} has a coordinate that is not a number, or beyond {GREATEST_COORDINATE:e}"
+        ));
     }
     let mut corners = 3 * mesh.triangles.len();
     if let Some(polygons) = &look.polygons {

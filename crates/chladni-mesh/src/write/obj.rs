@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 use std::fmt::Write;
+use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use chladni_task::write_atomic;
+use chladni_task::{open_file, read_file, write_atomic};
 
 use crate::appearance::srgb_from_linear;
 use crate::{CornerUvs, Material, MeshError, TriMesh};
@@ -95,12 +96,12 @@ fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
     text.push('\n');
 }
 
-/// Writes the OBJ file, `STEM.mtl` and the pictures beside it, the OBJ last.
+/// Writes the OBJ file, its library and the pictures beside it, the OBJ last. The library is `STEM.mtl`, or has a number where
+/// that is of another mesh.
 pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), MeshError> {
     let stem = path.file_stem().map_or_else(|| "mesh".into(), |stem| stem.to_string_lossy().into_owned());
     // After a # the rest of a line would be a comment.
     let stem = stem.replace('#', "_");
-    let library = format!("{stem}.mtl");
     let mut text = String::new();
     let names = names(&mesh.appearance.materials);
     for (material, name) in mesh.appearance.materials.iter().zip(&names.materials) {
@@ -114,7 +115,10 @@ pub(crate) fn save_with_materials(mesh: &TriMesh, path: &Path) -> Result<(), Mes
     if mesh.appearance.face_materials.contains(&None) {
         push_material(&mut text, &names.none, &Material::named(""), None);
     }
-    write_atomic(&path.with_file_name(&library), text.as_bytes()).map_err(MeshError::Io)?;
+    let numbered = (1..MOST_NUMBERS).map(|i| format!("{stem}-{i}.mtl"));
+    let own = library_of(path);
+    let libraries = std::iter::once(format!("{stem}.mtl")).chain(numbered);
+    let library = save_beside(path, libraries, text.as_bytes(), own.as_deref())?;
     write_atomic(path, &write(mesh, &library)).map_err(MeshError::Io)
 }
 
@@ -122,12 +126,17 @@ fn push_material(text: &mut String, name: &str, material: &Material, picture: Op
     line(text, format_args!("newmtl {name}"));
     let [r, g, b, opacity] = material.base_color.map(f64::from);
     let [r, g, b] = [r, g, b].map(|c| (srgb_from_linear(c) * 1e6).round() / 1e6);
-    line(text, format_args!("Kd {r} {g} {b}"));
-    if opacity < 1.0 {
+    // One that was not understood stands among the others.
+    let kept = |keyword| material.other_statements.iter().any(|s| s.split(' ').next() == Some(keyword));
+    if !kept("Kd") {
+        line(text, format_args!("Kd {r} {g} {b}"));
+    }
+    if opacity < 1.0 && !kept("d") {
         line(text, format_args!("d {opacity}"));
     }
     if let Some(picture) = picture {
-        line(text, format_args!("map_Kd {picture}"));
+        let options = &material.texture_options;
+        line(text, format_args!("map_Kd {options}{}{picture}", if options.is_empty() { "" } else { " " }));
     }
     for statement in &material.other_statements {
         line(text, format_args!("{statement}"));
@@ -145,18 +154,49 @@ fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<Str
     if Path::new(&own).extension().is_none() {
         own.push_str(if bytes.starts_with(b"\x89PNG") { ".png" } else { ".jpg" });
     }
-    let numbered = (1..1000).map(|i| format!("{stem}-{i}-{own}"));
-    for candidate in std::iter::once(own.clone()).chain(numbered) {
-        let file: PathBuf = path.with_file_name(&candidate);
-        match std::fs::read(&file) {
-            Ok(there) if there == bytes => return Ok(candidate),
-            Ok(_) => continue,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                write_atomic(&file, bytes).map_err(MeshError::Io)?;
-                return Ok(candidate);
+    let numbered = (1..MOST_NUMBERS).map(|i| format!("{stem}-{i}-{own}"));
+    save_beside(path, std::iter::once(own.clone()).chain(numbered), bytes, None)
+}
+
+/// From this number on, names for files of one name are not tried.
+const MOST_NUMBERS: usize = 1000;
+
+/// Puts `bytes` beside `path` under the first of `names` that is free or has them already, or that is `own`, which may be
+/// replaced; returns that name.
+fn save_beside(
+    path: &Path,
+    names: impl Iterator<Item = String>,
+    bytes: &[u8],
+    own: Option<&str>,
+) -> Result<String, MeshError> {
+    let mut wanted = None;
+    for name in names {
+        let file: PathBuf = path.with_file_name(&name);
+        // A file that cannot be read, such as a pipe or a longer one, is another file.
+        match read_file(&file, bytes.len() as u64) {
+            Ok(there) if there == bytes => return Ok(name),
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            _ if own == Some(&name) => {}
+            _ => {
+                wanted.get_or_insert(name);
+                continue;
             }
-            Err(error) => return Err(MeshError::Io(error)),
         }
+        write_atomic(&file, bytes).map_err(MeshError::Io)?;
+        return Ok(name);
     }
-    Err(MeshError::Io(std::io::Error::other(format!("no free name for the picture {own}"))))
+    let wanted = wanted.unwrap_or_default();
+    Err(MeshError::Io(std::io::Error::other(format!("no free name for a file like {wanted}"))))
+}
+
+/// The library that the OBJ file at `path` names, if there is one near its beginning.
+fn library_of(path: &Path) -> Option<String> {
+    const BEGINNING: u64 = 1 << 20;
+    let file = open_file(path).ok()?;
+    let mut lines = BufReader::new(file.take(BEGINNING)).split(b'\n').map_while(Result::ok);
+    let name = lines.find_map(|line| {
+        let rest = line.trim_ascii().strip_prefix(b"mtllib")?;
+        rest.first()?.is_ascii_whitespace().then(|| rest.trim_ascii().to_vec())
+    })?;
+    String::from_utf8(name).ok()
 }

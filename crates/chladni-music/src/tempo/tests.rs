@@ -151,3 +151,41 @@ fn a_bar_does_not_begin_again_where_the_tempo_cannot_be_doubled_or_halved_furthe
         assert_eq!(tempo.bar(10.1, 0.5, false), None);
     }
 }
+
+#[test]
+fn lost_ticks_are_counted() {
+    let gap_secs = 0.5 / TICKS_PER_QUARTER;
+    // Few are lost, or so many that the clock seems to have been silent.
+    for lost in [1u32, 7, 31, 1000] {
+        let mut tempo = Tempo::default();
+        tempo.hear(ClockMessage::Start, -0.01);
+        let last_secs = play(&mut tempo, (0.0, 120.0, 24 * 8 + 1), 0.0, 0);
+        tempo.hear(ClockMessage::Lost { ticks: lost }, last_secs + 0.001);
+        assert!((tempo.bpm().unwrap() - 120.0).abs() < 1e-6 && tempo.is_known());
+        // Also with the first tick alone, before its line is known.
+        let again_secs = last_secs + f64::from(lost + 1) * gap_secs;
+        for ticks in [1, 40] {
+            let mut tempo = tempo.clone();
+            let at_secs = play(&mut tempo, (again_secs, 120.0, ticks), 0.0, 0);
+            let beats = tempo.at(at_secs).count - f64::from(24 * 8 + lost + ticks) / TICKS_PER_QUARTER;
+            assert!((beats - beats.round()).abs() < 1e-6, "{beats} after {lost} lost");
+            assert!((tempo.bpm().unwrap() - 120.0).abs() < 1e-6, "{:?}", tempo.bpm());
+        }
+    }
+    // While the clock stands still, ticks do not move the song.
+    let mut tempo = Tempo::default();
+    let last_secs = play(&mut tempo, (0.0, 120.0, 49), 0.0, 0);
+    tempo.hear(ClockMessage::Stop, last_secs + 0.01);
+    let still = tempo.at(last_secs + 0.02);
+    tempo.hear(ClockMessage::Lost { ticks: 5 }, last_secs + 0.03);
+    tempo.hear(ClockMessage::Tick, last_secs + 0.2);
+    assert_eq!(tempo.at(last_secs + 0.3), still);
+}
+
+#[test]
+fn a_beat_without_a_place_in_its_bar_is_the_first() {
+    let mut tempo = Tempo::default();
+    tempo.set(120.0, 0.0, 10.0);
+    tempo.hear(ClockMessage::Beat { in_bar: Some(0) }, 11.0);
+    assert_eq!(tempo.beat_in_bar(11.01), Some(1));
+}

@@ -9,7 +9,7 @@ use crate::work::{Error, Watcher, source};
 /// Find tempo and beats of a song.
 #[derive(Args)]
 pub struct Beats {
-    /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF) or sample:tune.
+    /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF, Matroska) or sample:tune.
     song: String,
     /// Print beats, tempo, bars, sections and energy as JSON (docs/beats.md).
     #[arg(long)]

@@ -182,12 +182,16 @@ impl Dance {
     /// Makes the film.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let (json, samples) = (self.json, self.samples);
-        if let Some(film) = self.output.as_deref().filter(|film| self.resume && film.is_file()) {
-            terminal.note(format_args!("{} is there already", film.display()));
-            return Ok(());
-        }
         let film = self.film(terminal)?;
         let output = film.output.clone();
+        let kept = output.kept().is_some();
+        if let Some(film) = output.kept() {
+            terminal.note(format_args!("{} is there already", film.display()));
+            // Nothing else is wanted, so nothing need be read.
+            if !json && output.presets.is_none() {
+                return Ok(());
+            }
+        }
         let report = film::make(film, terminal)?;
         if let Some((device, drawn)) = report.drawn_by_processor().filter(|_| samples.is_none()) {
             terminal.note(format_args!(
@@ -198,9 +202,9 @@ impl Dance {
             return terminal.json(&report);
         }
         let sound = output.animation.as_deref().map(film::sound_beside);
-        let made = [&output.presets, &output.film, &output.animation, &sound, &output.coefficients];
-        let made = made.map(Option::as_ref);
-        for path in made.iter().flatten() {
+        let made = [&output.film, &output.animation, &sound, &output.coefficients];
+        let made = made.into_iter().filter(|_| !kept);
+        for path in std::iter::once(&output.presets).chain(made).flatten() {
             match output.pipe {
                 // Frames alone are on standard output.
                 Some(_) => terminal.note(format_args!("wrote {}", path.display())),
@@ -235,6 +239,9 @@ impl Dance {
         film.picture = self.picture.clone().unwrap_or(film.picture);
         film.panorama = self.panorama.clone().unwrap_or(film.panorama);
         if let Some(yaw) = self.yaw {
+            if !yaw.is_finite() {
+                return Err(Error::Input(format!("--yaw {yaw}: a number of degrees is needed")));
+            }
             film.viewpoint.yaw_rad = yaw.to_radians();
         }
         // A form that is named should be seen, and the autopilot changes what sand needs, so both turn sand off.

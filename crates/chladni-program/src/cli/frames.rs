@@ -47,7 +47,7 @@ impl FromStr for Fps {
             rate(whole, 1)
         } else {
             let fps: f64 = text.parse().map_err(|_| wrong())?;
-            let ntsc = (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
+            let ntsc = fps.fract() != 0.0 && (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
             if ntsc {
                 rate(1000 * fps.ceil() as u32, 1001)
             } else {
@@ -70,6 +70,7 @@ mod tests {
         assert_eq!(fps("29.97"), Some((30000, 1001)));
         assert_eq!(fps("23.976"), Some((24000, 1001)));
         assert_eq!(fps("12.5"), Some((12500, 1000)));
+        assert_eq!(fps("5.0"), Some((5000, 1000)));
         assert!(["0", "1/0", "-3", "nan"].into_iter().all(|wrong| fps(wrong).is_none()));
         assert_eq!("640x360".parse::<Size>().unwrap(), Size { width: 640, height: 360 });
         assert!("640".parse::<Size>().is_err() && "0x5".parse::<Size>().is_err());

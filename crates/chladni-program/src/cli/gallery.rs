@@ -25,7 +25,13 @@ pub struct GalleryOptions {
     #[arg(long, value_name = "N,N…", requires = "gallery")]
     choose: Vec<Chosen>,
     /// Breed without changing these: strength, model, scales, parts, templates.
-    #[arg(long, value_name = "GROUP", requires = "gallery", value_delimiter = ',')]
+    #[arg(
+        long,
+        value_name = "GROUP",
+        requires = "choose",
+        conflicts_with = "surprise",
+        value_delimiter = ','
+    )]
     lock: Vec<Group>,
     /// Write this one as a mesh (-o out.glb) in place of the sheet.
     #[arg(long, value_name = "N", requires = "gallery", value_parser = number)]

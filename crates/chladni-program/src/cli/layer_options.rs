@@ -98,6 +98,12 @@ impl LayerOptions {
         self.matching == Some(Method::Same)
     }
 
+    /// One of the options for matching a template mesh that was given, by its name.
+    pub fn given_for_matching(&self) -> Option<&'static str> {
+        let given = self.matching.map(|_| "--match").or(self.landmarks.as_ref().map(|_| "--landmarks"));
+        given.or(self.rigid.then_some("--rigid"))
+    }
+
     /// How a template mesh is matched with `subject`.
     ///
     /// # Errors

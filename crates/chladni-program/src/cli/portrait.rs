@@ -16,25 +16,30 @@ use super::stance::StanceOptions;
 use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, dots, settled};
 
 /// Where the viewer of a picture stands, and how large the picture is.
-#[derive(clap::Args, Clone, Copy, Debug)]
+#[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct Portrait {
-    /// Where the picture is seen from: degrees to the right of the front and above the horizon.
-    #[arg(long, value_name = "YAW,PITCH", default_value = "30,10", allow_hyphen_values = true, value_parser = angles)]
-    view: [f32; 2],
-    /// Size of the picture in pixels.
-    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1600x900", value_parser = pixels)]
-    pub size: [u32; 2],
+    /// Where the picture is seen from: degrees to the right of the front and above the horizon [default: 30,10].
+    #[arg(long, value_name = "YAW,PITCH", allow_hyphen_values = true, value_parser = angles)]
+    view: Option<[f32; 2]>,
+    /// Size of the picture in pixels [default: 1600x900].
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = pixels)]
+    size: Option<[u32; 2]>,
     #[command(flatten)]
     stance: StanceOptions,
 }
 
-impl Default for Portrait {
-    fn default() -> Self {
-        Self { view: [30.0, 10.0], size: [1600, 900], stance: StanceOptions::default() }
-    }
-}
-
 impl Portrait {
+    /// Width and height of the picture, in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or([1600, 900])
+    }
+
+    /// One of these options that was given, by its name.
+    pub fn given(&self) -> Option<&'static str> {
+        let given = self.view.map(|_| "--view").or(self.size.map(|_| "--size"));
+        given.or_else(|| self.stance.given())
+    }
+
     /// From where the shape called `name` is seen; `kept` is how its project says that it stands, `matched` how
     /// the template does that it was matched with.
     ///
@@ -49,7 +54,7 @@ impl Portrait {
         terminal: &Terminal,
     ) -> Result<Camera, Error> {
         let stands = Stance::from(self.stance).of(name, mesh, kept, matched, terminal)?;
-        let [yaw_rad, pitch_rad] = self.view.map(f32::to_radians);
+        let [yaw_rad, pitch_rad] = self.view.unwrap_or([30.0, 10.0]).map(f32::to_radians);
         Ok(Camera { yaw_rad, pitch_rad, stands, ..Camera::default() })
     }
 
@@ -86,7 +91,7 @@ pub fn render(
     terminal: &Terminal,
 ) -> Result<(), Error> {
     let from = portrait.camera(name, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
-    let size = portrait.size;
+    let size = portrait.size();
     let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
         None
     } else {

@@ -14,7 +14,7 @@ use crate::work::{Error, Watcher, source};
 #[derive(Args)]
 #[command(group(clap::ArgGroup::new("form").required(true).args(["json", "render"])))]
 pub struct Spectrum {
-    /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF) or sample:tune.
+    /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF, Matroska) or sample:tune.
     song: String,
     /// Print `rate_hz`, `bands_hz` and `frames` (`time_secs`, `mid`, `side`) as JSON.
     #[arg(long)]

@@ -16,6 +16,13 @@ pub struct StanceOptions {
     front: Option<Axis>,
 }
 
+impl StanceOptions {
+    /// One of these options that was given, by its name.
+    pub fn given(&self) -> Option<&'static str> {
+        self.up.map(|_| "--up").or(self.front.map(|_| "--front"))
+    }
+}
+
 impl From<StanceOptions> for Stance {
     fn from(StanceOptions { up, front }: StanceOptions) -> Self {
         Self { up, front }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_harmonics::Body;
-use chladni_mesh::{Estimate, Known, Orientation};
+use chladni_mesh::Orientation;
 use chladni_music::{Class, Symmetry, SymmetryMethod};
 use chladni_view::{
     Camera, ColorMap, Device, Marker, PictureRequest, PictureShape, Rect, Renderer, Scale, Style, View,
@@ -15,7 +15,7 @@ use super::Terminal;
 use crate::work::body::{self, laplacian};
 use crate::work::dancer::classes;
 use crate::work::outputs::check_picture;
-use crate::work::{Error, Watcher, figure_markers, source};
+use crate::work::{Error, Stance, Watcher, figure_markers, source};
 
 /// Tell symmetric from antisymmetric harmonics.
 #[derive(clap::Args)]
@@ -67,11 +67,7 @@ impl SymmetryCommand {
             .watch("finding the mirror", |task| classes(&body, self.paper, task))
             .map_err(|error| error.of(&self.mesh))?;
         if let Some(path) = &self.render {
-            let stands = terminal
-                .watch("finding which way is up", |task| {
-                    Estimate::of_surface(&body.positions, &body.triangles, Known::default(), task)
-                })?
-                .orientation;
+            let stands = Stance::default().of(&self.mesh, &mesh, None, None, terminal)?;
             draw(path, &body, &symmetry, stands, &terminal.device()?)?;
         }
         let report = report(&body, &symmetry);

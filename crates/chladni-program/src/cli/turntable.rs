@@ -15,7 +15,8 @@ use crate::work::{Error, Sculpture, Watcher};
 /// A film of the result.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct TurntableOptions {
-    /// Film the result turning once around: .mp4 (through ffmpeg), .gif, or a folder of pictures. In ink with --ink.
+    /// Film the result turning once around: .mp4 (through ffmpeg), .gif, .png or .apng (animated), or a folder of pictures. In
+    /// ink with --ink.
     #[arg(long, value_name = "FILM", conflicts_with = "batch")]
     pub turntable: Option<PathBuf>,
     /// How long the turn takes.

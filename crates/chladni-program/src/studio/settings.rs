@@ -13,6 +13,9 @@ use crate::work::HARMONICS;
 /// The largest file of preferences, in bytes.
 const LARGEST: u64 = 1 << 20;
 
+/// Files of preferences that could not be read and are kept.
+const MOST_UNREAD: usize = 100;
+
 /// Recent files that the start screen shows at most.
 const RECENT: usize = 8;
 
@@ -74,8 +77,14 @@ impl Settings {
 
     /// Keeps a file that could not be read beside `path`, where the next preferences do not replace it; returns where.
     pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
-        let aside = path.with_extension("toml.unread");
-        chladni_task::write_atomic(&aside, &read_file(path, LARGEST)?)?;
+        let unread = read_file(path, LARGEST)?;
+        // What was set aside before stays, unless it is the same.
+        let is_free =
+            |name: &PathBuf| !name.exists() || read_file(name, LARGEST).is_ok_and(|old| old == unread);
+        let numbered = (2..MOST_UNREAD).map(|number| path.with_extension(format!("toml.unread-{number}")));
+        let mut names = std::iter::once(path.with_extension("toml.unread")).chain(numbered);
+        let aside = names.find(is_free).ok_or_else(|| io::Error::other("too many such files are there"))?;
+        chladni_task::write_atomic(&aside, &unread)?;
         Ok(aside)
     }
 
@@ -142,7 +151,12 @@ mod tests {
         std::fs::write(&path, "zoom = [\n").unwrap();
         assert!(Settings::load(&path).is_err());
         let aside = Settings::set_aside(&path).unwrap();
-        assert!(aside != path && std::fs::read_to_string(aside).unwrap() == "zoom = [\n");
+        assert!(aside != path && std::fs::read_to_string(&aside).unwrap() == "zoom = [\n");
+        assert_eq!(Settings::set_aside(&path).unwrap(), aside, "the same again");
+        std::fs::write(&path, "zoom = {\n").unwrap();
+        let second = Settings::set_aside(&path).unwrap();
+        assert_eq!(std::fs::read_to_string(second).unwrap(), "zoom = {\n");
+        assert_eq!(std::fs::read_to_string(aside).unwrap(), "zoom = [\n");
         std::fs::write(&path, "zoom = inf\n").unwrap();
         assert_eq!(Settings::load(&path).unwrap().zoom, 1.0);
         std::fs::write(&path, "zoom = [").unwrap();

@@ -86,15 +86,21 @@ impl Ear {
         Ok(())
     }
 
-    /// Takes new sound and tracks its beat; returns the bar that begins in it, in the tracker's own time.
-    pub fn follow(&mut self, left: &[f32], right: &[f32]) -> Option<BarLine> {
+    /// Takes new sound and tracks its beat; returns the bars that begin in it, in the tracker's own time. After a long
+    /// frame there may be several.
+    pub fn follow(&mut self, left: &[f32], right: &[f32]) -> Vec<BarLine> {
         self.follower.push(left, right);
         while self.follower.take_beat().is_some() {
             self.beats.gone += 1.0;
         }
-        let HeardBar { at_secs, beats, energy, begins_section, .. } = self.follower.take_bar()?;
         let beat_secs = 60.0 / self.follower.moment().tempo_bpm.max(1.0);
-        Some(BarLine { at_secs, secs: f64::from(beats) * beat_secs, energy, begins_section })
+        let line = |HeardBar { at_secs, beats, energy, begins_section }| BarLine {
+            at_secs,
+            secs: f64::from(beats) * beat_secs,
+            energy,
+            begins_section,
+        };
+        std::iter::from_fn(|| self.follower.take_bar()).map(line).collect()
     }
 
     /// The beat now.

@@ -128,6 +128,12 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
     real(a).is_some_and(|place| real(b) == Some(place))
 }
 
+/// Whether files that are written to both paths would be one file, which need not be there.
+pub fn is_one_place(a: &Path, b: &Path) -> bool {
+    let real = |path: &Path| Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
+    a == b || is_same_file(a, b) || real(a).is_some_and(|place| real(b) == Some(place))
+}
+
 fn check_named(path: &Path, what: &str, endings: &[&str]) -> Result<(), Error> {
     if !path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending))) {
         let listed = endings.join(" or .");

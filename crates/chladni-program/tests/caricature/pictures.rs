@@ -128,7 +128,8 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
 #[test]
 fn a_gallery_is_drawn_bred_and_one_of_it_becomes_a_mesh() {
     let desk = Desk::new();
-    let line = "caricature shape.obj --gallery -k 48 --seed 3 --size 320x240";
+    let gallery = "caricature shape.obj --gallery -k 48 --seed 3";
+    let line = format!("{gallery} --size 320x240");
     let first = desk.ok(&format!("{line} -o first.png"));
     assert_eq!(first.lines().count(), 13, "{first}");
     assert_eq!(first, desk.ok(&format!("{line} -o other.png")).replace("other", "first"));
@@ -138,10 +139,10 @@ fn a_gallery_is_drawn_bred_and_one_of_it_becomes_a_mesh() {
         let picture = chladni_view::Picture::decode(&std::fs::read(desk.path(name)).unwrap()).unwrap();
         assert_eq!((picture.width, picture.height), (320, 240));
     }
-    let single = desk.ok(&format!("{line} --choose 2,5 --lock model --variant 7 -o seventh.ply"));
+    let single = desk.ok(&format!("{gallery} --choose 2,5 --lock model --variant 7 -o seventh.ply"));
     assert!(bred.contains(single.lines().next().unwrap()), "{single}");
     assert!(largest(&desk.mesh("seventh.ply").positions, &desk.mesh("shape.obj").positions) > 0.01);
-    desk.ok(&format!("{line} --surprise -o surprise.glb"));
+    desk.ok(&format!("{gallery} --surprise -o surprise.glb"));
     assert!(desk.refused(&format!("{line} --choose 13 -o x.png")).contains("from 1 to 12"));
     assert!(desk.refused(&format!("{line} -o x.obj")).contains(".png"));
     assert!(desk.refused(&format!("{line} --lock nose -o x.png")).contains("templates"));

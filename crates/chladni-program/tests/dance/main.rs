@@ -227,6 +227,30 @@ fn pieces_of_a_film_are_the_film_bit_for_bit() {
 }
 
 #[test]
+fn a_report_is_about_the_frames_that_were_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let report = |more: &[&str]| -> serde_json::Value {
+        let film = ["--quiet", "dance", "sample:octopus", "sample:tune", "-k", "16", "--duration", "1"];
+        let drawn = ["--fps", "10", "--size", "64x48", "--draw", "cpu", "--json"];
+        let arguments = [&film[..], &drawn, more].concat();
+        let output =
+            std::process::Command::new(env!("CARGO_BIN_EXE_chladni")).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let part = report(&["--frames", &path("frames"), "--piece", "0..3"]);
+    assert_eq!((part["frames"].as_u64(), part["film_secs"].as_f64()), (Some(3), Some(0.3)));
+    // A film that is there stays; what else is wanted is made, and reported.
+    std::fs::write(path("film.gif"), "kept").unwrap();
+    let presets = path("presets");
+    let none = report(&["-o", &path("film.gif"), "--resume", "--presets", &presets]);
+    assert_eq!((none["frames"].as_u64(), none["times_real_time"].as_f64()), (Some(0), Some(0.0)));
+    assert_eq!(std::fs::read(path("film.gif")).unwrap(), b"kept");
+    assert_eq!(std::fs::read_dir(presets).unwrap().count(), 6);
+}
+
+#[test]
 fn bad_input_is_refused_with_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let gif = folder.path().join("x.gif");

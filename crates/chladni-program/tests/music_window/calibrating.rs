@@ -54,4 +54,13 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
     wait(&mut window, "the clicks again", |w| shows(w, "with each click"));
     window.key_press(Key::Escape);
     wait(&mut window, "the window as it was", |w| !is_there(w, "calibrate/tap"));
+    // Elsewhere nobody taps: the clicks end, and the song goes on.
+    control(&window, "calibrate").click_accesskit();
+    wait(&mut window, "the clicks once more", |w| shows(w, "with each click"));
+    window.get_by_role_and_label(Role::Button, "Chladni").click_accesskit();
+    wait(&mut window, "the start screen", |w| is_there(w, "room/1"));
+    click(&mut window, "room/1");
+    wait(&mut window, "the room", |w| is_there(w, "play"));
+    assert!(!is_there(&window, "calibrate/tap"));
+    wait(&mut window, "the song again", playing);
 }

@@ -368,6 +368,13 @@ fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
     person.click("curvature/bumps");
     let bumps = painted(&desk, &mut person);
     assert!((60..200).contains(&inside(&bumps)), "{}", inside(&bumps));
+    // A region never replaces the shape that it lies on.
+    let shape = std::fs::read(desk.path("shape.obj")).unwrap();
+    desk.answers.add(desk.path("shape.obj"));
+    person.click("mask");
+    person.click("mask/save");
+    person.wait_to_see("would be replaced");
+    assert!(std::fs::read(desk.path("shape.obj")).unwrap() == shape);
     desk.answers.add(desk.path("bumps.ply"));
     person.click("mask");
     person.screenshot("studio-mask.png");

@@ -1,5 +1,7 @@
 //! Beat tracking while listening, from past samples only.
 
+use std::collections::VecDeque;
+
 use super::meter::{Meter, Normalizer};
 use crate::structure::{BarFollower, HeardBar};
 use crate::{ONSET_RATE_HZ, Onset, OnsetDetector, SoundError};
@@ -24,6 +26,10 @@ const DOUBT: f32 = 0.001_35;
 const SHORTEST_GAP: f64 = 0.6;
 /// A beat that is recognized this late is still announced.
 const LATEST_SECS: f64 = 0.06;
+/// Beats are looked for this often, however many samples come at once: less often, they would be recognized too late.
+const LOOKS_PER_SEC: usize = 100;
+/// Beats, and bars, that may wait to be taken: those of several seconds at any tempo.
+const MOST_WAITING: usize = 64;
 
 /// Follows the beat of a stream of samples: a forward filter over the states of the bar pointer. Its
 /// statement about a time depends on no sample after it.
@@ -42,9 +48,10 @@ pub struct BeatFollower {
     samples_heard: u64,
     best: Best,
     last_beat_secs: f64,
-    pending: Option<f64>,
+    /// Beats and bars that nobody has taken yet, oldest first.
+    pending: VecDeque<f64>,
     bars: BarFollower,
-    begun: Option<HeardBar>,
+    begun: VecDeque<HeardBar>,
     /// How many beats are announced per beat tracked: 2 after "double", ½ after "halve".
     speed: f64,
     taps: Taps,
@@ -87,18 +94,27 @@ impl BeatFollower {
             samples_heard: 0,
             best: Best::default(),
             last_beat_secs: f64::MIN,
-            pending: None,
+            pending: VecDeque::with_capacity(MOST_WAITING),
             bars: BarFollower::new(rate_hz)?,
-            begun: None,
+            begun: VecDeque::with_capacity(MOST_WAITING),
             speed: 1.0,
             taps: Taps::default(),
             clarity: 0.0,
         })
     }
 
-    /// Takes the next samples that were heard.
+    /// Takes the next samples that were heard, any number of them. Of the beats and bars in them that are not taken
+    /// before the next call, the last 64 are kept.
     pub fn push(&mut self, left: &[f32], right: &[f32]) {
-        self.samples_heard += left.len().min(right.len()) as u64;
+        let block = (self.rate_hz as usize / LOOKS_PER_SEC).max(1);
+        let frames = left.len().min(right.len());
+        for (left, right) in left[..frames].chunks(block).zip(right[..frames].chunks(block)) {
+            self.push_block(left, right);
+        }
+    }
+
+    fn push_block(&mut self, left: &[f32], right: &[f32]) {
+        self.samples_heard += left.len() as u64;
         let mut fresh = std::mem::take(&mut self.fresh);
         fresh.clear();
         self.onsets.push(left, right, &mut fresh);
@@ -115,14 +131,14 @@ impl BeatFollower {
         self.samples_heard as f64 / self.rate_hz
     }
 
-    /// The time of a beat that became due since the last call, if there is one.
+    /// The time of the oldest beat that became due and was not taken yet, if there is one.
     pub fn take_beat(&mut self) -> Option<f64> {
-        self.pending.take()
+        self.pending.pop_front()
     }
 
-    /// A bar that has begun since the last call, if there is one.
+    /// The oldest bar that has begun and was not taken yet, if there is one.
     pub fn take_bar(&mut self) -> Option<HeardBar> {
-        self.begun.take()
+        self.begun.pop_front()
     }
 
     /// Tempo, phase and confidence now.
@@ -187,7 +203,7 @@ impl BeatFollower {
         Ok(())
     }
 
-    /// The ring index of place 0: (−t) mod period, where t is the last frame heard.
+    /// The place at ring index 0: t mod period, where t is the last frame heard.
     fn ring_start(&self, period: usize) -> usize {
         (self.frames_heard.saturating_sub(1) % period as u64) as usize
     }
@@ -286,10 +302,20 @@ impl BeatFollower {
         let rested = last - self.last_beat_secs > SHORTEST_GAP * gap;
         if rested && now - last <= LATEST_SECS {
             self.last_beat_secs = now;
-            self.pending = Some(now);
-            self.begun = self.bars.beat(now).or(self.begun.take());
+            keep(&mut self.pending, now);
+            if let Some(bar) = self.bars.beat(now) {
+                keep(&mut self.begun, bar);
+            }
         }
     }
+}
+
+/// Adds a value; the oldest one is dropped where too many wait.
+fn keep<T>(waiting: &mut VecDeque<T>, value: T) {
+    if waiting.len() == MOST_WAITING {
+        waiting.pop_front();
+    }
+    waiting.push_back(value);
 }
 
 impl Taps {

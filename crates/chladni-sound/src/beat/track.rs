@@ -4,7 +4,7 @@ use chladni_task::{Cancelled, Task};
 
 use super::follow::BeatFollower;
 use super::meter::{FASTEST_BPM, Meter, Normalizer};
-use crate::structure::{HeardBar, structure};
+use crate::structure::{HeardBar, section_name, structure};
 use crate::{Bar, ENERGY_RATE_HZ, ONSET_RATE_HZ, Onset, OnsetDetector, Section, Song, SoundError};
 
 /// The beats of a song, its bars and sections, and its energy.
@@ -40,7 +40,7 @@ impl Beats {
         let named = |(i, (_, bar)): (usize, (usize, &HeardBar))| Section {
             at_secs: bar.at_secs,
             // While listening, sections are not compared with earlier ones: each gets the next letter.
-            name: (b'A' + (i % 26) as u8) as char,
+            name: section_name(i),
             energy: bar.energy,
         };
         let energy_at = |secs: f64| {

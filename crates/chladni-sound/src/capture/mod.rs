@@ -16,6 +16,7 @@ pub use source::{CaptureKind, CaptureSource, capture_sources};
 
 use crate::SoundError;
 use crate::history::{Frame, History};
+use crate::windowed::sounding;
 
 /// The ring holds this many frames: 1.4 s at 48 kHz.
 const RING_FRAMES: usize = 1 << 16;
@@ -56,7 +57,8 @@ pub struct CaptureFeed {
 }
 
 impl CaptureFeed {
-    /// Adds as many frames as the shorter of the two slices has. Frames that do not fit are dropped.
+    /// Adds as many frames as the shorter of the two slices has. Frames that do not fit are dropped; samples that are not
+    /// finite or absurdly loud are silence.
     pub fn push(&mut self, left: &[f32], right: &[f32]) {
         left.iter().zip(right).for_each(|(&l, &r)| self.inlet.push([l, r]));
     }
@@ -82,7 +84,7 @@ fn inlet() -> (Inlet, Consumer<Frame>) {
 impl Inlet {
     fn push(&mut self, frame: Frame) {
         // If the ring is full, nobody reads it: the newest frame is dropped, and the device does not wait.
-        let _ = self.producer.push(frame);
+        let _ = self.producer.push(frame.map(sounding));
     }
 }
 
@@ -173,5 +175,20 @@ impl Capture {
     /// Whether the device is lost. To continue, start a new capture.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_delivers_what_is_not_a_number_is_silent_for_that_long() {
+        let (mut capture, mut feed) = Capture::fed(48_000).unwrap();
+        feed.push(&[0.5, f32::NAN, f32::INFINITY, 0.25], &[-0.5, 0.125, 3e30, f32::NEG_INFINITY]);
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        capture.take(&mut left, &mut right);
+        assert_eq!((left, right), (vec![0.5, 0.0, 0.0, 0.25], vec![-0.5, 0.125, 0.0, 0.0]));
+        assert!(capture.level().peak == 0.5 && capture.level().rms.is_finite());
     }
 }

@@ -6,7 +6,7 @@
 
 use symphonia::core::audio::{ChannelLabel, Channels, Position};
 
-use crate::windowed::LOUDEST;
+use crate::windowed::sounding;
 
 /// −3 dB as an amplitude.
 const MINUS_3_DB: f32 = std::f32::consts::FRAC_1_SQRT_2;
@@ -56,7 +56,7 @@ impl Downmix {
     }
 
     /// Appends frames `range` of `interleaved` (as many channels as the mix has) to `stereo`.
-    /// Samples that are no sound ([`LOUDEST`]) become 0.
+    /// Samples that are no sound ([`sounding`]) become 0.
     pub fn append(&self, interleaved: &[f32], range: std::ops::Range<usize>, stereo: &mut Vec<f32>) {
         let channels = self.gains.len();
         let frames = interleaved.chunks_exact(channels).take(range.end).skip(range.start);
@@ -64,7 +64,7 @@ impl Downmix {
         for frame in frames {
             let mut mixed = [0.0f32; 2];
             for (&sample, gain) in frame.iter().zip(&self.gains) {
-                let sample = if sample.abs() <= LOUDEST { sample } else { 0.0 };
+                let sample = sounding(sample);
                 mixed[0] += gain[0] * sample;
                 mixed[1] += gain[1] * sample;
             }

@@ -13,6 +13,9 @@ pub(crate) struct Audible {
     pub skip: u64,
     /// The number of audible samples; `None` if the file does not state it.
     pub frames: Option<u64>,
+    /// Whether both are ticks of the track's clock in place of decoded samples. Their rates may differ, as where a
+    /// decoder leaves out the upper half of the spectrum (HE-AAC).
+    pub in_ticks: bool,
 }
 
 /// The largest box that is read whole (headers, edit list, comment); these boxes are far smaller in valid
@@ -47,14 +50,16 @@ pub(crate) fn audible_part<R: Read + Seek + ?Sized>(source: &mut R) -> Option<Au
         let edts = walk.find(trak, b"edts")?;
         let elst = walk.find(edts, b"elst").and_then(|b| walk.bytes(b))?;
         let (skip, edit_duration) = single_edit(&elst)?;
-        let Some(media_duration) = media_duration else { return Some(Audible { skip, frames: None }) };
+        let Some(media_duration) = media_duration else {
+            return Some(Audible { skip, frames: None, in_ticks: true });
+        };
         let rest = media_duration.checked_sub(skip)?;
         // The clock of the movie is often coarse (1 ms). If both durations agree to a tick or two, that of
         // the media is the exact one.
         let edit = (u128::from(edit_duration) * u128::from(scale) / u128::from(movie_scale)) as u64;
         let tick = 2 * u64::from(scale).div_ceil(u64::from(movie_scale));
         let frames = if edit == 0 || rest.abs_diff(edit) <= tick { rest } else { edit.min(rest) };
-        return Some(Audible { skip, frames: Some(frames) });
+        return Some(Audible { skip, frames: Some(frames), in_ticks: true });
     }
     None
 }
@@ -162,7 +167,7 @@ impl<R: Read + Seek + ?Sized> Walk<'_, R> {
             let fields: Vec<u64> =
                 text.split_whitespace().map_while(|f| u64::from_str_radix(f, 16).ok()).collect();
             let (&skip, &frames) = (fields.get(1)?, fields.get(3)?);
-            return Some(Audible { skip, frames: (frames > 0).then_some(frames) });
+            return Some(Audible { skip, frames: (frames > 0).then_some(frames), in_ticks: false });
         }
         None
     }
@@ -212,7 +217,7 @@ mod tests {
     #[test]
     fn an_edit_list_gives_the_exact_length() {
         let audible = audible_part(&mut Cursor::new(movie()));
-        assert_eq!(audible, Some(Audible { skip: 1024, frames: Some(98_976) }));
+        assert_eq!(audible, Some(Audible { skip: 1024, frames: Some(98_976), in_ticks: true }));
     }
 
     #[test]
@@ -224,7 +229,7 @@ mod tests {
         ];
         for (header, skip) in headers.iter().flat_map(|header| [(header, 0), (header, 1024)]) {
             let audible = audible_part(&mut Cursor::new(movie_with(header, 0, skip)));
-            assert_eq!(audible, Some(Audible { skip: skip.into(), frames: None }));
+            assert_eq!(audible, Some(Audible { skip: skip.into(), frames: None, in_ticks: true }));
         }
     }
 

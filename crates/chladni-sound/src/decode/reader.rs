@@ -7,7 +7,7 @@ use chladni_task::open_file;
 use symphonia::core::codecs::audio::{AudioDecoder, well_known};
 use symphonia::core::errors::Error as CodecError;
 use symphonia::core::formats::probe::Hint;
-use symphonia::core::formats::well_known::FORMAT_ID_OGG;
+use symphonia::core::formats::well_known::{FORMAT_ID_ISOMP4, FORMAT_ID_OGG};
 use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo};
 use symphonia::core::io::{MediaSource, MediaSourceStream};
 use symphonia::core::meta::{MetadataOptions, StandardTag, StandardVisualKey};
@@ -312,28 +312,46 @@ impl SongReader {
         i64::try_from(u128::from(frame) * ticks / frames.max(1)).ok()
     }
 
-    fn frame_of(&self, ticks: i64) -> u64 {
+    fn frame_of(&self, ticks: u64) -> u64 {
         let (per, frames) = self.ticks_per_frame();
-        let ticks = u128::from(ticks.unsigned_abs());
+        let ticks = u128::from(ticks);
         u64::try_from((ticks * frames + per / 2) / per.max(1)).unwrap_or(u64::MAX)
+    }
+
+    /// Takes the rate and the number of channels of the first sound. From now on ticks can be counted in frames.
+    fn begin(&mut self, rate_hz: u32, channels: usize) {
+        (self.rate_hz, self.channels) = (rate_hz, channels);
+        if self.format.format_info().format == FORMAT_ID_ISOMP4 {
+            self.declared_frames = self.declared_frames.map(|ticks| self.frame_of(ticks));
+        }
+        let Audible { skip, frames, in_ticks } = self.audible;
+        if in_ticks {
+            let frames = frames.map(|ticks| self.frame_of(ticks));
+            self.audible = Audible { skip: self.frame_of(skip), frames, in_ticks: false };
+            self.skip = self.audible.skip;
+        }
+    }
+
+    /// How many frames of the link are still to be heard, as far as it states that.
+    fn left(&self) -> u64 {
+        self.audible.frames.unwrap_or(u64::MAX).saturating_sub(self.position)
     }
 
     /// Fills `stereo` with at least one frame. Returns false at the end.
     fn decode_block(&mut self) -> Result<bool, SoundError> {
         self.stereo.clear();
         while self.stereo.is_empty() {
-            let left = self.audible.frames.unwrap_or(u64::MAX).saturating_sub(self.position);
             // Another link may follow.
-            let is_over = left == 0 && self.format.format_info().format != FORMAT_ID_OGG;
-            if is_over || !self.decode_packet(left)? {
+            let is_over = self.left() == 0 && self.format.format_info().format != FORMAT_ID_OGG;
+            if is_over || !self.decode_packet()? {
                 return Ok(false);
             }
         }
         Ok(true)
     }
 
-    /// Decodes one packet into `stereo`, at most `left` frames of it. Returns false at the end.
-    fn decode_packet(&mut self, left: u64) -> Result<bool, SoundError> {
+    /// Decodes one packet into `stereo`, as far as it is to be heard. Returns false at the end.
+    fn decode_packet(&mut self) -> Result<bool, SoundError> {
         let mut packet = match self.format.next_packet() {
             Ok(Some(packet)) => packet,
             Ok(None) => {
@@ -382,7 +400,7 @@ impl SongReader {
         })?;
         crate::check_rate(&self.name, rate_hz)?;
         if self.rate_hz == 0 {
-            (self.rate_hz, self.channels) = (rate_hz, channels.count());
+            self.begin(rate_hz, channels.count());
         } else if self.rate_hz != rate_hz {
             return Err(SoundError::Damaged {
                 name: self.name.clone(),
@@ -393,14 +411,14 @@ impl SongReader {
         if let Some(target) = self.sought.take() {
             // The decoder has already trimmed the samples that the packet names.
             let start = packet.pts.get().saturating_add_unsigned(packet.trim_start.get()).max(0);
-            let landed = self.frame_of(start);
+            let landed = self.frame_of(start.unsigned_abs());
             self.skip = target.saturating_sub(landed);
             self.position += landed.saturating_sub(target);
         }
         let dropped = self.skip.min(frames as u64);
         self.skip -= dropped;
         let first = dropped as usize;
-        let last = frames.min(first.saturating_add(usize::try_from(left).unwrap_or(usize::MAX)));
+        let last = frames.min(first.saturating_add(usize::try_from(self.left()).unwrap_or(usize::MAX)));
         mix.append(&self.interleaved, first..last, &mut self.stereo);
         Ok(true)
     }

@@ -51,8 +51,8 @@ impl Song {
     /// missing in the file.
     ///
     /// # Errors
-    /// A part outside the song, a song that needs more than the memory allowed, a damaged file, or a
-    /// cancelled task.
+    /// A part outside the song or shorter than a frame ([`SoundError::Setting`]), a song that needs more than the memory
+    /// allowed, a damaged file, or a cancelled task.
     pub fn read(reader: &mut SongReader, options: &SongOptions, task: &Task) -> Result<Self, SoundError> {
         let positive = |secs: f64| secs.is_finite() && secs >= 0.0;
         if !positive(options.start_secs) || options.duration_secs.is_some_and(|d| !positive(d)) {
@@ -93,7 +93,7 @@ impl Song {
         resampler.finish(&mut stereo)?;
         song.append(&stereo);
         if song.frames() == 0 {
-            return Err(SoundError::Empty { name: reader.name().to_owned() });
+            return Err(nothing_read(reader.name(), options, wanted));
         }
         Ok(song)
     }
@@ -145,5 +145,22 @@ impl Song {
     fn append(&mut self, stereo: &[f32]) {
         self.left.extend(stereo.iter().step_by(2));
         self.right.extend(stereo.iter().skip(1).step_by(2));
+    }
+}
+
+/// Why nothing was read where `wanted` frames were asked for.
+fn nothing_read(name: &str, options: &SongOptions, wanted: u64) -> SoundError {
+    let SongOptions { start_secs, duration_secs, .. } = *options;
+    if wanted == 0 {
+        let secs = duration_secs.unwrap_or(0.0);
+        SoundError::Setting {
+            what: format!("{name}: a duration of {secs} s holds no sample; give a longer one"),
+        }
+    } else if start_secs > 0.0 {
+        SoundError::Setting {
+            what: format!("{name}: the start at {start_secs} s lies beyond the end; give an earlier one"),
+        }
+    } else {
+        SoundError::Empty { name: name.to_owned() }
     }
 }

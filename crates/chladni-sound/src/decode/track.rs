@@ -72,16 +72,16 @@ fn audible_of(track: &Track, params: &AudioCodecParameters) -> Audible {
     let delay = track.delay.map(u64::from);
     match params.codec {
         well_known::CODEC_ID_MP3 if delay.unwrap_or(0) == 0 => {
-            Audible { skip: MP3_DECODER_DELAY, frames: None }
+            Audible { skip: MP3_DECODER_DELAY, frames: None, in_ticks: false }
         }
         // The demuxers leave an Opus encoder's lead-in to the decoder, and the decoder leaves it to its
         // caller. Only Ogg states it for the track and counts it in the track's frames.
         well_known::CODEC_ID_OPUS => {
             let skip = delay.or_else(|| opus::lead_in_frames(params)).unwrap_or(0);
             let frames = track.num_frames.filter(|_| delay.is_some());
-            Audible { skip, frames: frames.map(|frames| frames.saturating_sub(skip)) }
+            Audible { skip, frames: frames.map(|frames| frames.saturating_sub(skip)), in_ticks: false }
         }
-        _ => Audible { skip: 0, frames: None },
+        _ => Audible { skip: 0, frames: None, in_ticks: false },
     }
 }
 

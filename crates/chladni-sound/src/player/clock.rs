@@ -168,7 +168,9 @@ impl Clock {
         self.lost.swap(false, Ordering::AcqRel)
     }
 
+    /// Limited to [0, 1]; what is not finite is silence, since a gain that is not a number would stay one.
     pub fn set_volume(&self, volume: f32) {
+        let volume = if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 0.0 };
         self.volume.store(volume.to_bits(), Ordering::Relaxed);
     }
 

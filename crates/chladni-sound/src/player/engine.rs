@@ -133,7 +133,7 @@ impl Engine {
     fn obey(&mut self, command: Command) {
         match command {
             Command::PlayList(songs) => {
-                self.list.songs = songs;
+                (self.list.songs, self.list.current) = (songs, 0);
                 self.start(Some(0), 0.0, true);
             }
             Command::Songs(songs) => self.set_songs(songs),
@@ -142,8 +142,8 @@ impl Engine {
             Command::Pause => self.set_playing(false),
             Command::Seek(secs) => {
                 let secs = if secs.is_finite() { secs.max(0.0) } else { 0.0 };
-                let song = self.heard().map_or(self.list.current, |heard| heard.song);
-                self.start(Some(song), secs, self.playing);
+                self.back_to_heard();
+                self.start(Some(self.list.current), secs, self.playing);
             }
             Command::Next => {
                 self.back_to_heard();
@@ -153,7 +153,8 @@ impl Engine {
                 self.back_to_heard();
                 self.start(self.list.before(), 0.0, true);
             }
-            Command::Select(song) => self.start(Some(song), 0.0, true),
+            Command::Select(song) if song < self.list.songs.len() => self.start(Some(song), 0.0, true),
+            Command::Select(_) => {}
             Command::Repeat(repeat) => self.list.repeat = repeat,
             Command::Crossfade(secs) => self.crossfade_secs = secs,
             Command::Device(device) => {
@@ -200,8 +201,9 @@ impl Engine {
         self.song.is_none() && self.tail.is_over()
     }
 
-    /// Goes back to the song that is heard, to which "next" and "previous" refer: the ring may already hold
-    /// the next one.
+    /// Goes back to the song that is heard, to which "next", "previous" and seeking refer: the ring may already
+    /// hold the next one. A song that was removed from the list keeps its number until it ends, which may lie beyond the
+    /// list.
     fn back_to_heard(&mut self) {
         let heard = self.heard().map(|heard| heard.song);
         self.list.current = heard.filter(|&song| song < self.list.songs.len()).unwrap_or(self.list.current);
@@ -245,6 +247,9 @@ impl Engine {
         secs: f64,
         mut before: Option<StereoResampler>,
     ) -> Option<StereoResampler> {
+        if first >= self.list.songs.len() {
+            return before;
+        }
         let mut secs = secs;
         self.list.current = first;
         for _ in 0..self.list.songs.len() {

@@ -121,7 +121,7 @@ impl Player {
         self.send(Command::Previous);
     }
 
-    /// Plays the song with this index in the playlist.
+    /// Plays the song with this index in the playlist; nothing changes where there is none.
     pub fn select(&self, song: usize) {
         self.send(Command::Select(song));
     }
@@ -141,7 +141,7 @@ impl Player {
 
     /// Sets the amplitude, in [0, 1].
     pub fn set_volume(&self, volume: f32) {
-        self.shared.clock.set_volume(if volume.is_finite() { volume.clamp(0.0, 1.0) } else { 0.0 });
+        self.shared.clock.set_volume(volume);
     }
 
     /// Sets how far ahead of what is heard the moment lies that a picture is to show, in seconds up to

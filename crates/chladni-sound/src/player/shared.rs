@@ -25,7 +25,7 @@ pub(super) struct Timeline {
 impl Shared {
     pub fn new(volume: f32) -> Self {
         let clock = Arc::new(Clock::new());
-        clock.set_volume(volume.clamp(0.0, 1.0));
+        clock.set_volume(volume);
         let timeline = Mutex::new(Timeline {
             stretches: Stretches::default(),
             dropped: Dropped::default(),
@@ -41,5 +41,16 @@ impl Shared {
     /// If another thread panicked while it held the lock, the music continues.
     pub fn timeline(&self) -> MutexGuard<'_, Timeline> {
         self.timeline.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_player_begins_with_a_volume_that_is_a_number() {
+        let volumes = [f32::NAN, f32::INFINITY, -1.0, 0.5, 7.0];
+        assert_eq!(volumes.map(|volume| Shared::new(volume).clock.volume()), [0.0, 0.0, 0.0, 0.5, 1.0]);
     }
 }

@@ -16,6 +16,7 @@ use frame::FrameReader;
 pub use energy::ENERGY_RATE_HZ;
 pub(crate) use follow::BarFollower;
 pub use follow::HeardBar;
+pub(crate) use sections::section_name;
 
 /// A bar of a song.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -31,7 +32,7 @@ pub struct Bar {
 pub struct Section {
     /// When its first bar begins, in seconds.
     pub at_secs: f64,
-    /// A letter, the same for sections that sound alike.
+    /// A letter, the same for sections that sound alike: A to Z, then a to z; a 53rd kind has the first letter again.
     pub name: char,
     /// Its mean energy, in [0, 1].
     pub energy: f32,

@@ -111,6 +111,12 @@ fn novelty_at(bars: &[BarFeatures], at: usize) -> f32 {
     within - across / weights[1].max(1e-6)
 }
 
+/// The name of the section that is the `i`-th of its kind, from 0: A to Z, then a to z, then again from A.
+pub(crate) fn section_name(i: usize) -> char {
+    const LETTERS: &[u8; 52] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+    LETTERS[i % LETTERS.len()].into()
+}
+
 /// The sections of a song; `bars` begin with the beats that have these indices.
 pub(super) fn sections(
     first_beats: &[usize],
@@ -138,7 +144,7 @@ pub(super) fn sections(
         let name = match known.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, alike)| *alike >= SAME) {
             Some((name, _)) => name,
             None => {
-                let name = (b'A' + (models.len() % 26) as u8) as char;
+                let name = section_name(models.len());
                 models.push((name, own));
                 name
             }
@@ -169,6 +175,13 @@ mod tests {
             .collect();
         even(&mut bars);
         bars
+    }
+
+    #[test]
+    fn fifty_two_kinds_of_sections_have_names_of_their_own() {
+        let names: std::collections::HashSet<char> = (0..52).map(section_name).collect();
+        assert_eq!(names.len(), 52);
+        assert_eq!([0, 25, 26, 51, 52].map(section_name), ['A', 'Z', 'a', 'z', 'A']);
     }
 
     #[test]

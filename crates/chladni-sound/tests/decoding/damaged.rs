@@ -103,6 +103,10 @@ fn a_song_beyond_the_memory_allowed_is_refused() {
     let song = read(&part).unwrap();
     assert_eq!(song.frames(), 11_025);
     assert!((song.left[0] - chirp(44_100).left[22_050]).abs() < 1e-4);
+    for (wrong, start_secs, duration_secs) in [("start", 60.0, None), ("duration", 0.5, Some(0.0))] {
+        let error = read(&SongOptions { start_secs, duration_secs, ..SongOptions::default() }).unwrap_err();
+        assert!(matches!(&error, SoundError::Setting { what } if what.contains(wrong)), "{wrong}: {error}");
+    }
     let resampled = read(&SongOptions { rate_hz: Some(48_000), ..SongOptions::default() }).unwrap();
     assert_eq!((resampled.rate_hz, resampled.frames()), (48_000, 96_000));
 }

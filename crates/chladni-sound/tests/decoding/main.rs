@@ -149,6 +149,40 @@ fn every_format_that_ffmpeg_writes_comes_back_in_place() {
     }
 }
 
+/// The clock of an MP4 need not tick once a frame: with HE-AAC it ticks twice.
+#[test]
+fn an_edit_list_counts_ticks_of_the_clock_and_not_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let (source, path) = (folder.path().join("source.wav"), folder.path().join("aac.m4a"));
+    write_wav(&source, &chirp(44_100), WavSample::Int16).unwrap();
+    if !ffmpeg(&source, &["-c:a", "aac", "-b:a", "192k"], &path) {
+        return eprintln!("skipped: no ffmpeg that writes AAC here");
+    }
+    let mut bytes = std::fs::read(&path).unwrap();
+    halve_clock(&mut bytes);
+    let slow = folder.path().join("slow.m4a");
+    std::fs::write(&slow, bytes).unwrap();
+    let (whole, song) = (Song::open(&path).unwrap(), Song::open(&slow).unwrap());
+    assert_eq!(SongReader::open(&slow).unwrap().total_frames(), Some(whole.frames() as u64));
+    assert!(song == whole, "{} frames of {}", song.frames(), whole.frames());
+    seeks_land_exactly(&slow, &whole, 2e-3);
+}
+
+/// Lets the clock of the sound in an MP4 of one track tick half as often.
+fn halve_clock(mp4: &mut [u8]) {
+    let body = |mp4: &[u8], kind: &[u8]| 4 + mp4.windows(4).position(|name| name == kind).unwrap();
+    let word = |mp4: &[u8], at: usize| u32::from_be_bytes(mp4[at..at + 4].try_into().unwrap());
+    let mut fields = vec![body(mp4, b"mdhd") + 12, body(mp4, b"mdhd") + 16];
+    for (list, width, field) in [(body(mp4, b"elst"), 12, 4), (body(mp4, b"stts"), 8, 4)] {
+        fields.extend((0..word(mp4, list + 4) as usize).map(|entry| list + 8 + width * entry + field));
+    }
+    for at in fields {
+        let ticks = word(mp4, at);
+        assert!(ticks.is_multiple_of(2), "{ticks} ticks");
+        mp4[at..at + 4].copy_from_slice(&(ticks / 2).to_be_bytes());
+    }
+}
+
 #[test]
 fn an_mp3_whose_length_is_guessed_too_short_is_read_to_its_end() {
     let folder = tempfile::tempdir().unwrap();

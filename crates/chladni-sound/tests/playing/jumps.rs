@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use chladni_sound::{Player, PlayerEvent, Song, WavSample, write_wav};
+use chladni_sound::{Player, PlayerEvent, PlayerState, Song, WavSample, write_wav};
 
 use super::{silent, undisturbed, wait};
 
@@ -102,6 +102,32 @@ fn removing_the_song_that_is_decoded_ahead_leaves_the_one_that_is_heard() {
         let is_right = matches!(parts[..], [.., (_, end), (400_000, _)] if end == 57_600)
             && parts.iter().all(|(begin, _)| !(200_000..400_000).contains(begin));
         (is_right, format!("{parts:?}"))
+    });
+}
+
+#[test]
+fn a_song_that_is_not_in_the_list_stops_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let ramps = [("a.wav", 0.3), ("b.wav", 0.5), ("c.wav", 60.0)];
+    let songs = ramps.map(|(name, secs)| write_ramp(folder.path(), name, 0, secs));
+    let player = silent();
+    player.play_list(songs.to_vec());
+    player.select(99);
+    player.select(1);
+    // The second song is still heard, or was a moment ago, when only the third is left: its number lies beyond the list.
+    wait("the third song", || player.events().any(|event| event == PlayerEvent::SongStarted(2)));
+    player.set_songs(songs[2..].to_vec());
+    player.seek(20.0);
+    player.select(99);
+    wait("the seek", || {
+        let status = player.status();
+        (status.song, status.state) == (0, PlayerState::Playing) && status.position_secs > 20.0
+    });
+    player.pause();
+    player.select(7);
+    player.play();
+    wait("going on", || {
+        player.status().state == PlayerState::Playing && player.status().position_secs > 20.1
     });
 }
 

@@ -236,6 +236,7 @@ impl Synthesizer for GpuSynthesizer {
     fn replace_model(&mut self, model: SynthModel) -> Result<(), SynthError> {
         self.context.check_present()?;
         self.shape = checked(&self.context.device, || ShapeOnDevice::new(&self.context, &model))??;
+        self.groups = None;
         self.scales = device_scales(&model);
         self.model = model;
         self.signals.clear();
@@ -258,7 +259,13 @@ impl Synthesizer for GpuSynthesizer {
                 limit: u64::from(reach),
             });
         }
-        if self.upload(items)? || self.groups.is_none() {
+        let uploaded = self.upload(items);
+        // After an error, too, some buffers may have been replaced.
+        if !matches!(uploaded, Ok(false)) {
+            self.groups = None;
+        }
+        uploaded?;
+        if self.groups.is_none() {
             self.groups = Some(self.bind_frame()?);
         }
         let Some(groups) = &self.groups else { return Ok(()) };

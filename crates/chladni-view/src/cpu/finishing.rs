@@ -277,7 +277,8 @@ impl Beside {
         let (above, below, share) = neighbors(grown(y as f32 + 0.5, height, shrink), height as usize);
         let row = |y: usize| &last[4 * columns.len() * y..4 * columns.len() * (y + 1)];
         let both = row(above).iter().zip(row(below));
-        let kept = |(a, b): (&u8, &u8)| (mix(f32::from(*a), f32::from(*b), share) * left - 0.7) / 255.0;
+        let kept =
+            |(a, b): (&u8, &u8)| (mix(f32::from(*a), f32::from(*b), share) * left - uniform.fade) / 255.0;
         self.between.clear();
         self.between.extend(both.map(kept));
         let between = self.between.as_chunks::<4>().0;

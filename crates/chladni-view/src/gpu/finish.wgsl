@@ -11,8 +11,10 @@ struct Finish {
     vignette: f32,
     grain: f32,
     moment: u32,
-    // Pixels in one of the small picture. WebGL2 wants uniforms of a multiple of 16 bytes.
-    @size(12) step: u32,
+    // Pixels in one of the small picture.
+    step: u32,
+    // The 255ths that trails lose besides. WebGL2 wants uniforms of a multiple of 16 bytes.
+    @size(8) fade: f32,
 }
 
 @group(0) @binding(0) var<uniform> finish: Finish;
@@ -96,7 +98,7 @@ fn finish_fragment(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     c = vec4f(min(sqrt(c.rgb * c.rgb + finish.bloom.x * spread_light), vec3f(1.0)), c.a);
     let seen = (clip.xy / finish.size - 0.5) * finish.trail.y + 0.5;
     // A little less than is left, so that eight bits come to nothing.
-    c = max(c, textureSampleLevel(last, smooth_sampler, seen, 0.0) * finish.trail.x - 0.7 / 255.0);
+    c = max(c, textureSampleLevel(last, smooth_sampler, seen, 0.0) * finish.trail.x - finish.fade / 255.0);
     let off = (2.0 * clip.xy / finish.size - 1.0) * vec2f(0.72, 0.72);
     let rim = smoothstep(0.25, 1.05, dot(off, off));
     let noise = finish.grain * chance(p.x, p.y, finish.moment) * c.a;

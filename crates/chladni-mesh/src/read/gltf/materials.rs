@@ -13,7 +13,20 @@ use crate::read::gltf_json::Material as JsonMaterial;
 use crate::read::mtl::is_picture;
 use crate::{Material, Texture};
 
-impl Scene<'_> {
+/// The pictures read so far, by where they are from, since many images may share one.
+type Pictures<'a> = HashMap<Source<'a>, Arc<[u8]>>;
+
+/// The bytes of an image.
+#[derive(PartialEq, Eq, Hash)]
+enum Source<'a> {
+    View(usize),
+    Uri(&'a str),
+}
+
+/// The longest name of a picture that is kept, in characters: each material that shows it has the name, too.
+const LONGEST_NAME: usize = 1000;
+
+impl<'a> Scene<'a> {
     pub(super) fn materials(&mut self, beside: &Beside<'_>) {
         let mut pictures = HashMap::new();
         for material in &self.root.materials {
@@ -29,7 +42,7 @@ impl Scene<'_> {
     fn texture(
         &mut self,
         material: &JsonMaterial,
-        pictures: &mut HashMap<usize, Texture>,
+        pictures: &mut Pictures<'a>,
         beside: &Beside<'_>,
     ) -> Option<Texture> {
         let index = material.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref()?.index;
@@ -40,34 +53,33 @@ impl Scene<'_> {
             self.draft.mended.push(Mended::MissingFile(format!("texture {index}"), reason));
             return None;
         };
-        // Many materials may share one picture.
-        if let Some(known) = pictures.get(&source) {
-            return Some(known.clone());
-        }
         let name = match (&image.name, &image.uri) {
             (_, Some(uri)) if !uri.starts_with("data:") => percent_decoded(uri),
             (Some(name), _) => name.clone(),
             _ => format!("image {source}"),
         };
-        let bytes = match image.buffer_view {
-            Some(view) => {
-                self.buffers.view(view).map(|(data, _)| data.to_vec()).map_err(|fault| fault.reason)
-            }
-            None => Buffers::uri(image.uri.as_deref().unwrap_or_default(), beside),
+        let name: String = name.chars().take(LONGEST_NAME).collect();
+        let from = match image.buffer_view {
+            Some(view) => Source::View(view),
+            None => Source::Uri(image.uri.as_deref().unwrap_or_default()),
         };
-        let picture = bytes.and_then(|bytes| {
-            if is_picture(&bytes) {
-                Ok(Arc::from(bytes))
-            } else {
-                Err("it is neither PNG nor JPEG".to_owned())
+        if let Some(known) = pictures.get(&from) {
+            return Some(Texture { name, bytes: known.clone() });
+        }
+        let bytes = match from {
+            Source::View(view) => {
+                self.buffers.view(view).map(|(data, _)| data.into()).map_err(|fault| fault.reason)
             }
+            Source::Uri(uri) => Buffers::uri(uri, beside).map(Arc::from),
+        };
+        let picture = bytes.and_then(|bytes: Arc<[u8]>| {
+            if is_picture(&bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".to_owned()) }
         });
         let bytes = picture.unwrap_or_else(|reason| {
             self.draft.mended.push(Mended::MissingFile(name.clone(), reason));
             Arc::default()
         });
-        let texture = Texture { name, bytes };
-        pictures.insert(source, texture.clone());
-        Some(texture)
+        pictures.insert(from, bytes.clone());
+        Some(Texture { name, bytes })
     }
 }

@@ -86,6 +86,7 @@ pub struct Caricature {
 impl Caricature {
     /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        self.check_options()?;
         if self.gallery.gallery {
             return self.gallery(terminal);
         }
@@ -110,6 +111,24 @@ impl Caricature {
                 self.one_of(&shape, &project, None, terminal)
             }
         }
+    }
+
+    /// Checks that no option is without effect.
+    fn check_options(&self) -> Result<(), Error> {
+        if !self.template.as_ref().is_some_and(Template::is_mesh)
+            && let Some(option) = self.layer.given_for_matching()
+        {
+            return Err(Error::Input(format!("{option} is for a template that is a mesh")));
+        }
+        let draws_sheet = self.gallery.gallery && !self.gallery.is_single();
+        if !draws_sheet
+            && self.render.is_none()
+            && self.turntable.turntable.is_none()
+            && let Some(option) = self.portrait.given()
+        {
+            return Err(Error::Input(format!("{option} is for a picture, and none is drawn here")));
+        }
+        Ok(())
     }
 
     /// Checks, before any work, that the results can be written, and replace none of the files that are read: those of
@@ -202,7 +221,7 @@ impl Caricature {
             return save(&Sculpture { source, subject, body, evaluation }, output, terminal);
         }
         let from = self.portrait.camera(shape, mesh, None, None, terminal)?;
-        self.gallery.sheet(&sitter, self.layer.seed(), (from, self.portrait.size), output, terminal)?;
+        self.gallery.sheet(&sitter, self.layer.seed(), (from, self.portrait.size()), output, terminal)?;
         terminal.wrote(output)
     }
 }
@@ -273,7 +292,7 @@ fn finish(
     }
     if let Some(path) = &turntable.turntable {
         let from = portrait.camera(shape, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
-        turntable.film(path, &made.sculpture, from, portrait.size, ink, terminal)?;
+        turntable.film(path, &made.sculpture, from, portrait.size(), ink, terminal)?;
         terminal.wrote(path)?;
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Changes that arguments make to an instrument before it is heard: form, ringing, choir, and any knob or switch by
 //! name.
 
-use chladni_music::{Action, PAPER_MODE, Parameter, Switch, Timbre, setting};
+use chladni_music::{Action, PAPER_MODE, Parameter, Parameters, Switch, Timbre, setting};
 
 use super::Dance;
 use crate::work::Error;
@@ -18,16 +18,24 @@ impl Dance {
             None => {}
         }
         changes.extend(self.choir.map(|choir| Action::SetChoir { choir }));
-        changes.extend(self.gain.map(|value| Action::Set { parameter: Parameter::Gain, value }));
+        if let Some(value) = self.gain {
+            changes.push(turned("--gain", Parameter::Gain, value)?);
+        }
         if let Some(value) = self.mu {
             changes.push(Action::Switch { switch: Switch::OwnMu, on: false });
-            changes.push(Action::Set { parameter: Parameter::StereoMu, value });
+            changes.push(turned("--mu", Parameter::StereoMu, value)?);
         }
         for text in &self.set {
             changes.push(set(text).map_err(|why| Error::Input(format!("--set {text}: {why}")))?);
         }
         Ok(changes)
     }
+}
+
+/// The action that an option asks for, which is called `option` and is followed by `value`.
+fn turned(option: &str, parameter: Parameter, value: f32) -> Result<Action, Error> {
+    Parameters::default().set(parameter, value).map_err(|why| Error::from(why).of(option))?;
+    Ok(Action::Set { parameter, value })
 }
 
 /// The action that NAME=VALUE asks for, or why there is none.

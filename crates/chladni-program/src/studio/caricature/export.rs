@@ -9,6 +9,7 @@ use egui::{DragValue, RichText, Ui};
 
 use super::CaricatureRoom;
 use super::center::update_stage;
+use super::files::ask_where_to_save;
 use super::overlay::backdrop;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
@@ -64,6 +65,16 @@ impl What {
             Self::Drawing => "svg",
             Self::Mp4 => "mp4",
             Self::Gif => "gif",
+        }
+    }
+
+    /// Extensions of the names under which it may be written: the name of a mesh or a film says what is in it.
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Mesh(_) => &["glb", "obj", "ply", "stl"],
+            Self::Picture => &["png"],
+            Self::Drawing => &["svg"],
+            Self::Mp4 | Self::Gif => &["mp4", "gif", "png", "apng"],
         }
     }
 
@@ -149,9 +160,12 @@ impl CaricatureRoom {
         }
         let extension = self.export.what.extension();
         let suggested = session.beside_named("caricature", extension);
-        let Some(path) = shared.chooser.save(&[(&extension.to_uppercase(), &[extension])], &suggested) else {
-            return;
+        let (kind, endings) = (extension.to_uppercase(), self.export.what.endings());
+        let fits = |path: &Path| {
+            path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
         };
+        let asked = ask_where_to_save(shared.chooser, (&kind, extension), fits, &suggested);
+        let Some(path) = asked else { return };
         if let Err(why) = check_apart(&path, &session.project().files()) {
             return shared.notices.failed(why);
         }

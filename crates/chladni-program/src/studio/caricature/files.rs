@@ -18,6 +18,7 @@ use super::preview::Preview;
 use super::session::Session;
 use super::shot::{Pose, Shot};
 use super::single;
+use crate::studio::choose::Chooser;
 use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
@@ -25,16 +26,29 @@ use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::{MESHES, PROJECT, is_project};
 use crate::work::{Error, layer_against};
 
-/// `path` named like a project, else it could not be opened again: `igea 1.2` has an extension,
-/// but not ours.
-fn as_project(path: PathBuf) -> PathBuf {
-    if is_project(&path) {
-        return path;
+/// Asks where to save a file of one kind, called `kind`. Its name gets the ending unless it `fits` already: `igea 1.2` has
+/// an extension, but not ours.
+pub(super) fn ask_where_to_save(
+    chooser: &mut dyn Chooser,
+    (kind, ending): (&str, &str),
+    fits: impl Fn(&Path) -> bool,
+    suggested: &Path,
+) -> Option<PathBuf> {
+    let mut choose = |suggested: &Path| {
+        let chosen = chooser.save(&[(kind, &[ending])], suggested)?;
+        if fits(&chosen) {
+            return Some((chosen, false));
+        }
+        let mut name = chosen.into_os_string();
+        name.push(".");
+        name.push(ending);
+        Some((PathBuf::from(name), true))
+    };
+    match choose(suggested)? {
+        // The dialog asks before it replaces a file, but it did not know the name with the ending added.
+        (path, true) if path.exists() => choose(&path).map(|(path, _)| path),
+        (path, _) => Some(path),
     }
-    let mut name = path.into_os_string();
-    name.push(".");
-    name.push(PROJECT);
-    name.into()
 }
 
 impl CaricatureRoom {
@@ -154,20 +168,8 @@ impl CaricatureRoom {
         let Some(session) = &mut self.session else { return true };
         let known = session.path.clone().filter(|_| !ask);
         let suggested = session.beside(PROJECT);
-        let mut choose = |suggested: &Path| {
-            let chosen = shared.chooser.save(&[("Chladni project", &[PROJECT])], suggested)?;
-            Some((as_project(chosen.clone()), chosen))
-        };
-        let chosen = match known {
-            Some(known) => Some(known),
-            None => match choose(&suggested) {
-                // The dialog asks before it replaces a file, but it did not know the name with the ending added.
-                Some((path, chosen)) if path != chosen && path.exists() => {
-                    choose(&path).map(|(path, _)| path)
-                }
-                chosen => chosen.map(|(path, _)| path),
-            },
-        };
+        let kind = ("Chladni project", PROJECT);
+        let chosen = known.or_else(|| ask_where_to_save(shared.chooser, kind, is_project, &suggested));
         let Some(path) = chosen else { return false };
         match save_to(session, &path) {
             Ok(()) => {

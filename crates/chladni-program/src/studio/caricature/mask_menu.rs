@@ -9,6 +9,7 @@ use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
+use crate::work::outputs::check_apart;
 use crate::work::{Error, mask};
 
 /// A wish about a region.
@@ -114,6 +115,7 @@ fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<()
     let Some(path) = shared.chooser.save(&kinds, &session.beside_named("mask", "npy")) else {
         return Ok(());
     };
+    check_apart(&path, &session.project().files())?;
     let painted = session.project().layer(layer).map_or(Painted::Everywhere, |l| l.region.painted.clone());
     mask::write(&path, &painted, &session.subject, false)?;
     shared.notices.done(format!("Wrote {}", path.display()));

@@ -153,8 +153,9 @@ impl Room for CaricatureRoom {
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
-        // A single mesh is compared with the shape that is open.
-        let new_shape = self.session.is_none() || paths.len() > 1;
+        // A single mesh is compared with the shape that is open, or will be.
+        let has_shape = self.session.is_some() || self.loading.is_some() || self.candidate.is_some();
+        let new_shape = !has_shape || paths.len() > 1;
         self.open_together(paths, new_shape, shared);
     }
 

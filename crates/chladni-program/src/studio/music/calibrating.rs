@@ -233,10 +233,18 @@ impl MusicRoom {
                 }
             }
         }
-        if calibrating.resumes && listening.player().status().state == PlayerState::Paused {
+        self.end_calibrating();
+    }
+
+    /// Ends clicks and flashes, if there are any; the songs go on.
+    pub(super) fn end_calibrating(&mut self) {
+        let Some(calibrating) = self.calibrating.take() else { return };
+        if let Some(listening) = &mut self.listening
+            && calibrating.resumes
+            && listening.player().status().state == PlayerState::Paused
+        {
             listening.player().play();
         }
-        self.calibrating = None;
         if let Some(concert) = &mut self.concert {
             concert.flashes = false;
         }

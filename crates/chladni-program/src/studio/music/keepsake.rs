@@ -59,12 +59,17 @@ impl Keepsake {
         };
         if failure.is_none() {
             self.kept = *actions;
-            self.adopted.take().iter().for_each(|old| RecoveryCopy::discard(old));
+            self.release_adopted();
         }
         (self.copy, self.writing) = (Some(copy), None);
         let is_news = failure.is_some() && failure != self.failure;
         self.failure.clone_from(&failure);
         failure.filter(|_| is_news)
+    }
+
+    /// Discards the copy that is open again: what it holds is safe elsewhere, or was given up.
+    fn release_adopted(&mut self) {
+        self.adopted.take().iter().for_each(|old| RecoveryCopy::discard(old));
     }
 
     /// Writes `show`, which has this many `actions`, on a thread.
@@ -104,6 +109,7 @@ impl MusicRoom {
         }
         keepsake.last_secs = now_secs;
         if !concert.has_changed() {
+            keepsake.release_adopted();
             if keepsake.kept > 0
                 && let Some(Ok(copy)) = &keepsake.copy
             {
@@ -143,6 +149,7 @@ impl MusicRoom {
     /// The window closes, and all that matters is saved or given up.
     pub(super) fn drop_show(&mut self) {
         let _ = self.keepsake.settle(true);
+        self.keepsake.release_adopted();
         if let Some(Ok(copy)) = self.keepsake.copy.take() {
             copy.finish();
         }
@@ -228,6 +235,17 @@ mod tests {
         let show = Show::from_text("format_version = 1\nseed = 5\nsize = 6\n").unwrap();
         keepsake.write(show, 3);
         assert!(matches!(keepsake.copy, Some(Err(()))) && keepsake.writing.is_none());
+    }
+
+    #[test]
+    fn a_recovered_show_that_was_saved_or_given_up_is_not_offered_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let left = folder.path().join("left.toml");
+        std::fs::write(&left, "seed = 5\n").unwrap();
+        let keepsake = Keepsake { adopted: Some(left.clone()), ..Keepsake::default() };
+        let mut room = MusicRoom { keepsake, ..MusicRoom::default() };
+        room.drop_show();
+        assert!(!left.exists());
     }
 
     #[test]

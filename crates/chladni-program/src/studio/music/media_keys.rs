@@ -267,6 +267,7 @@ mod tests {
         other.call_method("PlayPause", &()).unwrap();
         other.call_method("Next", &()).unwrap();
         other.call_method("Seek", &(-2_500_000i64)).unwrap();
+        other.set_property("Volume", f64::NAN).unwrap();
         other.set_property("Volume", 7.0).unwrap();
         let asked: Vec<Asked> = keys.asked().collect();
         let expected =

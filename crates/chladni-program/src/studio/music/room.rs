@@ -115,6 +115,10 @@ impl Room for MusicRoom {
     }
 
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+        // In another room nobody taps to the clicks.
+        if self.pass != shared.ctx.cumulative_pass_nr() {
+            self.end_calibrating();
+        }
         self.offer_show(shared)
     }
 
@@ -201,11 +205,16 @@ impl Room for MusicRoom {
 }
 
 impl MusicRoom {
-    /// While another room is shown, the system closes the stage's own window, and nothing is recorded.
+    /// While another room is shown, the system closes the stage's own window, nothing is recorded, and controls move
+    /// nothing.
     fn notice_absence(&mut self, shared: &mut Shared<'_>) {
         let pass = shared.ctx.cumulative_pass_nr();
         let was_away = std::mem::replace(&mut self.pass, pass) + 1 < pass;
-        let Some(concert) = self.concert.as_mut().filter(|_| was_away) else { return };
+        if !was_away {
+            return;
+        }
+        self.drawers.remote.forget_touches();
+        let Some(concert) = &mut self.concert else { return };
         concert.come_back();
         if concert.outgoing.recorder.is_some() {
             shared.notices.warn("The recording stood still while another room was open.");

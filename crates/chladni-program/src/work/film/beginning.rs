@@ -1,8 +1,8 @@
 //! How a dance begins, and the actions that follow.
 
 use chladni_music::{
-    Action, Dancer, GalleryShape, Instrument, LoggedAction, Mapping, Moment, Parameter, Preset, SAND_MODE,
-    Show, experiment,
+    Action, BreedingError, Dancer, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping, Moment,
+    MusicError, Parameter, Preset, SAND_MODE, Show, experiment,
 };
 
 use crate::work::Error;
@@ -30,6 +30,14 @@ pub struct Beginning {
 }
 
 impl Beginning {
+    /// Checks, before any work, that there can be such a gallery.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        match self.gallery.filter(|size| !GALLERY_SIZES.contains(size)) {
+            Some(size) => Err(MusicError::from(BreedingError::GallerySize(size)).into()),
+            None => Ok(()),
+        }
+    }
+
     /// The instrument on `dancer`, which may be a flat sheet, and what will be done to it.
     pub(super) fn begin(
         self,

@@ -132,7 +132,11 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     if let Some(folder) = output.folder() {
         std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
     }
-    let mut animation = output.animation.as_ref().map(|_| Animation::new(frames, prepared.box_diagonal));
+    let mut animation = output
+        .animation
+        .as_ref()
+        .filter(|_| !range.is_empty())
+        .map(|_| Animation::new(frames, prepared.box_diagonal));
     let done = if range.is_empty() {
         Done::default()
     } else if output.film.is_some() || output.pipe.is_some() {
@@ -146,11 +150,12 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     }
     seconds.total = began.elapsed().as_secs_f64();
     let (tempo_bpm, beat_confidence) = prepared.songs.tempo();
+    let frames = range.end - range.start;
     let film_secs = rate.start_secs(frames);
     Ok(Report {
         vertices: prepared.body.positions.len(),
         harmonics: prepared.body.basis.harmonics(),
-        frames: range.end - range.start,
+        frames,
         film_secs,
         times_real_time: film_secs / seconds.total,
         tempo_bpm,
@@ -173,6 +178,7 @@ impl Film {
     fn check(&self) -> Result<(), Error> {
         self.output.check()?;
         self.stance.check()?;
+        self.beginning.check()?;
         if let Some(sound) = self.output.animation.as_deref().map(sound_beside)
             && self.songs.iter().any(|(song, _)| is_same_file(&sound, Path::new(song)))
         {

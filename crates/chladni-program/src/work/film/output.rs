@@ -7,6 +7,7 @@ use chladni_synth::Backend;
 use chladni_view::film::{RawFormat, frame_path};
 use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 
+use super::performance::Means;
 use super::{sound_beside, sound_in};
 use crate::work::outputs::{check_apart, check_file, check_film, check_folder};
 use crate::work::{Error, Piece};
@@ -96,9 +97,20 @@ impl Output {
         }
     }
 
+    /// How its pictures are computed and drawn.
+    pub(super) fn means(&self) -> Means {
+        Means { draw: self.draw, samples: self.samples, synthesis: self.synthesis }
+    }
+
     /// The folder of pictures, where it is one.
     pub(super) fn folder(&self) -> Option<&Path> {
         self.film.as_deref().filter(|_| self.is_folder)
+    }
+
+    /// The one file of the film or the animation, where it is there already and is to stay.
+    pub fn kept(&self) -> Option<&Path> {
+        let film = self.film.as_deref().filter(|_| !self.is_folder);
+        film.or(self.animation.as_deref()).filter(|path| self.resume && path.is_file())
     }
 
     /// Which of `total` frames have to be made; none if all exist already.
@@ -109,7 +121,10 @@ impl Output {
                 .frames(total)
                 .ok_or_else(|| Error::Input(format!("--piece: the film has {total} frames")))?,
         };
-        let folder = self.film.as_deref().filter(|_| self.is_folder && self.resume);
+        if self.kept().is_some() {
+            return Ok(end..end);
+        }
+        let folder = self.folder().filter(|_| self.resume);
         let is_there = |frame: &u64| folder.is_some_and(|folder| frame_path(folder, *frame).is_file());
         Ok((start..end).find(|frame| !is_there(frame)).unwrap_or(end)..end)
     }
@@ -118,6 +133,9 @@ impl Output {
     pub(super) fn check(&self) -> Result<(), Error> {
         if self.piece.is_some() && self.animation.is_some() {
             return Err(Error::input("--piece: a GLB holds the whole dance"));
+        }
+        if self.film.is_some() || self.pipe.is_some() {
+            self.means().drawing()?;
         }
         if let Some(path) = &self.film {
             let format = if self.is_folder { FilmFormat::Frames } else { self.format_of(path)? };

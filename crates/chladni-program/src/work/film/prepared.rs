@@ -13,7 +13,7 @@ use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
 
 use super::animation::{Animation, Approximation};
 use super::output::Output;
-use super::performance::{Done, Means, Performance};
+use super::performance::{Done, Performance};
 use super::report::Seconds;
 use super::songs::Songs;
 use super::titles::Titles;
@@ -127,10 +127,11 @@ impl Prepared {
             Some(path) => Reel::create(path, settings)?,
             None => Reel::to_pipe(std::io::stdout(), output.pipe.unwrap_or_default(), settings)?,
         };
-        let means = Means { draw: output.draw, samples: output.samples, synthesis: output.synthesis };
         let scene = (&wanted.look, &wanted.viewpoint, scenery);
         let recording = output.coefficients.is_some();
-        watcher.watch("filming", |task| self.performance.film(film, scene, means, recording, seconds, task))
+        watcher.watch("filming", |task| {
+            self.performance.film(film, scene, output.means(), recording, seconds, task)
+        })
     }
 
     /// Dances `range` without drawing it.

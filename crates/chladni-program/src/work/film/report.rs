@@ -37,7 +37,9 @@ pub struct Seconds {
 pub struct Report {
     pub(super) vertices: usize,
     pub(super) harmonics: usize,
+    /// Those that were made: fewer than the film has where only a piece of it, or the rest, was wanted.
     pub(super) frames: u64,
+    /// How long those are.
     pub(super) film_secs: f64,
     pub(super) times_real_time: f64,
     pub(super) tempo_bpm: f64,

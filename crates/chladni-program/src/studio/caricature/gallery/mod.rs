@@ -51,6 +51,8 @@ struct GalleryView {
     wall: Option<Wall>,
     marked: usize,
     seed: u64,
+    /// How many surprises there were.
+    surprises: u64,
 }
 
 impl GalleryView {
@@ -80,6 +82,7 @@ impl GalleryView {
             wall: None,
             marked: 0,
             seed: FIRST_SEED,
+            surprises: 0,
         }
     }
 
@@ -162,7 +165,7 @@ impl GalleryView {
         }
         let tip = format!("{}: one random caricature, at once", SURPRISE.tooltip(&ctx));
         if button(ui, Icon::Dices, "Surprise me", tip, ready) || (ready && idle && SURPRISE.pressed(&ctx)) {
-            self.surprise(session, &ctx);
+            self.surprise(&ctx);
         }
         let (given, project) = (Exhibition::template_of(session.project()), session.project());
         if let (Some((template, _)), Some(shown)) = (&given, &self.shown)
@@ -172,7 +175,7 @@ impl GalleryView {
             let tip = "A new gallery, in which they are compared with the template of the topmost layer, too. \
                        The favorites of this one go.";
             if button(ui, Icon::GitCompareArrows, &name, tip.into(), true) {
-                *self = Self::begin(session, given, None, &ctx);
+                *self = Self { surprises: self.surprises, ..Self::begin(session, given, None, &ctx) };
                 return;
             }
         }
@@ -215,10 +218,10 @@ impl GalleryView {
     }
 
     /// Begins with a random one, another each time.
-    fn surprise(&mut self, session: &Session, ctx: &egui::Context) {
+    fn surprise(&mut self, ctx: &egui::Context) {
         let Some(shown) = &self.shown else { return };
-        let (sitter, seed) =
-            (Arc::clone(&shown.sitter), self.seed ^ ((session.history.steps() as u64 + 1) << 32));
+        self.surprises += 1;
+        let (sitter, seed) = (Arc::clone(&shown.sitter), self.seed ^ (self.surprises << 32));
         let work = move |_: &Task| Ok(surprise(seed, &sitter)?.1.layers);
         self.taking = Some(Job::start("A surprise", ctx, work));
     }

@@ -58,7 +58,10 @@ impl ShapesGallery {
         }
         let view = match self.view.take() {
             Some(view) if view.belongs_to(session) => view,
-            Some(view) => GalleryView::begin(session, view.given, view.shown.or(view.before), ui.ctx()),
+            Some(view) => GalleryView {
+                surprises: view.surprises,
+                ..GalleryView::begin(session, view.given, view.shown.or(view.before), ui.ctx())
+            },
             None => GalleryView::begin(session, Exhibition::template_of(session.project()), None, ui.ctx()),
         };
         match self.view.insert(view).show(ui, session, look, shared, edits) {

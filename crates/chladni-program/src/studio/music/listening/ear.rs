@@ -89,7 +89,7 @@ impl Listening {
 
     /// Feeds the tracker with the samples taken.
     fn follow_beat(&mut self) {
-        if let Some(bar) = self.ear.follow(&self.left, &self.right) {
+        for bar in self.ear.follow(&self.left, &self.right) {
             if !self.follows_clock() {
                 self.director.hear(bar);
             }

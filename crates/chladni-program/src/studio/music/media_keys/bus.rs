@@ -178,7 +178,10 @@ impl Player {
 
     #[zbus(property)]
     fn set_volume(&mut self, volume: f64) {
-        self.ask(Asked::Volume(volume.clamp(0.0, 1.0) as f32));
+        // Such as NaN, which no player could take back.
+        if volume.is_finite() {
+            self.ask(Asked::Volume(volume.clamp(0.0, 1.0) as f32));
+        }
     }
 
     #[zbus(property)]

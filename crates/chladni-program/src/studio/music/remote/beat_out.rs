@@ -38,7 +38,8 @@ pub struct Sent {
     /// Bars are known one frame after the beat that they begin with, so beats are sent one frame late.
     beat: f64,
     beats: Option<i64>,
-    bar_begins: i64,
+    /// The beat with which the bar began; until one has, no beat has a number.
+    bar_begins: Option<i64>,
     bars: u32,
     sections: Option<u32>,
     tempo_bpm: f64,
@@ -53,8 +54,12 @@ impl Sent {
         let mut tell = |address: &str, args: Vec<OscType>| {
             messages.push(OscMessage { addr: address.to_owned(), args });
         };
-        let beats = std::mem::replace(&mut self.beat, now.beat.count).floor() as i64;
         let progress = now.progress;
+        if self.beats.is_none() {
+            // Where the show goes on already, nothing begins now.
+            (self.beat, self.bars) = (now.beat.count, progress.bars);
+        }
+        let beats = std::mem::replace(&mut self.beat, now.beat.count).floor() as i64;
         if (now.tempo_bpm - self.tempo_bpm).abs() > 0.05 {
             self.tempo_bpm = now.tempo_bpm;
             tell("/tempo", vec![OscType::Float(now.tempo_bpm as f32)]);
@@ -63,12 +68,14 @@ impl Sent {
             tell("/section", vec![OscType::Int(progress.sections as i32)]);
         }
         if std::mem::replace(&mut self.bars, progress.bars) != progress.bars {
-            self.bar_begins = beats;
+            self.bar_begins = Some(beats);
             tell("/bar", vec![OscType::Int(progress.bars as i32)]);
             tell("/energy", vec![OscType::Float(progress.energy)]);
         }
-        if self.beats.replace(beats).is_some_and(|last| last != beats) {
-            let in_bar = 1 + (beats - self.bar_begins).max(0);
+        if self.beats.replace(beats).is_some_and(|last| last != beats)
+            && let Some(bar_begins) = self.bar_begins
+        {
+            let in_bar = 1 + (beats - bar_begins).max(0);
             tell("/beat", vec![OscType::Int(in_bar as i32)]);
         }
         let waited = now.at_secs - self.bands_secs;
@@ -217,6 +224,30 @@ mod tests {
         let OscType::Float(highest) = bands[0].1.args[BANDS - 1] else { panic!("no number") };
         assert_eq!((bands[0].1.args.len(), highest), (BANDS, 127.0 / 128.0));
         assert_eq!(octaves(&[]), [0.0; BANDS]);
+    }
+
+    #[test]
+    fn a_show_that_goes_on_already_is_joined_at_its_next_bar() {
+        let (mut sent, mut said) = (Sent::default(), Vec::new());
+        for frame in 0..12 {
+            // Two frames a beat; the third of these beats begins the 38th bar, which is known a frame later.
+            let beat = f64::from(frame / 2);
+            let progress = Progress { bars: 37 + u32::from(frame >= 5), ..Progress::default() };
+            let now = Now {
+                at_secs: 0.25 * f64::from(frame),
+                beat: Beat { count: 145.0 + beat + 1e-9, confidence: 1.0 },
+                tempo_bpm: 120.0,
+                progress,
+                bands: &[],
+                ahead_secs: 0.0,
+            };
+            said.extend(sent.messages(&now));
+        }
+        let counted = said.iter().filter(|message| ["/bar", "/beat"].contains(&&*message.addr));
+        let counted: Vec<_> = counted.map(|message| (&*message.addr, message.args[0].clone())).collect();
+        let expected = [("/bar", 38), ("/beat", 1), ("/beat", 2), ("/beat", 3), ("/beat", 4)];
+        let expected = expected.map(|(address, number)| (address, OscType::Int(number)));
+        assert_eq!(counted, expected);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! MIDI controllers and clocks, whenever they are plugged in, and the feedback to them.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -13,6 +13,8 @@ use crate::work::Error;
 
 /// Touches, and messages of clocks, that may wait for the next frame.
 const MOST_TOUCHES: usize = 1024;
+/// Messages of a clock's port, ticks counted together, that wait for room there.
+const MOST_LATE: usize = 64;
 /// How often devices are looked for.
 const LOOK: Duration = Duration::from_secs(1);
 const CLIENT: &str = "chladni";
@@ -126,7 +128,7 @@ impl Midi {
     pub fn start() -> std::io::Result<Self> {
         let (touch, touches) = sync_channel(MOST_TOUCHES);
         let (tick, clock) = sync_channel(MOST_TOUCHES);
-        let sender = Sender { touch, tick };
+        let sender = Sender { touch, tick, late: VecDeque::new() };
         let outputs = Outputs::default();
         let sent_to = outputs.clone();
         let devices = Arc::new(Mutex::new(Devices::default()));
@@ -178,21 +180,57 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Where messages go.
+/// Where the messages of a port go.
 #[derive(Clone)]
 struct Sender {
     touch: SyncSender<Touch>,
     tick: SyncSender<Said>,
+    /// Messages of the clock that found the queue full: nothing empties it while another room is open.
+    late: VecDeque<Said>,
 }
 
 impl Sender {
-    fn hear(&self, port: &Arc<str>, device: &Arc<str>, bytes: &[u8]) {
+    fn hear(&mut self, port: &Arc<str>, device: &Arc<str>, bytes: &[u8]) {
         // A full queue drops the touch: the next one of the same knob will do.
         if let Some(message) = ClockMessage::from_midi(bytes) {
             let (port, device, came) = (Arc::clone(port), Arc::clone(device), Instant::now());
-            let _ = self.tick.try_send(Said { port, device, message, came });
+            self.say(Said { port, device, message, came });
         } else if let Some(touch) = Touch::from_midi(device, bytes) {
             let _ = self.touch.try_send(touch);
+        }
+    }
+
+    /// Sends a message of the clock after those that wait, or lets it wait: without its ticks the clock would be out of
+    /// phase.
+    fn say(&mut self, said: Said) {
+        while let Some(first) = self.late.front() {
+            if self.tick.try_send(first.clone()).is_err() {
+                return self.wait(said);
+            }
+            self.late.pop_front();
+        }
+        if let Err(TrySendError::Full(said)) = self.tick.try_send(said) {
+            self.wait(said);
+        }
+    }
+
+    fn wait(&mut self, said: Said) {
+        match (said.message, self.late.back_mut()) {
+            (ClockMessage::Tick, Some(Said { message: ClockMessage::Lost { ticks }, came, .. })) => {
+                (*ticks, *came) = (ticks.saturating_add(1), said.came);
+            }
+            (ClockMessage::Tick, _) => {
+                self.late.push_back(Said { message: ClockMessage::Lost { ticks: 1 }, ..said });
+            }
+            (message, _) => {
+                // A start makes all before it meaningless.
+                if message == ClockMessage::Start {
+                    self.late.clear();
+                }
+                if self.late.len() < MOST_LATE {
+                    self.late.push_back(said);
+                }
+            }
         }
     }
 }
@@ -221,7 +259,7 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
         if open.contains_key(&id) || is_own(&name) {
             continue;
         }
-        let sender = sender.clone();
+        let mut sender = sender.clone();
         let (from, device) = (Arc::from(id.as_str()), Arc::from(lasting(&name)));
         let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(&from, &device, bytes);
         if let Ok(connection) = input()?.connect(&port, CLIENT, listen, ()) {
@@ -251,7 +289,7 @@ mod tests {
     #[test]
     fn clock_and_touches_have_queues_of_their_own_that_never_block() {
         let ((touch, touches), (tick, clock)) = (sync_channel(4), sync_channel(4));
-        let sender = Sender { touch, tick };
+        let mut sender = Sender { touch, tick, late: VecDeque::new() };
         let (port, device) = (Arc::from("24:0"), Arc::from("a"));
         for _ in 0..100 {
             for bytes in [&[0xf8][..], &[0xb0, 7, 9], &[0xf0, 1, 2]] {
@@ -259,5 +297,27 @@ mod tests {
             }
         }
         assert_eq!((touches.try_iter().count(), clock.try_iter().count()), (4, 4));
+    }
+
+    #[test]
+    fn ticks_that_find_the_queue_full_are_counted() {
+        use ClockMessage::{Continue, Lost, Start, Stop, Tick};
+        let ((touch, _touches), (tick, clock)) = (sync_channel(1), sync_channel(4));
+        let mut sender = Sender { touch, tick, late: VecDeque::new() };
+        let (port, device) = (Arc::from("24:0"), Arc::from("a"));
+        let mut hear = |byte: u8| sender.hear(&port, &device, &[byte]);
+        let heard = || clock.try_iter().map(|said| said.message).collect::<Vec<_>>();
+        (0..10).for_each(|_| hear(0xf8));
+        assert_eq!(heard(), [Tick; 4]);
+        hear(0xf8);
+        assert_eq!(heard(), [Lost { ticks: 6 }, Tick]);
+        // What was lost before a start does not matter; what comes after keeps its order.
+        (0..7).for_each(|_| hear(0xf8));
+        [0xfa, 0xf8, 0xf8, 0xfc, 0xf8, 0xfb].into_iter().for_each(&mut hear);
+        assert_eq!(heard(), [Tick; 4]);
+        hear(0xf8);
+        assert_eq!(heard(), [Start, Lost { ticks: 2 }, Stop, Lost { ticks: 1 }]);
+        hear(0xf8);
+        assert_eq!(heard(), [Continue, Lost { ticks: 1 }, Tick]);
     }
 }

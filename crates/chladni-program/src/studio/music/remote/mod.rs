@@ -37,6 +37,8 @@ pub struct Remote {
     number: u32,
     /// The machines that are heard, as they are being typed.
     allowed: String,
+    /// What was touched until now is forgotten, since nobody saw what it would have done.
+    forgets: bool,
     /// The last control that was touched.
     last: Option<Control>,
     beat_out: Option<Result<BeatOut, Error>>,
@@ -57,6 +59,11 @@ pub struct Asked {
 }
 
 impl Remote {
+    /// Forgets what was touched since the last frame: the room was not shown. Clocks are still heard.
+    pub fn forget_touches(&mut self) {
+        self.forgets = true;
+    }
+
     /// Opens the devices that the preferences ask for and collects all touches since the last frame.
     /// `standing` says where things are, for knobs that take over softly and for feedback to devices.
     pub fn asked(
@@ -87,8 +94,9 @@ impl Remote {
         let own = preferences.clock_out.as_deref();
         let said = said.filter(|said| self.leader.follows(said, own));
         let mut clock: Vec<_> = said.map(|said| (said.message, said.came)).collect();
+        let forgets = std::mem::take(&mut self.forgets);
         let touched: Vec<Touch> = self.midi.iter().flat_map(Midi::touches).collect();
-        for touch in touched {
+        for touch in touched.into_iter().filter(|_| !forgets) {
             self.touch(&touch, parameters, standing, &mut cues);
         }
         if let Some(Ok(osc)) = &self.osc {
@@ -96,6 +104,7 @@ impl Remote {
                 let said = ClockMessage::from_osc(&message.address, message.value);
                 let own = osc_cue(&message.address, message.value, message.text.as_deref(), parameters);
                 match (own, said) {
+                    (Some(_), _) | (None, None) if forgets => {}
                     (Some(cue), _) => push(&mut cues, cue),
                     (None, Some(said)) => clock.push((said, came)),
                     (None, None) => {

@@ -25,17 +25,19 @@ pub struct Means {
 }
 
 impl Means {
-    /// Shapes that a graphics device deforms stay there to be drawn.
-    fn device(self) -> Result<Device, Error> {
-        let draw = match (self.draw, self.synthesis) {
-            (Draw::Auto, Backend::Gpu) => Draw::Gpu,
+    /// The device to draw on: shapes that a graphics device deforms stay there to be drawn.
+    ///
+    /// # Errors
+    /// Shapes that are deformed where they cannot be drawn.
+    pub fn drawing(self) -> Result<Draw, Error> {
+        match (self.draw, self.synthesis) {
+            (Draw::Auto, Backend::Gpu) => Ok(Draw::Gpu),
             (Draw::Cpu, Backend::Gpu) => {
                 let why = "what --synthesis gpu deforms stays on the device: --draw cpu cannot see it";
-                return Err(Error::input(why));
+                Err(Error::input(why))
             }
-            (draw, _) => draw,
-        };
-        Ok(Device::open(draw)?)
+            (draw, _) => Ok(draw),
+        }
     }
 }
 
@@ -66,7 +68,7 @@ impl Performance {
     ) -> Result<Done, Error> {
         let (width, height) = (film.settings().width, film.settings().height);
         self.look = *look;
-        let device = means.device()?;
+        let device = Device::open(means.drawing()?)?;
         let samples = means.samples.unwrap_or_else(|| device.live_samples());
         let canvas = Canvas::with_samples(&device, width, height, samples)?;
         let topology = self.staging.topology(&device, &self.triangles, None)?;

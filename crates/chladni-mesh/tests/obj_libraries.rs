@@ -1,0 +1,113 @@
+//! Material libraries of OBJ files: what is read from them, and where they are written.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use std::fs;
+use std::path::Path;
+
+use chladni_mesh::{Appearance, Format, Material, Texture, TriMesh, load_mesh, read_mesh, save_mesh};
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl wood\nf 1 2 3\n";
+const PICTURE: &[u8] = b"\x89PNG\r\n\x1a\nnot really";
+
+fn triangle_of(material: Material) -> TriMesh {
+    TriMesh {
+        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2]],
+        appearance: Appearance {
+            materials: vec![material],
+            face_materials: vec![Some(0)],
+            ..Appearance::default()
+        },
+    }
+}
+
+fn only_material(path: &Path) -> Material {
+    load_mesh(path).unwrap().mesh.appearance.materials.remove(0)
+}
+
+#[test]
+fn a_library_of_another_mesh_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("pack.mtl"), "newmtl wood\nKd 1 0 0\n").unwrap();
+    fs::write(at("chair.obj"), format!("mtllib pack.mtl\n{TRIANGLE}")).unwrap();
+    let [green, blue] = [[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]]
+        .map(|base_color| Material { base_color, ..Material::named("wood") });
+    for material in [&green, &blue] {
+        // The second time into its own library.
+        save_mesh(&triangle_of(material.clone()), &at("pack.obj")).unwrap();
+        assert_eq!(only_material(&at("pack.obj")).base_color, material.base_color);
+        assert_eq!(only_material(&at("chair.obj")).base_color, [1.0, 0.0, 0.0, 1.0]);
+    }
+    assert!(at("pack-1.mtl").is_file() && !at("pack-2.mtl").exists());
+    // Two names of which the library's makes one.
+    save_mesh(&triangle_of(green.clone()), &at("a#1.obj")).unwrap();
+    save_mesh(&triangle_of(blue.clone()), &at("a_1.obj")).unwrap();
+    assert_eq!(only_material(&at("a#1.obj")).base_color, green.base_color);
+    assert_eq!(only_material(&at("a_1.obj")).base_color, blue.base_color);
+}
+
+#[test]
+fn what_is_no_file_at_a_picture_s_name_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = Texture { name: "wood.png".into(), bytes: PICTURE.into() };
+    let path = folder.path().join("out.obj");
+    fs::create_dir(folder.path().join("wood.png")).unwrap();
+    let material = Material { base_color_texture: Some(picture), ..Material::named("wood") };
+    save_mesh(&triangle_of(material), &path).unwrap();
+    assert_eq!(only_material(&path).base_color_texture.unwrap().name, "out-1-wood.png");
+}
+
+#[test]
+fn a_library_that_is_named_twice_is_read_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("a.mtl"), "newmtl wood\nNs 12\n").unwrap();
+    fs::write(at("b.mtl"), "newmtl wood\nNs 15\nKd 0 1 0\n").unwrap();
+    fs::write(at("in.obj"), format!("mtllib a.mtl\nmtllib a.mtl\n{TRIANGLE}")).unwrap();
+    assert_eq!(only_material(&at("in.obj")).other_statements, ["Ns 12"]);
+    fs::write(at("in.obj"), format!("mtllib a.mtl\nmtllib b.mtl\n{TRIANGLE}")).unwrap();
+    assert_eq!(only_material(&at("in.obj")).other_statements, ["Ns 15"]);
+}
+
+#[test]
+fn options_and_statements_that_are_not_understood_are_written_as_they_were_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("wood.png"), PICTURE).unwrap();
+    fs::write(at("in.obj"), format!("mtllib in.mtl\n{TRIANGLE}")).unwrap();
+    let statements = ["Kd spectral wood.rfl 1", "d -halo 0.66", "map_Kd -s 2 2 1 wood.png", "Ns 12"];
+    fs::write(at("in.mtl"), format!("newmtl wood\n{}\n", statements.join("\n"))).unwrap();
+    let loaded = load_mesh(&at("in.obj")).unwrap();
+    assert_eq!(loaded.mended, []);
+    save_mesh(&loaded.mesh, &at("out.obj")).unwrap();
+    let text = fs::read_to_string(at("out.mtl")).unwrap();
+    for statement in statements {
+        assert_eq!(text.lines().filter(|line| *line == statement).count(), 1, "{statement} in {text}");
+    }
+    assert_eq!(
+        text.lines().filter(|line| line.starts_with("Kd") || line.starts_with("d ")).count(),
+        2,
+        "{text}"
+    );
+    assert_eq!(load_mesh(&at("out.obj")).unwrap().mesh, loaded.mesh);
+}
+
+#[test]
+fn a_channel_slightly_above_one_is_no_byte() {
+    let obj = |channel: &str| format!("v 0 0 0 {channel} .5 .25\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n");
+    let off = |channel: &str| {
+        format!("COFF\n3 1 0\n0 0 0 {channel} .5 .25 1\n1 0 0 1 1 1 1\n0 1 0 1 1 1 1\n3 0 1 2\n")
+    };
+    let colors =
+        |text: String, format| read_mesh(text.as_bytes(), format).unwrap().mesh.appearance.colors.unwrap();
+    for (slightly, full) in [(obj("1.0000001"), obj("1")), (off("1.0000001"), off("1"))] {
+        let format = if full.starts_with("COFF") { Format::Off } else { Format::Obj };
+        let found = colors(slightly, format);
+        assert_eq!(found, colors(full, format));
+        assert_eq!(found[1], [1.0; 4]);
+    }
+    let bytes = colors("v 0 0 0 255 0 0\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n".into(), Format::Obj);
+    assert!(bytes[0][0] == 1.0 && bytes[2][0] < 0.01);
+}
