@@ -84,6 +84,11 @@ fn the_beat_comes_from_outside_and_goes_out_again() {
     window.key_press(Key::K);
     window.run_steps(2);
     send_until(&mut window, port, &packet("/tempo", 90.0), "90 BPM");
+    // A tempo is kept once the beat is elsewhere than the one before it leads to.
+    for _ in 0..10 {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        window.run_steps(1);
+    }
     window.key_press(Key::OpenBracket);
     window.run_steps(2);
     assert!(shows(&window, "45 BPM"));
