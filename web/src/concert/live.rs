@@ -30,7 +30,7 @@ impl Live {
     }
 
     fn take(&mut self, left: &[f32], right: &[f32]) {
-        if let Some(bar) = self.ear.follow(left, right) {
+        for bar in self.ear.follow(left, right) {
             self.director.hear(bar);
             // Only an autopilot asks for them.
             self.bars.truncate(8);
