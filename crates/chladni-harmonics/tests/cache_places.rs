@@ -81,7 +81,7 @@ fn fills_the_disk() {
 #[test]
 fn a_cache_that_is_read_only_is_read() {
     let [first, then] = ["writes_an_entry", "reads_only"].map(|test| child(test).join(" "));
-    on_a_small_disk(&format!("{first}\nmount -o remount,ro \"${FOLDER}\"\n{then}"));
+    on_a_small_disk(&format!("{first}\nmount -o remount,bind,ro \"${FOLDER}\"\n{then}"));
 }
 
 #[test]
