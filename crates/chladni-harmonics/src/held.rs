@@ -6,10 +6,9 @@ use chladni_mesh::TriMesh;
 use chladni_mesh::surface::boundary_vertices;
 use chladni_task::Task;
 
-use crate::values::Keep;
 use crate::{
     Basis, BasisSettings, Body, BuildReport, Certificate, HarmonicsError, Operator, Pencil, SymmetricSparse,
-    Values, canonical, memory,
+    canonical, memory,
 };
 
 impl Body {
@@ -50,12 +49,7 @@ impl Body {
         let clamped = BasisSettings { harmonics: settings.clamped(free.len())?, ..settings.clone() };
         let keep = memory::room_for_harmonics(n, 2, &clamped)?;
         let (inner, mut report) = Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
-        if let (Keep::Memory, Some(bytes)) = (keep, memory::free(settings)) {
-            // There are more than K where the last group is whole.
-            memory::check_vectors(n, inner.harmonics(), bytes)?;
-        }
-        let zeros = Values::zeroed(n * inner.harmonics(), keep);
-        let mut vectors = zeros.map_err(|error| keep.refused(&error))?;
+        let mut vectors = memory::vectors(n, inner.harmonics(), keep, memory::free(settings))?;
         (report.vertices, report.held) = (n, n - free.len());
         if report.short_of_memory.is_none() {
             report.short_of_memory = keep.short_of(1, 1, n, inner.harmonics());

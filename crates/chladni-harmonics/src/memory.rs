@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::platform::MOST_BYTES;
 use crate::values::{self, Keep};
-use crate::{BasisSettings, HarmonicsError, ShortOfMemory};
+use crate::{BasisSettings, HarmonicsError, ShortOfMemory, Values};
 
 /// Bytes per vertex: for the mesh, the operator and its analysis; for a factor; for a Krylov space and
 /// the pairs that come of it. Measured on surfaces of 100,000 to 800,000 vertices, where the sum is right to a quarter
@@ -120,10 +120,21 @@ pub(crate) fn room_for_harmonics(
     }
 }
 
-/// Refuses vectors that take more than the `free` bytes.
-pub(crate) fn check_vectors(vertices: usize, count: usize, free: u64) -> Result<(), HarmonicsError> {
+/// Zeros for `count` vectors, which may be more than K where the last group of equal eigenvalues is whole. Refused where they
+/// take more than the `free` bytes, if the system says how many there are.
+pub(crate) fn vectors(
+    vertices: usize,
+    count: usize,
+    keep: Keep<'_>,
+    free: Option<u64>,
+) -> Result<Values, HarmonicsError> {
     let needed = VALUE.saturating_mul(vertices as u64).saturating_mul(count as u64);
-    if needed > free { Err(too_large(vertices, count, needed, free)) } else { Ok(()) }
+    if let (Keep::Memory, Some(free)) = (keep, free)
+        && needed > free
+    {
+        return Err(too_large(vertices, count, needed, free));
+    }
+    Values::zeroed(vertices * count, keep).map_err(|error| keep.refused(&error))
 }
 
 /// Refuses a dense solve whose matrices take more than the `free` bytes.

@@ -80,11 +80,7 @@ struct Wanted<'a> {
 impl Wanted<'_> {
     /// An array of zeros for vectors of `n` values.
     fn vectors(self, n: usize, count: usize) -> Result<Values, HarmonicsError> {
-        if let (Keep::Memory, Some(free)) = (self.keep, self.free) {
-            // More than K if the last group is whole, however large that is.
-            memory::check_vectors(n, count, free)?;
-        }
-        Values::zeroed(n * count, self.keep).map_err(|e| self.keep.refused(&e))
+        memory::vectors(n, count, self.keep, self.free)
     }
 
     /// How many pairs to keep where the group of the K-th ends after `end`.

@@ -23,7 +23,7 @@ use crate::build::file_triangles;
 use crate::eigen::{CLUSTER, certify, cluster_end, largest_group};
 use crate::operator::Domain;
 use crate::values::Keep;
-use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, Values, canonical, memory};
+use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, canonical, memory};
 use launch::Launcher;
 use pairs::Pairs;
 use petsc::ScaledOperator;
@@ -236,7 +236,8 @@ fn solve(
         task.stage("reading the harmonics", 0);
         Pairs::read(folder.path(), ranks.count, operator.vertices(), zeros, keep)?
     } else {
-        let vectors = room_for_constants(operator.vertices(), constants(zeros, settings), settings, keep)?;
+        let count = constants(zeros, settings);
+        let vectors = memory::vectors(operator.vertices(), count, keep, memory::free(settings))?;
         Pairs { vectors, ..Pairs::default() }
     };
     drop(folder);
@@ -278,19 +279,6 @@ fn solve(
 /// How many of the constants of `zeros` components, which are one group of equal eigenvalues, are made.
 fn constants(zeros: usize, settings: &BasisSettings) -> usize {
     if zeros <= largest_group(settings) { zeros } else { settings.harmonics }
-}
-
-/// Zeros for `count` constants, of which there may be more than K.
-fn room_for_constants(
-    vertices: usize,
-    count: usize,
-    settings: &BasisSettings,
-    keep: Keep,
-) -> Result<Values, HarmonicsError> {
-    if let (Keep::Memory, Some(free)) = (keep, memory::free(settings)) {
-        memory::check_vectors(vertices, count, free)?;
-    }
-    Values::zeroed(vertices * count, keep).map_err(|error| keep.refused(&error))
 }
 
 fn unwritten(error: &std::io::Error) -> HarmonicsError {
@@ -355,9 +343,9 @@ mod tests {
         };
         assert_eq!([of(1, false), of(371, false), of(372, false)], [1, 371, 1000]);
         assert_eq!(of(1, true), 1000);
-        let tight = BasisSettings { memory_bytes: Some(10_000), ..BasisSettings::new(1) };
-        assert!(room_for_constants(100, 5, &tight, Keep::Memory).is_ok());
-        let refused = room_for_constants(100, 1000, &tight, Keep::Memory);
+        let tight = Some(10_000);
+        assert!(memory::vectors(100, 5, Keep::Memory, tight).is_ok());
+        let refused = memory::vectors(100, 1000, Keep::Memory, tight);
         assert!(matches!(refused, Err(HarmonicsError::TooMany { harmonics: 1000, .. })));
     }
 
