@@ -123,7 +123,7 @@ impl CacheEntry {
     pub(crate) fn write(&self, basis: &Basis, cuts_cluster: bool) -> Result<(), CacheError> {
         let unwritten = |source| CacheError::Unwritten { path: self.path.clone(), source };
         if let Some(folder) = self.path.parent() {
-            fs::create_dir_all(folder).map_err(unwritten)?;
+            chladni_task::create_folder(folder).map_err(unwritten)?;
         }
         let header = Header {
             magic: *MAGIC,

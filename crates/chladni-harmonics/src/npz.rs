@@ -186,7 +186,7 @@ pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
 /// # Errors
 /// An error of the system. Each file is written whole or not at all.
 pub fn write_basis_folder(folder: &Path, body: &Body) -> Result<()> {
-    std::fs::create_dir_all(folder)?;
+    chladni_task::create_folder(folder)?;
     add_basis(&mut Folder(folder), body)
 }
 

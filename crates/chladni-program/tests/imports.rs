@@ -51,8 +51,15 @@ fn every_file_is_saved_by_the_one_function_that_faults_are_tried_on() {
         "chladni-harmonics/src/ranks/mod.rs",
         "chladni-testdata/src/sound_server.rs",
     ];
-    let words =
-        ["fs::write(", "File::create(", "File::create_new(", "OpenOptions", "File::options()", "fs::rename("];
+    let words = [
+        "fs::write(",
+        "File::create(",
+        "File::create_new(",
+        "OpenOptions",
+        "File::options()",
+        "fs::rename(",
+        "create_dir",
+    ];
     only_the_task_crate_names(&words, &others);
 }
 

@@ -31,8 +31,8 @@ mod read_file;
 mod recovery;
 
 pub use atomic_file::{
-    Draft, folder_of, persist, private_folder, temporary_beside, write_atomic, write_atomic_private,
-    write_atomic_with,
+    Draft, create_folder, folder_of, persist, private_folder, temporary_beside, write_atomic,
+    write_atomic_private, write_atomic_with,
 };
 pub use other_program::{Needs, other_program};
 pub use percent::percent_decoded;

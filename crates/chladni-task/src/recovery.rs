@@ -7,7 +7,7 @@ use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::write_atomic_private;
+use crate::{create_folder, write_atomic_private};
 
 /// The copy of a running program; [`finish`](Self::finish) removes it. One that is merely dropped, as by a
 /// panic, stays.
@@ -26,7 +26,7 @@ impl RecoveryCopy {
     /// # Errors
     /// A folder that cannot be made or written.
     pub fn start(folder: &Path, kind: &str, extension: &str, id: u32) -> io::Result<Self> {
-        std::fs::create_dir_all(folder)?;
+        create_folder(folder)?;
         for attempt in 0..1000 {
             let copy = folder.join(format!("{kind}-{id}-{attempt}.{extension}"));
             let lock = copy.with_extension("lock");

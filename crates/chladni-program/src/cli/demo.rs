@@ -38,7 +38,7 @@ impl Demo {
     /// Makes everything, and prints the files and the commands for them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = &self.output;
-        std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
+        chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
         caricature(folder, terminal)?;
         dance(folder, &CLIP, terminal)?;
         if ffmpeg_is_there() {

@@ -64,7 +64,7 @@ impl Pictures {
         self.keeping.retain(|job| job.ended().is_none());
         self.keeping.push(Job::start("Keeping a picture", ctx, move |_| {
             let kept = || {
-                std::fs::create_dir_all(file.parent()?).ok()?;
+                chladni_task::create_folder(file.parent()?).ok()?;
                 chladni_task::write_atomic(&file, &draw()?.to_png().ok()?).ok()
             };
             kept();

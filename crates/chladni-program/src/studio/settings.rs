@@ -91,7 +91,7 @@ impl Settings {
     /// Writes `path`, whole or not at all, making its folder where it is missing.
     pub fn save(&self, path: &Path) -> io::Result<()> {
         if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
+            chladni_task::create_folder(folder)?;
         }
         chladni_task::write_atomic(path, self.to_text()?.as_bytes())
     }

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::system::{Disk, System};
-use super::{Readers, advised, replace};
+use super::{Readers, advised, make_folders, replace};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Call {
@@ -169,4 +169,32 @@ fn a_short_write_and_a_signal_change_nothing() {
             std::fs::remove_file(&path).unwrap();
         }
     }
+}
+
+/// A disk that records which folders are flushed.
+#[derive(Debug, Default)]
+struct Flushed(RefCell<Vec<PathBuf>>);
+
+impl System for Flushed {
+    fn sync_folder(&self, folder: &Path) -> io::Result<()> {
+        self.0.borrow_mut().push(folder.to_owned());
+        Disk.sync_folder(folder)
+    }
+}
+
+#[test]
+fn a_new_folder_is_flushed_where_it_is_new_from_the_uppermost_down() {
+    let home = tempfile::tempdir().unwrap();
+    let (above, new) = (home.path().join("a"), home.path().join("a/b"));
+    let disk = Flushed::default();
+    make_folders(&disk, &new).unwrap();
+    assert!(new.is_dir());
+    assert_eq!(disk.0.take(), [home.path(), &above]);
+    make_folders(&disk, &new).unwrap();
+    make_folders(&disk, &new.join("c")).unwrap();
+    assert_eq!(disk.0.take(), [new.as_path()]);
+    std::fs::write(home.path().join("file"), "").unwrap();
+    assert!(make_folders(&disk, &home.path().join("file")).is_err());
+    assert!(make_folders(&disk, &home.path().join("file/d")).is_err());
+    assert!(disk.0.take().is_empty());
 }

@@ -127,6 +127,23 @@ fn where_it_leads(path: &Path) -> PathBuf {
     path.to_owned()
 }
 
+/// Makes the folder `path`, and those above it that are missing. Those that are new survive a power cut once this function has
+/// returned; one that was there stays as it is.
+///
+/// # Errors
+/// A folder cannot be made; see [`write_atomic_with`] for the advice. [`io::ErrorKind::AlreadyExists`] if `path` is something else.
+pub fn create_folder(path: &Path) -> io::Result<()> {
+    make_folders(&Disk, path).map_err(advised)
+}
+
+fn make_folders(system: &dyn System, path: &Path) -> io::Result<()> {
+    let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+    let missing: Vec<&Path> = path.ancestors().take_while(is_missing).collect();
+    std::fs::create_dir_all(path)?;
+    // The uppermost first, as the others would not be found without it.
+    missing.into_iter().rev().try_for_each(|made| system.sync_folder(folder_of(made)))
+}
+
 /// The folder of `path`: its parent, or `.` for a bare name.
 pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {

@@ -66,7 +66,8 @@ pub fn frame_path(folder: &Path, number: u64) -> PathBuf {
 
 impl Folder {
     pub(super) fn create(path: &Path, first: u64) -> Result<Self, ViewError> {
-        std::fs::create_dir_all(path).map_err(|source| ViewError::File { path: path.to_owned(), source })?;
+        chladni_task::create_folder(path)
+            .map_err(|source| ViewError::File { path: path.to_owned(), source })?;
         Ok(Self { path: path.to_owned(), next: first })
     }
 }

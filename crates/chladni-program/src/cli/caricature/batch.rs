@@ -27,7 +27,7 @@ impl Caricature {
         let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
         let from = Subject::of(&mut project, terminal)?.mesh;
         for out in [Some(results), self.render.as_ref()].into_iter().flatten() {
-            std::fs::create_dir_all(out).map_err(|error| Error::unwritten(out, error))?;
+            chladni_task::create_folder(out).map_err(|error| Error::unwritten(out, error))?;
         }
         let (mut failed, mut kept) = (0, 0);
         for (shape, (output, render)) in shapes.iter().zip(planned) {

@@ -20,7 +20,7 @@ impl Note {
     /// Notes that something is recorded in `recording`.
     pub fn write(recovery: &Path, recording: &Path) -> io::Result<Self> {
         let notes = recovery.join(NOTES);
-        std::fs::create_dir_all(&notes)?;
+        chladni_task::create_folder(&notes)?;
         let recording = std::path::absolute(recording)?;
         let note = notes.join(recording.file_name().unwrap_or_default());
         chladni_task::write_atomic(&note, recording.to_string_lossy().as_bytes())?;

@@ -170,7 +170,7 @@ impl Shelf {
         let tags = form.tags.split(',').map(str::trim).filter(|tag| !tag.is_empty());
         let mut preset = instrument.preset(item, tags.map(str::to_owned).collect());
         preset.name = form.name.trim().to_owned();
-        std::fs::create_dir_all(folder).map_err(|why| Error::unwritten(folder, why))?;
+        chladni_task::create_folder(folder).map_err(|why| Error::unwritten(folder, why))?;
         let path = free_path(folder, &preset.name);
         preset.save(&path).map_err(Error::unsaved)?;
         self.read = false;

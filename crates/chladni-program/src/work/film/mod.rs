@@ -130,7 +130,7 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let range = output.range(frames)?;
     // Only now: a mesh or song that cannot be read leaves no empty folder behind.
     if let Some(folder) = output.folder() {
-        std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
+        chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
     }
     let mut animation = output
         .animation

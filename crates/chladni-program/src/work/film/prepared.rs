@@ -195,7 +195,7 @@ impl Prepared {
 
 /// Each item of the gallery as a preset, `item-01.toml` and so on.
 fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
-    std::fs::create_dir_all(folder).map_err(|error| Error::unwritten(folder, error))?;
+    chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
     for (i, item) in instrument.gallery().items().iter().enumerate() {
         let path = folder.join(format!("item-{:02}.toml", i + 1));
         instrument.preset(item, Vec::new()).save(&path).map_err(Error::unsaved)?;
