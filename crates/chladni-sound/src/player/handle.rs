@@ -217,7 +217,7 @@ impl Player {
         let (count, now) = since(*from, heard, u64::from(rate_hz));
         *from = Some(now);
         let parts = timeline.dropped.heard_of(heard - count..heard);
-        let all: u64 = parts.iter().map(|part| part.end - part.start).sum();
+        let all: u64 = parts.clone().map(|part| part.end - part.start).sum();
         let mut too_old = all.saturating_sub(4 * u64::from(rate_hz));
         for part in parts {
             let old = too_old.min(part.end - part.start);

@@ -148,16 +148,16 @@ impl Dropped {
     }
 
     /// The parts of `frames` that were heard, in order.
-    pub fn heard_of(&self, frames: Range<u64>) -> Vec<Range<u64>> {
-        let mut heard = Vec::new();
-        let mut from = frames.start;
-        for part in self.list.iter().filter(|part| part.end > frames.start && part.start < frames.end) {
-            heard.push(from..part.start.max(from));
+    pub fn heard_of(&self, frames: Range<u64>) -> impl Iterator<Item = Range<u64>> + Clone {
+        let Range { start: mut from, end } = frames;
+        let dropped = self.list.iter().filter(move |part| part.end > frames.start && part.start < end);
+        // What was heard lies before each part that was dropped, and before the end.
+        let before = dropped.cloned().chain(std::iter::once(end..end)).map(move |part| {
+            let heard = from..part.start;
             from = part.end;
-        }
-        heard.push(from..frames.end.max(from));
-        heard.retain(|part| !part.is_empty());
-        heard
+            heard
+        });
+        before.filter(|part| !part.is_empty())
     }
 }
 
@@ -200,11 +200,12 @@ mod tests {
         for part in [100..200, 200..250, 300..300, 400..500] {
             dropped.add(part);
         }
-        assert_eq!(dropped.heard_of(0..600), [0..100, 250..400, 500..600]);
-        assert_eq!(dropped.heard_of(150..450), vec![Range { start: 250, end: 400 }]);
-        assert_eq!(dropped.heard_of(250..400), vec![Range { start: 250, end: 400 }]);
-        assert_eq!(dropped.heard_of(120..130), []);
-        assert_eq!(dropped.heard_of(600..600), []);
+        let heard = |frames: Range<u64>| dropped.heard_of(frames).collect::<Vec<_>>();
+        assert_eq!(heard(0..600), [0..100, 250..400, 500..600]);
+        assert_eq!(heard(150..450), vec![Range { start: 250, end: 400 }]);
+        assert_eq!(heard(250..400), vec![Range { start: 250, end: 400 }]);
+        assert_eq!(heard(120..130), []);
+        assert_eq!(heard(600..600), []);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //!
 //! Without a bus nothing happens. The window reports its state and collects requests; it never waits.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -50,8 +51,8 @@ pub enum Asked {
 pub struct Playing {
     /// Whether time passes in the song.
     pub state: PlayerState,
-    /// Its place in the list.
-    pub song: usize,
+    /// A number of its file: the place in the list is another song's as soon as one is taken out.
+    pub song: u64,
     /// Of its tags, or the file's name.
     pub title: String,
     /// Of its tags.
@@ -80,7 +81,7 @@ enum Told {
 /// Where the song is; asked for now and then, and signaled only where it jumps.
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
-    song: usize,
+    song: u64,
     at_secs: f64,
 }
 
@@ -179,7 +180,7 @@ impl MusicRoom {
         let is_live = listening.live().is_some();
         let playing = Playing {
             state: if is_live { PlayerState::Stopped } else { status.state },
-            song: status.song,
+            song: listening.songs().get(status.song).map_or(0, |file| number_of(file)),
             title: listening.title_of(status.song),
             artist: listening.artist_of(status.song).map(str::to_owned),
             cover: listening.cover_file_of(status.song).map(Path::to_owned),
@@ -188,6 +189,12 @@ impl MusicRoom {
         };
         keys.tell(playing, status.position_secs);
     }
+}
+
+fn number_of(file: &Path) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    file.hash(&mut hasher);
+    hasher.finish()
 }
 
 fn lock(place: &Mutex<Place>) -> MutexGuard<'_, Place> {

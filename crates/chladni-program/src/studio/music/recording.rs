@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use chladni_view::{ViewError, ffmpeg_is_there};
+
 use super::MusicRoom;
 use super::preferences::Camera;
 use super::recorder::Recorder;
@@ -22,6 +24,10 @@ impl MusicRoom {
             if let Err(why) = concert.outgoing.end_recording(&device, now_secs, &mut concert.song_title) {
                 shared.notices.failed(why);
             }
+            return;
+        }
+        if !ffmpeg_is_there() {
+            shared.notices.failed(ViewError::NoFfmpeg);
             return;
         }
         self.ask_for(Then::Record, shared);

@@ -33,7 +33,7 @@ fn address(file: &Path) -> String {
     address
 }
 
-fn track(song: usize) -> String {
+fn track(song: u64) -> String {
     format!("{SONGS}/{song}")
 }
 
