@@ -347,7 +347,7 @@ impl Program for Studio {
             if let Some(trouble) = self.chooser.trouble() {
                 self.notices.error(trouble);
             }
-            self.notices.show(&ctx);
+            self.notices.show(&ctx, (self.now)());
         }
         self.save_settings(&ctx);
         self.count_frame(&ctx);

@@ -9,7 +9,7 @@ use super::icon::{self, Icon};
 use super::theme;
 use crate::work::Error;
 
-/// How long a message that is not an error stays once it is seen.
+/// How long a message that is not an error stays once it was on screen.
 const LINGER: Duration = Duration::from_secs(6);
 /// How many are on screen at once.
 const MOST: usize = 5;
@@ -25,7 +25,9 @@ enum Severity {
 struct Notice {
     severity: Severity,
     text: String,
-    /// When it was seen first.
+    /// Whether a frame has shown it.
+    is_shown: bool,
+    /// When a frame that had shown it was over: a busy machine takes long for it.
     since: Option<Instant>,
     /// The topic; a new notice on the same topic replaces this one.
     matter: Option<&'static str>,
@@ -86,7 +88,7 @@ impl Notices {
 
     fn push(&mut self, severity: Severity, text: String) {
         self.shown.retain(|notice| notice.text != text);
-        self.shown.push(Notice { severity, text, since: None, matter: None });
+        self.shown.push(Notice { severity, text, is_shown: false, since: None, matter: None });
         if self.shown.len() > MOST {
             // An error is to be read.
             let oldest = self.shown.iter().position(|notice| notice.severity != Severity::Error);
@@ -94,12 +96,14 @@ impl Notices {
         }
     }
 
-    /// Draws the messages over everything else.
-    pub fn show(&mut self, ctx: &egui::Context) {
-        let stays = |notice: &Notice| notice.since.is_none_or(|since| since.elapsed() < LINGER);
+    /// Draws the messages over everything else, as they are at the time `now`.
+    pub fn show(&mut self, ctx: &egui::Context, now: Instant) {
+        let stays = |notice: &Notice| notice.since.is_none_or(|since| now.duration_since(since) < LINGER);
         self.shown.retain(|notice| notice.severity == Severity::Error || stays(notice));
         for notice in &mut self.shown {
-            notice.since.get_or_insert_with(Instant::now);
+            if std::mem::replace(&mut notice.is_shown, true) {
+                notice.since.get_or_insert(now);
+            }
         }
         if self.shown.is_empty() {
             return;
