@@ -1,9 +1,11 @@
 //! What must hold whatever the bytes are. The test suites hold the same on mutations of a few files
 //! (`bad_input.rs` of chladni-mesh, `decoding.rs` of chladni-sound); here libFuzzer looks for the bytes.
 
+mod dance;
 mod documents;
 mod pipeline;
 mod program;
+mod random;
 
 use std::path::Path;
 
@@ -13,9 +15,11 @@ use chladni_sound::{Song, SongOptions, SongReader};
 use chladni_task::Task;
 use peak_alloc::PeakAlloc;
 
+pub use dance::{Dance, dance};
 pub use documents::{bindings, landmarks, messages, preset, project, show};
-pub use pipeline::{Shape, pipeline};
+pub use pipeline::{Pair, Shape, pair, pipeline};
 pub use program::{arguments, cache, mask_mesh, panorama, picture, settings};
+pub use random::Random;
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
