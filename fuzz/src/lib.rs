@@ -74,9 +74,13 @@ fn promised(loaded: &Loaded) {
 pub fn song(bytes: &[u8]) {
     let options = SongOptions { max_bytes: 1 << 22, ..SongOptions::default() };
     let Ok(mut reader) = SongReader::from_bytes("fuzz", bytes.to_vec()) else { return };
+    assert_eq!(reader.tags().title.is_some(), reader.title().is_some());
+    assert!(reader.cover().is_none_or(|picture| picture.len() <= 64 * MIB));
+    assert!(!reader.kind().is_empty() && reader.channels() > 0);
     if let Ok(song) = Song::read(&mut reader, &options, &Task::new()) {
         assert!(song.frames() > 0 && song.left.len() == song.right.len());
         assert!(song.left.iter().chain(&song.right).all(|x| x.is_finite()));
+        assert!(reader.damage().is_none_or(|damage| !damage.is_empty()));
     }
     let from_within = SongOptions { start_secs: 0.1, duration_secs: Some(0.2), ..options };
     if let Ok(mut reader) = SongReader::from_bytes("fuzz", bytes.to_vec()) {
