@@ -31,7 +31,7 @@ pub fn mixed(at: [Vec3; 3], weights: Vec3) -> Vec3 {
 }
 
 /// The point of triangle `[a, b, c]` closest to `p`, and its barycentric weights (Ericson, *Real-Time Collision
-/// Detection*, 5.1.5). A triangle without area gives a point of its longest edge.
+/// Detection*, 5.1.5), which are not negative. A triangle without area gives a point of its longest edge.
 pub fn closest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> (Vec3, Vec3) {
     let along = |from: Vec3, way: Vec3, t: f64| add(from, scaled(way, t));
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
@@ -70,7 +70,14 @@ pub fn closest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> (Vec3, Vec3) {
         return (a, [1.0, 0.0, 0.0]);
     }
     let (v, w) = (vb / total, vc / total);
-    (add(along(a, ab, v), scaled(ac, w)), [1.0 - v - w, v, w])
+    let weights = [1.0 - v - w, v, w];
+    if weights.iter().all(|weight| *weight >= 0.0) {
+        return (add(along(a, ab, v), scaled(ac, w)), weights);
+    }
+    // Rounding can lead out of a sliver.
+    let within = weights.map(|weight| weight.max(0.0));
+    let weights = within.map(|weight| weight / within.iter().sum::<f64>());
+    (mixed([a, b, c], weights), weights)
 }
 
 #[cfg(test)]
@@ -117,7 +124,20 @@ mod tests {
             let sample = mixed(t, [1.0 - u - v, u, v]);
             prop_assert!(distance(q, closest) <= distance(q, sample) + 1e-9);
             prop_assert!(distance(mixed(t, weights), closest) < 1e-12);
-            prop_assert!(weights.iter().all(|w| *w >= -1e-12) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            prop_assert!(weights.iter().all(|w| *w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+        }
+
+        #[test]
+        fn the_closest_point_of_a_sliver_lies_in_it(
+            a in vector(), b in vector(), off in vector(), share in -0.5..1.5_f64, thinness in -18..-4_i32, q in vector(),
+        ) {
+            let c = add(mixed([a, b, a], [1.0 - share, share, 0.0]), scaled(off, 10f64.powi(thinness)));
+            for triangle in [[a, b, c], [b, c, a], [c, b, a]] {
+                let (closest, weights) = closest_on_triangle(q, &triangle);
+                prop_assert!(weights.iter().all(|w| *w >= 0.0), "{:?}", weights);
+                prop_assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+                prop_assert!(distance(mixed(triangle, weights), closest) < 1e-12);
+            }
         }
     }
 }
