@@ -59,11 +59,11 @@ pub fn dance(dance: Dance) {
     let Ok(mut instrument) = Instrument::new(dance.seed.into(), 6, shape) else { return };
     let forms = [Form::Filter, Form::Modal, Form::HalfMask];
     let choirs = [Choir::All, Choir::Symmetric, Choir::Antisymmetric];
-    let knobs = dance.knobs.iter().take(40).map(|[knob, share]| {
+    let knobs = dance.knobs.iter().map(|[knob, share]| {
         let parameter = Parameter::ALL[usize::from(*knob) % Parameter::ALL.len()];
         Action::Set { parameter, value: parameter.at_share(f32::from(*share) / 255.0) }
     });
-    let switches = dance.switches.iter().take(20).map(|(switch, on)| Action::Switch {
+    let switches = dance.switches.iter().map(|(switch, on)| Action::Switch {
         switch: Switch::ALL[usize::from(*switch) % Switch::ALL.len()],
         on: *on,
     });
@@ -76,7 +76,7 @@ pub fn dance(dance: Dance) {
     let Ok(model) = SynthModel::new(&body) else { return };
     let mut synthesizer = CpuSynthesizer::new(model);
     let (mut resonators, mut bank) = (None, Levels::default());
-    for (frame, levels) in dance.sound.iter().take(20).enumerate() {
+    for (frame, levels) in dance.sound.iter().enumerate() {
         bank.set(*levels, bands);
         let timbre = instrument.parameters().timbre();
         Resonators::follow(&mut resonators, timbre.as_ref(), bands);

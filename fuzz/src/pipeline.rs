@@ -149,7 +149,7 @@ impl Pair {
 /// Matches a shape with another, checks what the match promises, and exaggerates the difference.
 pub fn pair(pair: Pair) {
     let (Some(mesh), Some(template)) = (pair.shape.mesh(), pair.template.mesh()) else { return };
-    let landmarks = pair.landmarks.iter().take(8).map(|pair| {
+    let landmarks = pair.landmarks.iter().map(|pair| {
         let [shape, template] = pair.map(u32::from);
         Landmark { shape, template }
     });
