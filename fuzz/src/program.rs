@@ -14,9 +14,15 @@ use tempfile::TempDir;
 
 use crate::{MIB, within};
 
+/// The most memory that each byte of a picture or mask takes.
+const EACH: usize = 64;
+/// What the pixels of a picture take at most: as they are in the file, and as they are drawn.
+const OF_PICTURES: usize = 768 * MIB;
+
 /// A picture that stands behind a shape.
 pub fn picture(bytes: &[u8]) {
-    let Ok(picture) = Picture::decode(bytes) else { return };
+    let read = within(bytes.len(), EACH, OF_PICTURES, || Picture::decode(bytes));
+    let Ok(picture) = read else { return };
     assert_eq!(picture.rgba.len(), 4 * picture.width as usize * picture.height as usize);
     if picture.rgba.len() < 1 << 20 {
         let written = picture.to_png().expect("what was read can be written");
@@ -26,14 +32,14 @@ pub fn picture(bytes: &[u8]) {
 
 /// A picture of all that is around.
 pub fn panorama(bytes: &[u8]) {
-    let _ = Panorama::decode(bytes);
+    let _ = within(bytes.len(), EACH, OF_PICTURES, || Panorama::decode(bytes));
 }
 
 /// A mask, as an attribute or the colors of a PLY mesh of twelve vertices; what is read is written and read back as the same.
 pub fn mask_mesh(bytes: &[u8]) {
     static SHAPE: LazyLock<Subject> = LazyLock::new(|| samples::icosphere(0).into());
     let read = |bytes: &[u8]| mask::read_in(Path::new("mask.ply"), bytes, None, &SHAPE);
-    let Ok(painted) = read(bytes) else { return };
+    let Ok(painted) = within(bytes.len(), EACH, MIB, || read(bytes)) else { return };
     let (written, masked) = mask::to_bytes("ply", &painted, &SHAPE).expect("what was read can be written");
     assert!(masked.inside <= masked.vertices);
     assert_eq!(read(&written).expect("what was written can be read"), painted);

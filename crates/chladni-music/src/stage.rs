@@ -233,9 +233,13 @@ fn pose(seed: u64, n: u64, kind: u64) -> f32 {
     0.0
 }
 
-/// SplitMix64's finalizer (Steele, Lea and Flood 2014).
+/// Random bits that are a function of seed and number alone.
 pub(crate) fn hash(seed: u64, n: u64) -> u64 {
-    let mut z = seed.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    mixed(seed.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15)))
+}
+
+/// SplitMix64's finalizer (Steele, Lea and Flood 2014).
+pub(crate) fn mixed(mut z: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

@@ -3,6 +3,7 @@
 use chladni_mesh::surface::SurfacePoint;
 
 use super::{FALL_STEPS, HOP_STEPS, POUR_STEPS, QUIET, Tray};
+use crate::stage::mixed;
 
 /// C: how fast grains slide down.
 const SLIDE: f64 = 0.32;
@@ -59,14 +60,10 @@ pub(super) fn friction(seed: u64, grain: usize) -> f32 {
     unit(draw(seed, grain, 1)) as f32
 }
 
-/// Random bits that are a function of seed, grain and number alone (SplitMix64's finalizer; Steele, Lea and
-/// Flood 2014).
+/// Random bits that are a function of seed, grain and number alone.
 pub(super) fn draw(seed: u64, grain: usize, number: u64) -> u64 {
-    let mut z = seed ^ (grain as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = z.wrapping_add(number.wrapping_mul(0xd1b5_4a32_d192_ed03));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
+    let z = seed ^ (grain as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    mixed(z.wrapping_add(number.wrapping_mul(0xd1b5_4a32_d192_ed03)))
 }
 
 /// In [0, 1).

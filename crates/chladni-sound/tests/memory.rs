@@ -1,0 +1,175 @@
+//! Reading a song takes a bounded number of bytes of memory for each byte of its file, and of what is kept of it.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+use chladni_sound::{Song, SongOptions, SongReader, WavSample, wav_bytes};
+use chladni_task::Task;
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// What `SongReader` promises for each byte of a file, and besides.
+const EACH: usize = 64;
+const BESIDES: usize = 32 << 20;
+
+/// Rows of a file.
+const COUNT: usize = 60_000;
+
+/// The name of a file, and its bytes.
+type File = (&'static str, Vec<u8>);
+
+/// The most bytes that were in use at once while `work` ran, what was in use before left aside.
+fn peak<T>(work: impl FnOnce() -> T) -> (usize, T) {
+    MEMORY.reset_peak_usage();
+    let before = MEMORY.current_usage();
+    let result = work();
+    (MEMORY.peak_usage() - before, result)
+}
+
+/// The remainder of `bytes` by a polynomial of `bits` bits, the highest first.
+fn crc(bytes: &[u8], bits: u32, polynomial: u32) -> u32 {
+    let top = 1 << (bits - 1);
+    let mask = top | (top - 1);
+    bytes.iter().fold(0, |crc: u32, &byte| {
+        (0..8).fold(crc ^ (u32::from(byte) << (bits - 8)), |crc, _| {
+            ((crc << 1) ^ if crc & top == 0 { 0 } else { polynomial }) & mask
+        })
+    })
+}
+
+/// A tag of ID3v2.4 with these frames.
+fn id3(frames: &[u8]) -> Vec<u8> {
+    let size = frames.len();
+    let size = [21, 14, 7, 0].map(|shift| (size >> shift) as u8 & 0x7f);
+    [b"ID3\x04\x00\x00", &size[..], frames].concat()
+}
+
+fn mp3_files() -> Vec<File> {
+    // Frames of silence at 128 kbit/s.
+    let silence = [&[0xff, 0xfb, 0x90, 0x00][..], &[0; 413]].concat().repeat(4);
+    let frame = |name: &str, content: &[u8]| {
+        [name.as_bytes(), &[0, 0, 0, content.len() as u8], &[0, 0], content].concat()
+    };
+    let file = |row: Vec<u8>| [id3(&row.repeat(COUNT)), silence.clone()].concat();
+    vec![
+        ("titles", file(frame("TIT2", b"\x03a"))),
+        ("own texts", file(frame("TXXX", b"\x03a\0b"))),
+        ("pictures", file(frame("APIC", b"\x00image/png\0\x03\0x"))),
+        ("comments", file(frame("COMM", b"\x03engd\0e"))),
+        ("unknown frames", file(frame("ABCD", b"x"))),
+        ("tags", [id3(&frame("TIT2", b"\x03a")).repeat(COUNT), silence].concat()),
+    ]
+}
+
+fn wav_files() -> Vec<File> {
+    let song = Song { rate_hz: 8000, left: vec![0.25; 800], right: vec![-0.25; 800] };
+    let good = wav_bytes(&song, WavSample::Int16).unwrap();
+    let (head, data) = good.split_at(good.windows(4).position(|name| name == b"data").unwrap());
+    let file = |chunks: Vec<u8>| {
+        let mut bytes = [head, &chunks, data].concat();
+        let size = (bytes.len() - 8) as u32;
+        bytes[4..8].copy_from_slice(&size.to_le_bytes());
+        bytes
+    };
+    let info = b"INAM\x02\x00\x00\x00a\0".repeat(COUNT);
+    let list = [b"LIST", &(info.len() as u32 + 4).to_le_bytes()[..], b"INFO", &info].concat();
+    vec![
+        ("titles", file(list)),
+        ("lists", file(b"LIST\x0e\x00\x00\x00INFOINAM\x02\x00\x00\x00a\0".repeat(COUNT))),
+        ("unknown chunks", file(b"abcd\0\0\0\0".repeat(COUNT))),
+    ]
+}
+
+/// A frame of 4096 equal samples a side.
+fn flac_frame() -> Vec<u8> {
+    let mut frame = vec![0xff, 0xf8, 0xc9, 0x18, 0];
+    frame.push(crc(&frame, 8, 0x07) as u8);
+    frame.extend([0, 1, 0, 0, 2, 0]);
+    let check = crc(&frame, 16, 0x8005) as u16;
+    frame.extend(check.to_be_bytes());
+    frame
+}
+
+fn flac_files() -> Vec<File> {
+    let block = |kind: u8, content: &[u8]| {
+        [&[kind][..], &(content.len() as u32).to_be_bytes()[1..], content].concat()
+    };
+    let about = [&[16, 0, 16, 0, 0, 0, 0, 0, 0, 0, 0x0a, 0xc4, 0x42, 0xf0, 0, 0, 0, 0][..], &[0; 16]].concat();
+    let file = |blocks: &[u8], frames: usize| {
+        [b"fLaC", &block(0, &about)[..], blocks, &block(0x81, &[0; 4]), &flac_frame().repeat(frames)].concat()
+    };
+    let comments =
+        [&[0; 4], &(COUNT as u32).to_le_bytes(), &b"\x03\x00\x00\x00A=b".repeat(COUNT)[..]].concat();
+    let no_picture = [&[0, 0, 0, 3, 0, 0, 0, 1, b'x', 0, 0, 0, 0][..], &[0; 16], &[0, 0, 0, 1, 9]].concat();
+    let point = [&[0; 16][..], &[16, 0]].concat();
+    vec![
+        ("comments", file(&block(4, &comments), 1)),
+        ("pictures", file(&block(6, &no_picture).repeat(COUNT), 1)),
+        ("seek points", file(&block(3, &point.repeat(COUNT)), 1)),
+        ("equal samples", file(&[], 2000)),
+    ]
+}
+
+/// Pages of an Ogg file, each of one packet of up to 65,025 bytes, or the beginning or end of one.
+fn ogg_page(number: u32, kind: u8, position: u64, packet: &[u8], ends: bool) -> Vec<u8> {
+    let mut lacing = vec![255; packet.len() / 255];
+    if ends {
+        lacing.push((packet.len() % 255) as u8);
+    }
+    let mut page = [b"OggS", &[0, kind][..], &position.to_le_bytes(), &[1, 0, 0, 0]].concat();
+    page.extend(number.to_le_bytes());
+    page.extend([0, 0, 0, 0, lacing.len() as u8]);
+    page.extend(lacing);
+    page.extend(packet);
+    let check = crc(&page, 32, 0x04c1_1db7);
+    page[22..26].copy_from_slice(&check.to_le_bytes());
+    page
+}
+
+fn opus_files() -> Vec<File> {
+    let head = b"OpusHead\x01\x02\x38\x01\x80\xbb\x00\x00\x00\x00\x00";
+    let file = |tags: &[u8], sounds: usize| {
+        let mut bytes = ogg_page(0, 2, 0, head, true);
+        let mut number = 1;
+        // The last one must not be full, or the packet would go on.
+        let parts = tags.chunks(254 * 255);
+        let count = parts.len();
+        for (i, part) in parts.enumerate() {
+            bytes.extend(ogg_page(number, u8::from(i > 0), 0, part, i + 1 == count));
+            number += 1;
+        }
+        for i in 0..sounds {
+            // 20 ms of nothing.
+            bytes.extend(ogg_page(number, 0, 960 * (i as u64 + 1), &[0xfc], true));
+            number += 1;
+        }
+        bytes
+    };
+    let tags = |count: usize| {
+        [b"OpusTags", &[0; 4][..], &(count as u32).to_le_bytes(), &b"\x03\x00\x00\x00A=b".repeat(count)].concat()
+    };
+    vec![("comments", file(&tags(COUNT), 5)), ("silence", file(&tags(0), COUNT / 10))]
+}
+
+#[test]
+fn memory_is_bounded_by_the_length_of_the_file() {
+    let kinds =
+        [("MP3", mp3_files()), ("WAV", wav_files()), ("FLAC", flac_files()), ("Opus", opus_files())];
+    let options = SongOptions { max_bytes: 8 << 20, ..SongOptions::default() };
+    for (kind, files) in kinds {
+        for (what, bytes) in files {
+            let length = bytes.len();
+            let (opening, reader) = peak(|| SongReader::from_bytes(what, bytes));
+            let mut reader = reader.unwrap_or_else(|error| panic!("{kind}, {what}: {error}"));
+            let (reading, song) = peak(|| Song::read(&mut reader, &options, &Task::new()));
+            println!(
+                "{kind}, {what}, {length} bytes: {opening} to open ({:.1} for each), {reading} to read, {:?} frames",
+                opening as f64 / length as f64,
+                song.map(|song| song.frames()),
+            );
+            assert!(opening <= EACH * length + BESIDES, "{kind}, {what}: {opening} bytes for {length}");
+            assert!(reading <= EACH * length + 3 * options.max_bytes + BESIDES, "{kind}, {what}: {reading}");
+        }
+    }
+}
