@@ -21,6 +21,14 @@ use crate::SoundError;
 
 /// The longest part of a tag that is used, in characters.
 const LONGEST_TAG: usize = 200;
+/// How many packets in a row may fail before the file is given up.
+const MAX_FAILURES_IN_A_ROW: u32 = 256;
+/// Decoders carry state (overlap, bit reservoir) from packet to packet. A seek therefore decodes this much
+/// before its target and drops it.
+const PREROLL_SECS: f64 = 0.15;
+/// A difference up to this between the length in the header and the actual one is ignored.
+const MISSED_SECS: f64 = 0.1;
+
 /// What the tags of a song say; `None` where they do not.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SongTags {
@@ -30,13 +38,6 @@ pub struct SongTags {
     pub artist: Option<String>,
 }
 
-/// How many packets in a row may fail before the file is given up.
-const MAX_FAILURES_IN_A_ROW: u32 = 256;
-/// Decoders carry state (overlap, bit reservoir) from packet to packet. A seek therefore decodes this much
-/// before its target and drops it.
-const PREROLL_SECS: f64 = 0.15;
-/// A difference up to this between the length in the header and the actual one is ignored.
-const MISSED_SECS: f64 = 0.1;
 /// Decodes a sound file block by block: WAV, AIFF, FLAC, MP3, Ogg Vorbis, Opus, M4A (AAC-LC, ALAC) and
 /// Matroska with any of these codecs. Mono is played on both sides; more than two channels are mixed down
 /// (ITU-R BS.775). Encoder padding is removed if the file states its length. Seeking is exact to the frame
@@ -45,7 +46,8 @@ const MISSED_SECS: f64 = 0.1;
 /// Ogg files may be a chain of several ones, as recordings of radio stations are; all links are read. The length of those
 /// that were not reached yet is not known.
 ///
-/// Memory use does not depend on the length of the song.
+/// Memory does not depend on the length of the song, only on its tags and tables: it is bounded by 64 bytes for each byte
+/// of the file, and 8 MiB.
 pub struct SongReader {
     name: String,
     source: SharedSource,
