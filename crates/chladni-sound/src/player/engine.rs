@@ -134,6 +134,7 @@ impl Engine {
         match command {
             Command::PlayList(songs) => {
                 (self.list.songs, self.list.current) = (songs, 0);
+                self.list.number += 1;
                 self.start(Some(0), 0.0, true);
             }
             Command::Songs(songs) => self.set_songs(songs),
@@ -169,8 +170,10 @@ impl Engine {
     /// plays. If only the one that is decoded ahead is not, the song that is heard goes on to its end.
     fn set_songs(&mut self, songs: Vec<PathBuf>) {
         let places = self.list.places_in(&songs);
-        let heard = self.place().and_then(|heard| Some(((*places.get(heard.song)?)?, heard.song_secs)));
-        self.shared.timeline().stretches.renumber(&places);
+        let heard = self.place().filter(|heard| heard.list == self.list.number);
+        let heard = heard.and_then(|heard| Some(((*places.get(heard.song)?)?, heard.song_secs)));
+        self.shared.timeline().stretches.renumber(&places, self.list.number);
+        self.list.number += 1;
         let current = self.list.current;
         let last = songs.len().checked_sub(1);
         self.list.songs = songs;
@@ -267,6 +270,7 @@ impl Engine {
                     let secs_of = |frames: usize| frames as f64 / f64::from(self.output.rate_hz);
                     self.shared.timeline().stretches.begin(Stretch {
                         ring_frame: self.written + led + middle as u64,
+                        list: self.list.number,
                         song,
                         song_secs: secs + secs_of(middle),
                         duration_secs: decoding.reader.total_frames().map(|frames| frames as f64 / rate_hz),

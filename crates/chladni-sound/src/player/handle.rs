@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
@@ -34,6 +35,9 @@ pub struct PlayerStatus {
     pub state: PlayerState,
     /// The index in the playlist of the song that is heard.
     pub song: usize,
+    /// Whether that is the playlist given last. Not for a moment after another one was given, nor while a song sounds on
+    /// that is not in it.
+    pub is_listed: bool,
     /// The time in that song of the sample that is heard now; the latency of the device is accounted for. Where a picture
     /// is shown ahead ([`Player::show_ahead`]), both are those of the moment that it shows.
     pub position_secs: f64,
@@ -61,6 +65,8 @@ pub struct PlayerStatus {
 /// ```
 pub struct Player {
     shared: Arc<Shared>,
+    /// How many playlists were given.
+    lists: AtomicU64,
     commands: Sender<Command>,
     events: Receiver<PlayerEvent>,
     thread: Option<JoinHandle<()>>,
@@ -80,17 +86,19 @@ impl Player {
             .name("sound".into())
             .spawn(move || Engine::new(engine_shared, received, report, settings).run())
             .map_err(|error| SoundError::Device { what: format!("no thread for it: {error}") })?;
-        Ok(Self { shared, commands, events, thread: Some(thread) })
+        Ok(Self { shared, lists: AtomicU64::new(0), commands, events, thread: Some(thread) })
     }
 
     /// Replaces the playlist and plays its first song.
     pub fn play_list(&self, songs: Vec<PathBuf>) {
+        self.lists.fetch_add(1, Ordering::Relaxed);
         self.send(Command::PlayList(songs));
     }
 
     /// Changes the playlist around the song that plays. If that song is no longer in it, the song in its
     /// place plays.
     pub fn set_songs(&self, songs: Vec<PathBuf>) {
+        self.lists.fetch_add(1, Ordering::Relaxed);
         self.send(Command::Songs(songs));
     }
 
@@ -185,6 +193,7 @@ impl Player {
                 (false, false) => PlayerState::Paused,
             },
             song: place.map_or(0, |(stretch, _)| stretch.song),
+            is_listed: place.is_none_or(|(stretch, _)| stretch.list == self.lists.load(Ordering::Relaxed)),
             position_secs,
             duration_secs: place
                 .and_then(|(stretch, _)| stretch.duration_secs)

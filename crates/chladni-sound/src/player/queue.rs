@@ -20,6 +20,8 @@ pub enum Repeat {
 /// The songs in order, and the index of the one that is being decoded.
 #[derive(Default)]
 pub(super) struct Playlist {
+    /// How many lists there were before.
+    pub number: u64,
     pub songs: Vec<PathBuf>,
     pub current: usize,
     pub repeat: Repeat,
@@ -63,6 +65,8 @@ impl Playlist {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
     pub ring_frame: u64,
+    /// Which list `song` counts in: how many there were before it.
+    pub list: u64,
     pub song: usize,
     pub song_secs: f64,
     pub duration_secs: Option<f64>,
@@ -91,10 +95,12 @@ impl Stretches {
         self.list.clear();
     }
 
-    /// Renumbers songs that have moved in the list. A song that was removed keeps its number until it ends.
-    pub fn renumber(&mut self, places: &[Option<usize>]) {
-        for stretch in &mut self.list {
-            stretch.song = places.get(stretch.song).copied().flatten().unwrap_or(stretch.song);
+    /// Renumbers songs that are in the next list, too. A song that was removed keeps its number in its own until it ends.
+    pub fn renumber(&mut self, places: &[Option<usize>], from: u64) {
+        for stretch in self.list.iter_mut().filter(|stretch| stretch.list == from) {
+            if let Some(place) = places.get(stretch.song).copied().flatten() {
+                (stretch.list, stretch.song) = (from + 1, place);
+            }
         }
     }
 
@@ -168,7 +174,7 @@ mod tests {
     #[test]
     fn repeating_and_ending() {
         let songs = vec!["a".into(), "b".into()];
-        let mut list = Playlist { songs, current: 1, repeat: Repeat::Off };
+        let mut list = Playlist { songs, current: 1, ..Playlist::default() };
         assert_eq!(list.after(false), None);
         list.repeat = Repeat::List;
         assert_eq!(list.after(false), Some(0));
@@ -185,13 +191,18 @@ mod tests {
         let mut stretches = Stretches::default();
         stretches.begin(Stretch {
             ring_frame: 0,
+            list: 4,
             song: 3,
             song_secs: 0.0,
             duration_secs: None,
             crossfade_secs: 0.0,
         });
-        stretches.renumber(&places);
-        assert_eq!(stretches.at(0.0, 48_000).map(|(s, _)| s.song), Some(1));
+        let heard = |stretches: &mut Stretches| stretches.at(0.0, 48_000).map(|(s, _)| (s.list, s.song));
+        stretches.renumber(&places, 4);
+        assert_eq!(heard(&mut stretches), Some((5, 1)));
+        stretches.renumber(&[Some(0), None], 5);
+        stretches.renumber(&[Some(0), Some(0)], 6);
+        assert_eq!(heard(&mut stretches), Some((5, 1)), "what was removed");
     }
 
     #[test]
@@ -213,6 +224,7 @@ mod tests {
         let mut stretches = Stretches::default();
         let at = |ring_frame, song, song_secs| Stretch {
             ring_frame,
+            list: 0,
             song,
             song_secs,
             duration_secs: None,

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::{Engine, PlayerEvent};
+use crate::SoundError;
 use crate::history::History;
 use crate::player::output::Output;
 use crate::player::queue::Stretch;
@@ -28,13 +29,14 @@ impl Engine {
         }
     }
 
-    /// Tries the device again and continues at the position of the song; in silence if there is no device.
-    pub(super) fn reopen(&mut self) {
+    /// Tries the device again and continues at the position of the song; in silence where there is none, of which it
+    /// returns the reason.
+    pub(super) fn reopen(&mut self) -> Option<SoundError> {
         let was_silent = self.output.device.is_none();
         self.hush();
         // The old stream is closed first: some devices allow only one.
         let place = if was_silent { None } else { self.change_output(Output::silence(), None) };
-        match Output::device(self.device.as_deref(), &self.shared.clock) {
+        let failed = match Output::device(self.device.as_deref(), &self.shared.clock) {
             Ok(output) => {
                 let place = self.change_output(output, place);
                 self.retry_at = None;
@@ -43,6 +45,7 @@ impl Engine {
                     self.tell(PlayerEvent::DeviceOpened(name));
                 }
                 self.go_on_at(place);
+                None
             }
             Err(error) => {
                 // If the output was silent before, it continues without interruption.
@@ -52,9 +55,11 @@ impl Engine {
                 }
                 self.retry_at = Some(Instant::now() + self.retry_after);
                 self.retry_after = (2 * self.retry_after).min(LONGEST_RETRY);
+                Some(error)
             }
-        }
+        };
         self.shared.clock.set_paused(!self.playing);
+        failed
     }
 
     /// Fades a device out that is about to be closed, as it would end with a click.
@@ -74,9 +79,8 @@ impl Engine {
         if !self.audible {
             return;
         }
-        self.reopen();
-        if self.output.device.is_none() {
-            self.tell(PlayerEvent::DeviceLost("no sound device".into()));
+        if let Some(why) = self.reopen() {
+            self.tell(PlayerEvent::DeviceLost(why.to_string()));
         }
     }
 
