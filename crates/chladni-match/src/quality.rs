@@ -23,8 +23,8 @@ pub struct MatchReport {
     pub flipped_triangles: usize,
     /// Number of triangles of the shape that have a normal to compare.
     pub triangles: usize,
-    /// Median of the largest singular value of the triangles' maps, divided by the median of the smallest:
-    /// 1 for a similarity, larger the more triangles are stretched.
+    /// Median over the triangles of the largest singular value of their maps divided by the smallest: 1 for a similarity,
+    /// larger the more they are stretched.
     pub stretch: f64,
     /// Area-weighted mean confidence.
     pub mean_confidence: f64,

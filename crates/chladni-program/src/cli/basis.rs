@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::Terminal;
 use crate::work::body::{basis_cache, laplacian};
-use crate::work::outputs::{check_arrays, check_folder, is_one_place};
+use crate::work::outputs::{check_arrays, check_distinct, check_folder};
 use crate::work::{Error, Warning, Watcher};
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
@@ -154,13 +154,9 @@ impl Args {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = self.output.as_deref().filter(|path| is_folder(path));
         let files = [self.output.as_ref().filter(|_| folder.is_none()), self.operator.as_ref()];
-        files.into_iter().flatten().try_for_each(|path| check_arrays(path))?;
-        if let (Some(output), Some(operator)) = (&self.output, &self.operator)
-            && is_one_place(output, operator)
-        {
-            let why = "names both the harmonics and the operator; choose another name for one of them";
-            return Err(Error::Input(format!("{}: {why}", operator.display())));
-        }
+        let files: Vec<&Path> = files.into_iter().flatten().map(PathBuf::as_path).collect();
+        files.iter().try_for_each(|path| check_arrays(path))?;
+        check_distinct(&files)?;
         folder.map_or(Ok(()), check_folder)?;
         let scratch = self.scratch.clone().unwrap_or_else(BasisSettings::default_scratch);
         let ranks = self.on.of(self.engine, &scratch)?;

@@ -13,7 +13,7 @@ use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
 use crate::work::film::{self, Beginning, Film, Output};
 use crate::work::source::{self, TUNE};
-use crate::work::{Error, body, make};
+use crate::work::{Error, Watcher, body, make};
 
 /// Make a caricature and a dancing clip from the samples.
 #[derive(clap::Args)]
@@ -65,7 +65,7 @@ fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
     let name = shape.to_string();
     let (body, _) = body::build(&name, &mesh, project.harmonics, project.laplacian, terminal)?;
     let mut made = make(mesh, Arc::new(body), &project, false, terminal)?;
-    made.sculpture.save(&out)?;
+    made.sculpture.save(&out, terminal.task())?;
     terminal.wrote(&out)?;
     let (portrait, sheet, ink) = (Portrait::default(), SheetOptions::default(), InkOptions::default());
     portrait::render(&mut made, &name, &project, &picture, &portrait, &sheet, &ink, None, terminal)?;

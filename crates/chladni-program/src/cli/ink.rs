@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use chladni_task::write_atomic;
-use chladni_view::ink::{Drawing, Ink, Plate};
+use chladni_view::ink::{Drawing, Ink};
 use chladni_view::{Camera, Rect};
 
 use crate::work::outputs::check_endings;
@@ -76,11 +76,6 @@ impl InkOptions {
             || self.ink_colors.is_some()
             || self.ink_tones.is_some()
             || [self.ink_detail, self.ink_hatching, self.ink_smoothing].iter().any(Option::is_some)
-    }
-
-    /// A shape made ready to be drawn.
-    pub fn plate(&self, positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Plate, Error> {
-        Ok(Plate::new(positions, triangles, self.pen().smoothing)?)
     }
 
     /// Pen, colors and how much is drawn.

@@ -10,7 +10,7 @@ use chladni_view::{
 use super::Terminal;
 use super::ink::InkOptions;
 use crate::work::outputs::earlier_frames;
-use crate::work::{Error, Sculpture, Watcher};
+use crate::work::{Error, Inked, Sculpture, Watcher};
 
 /// A film of the result.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -47,16 +47,19 @@ impl TurntableOptions {
         earlier_frames(path, frames).into_iter().for_each(|warning| terminal.warn(warning));
         let film = Film::create(path, FilmSettings { width, height, rate, frames, first: 0, audio: None })?;
         let result = &sculpture.evaluation.result.positions;
+        let positions: Vec<[f32; 3]> = result.iter().map(|p| p.map(|c| c as f32)).collect();
         let triangles = &sculpture.body.triangles;
         let label = "filming the turntable";
         if ink.is_asked_for() {
-            let plates = [(ink.plate(result, triangles)?, Rect::of_size(width, height))];
-            let style = ink.pen().ink;
+            let (pen, cell) = (ink.pen(), Rect::of_size(width, height));
+            let shapes = [Inked::moved(&positions, sculpture.body.positions.iter().copied())];
+            let plates: Vec<_> =
+                pen.plates(&shapes, triangles)?.into_iter().map(|plate| (plate, cell)).collect();
+            let style = pen.ink;
             let filmed = terminal
                 .watch(label, |task| chladni_view::ink::film_turntable(&plates, &style, from, film, task));
             return Ok(filmed?);
         }
-        let positions: Vec<[f32; 3]> = result.iter().map(|p| p.map(|c| c as f32)).collect();
         let shapes = [PictureShape { positions: &positions, triangles, ..PictureShape::default() }];
         let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
         let mut renderer = Renderer::new(terminal.device()?);

@@ -122,6 +122,22 @@ pub fn check_apart(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
     Ok(())
 }
 
+/// Checks that no two of `outputs` are one file, where the later would replace the other.
+///
+/// # Errors
+/// [`Error::Input`], with the path.
+pub fn check_distinct(outputs: &[&Path]) -> Result<(), Error> {
+    let mut rest = outputs;
+    while let [path, others @ ..] = rest {
+        if others.iter().any(|other| is_one_place(path, other)) {
+            let why = "two results would be written there; choose another name for one of them";
+            return Err(Error::Input(format!("{}: {why}", path.display())));
+        }
+        rest = others;
+    }
+    Ok(())
+}
+
 /// Whether both paths lead to one file that is there.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
@@ -129,7 +145,7 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
 }
 
 /// Whether files that are written to both paths would be one file, which need not be there.
-pub fn is_one_place(a: &Path, b: &Path) -> bool {
+fn is_one_place(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     a == b || is_same_file(a, b) || real(a).is_some_and(|place| real(b) == Some(place))
 }

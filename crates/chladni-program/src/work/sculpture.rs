@@ -10,7 +10,7 @@ use chladni_mesh::{
     Format, MeshError, MorphTarget, Orientation, ShapeSource, TriMesh, add_morph_targets,
     add_morph_targets_in, save_mesh, write_glb, write_mesh,
 };
-use chladni_task::write_atomic;
+use chladni_task::{Task, write_atomic};
 
 use super::{Error, Subject, Warning, Watcher, matched};
 
@@ -104,17 +104,20 @@ fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
 impl Sculpture {
     /// Writes it in the format of the ending: GLB holds the original with one morph target per layer, other
     /// formats the result itself. Where the shape comes from a glTF file, all else in that file stays in the GLB; a warning
-    /// says where that is not possible.
+    /// says where that is not possible. A canceled `task` writes nothing.
     ///
     /// # Errors
-    /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name.
-    pub fn save(&self, path: &Path) -> Result<Option<Warning>, Error> {
+    /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name; a canceled task.
+    pub fn save(&self, path: &Path, task: &Task) -> Result<Option<Warning>, Error> {
         if Format::of_path(path) == Some(Format::Glb) {
             let (bytes, warning) = self.glb(None).map_err(|error| Error::unwritten(path, error))?;
+            task.check()?;
             write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
             return Ok(warning);
         }
-        save_mesh(&self.result(), path).map(|()| None).map_err(Error::unsaved)
+        let result = self.result();
+        task.check()?;
+        save_mesh(&result, path).map(|()| None).map_err(Error::unsaved)
     }
 
     /// The same in memory, as a file of `format`. `file` holds the bytes of the shape's file, where it comes from

@@ -174,6 +174,11 @@ fn a_batch_gives_every_mesh_a_file_of_its_own_and_replaces_none() {
     let said = desk.refused("caricature --recipe p.chladni --batch many -o ./many");
     assert!(said.contains("many"), "{said}");
     assert_eq!(std::fs::read(desk.path("many/head.v1.obj")).unwrap(), before);
+    // A texture that is called as its mesh is.
+    std::fs::write(desk.path("many/head.v1.png"), "a texture").unwrap();
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o out2 --render many");
+    assert!(said.contains("pictures there would replace"), "{said}");
+    assert_eq!(std::fs::read(desk.path("many/head.v1.png")).unwrap(), b"a texture");
 }
 
 #[test]

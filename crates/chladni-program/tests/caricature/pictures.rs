@@ -110,6 +110,10 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
     // Before and after have lines of one width, or of widths that follow the exaggeration.
     desk.ok(&format!("{line} --render wide.svg --show after,coordinate --ink-exaggeration"));
     assert_ne!(read("wide.svg"), read("both.svg"));
+    let turning = format!("{line} --turn-secs 0.04 --turntable");
+    desk.ok(&format!("{turning} even.gif --ink"));
+    desk.ok(&format!("{turning} wide.gif --ink-exaggeration"));
+    assert_ne!(read("wide.gif"), read("even.gif"));
     for (options, said) in [
         ("--render x.svg --show painted", "ink draws shapes alone"),
         ("--render x.svg --ink-colors red,blue", "write two colors"),
@@ -117,6 +121,7 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
         ("--render x.jpg", "a picture ends in .png or .svg"),
         ("--render x.svg --ink-tones 5", "5"),
         ("--turntable x.jpg", "film"),
+        ("--render x.png --turntable ./x.png", "two results"),
         ("--ink", "--render"),
     ] {
         let message = desk.refused(&format!("{line} {options}"));

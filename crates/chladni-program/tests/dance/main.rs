@@ -107,6 +107,7 @@ fn no_file_of_a_film_replaces_one_that_it_reads() {
     refused(octopus, "film/sound.wav", &["--frames", "film"]);
     refused(octopus, "film/sound.wav", &["--coefficients", "film/sound.wav"]);
     refused(octopus, tune, &["--picture", "wall.png", "-o", "wall.png"]);
+    refused(octopus, tune, &["-o", "twice.glb", "--coefficients", "./twice.glb"]);
     // Nor is there any work for what cannot be written.
     refused(octopus, tune, &["--frames", "wall.png"]);
     refused(octopus, tune, &["--frames", "missing/film"]);

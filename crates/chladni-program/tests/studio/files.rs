@@ -142,6 +142,26 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
     person.press_with(CTRL, Key::S);
     assert_eq!(Project::load(&desk.path("igea 1.2.chladni")).unwrap().layers().len(), 2);
     assert!(!desk.path("igea 1.2").exists());
+
+    // A dialog asks before it replaces a file, but does not know the names that get their ending here.
+    let before = std::fs::read(desk.path("igea 1.2.chladni")).unwrap();
+    std::fs::write(desk.path("b 1.3.chladni"), "another").unwrap();
+    person.add_layer("magnify");
+    ["igea 1.2", "b 1.3", "c 1.4"].map(|name| desk.answers.add(desk.path(name)));
+    person.press_with(CTRL | egui::Modifiers::SHIFT, Key::S);
+    assert_eq!(Project::load(&desk.path("c 1.4.chladni")).unwrap().layers().len(), 3);
+    assert_eq!(std::fs::read(desk.path("b 1.3.chladni")).unwrap(), b"another");
+    assert_eq!(std::fs::read(desk.path("igea 1.2.chladni")).unwrap(), before);
+
+    // That all layers of a saved project were removed is worth a question.
+    for _ in 0..3 {
+        person.press(Key::Delete);
+    }
+    person.wait_until_gone("Magnify all");
+    person.close();
+    assert!(person.sees("Save before closing?"));
+    person.click("save-and-close");
+    assert!(Project::load(&desk.path("c 1.4.chladni")).unwrap().layers().is_empty());
 }
 
 /// `chladni open shape.obj template.obj` in a terminal, and the project saved elsewhere.

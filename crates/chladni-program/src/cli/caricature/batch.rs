@@ -71,11 +71,16 @@ impl Caricature {
             let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
             std::fs::canonicalize(path).ok()
         };
-        let output = real(results);
         let folders: HashSet<&Path> = shapes.iter().filter_map(|shape| shape.parent()).collect();
-        if let Some(folder) = folders.into_iter().find(|folder| output.is_some() && real(folder) == output) {
-            let folder = folder.display();
-            return Err(Error::input(format_args!("{folder}: results there would replace the shapes")));
+        let asked = [
+            (Some(results), "results there would replace the shapes"),
+            (self.render.as_deref(), "pictures there would replace those of the shapes"),
+        ];
+        for (asked, why) in asked {
+            let asked = asked.and_then(real);
+            if let Some(folder) = folders.iter().find(|folder| asked.is_some() && real(folder) == asked) {
+                return Err(Error::input(format_args!("{}: {why}", folder.display())));
+            }
         }
         let mut owners: HashMap<PathBuf, &Path> = HashMap::new();
         let mut planned = Vec::with_capacity(shapes.len());
@@ -87,9 +92,9 @@ impl Caricature {
                 Err(_) => "ply".as_ref(),
             };
             let output = named(results, stem, extension);
-            check_apart(&output, of_recipe)?;
             let render = self.render.as_ref().map(|folder| named(folder, stem, "png".as_ref()));
             for path in std::iter::once(&output).chain(&render) {
+                check_apart(path, of_recipe)?;
                 if let Some(other) = owners.insert(path.clone(), shape) {
                     let (path, other, shape) = (path.display(), other.display(), shape.display());
                     return Err(Error::input(format_args!("{other} and {shape} would both become {path}")));

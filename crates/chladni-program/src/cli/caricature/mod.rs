@@ -21,7 +21,7 @@ use super::resolution::ResolutionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::{check_film, check_mesh, check_picture};
+use crate::work::outputs::{check_distinct, check_film, check_mesh, check_picture};
 use crate::work::{Error, Made, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -141,7 +141,9 @@ impl Caricature {
         if let Some(film) = &self.turntable.turntable {
             check_film(film)?;
         }
-        self.render.as_deref().map_or(Ok(()), check_drawing)
+        self.render.as_deref().map_or(Ok(()), check_drawing)?;
+        let files = [&self.output, &self.render, &self.turntable.turntable];
+        check_distinct(&files.into_iter().flatten().map(PathBuf::as_path).collect::<Vec<_>>())
     }
 
     /// The meshes that the arguments name.
@@ -238,7 +240,7 @@ struct Pictures<'a> {
 
 /// Writes the mesh and says what did not come along.
 fn save(sculpture: &Sculpture, output: &Path, terminal: &Terminal) -> Result<(), Error> {
-    if let Some(warning) = sculpture.save(output)? {
+    if let Some(warning) = sculpture.save(output, terminal.task())? {
         terminal.warn(warning);
     }
     terminal.wrote(output)

@@ -189,17 +189,21 @@ impl CaricatureRoom {
         let job = match (what, shot) {
             (What::Mesh(_), _) => {
                 let sculpture = session.sculpture();
-                Job::start(label, &shared.ctx, move |_| sculpture.save(&path).map(|warning| (path, warning)))
+                Job::start(label, &shared.ctx, move |task| {
+                    sculpture.save(&path, task).map(|warning| (path, warning))
+                })
             }
             (_, Err(error)) => return shared.notices.failed(error),
-            (What::Picture, Ok(shot)) => Job::start(label, &shared.ctx, move |_| {
+            (What::Picture, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
                 let png = shot.picture(width, height).and_then(|picture| Ok(picture.to_png()?));
                 let png = png.map_err(|error| error.of(path.display()))?;
+                task.check()?;
                 write_atomic(&path, &png).map_err(|error| Error::unwritten(&path, error))?;
                 Ok((path, None))
             }),
-            (What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |_| {
+            (What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
                 let drawing = shot.drawing(width, height).map_err(|error| error.of(path.display()))?;
+                task.check()?;
                 write_atomic(&path, drawing.to_svg().as_bytes())
                     .map_err(|error| Error::unwritten(&path, error))?;
                 Ok((path, None))

@@ -34,6 +34,7 @@ pub(super) fn ask_where_to_save(
     fits: impl Fn(&Path) -> bool,
     suggested: &Path,
 ) -> Option<PathBuf> {
+    let mut suggested = suggested.to_owned();
     let mut choose = |suggested: &Path| {
         let chosen = chooser.save(&[(kind, &[ending])], suggested)?;
         if fits(&chosen) {
@@ -44,10 +45,12 @@ pub(super) fn ask_where_to_save(
         name.push(ending);
         Some((PathBuf::from(name), true))
     };
-    match choose(suggested)? {
-        // The dialog asks before it replaces a file, but it did not know the name with the ending added.
-        (path, true) if path.exists() => choose(&path).map(|(path, _)| path),
-        (path, _) => Some(path),
+    loop {
+        match choose(&suggested)? {
+            // The dialog asks before it replaces a file, but it did not know the name with the ending added.
+            (path, true) if path.exists() => suggested = path,
+            (path, _) => return Some(path),
+        }
     }
 }
 
@@ -209,9 +212,9 @@ impl CaricatureRoom {
     }
 
     pub(super) fn has_unsaved_work(&self) -> bool {
-        let worth =
-            |session: &Session| session.history.is_modified() && !session.project().layers().is_empty();
-        self.session.as_ref().is_some_and(worth)
+        // A project that was saved had layers worth keeping, also where all of them were removed since.
+        let worth = |session: &Session| session.path.is_some() || !session.project().layers().is_empty();
+        self.session.as_ref().is_some_and(|session| session.history.is_modified() && worth(session))
     }
 
     /// Asks what to do with unsaved work when another project is opened.

@@ -31,7 +31,7 @@ struct Thumbnail {
 }
 
 impl Thumbnails {
-    /// Another shape was opened.
+    /// Another shape was opened, or this one stands otherwise.
     pub fn clear(&mut self) {
         self.pictures.clear();
         self.camera = None;
@@ -44,6 +44,9 @@ impl Thumbnails {
 
     /// Draws one picture that is missing or out of date; true where more are.
     pub fn update(&mut self, screen: &Screen, stage: &Stage, session: &Session) -> Result<bool, ViewError> {
+        if self.camera.is_some_and(|camera| camera.stands != session.stands()) {
+            self.clear();
+        }
         let layers = &session.shown.evaluation.layers;
         self.pictures.retain(|id, _| layers.iter().any(|layer| layer.id == *id));
         let current = |layer: &EvaluatedLayer| match (&layer.displacement, self.pictures.get(&layer.id)) {
@@ -70,9 +73,6 @@ impl Thumbnails {
         let shape = layers.get(index + 1).map_or(&session.shown.evaluation.result, |above| &above.base);
         let pose = (single(&shape.positions), single(shape.normals()));
         let length: Vec<f32> = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2]) as f32).collect();
-        if self.camera.is_some_and(|camera| camera.stands != session.stands()) {
-            self.camera = None;
-        }
         let camera = *self.camera.get_or_insert_with(|| {
             let mut camera = Camera::on(session.stands(), View::ThreeQuarter);
             camera.fit(single(&session.stack.original().positions).iter().copied(), 1.0, 0.86);

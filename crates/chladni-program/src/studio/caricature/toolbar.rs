@@ -118,6 +118,7 @@ impl CaricatureRoom {
             ui.add(number).accessible_name("Harmonic");
         }
         self.heat.choose(quantity, harmonic, map);
+        let material = self.look.material;
         let look = ui.menu_button(icon::label(Icon::Lightbulb, "Look"), |ui| {
             ui.toggle_value(&mut self.look.ink, "Ink on paper").on_hover_text(INK.tooltip(ui.ctx()));
             let mut tones = self.look.pen.ink.tones > 0;
@@ -138,6 +139,8 @@ impl CaricatureRoom {
             }
         });
         look.response.author_id("look");
+        // The bare places of a region have the material's color.
+        self.stale |= self.look.material != material;
         if ui.button(icon::text(Icon::Maximize)).on_hover_text(FIT.tooltip(ui.ctx())).clicked()
             && let Some(stage) = &mut self.stage
         {

@@ -9,7 +9,7 @@ use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 
 use super::performance::Means;
 use super::{sound_beside, sound_in};
-use crate::work::outputs::{check_apart, check_file, check_film, check_folder};
+use crate::work::outputs::{check_apart, check_distinct, check_file, check_film, check_folder};
 use crate::work::{Error, Piece};
 
 /// Morph targets of an animation unless said.
@@ -158,7 +158,9 @@ impl Output {
             check_file(path)?;
         }
         self.presets.as_deref().map_or(Ok(()), check_folder)?;
-        self.coefficients.as_deref().map_or(Ok(()), check_file)
+        self.coefficients.as_deref().map_or(Ok(()), check_file)?;
+        let files = self.files();
+        check_distinct(&files.iter().map(PathBuf::as_path).collect::<Vec<_>>())
     }
 
     /// The format of a film in one file, as its name says.
@@ -177,13 +179,17 @@ impl Output {
         }
     }
 
-    /// Checks that none of its files replaces one of `inputs`. Pictures in a folder and presets have names of their own.
+    /// Checks that none of its files replaces one of `inputs`.
     pub(super) fn check_apart(&self, inputs: &[&Path]) -> Result<(), Error> {
-        let film = self.film.as_ref().filter(|_| !self.is_folder);
+        self.files().iter().try_for_each(|file| check_apart(file, inputs))
+    }
+
+    /// The files that are written. Pictures in a folder and presets have names of their own.
+    fn files(&self) -> Vec<PathBuf> {
+        let film = self.film.clone().filter(|_| !self.is_folder);
         let beside = self.animation.as_deref().map(sound_beside);
         let within = self.folder().map(sound_in);
-        let files =
-            [film, self.animation.as_ref(), self.coefficients.as_ref(), beside.as_ref(), within.as_ref()];
-        files.into_iter().flatten().try_for_each(|file| check_apart(file, inputs))
+        let files = [film, self.animation.clone(), self.coefficients.clone(), beside, within];
+        files.into_iter().flatten().collect()
     }
 }

@@ -248,6 +248,7 @@ impl GalleryView {
         }
         let idle = self.work.is_none();
         let Some(wall) = &mut self.wall else { return Ok(true) };
+        wall.stand(session.stands());
         wall.hang(shown);
         wall.show(ui, rect, &cells, &response, look)?;
         self.marked = marked_next(ui.ctx(), self.marked, columns, count);

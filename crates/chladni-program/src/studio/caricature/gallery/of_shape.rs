@@ -60,6 +60,7 @@ impl ShapesGallery {
             Some(view) if view.belongs_to(session) => view,
             Some(view) => GalleryView {
                 surprises: view.surprises,
+                seed: view.seed,
                 ..GalleryView::begin(session, view.given, view.shown.or(view.before), ui.ctx())
             },
             None => GalleryView::begin(session, Exhibition::template_of(session.project()), None, ui.ctx()),

@@ -1,5 +1,6 @@
 //! The twelve caricatures on the device, swelling together.
 
+use chladni_mesh::Orientation;
 use chladni_view::{Camera, Cell, ItemBuffers, Paint, Rect, Topology, View};
 use egui::Ui;
 
@@ -39,6 +40,15 @@ impl Wall {
     pub fn emptied(mut self) -> Self {
         self.swelling.clear();
         self
+    }
+
+    /// Turns the view when the shape's orientation changes.
+    pub fn stand(&mut self, stands: Orientation) {
+        if self.camera.stands != stands {
+            self.camera.stands = stands;
+            self.fitted = false;
+            self.viewport.invalidate();
+        }
     }
 
     /// Hangs the exhibition, unless it hangs already.

@@ -43,7 +43,9 @@ pub struct Picking {
     shape: Side,
     /// `None` while it is read.
     other: Option<Side>,
-    reading: Option<Job<(TriMesh, Orientation)>>,
+    /// Nothing is known of how the template stands: it does as the shape.
+    follows: bool,
+    reading: Option<Job<(TriMesh, Estimate)>>,
     picks: Picks,
     /// The match whose confidence is shown.
     shown_match: Option<Arc<Matched>>,
@@ -62,14 +64,13 @@ impl Picking {
             Ok(shape) => shape,
             Err(error) => return Some(Err(error.into())),
         };
-        let (wanted, beside) = (template.clone(), session.stands());
+        let wanted = template.clone();
         let reading = Job::start("Reading the template", &shared.ctx, move |task| {
             let mesh = template_mesh(&wanted, &Aside::new(task))?;
             let mesh = mesh.ok_or_else(|| Error::Input(format!("{wanted} is no mesh")))?;
             let known = wanted.mesh().map_or_else(Known::default, |source| source.known());
-            let found = Estimate::of(&mesh, known, task)?;
-            // Shapes that belong together mostly use the same axes.
-            Ok((mesh, if found.in_doubt { beside } else { found.orientation }))
+            let stands = Estimate::of(&mesh, known, task)?;
+            Ok((mesh, stands))
         });
         Some(Ok(Self {
             layer,
@@ -77,6 +78,7 @@ impl Picking {
             viewport,
             shape,
             other: None,
+            follows: false,
             reading: Some(reading),
             picks: Picks::default(),
             shown_match: None,
@@ -106,7 +108,8 @@ impl Picking {
         (look, confidence): (Portrayal, bool),
         shared: &mut Shared<'_>,
     ) -> Result<(), Error> {
-        self.poll()?;
+        self.poll(session.stands())?;
+        self.stand(session.stands());
         self.update_confidence(session.selected_match().filter(|_| confidence))?;
         let Some(settings) = session.project().layer(self.layer).map(|layer| layer.matching.clone()) else {
             return Ok(());
@@ -134,14 +137,29 @@ impl Picking {
         Ok(())
     }
 
-    fn poll(&mut self) -> Result<(), Error> {
+    fn poll(&mut self, beside: Orientation) -> Result<(), Error> {
         if let Some(read) = self.reading.as_ref().and_then(Job::ended) {
             self.reading = None;
-            let (mesh, stands) = read?;
+            let (mesh, found) = read?;
+            // Shapes that belong together mostly use the same axes.
+            self.follows = found.in_doubt;
+            let stands = if self.follows { beside } else { found.orientation };
             self.other = Some(Side::new(self.viewport.device(), &mesh, stands)?);
             self.viewport.invalidate();
         }
         Ok(())
+    }
+
+    /// Turns the view when the shape's orientation changes.
+    fn stand(&mut self, stands: Orientation) {
+        let template = self.other.as_mut().filter(|_| self.follows);
+        for side in [Some(&mut self.shape), template].into_iter().flatten() {
+            if side.camera.stands != stands {
+                side.camera.stands = stands;
+                side.refit();
+                self.viewport.invalidate();
+            }
+        }
     }
 
     fn update_confidence(&mut self, matched: Option<&Arc<Matched>>) -> Result<(), Error> {

@@ -55,6 +55,8 @@ pub struct Stage {
     coat: Coat,
     /// The numbers in `values` where the coat is a heat map.
     heat: Vec<f32>,
+    /// What is in `tints` where the coat has colors.
+    colors: Vec<[u8; 4]>,
     own: Option<OwnPaint>,
     own_look: Option<OwnLook>,
     poses: Vec<Pose>,
@@ -107,6 +109,7 @@ impl Stage {
             tints,
             coat: Coat::Material,
             heat: Vec::new(),
+            colors: Vec::new(),
             own,
             own_look,
             poses: vec![(positions.to_vec(), normals.clone()); FIGURES],
@@ -182,14 +185,9 @@ impl Stage {
         self.coat = match coating {
             Coating::Material => Coat::Material,
             Coating::Region(values) | Coating::Marks(values) => {
-                let tints = tints(&values, tint, look.material());
-                self.tints.write_colors(self.viewport.device(), &tints)?;
-                Coat::Colors(self.tints.clone())
+                self.tinted(tints(&values, tint, look.material()))?
             }
-            Coating::Colors(colors) => {
-                self.tints.write_colors(self.viewport.device(), &colors)?;
-                Coat::Colors(self.tints.clone())
-            }
+            Coating::Colors(colors) => self.tinted(colors)?,
             Coating::Own => self.own_coat(),
             Coating::Values(values, scale) => {
                 self.values.write_values(self.viewport.device(), &values)?;
@@ -199,6 +197,12 @@ impl Stage {
         };
         self.viewport.invalidate();
         Ok(())
+    }
+
+    fn tinted(&mut self, colors: Vec<[u8; 4]>) -> Result<Coat, ViewError> {
+        self.tints.write_colors(self.viewport.device(), &colors)?;
+        self.colors = colors;
+        Ok(Coat::Colors(self.tints.clone()))
     }
 
     /// Moves the camera so that the figures fill the view.

@@ -18,7 +18,12 @@ impl Stage {
                 own.write_values(&device, &self.heat)?;
                 Coat::Values(own, *scale)
             }
-            constant => constant.clone(),
+            Coat::Colors(_) => {
+                let own = VertexPaint::new(&device, self.colors.len());
+                own.write_colors(&device, &self.colors)?;
+                Coat::Colors(own)
+            }
+            constant @ (Coat::Material | Coat::Own(_)) => constant.clone(),
         };
         let figures = self.figures(look.show).iter();
         let (poses, moved) = figures.map(|f| (self.poses[*f].clone(), self.moved(*f, look.pen))).unzip();
