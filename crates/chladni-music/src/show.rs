@@ -6,8 +6,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 pub use self::appearance::{Looks, Viewpoint};
-use self::songs::MOST_OCTAVES;
 pub use self::songs::{BeatReading, FileRef, Recording, SongRef, Stretch, heard_again};
+use self::songs::{MOST_OCTAVES, MOST_SHIFT_SECS};
 use crate::gallery::GalleryShape;
 use crate::text_file::{self, FORMAT_VERSION};
 use crate::{ClockTrack, Instrument, LoggedAction, MusicError, Parameters, Settings};
@@ -220,7 +220,7 @@ impl Show {
         }
         let wrong = |r: &BeatReading| {
             !(-MOST_OCTAVES..=MOST_OCTAVES).contains(&r.octave)
-                || r.shift_secs.abs().partial_cmp(&60.0).is_none_or(|o| o.is_gt())
+                || r.shift_secs.abs().partial_cmp(&MOST_SHIFT_SECS).is_none_or(|o| o.is_gt())
         };
         if self.songs.iter().any(|song| wrong(&song.reading)) {
             return bad("the beats of a song cannot be read so".into());

@@ -46,12 +46,19 @@ pub struct BeatReading {
     /// How often their tempo is doubled; below 0 it is halved.
     #[serde(default)]
     pub octave: i32,
-    /// How much later they are.
+    /// How much later they are, within a minute.
     #[serde(default)]
     pub shift_secs: f64,
 }
 
 impl BeatReading {
+    /// Lets the beats come later by this much; all in all a minute at most.
+    pub fn shift(&mut self, by_secs: f64) {
+        if by_secs.is_finite() {
+            self.shift_secs = (self.shift_secs + by_secs).clamp(-MOST_SHIFT_SECS, MOST_SHIFT_SECS);
+        }
+    }
+
     /// The corrected beats (ascending).
     pub fn of(self, beats_secs: &[f64]) -> Vec<f64> {
         let mut read = beats_secs.to_vec();
@@ -71,6 +78,8 @@ impl BeatReading {
 
 /// A tempo is doubled or halved at most this often.
 pub(super) const MOST_OCTAVES: i32 = 3;
+/// Beats are shifted by at most this much.
+pub(super) const MOST_SHIFT_SECS: f64 = 60.0;
 
 /// From `at_secs` of the show on, a song plays from `song_secs`, or is paused there.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

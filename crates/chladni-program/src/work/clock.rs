@@ -43,6 +43,11 @@ impl ShowClock {
         self.at_secs
     }
 
+    /// What is heard now; `None` before anything was.
+    pub fn stretch(&self) -> Option<Stretch> {
+        self.stretch
+    }
+
     /// Advances to the player's position at `now_secs` of any steadily running clock; returns the stretch that begins
     /// there, if one does.
     pub fn follow(&mut self, now_secs: f64, playing: Playing) -> Option<Stretch> {

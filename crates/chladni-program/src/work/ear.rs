@@ -27,11 +27,16 @@ pub struct Ear {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeatCount {
     /// Whole beats.
-    pub gone: f64,
+    gone: f64,
     shown: f64,
 }
 
 impl BeatCount {
+    /// With so many beats before those that are heard from now on.
+    pub fn from(count: f64) -> Self {
+        Self { gone: count.ceil(), shown: count }
+    }
+
     /// With the place within the present beat; never less than before.
     pub fn at(&mut self, phase: f64) -> f64 {
         self.shown = self.shown.max(self.gone + phase.clamp(0.0, 1.0));

@@ -73,7 +73,7 @@ pub use clock::{Playing, ShowClock};
 pub use cover::cover_of;
 #[cfg(feature = "desktop")]
 pub use deformed::Deformed;
-pub use ear::Ear;
+pub use ear::{BeatCount, Ear};
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{refer, resolve, unread};

@@ -65,7 +65,11 @@ impl MusicRoom {
         let music = &shared.settings.music;
         let around = [&music.picture, &music.panorama].map(Path::new);
         let songs = listening.songs().iter().map(PathBuf::as_path);
-        let inputs: Vec<&Path> = songs.chain(around).chain([self.names.dancing.as_path()]).collect();
+        // A film of the show hears again what was heard, and what was recorded before.
+        let heard = listening.heard().1.iter().map(|song| song.path.as_path());
+        let recorded = concert.outgoing.recorded.iter().map(|set| set.path.as_path());
+        let inputs: Vec<&Path> =
+            songs.chain(heard).chain(recorded).chain(around).chain([self.names.dancing.as_path()]).collect();
         check_apart(path, &inputs)?;
         let mut recorder = Recorder::begin(path, size.unwrap_or_else(|| concert.picture_size()), now_secs)?;
         if let Some(recovery) = &shared.folders.recovery

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{Action, BeatReading, FileRef, ItemId, Preset, Recording, Show, SongRef, heard_again};
+use chladni_music::{
+    Action, BeatReading, FileRef, ItemId, Moment, Preset, Recording, Show, SongRef, heard_again,
+};
 
 use super::concert::Concert;
 use super::listening::{Listening, ShowSong};
@@ -127,7 +129,9 @@ impl MusicRoom {
         }
         // The stretches are numbered by these songs; an older file has none, and the current song goes on.
         if show.body.is_some() || !songs.is_empty() {
-            listening.go_on(songs, &show.heard, show.clock.clone(), show.ends_secs());
+            let at_beat = show.actions.last().map_or(0.0, |line| line.moment.at_beat);
+            let ends = Moment { at_secs: show.ends_secs(), at_beat };
+            listening.go_on(songs, &show.heard, show.clock.clone(), ends);
         }
     }
 }

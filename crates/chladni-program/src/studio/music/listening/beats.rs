@@ -20,13 +20,10 @@ impl Listening {
         let stretch = self.hearing.stretch();
         let known = self.known_beats().and_then(|(number, beats)| {
             let song_secs = stretch?.song_secs_at(at_secs);
-            let next = beats.beats_secs.partition_point(|beat| *beat < song_secs);
-            let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
-            let gaps = near.filter_map(|i| Some(song_secs - beats.beats_secs.get(i)?));
-            Some((number, gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))?))
+            Some((number, gap_secs(&beats.beats_secs, song_secs)?))
         });
         match known {
-            Some((number, gap_secs)) => self.read_otherwise(number, |reading| reading.shift_secs += gap_secs),
+            Some((number, gap_secs)) => self.read_otherwise(number, |reading| reading.shift(gap_secs)),
             None => self.ear.follower.tap(self.ear.follower.now_secs()),
         }
     }
@@ -89,5 +86,42 @@ impl Listening {
             next_beat_secs: self.clock.at_secs() + left_secs,
             confidence: f64::from(beat.confidence),
         }
+    }
+}
+
+/// How much later the nearest beat must come to fall on a tap. Before the first beat and after the last one they go on
+/// as they do there.
+fn gap_secs(beats_secs: &[f64], tap_secs: f64) -> Option<f64> {
+    let beyond = |beat: f64, spacing_secs: f64| {
+        let gap_secs = tap_secs - beat;
+        let whole = if spacing_secs > 0.0 { (gap_secs / spacing_secs).round() } else { 0.0 };
+        gap_secs - whole * spacing_secs
+    };
+    let next = beats_secs.partition_point(|beat| *beat < tap_secs);
+    match (beats_secs.get(..next)?, beats_secs.get(next..)?) {
+        ([], [first, second, ..]) => Some(beyond(*first, second - first)),
+        ([.., before, last], []) => Some(beyond(*last, last - before)),
+        (before, after) => {
+            let gaps = before.last().into_iter().chain(after.first()).map(|beat| tap_secs - beat);
+            gaps.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tap_moves_the_beats_by_half_of_one_at_most() {
+        let beats_secs: Vec<f64> = (0..40).map(|n| 100.0 + 0.5 * f64::from(n)).collect();
+        for (tap_secs, expected) in
+            [(100.1, 0.1), (100.4, -0.1), (119.6, 0.1), (10.1, 0.1), (0.0, 0.0), (300.15, 0.15)]
+        {
+            let found = gap_secs(&beats_secs, tap_secs).unwrap();
+            assert!((found - expected).abs() < 1e-9, "{tap_secs}: {found}");
+        }
+        assert_eq!(gap_secs(&[2.0], 5.0), Some(3.0));
+        assert_eq!(gap_secs(&[], 5.0), None);
     }
 }

@@ -23,8 +23,14 @@ impl Listening {
         Some(self.repertoire.len() - 1)
     }
 
+    /// The show's number of the song that is heard. One that was taken out of the list sounds on for a moment.
+    pub(super) fn number_of_heard(&mut self, status: &PlayerStatus) -> Option<usize> {
+        if status.is_listed { self.number_of(status.song) } else { self.clock.stretch()?.song }
+    }
+
     /// Reads the song that is heard, and takes in the findings.
     pub(super) fn learn(&mut self, status: &PlayerStatus) {
+        let heard = if self.live.is_some() { None } else { self.number_of_heard(status) };
         while let Some((number, learned)) =
             self.study.as_ref().and_then(|study| Some((study.number, study.learned()?)))
         {
@@ -33,7 +39,7 @@ impl Listening {
                 Learned::Song(mut known) => {
                     known.beats = song.beats.as_ref().map(|beats| read_beats(beats, song.reading));
                     self.hearing.know(number, known);
-                    self.hearing.forget_samples_but(number);
+                    self.hearing.forget_samples_but(heard.unwrap_or(number));
                 }
                 Learned::Beats(beats) => {
                     self.hearing.know_beats(number, read_beats(&beats, song.reading));
@@ -54,10 +60,7 @@ impl Listening {
                 }
             }
         }
-        if self.live.is_some() {
-            return;
-        }
-        let Some(number) = self.number_of(status.song) else { return };
+        let Some(number) = heard else { return };
         let has_samples = self.hearing.song(number).is_some_and(|known| known.song.frames() > 0);
         let studied = self.study.as_ref().is_some_and(|study| study.number == number);
         let Some(song) = self.repertoire.get(number).filter(|song| !song.given_up) else { return };

@@ -15,7 +15,7 @@ pub use wanted::{Input, MOST_GAIN_DB};
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Parameters, Stretch};
+use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Moment, Parameters, Stretch};
 use chladni_sound::{
     Beats, Level, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, SongTags, Spectrum, WavSample,
     sample_tune, write_wav,
@@ -28,7 +28,7 @@ use wanted::Wanted;
 
 use super::study::{SongCover, Study};
 use crate::work::source::TUNE;
-use crate::work::{Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
+use crate::work::{BeatCount, Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
 /// song until it is read, through an ear that knows only the past.
@@ -49,6 +49,8 @@ pub struct Listening {
     beats_changed: bool,
     /// Live sound is heard through the ear below.
     by_ear: bool,
+    /// The beats of the song are known.
+    had_beats: bool,
     last_beat: Beat,
     ear: Ear,
     left: Vec<f32>,
@@ -134,6 +136,7 @@ impl Listening {
             ctx: ctx.clone(),
             beats_changed: false,
             by_ear: true,
+            had_beats: false,
             last_beat: Beat::default(),
             ear: Ear::new(44_100)?,
             left: Vec::new(),
@@ -198,12 +201,16 @@ impl Listening {
         self.hearing.clock()
     }
 
-    /// Goes on with a show in which `heard` was heard of `songs`, in part to a `clock`, until `at_secs`; they are
+    /// Goes on with a show in which `heard` was heard of `songs`, in part to a `clock`, until `at`; they are
     /// played from now on.
-    pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], clock: ClockTrack, at_secs: f64) {
+    pub fn go_on(&mut self, songs: Vec<ShowSong>, heard: &[Stretch], clock: ClockTrack, at: Moment) {
         (self.live, self.wanted, self.study) = (None, None, None);
-        self.hearing = Hearing::continued(heard, clock, at_secs);
-        self.clock = ShowClock::from(at_secs);
+        self.hearing = Hearing::continued(heard, clock, at.at_secs);
+        self.clock = ShowClock::from(at.at_secs);
+        // No beat goes back: neither that which is heard nor that of an outer clock.
+        self.last_beat.count = at.at_beat.max(self.hearing.beat_at(at.at_secs).count);
+        self.ear.beats = BeatCount::from(self.last_beat.count);
+        self.outer.was_followed = false;
         self.repertoire = songs;
         let mut list: Vec<PathBuf> = Vec::new();
         for song in &self.repertoire {
@@ -259,7 +266,7 @@ impl Listening {
         let tell = |event| match event {
             PlayerEvent::SongFailed { reason, .. } => Some(reason),
             PlayerEvent::SongDamaged { what, .. } => Some(what),
-            PlayerEvent::DeviceLost(why) => Some(format!("No sound: {why}. The song goes on in silence.")),
+            PlayerEvent::DeviceLost(why) => Some(format!("No sound ({why}): the song goes on in silence.")),
             PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
         };
         let messages: Vec<String> = self.player.events().filter_map(tell).collect();
@@ -282,7 +289,7 @@ impl Listening {
         let status = self.player.status();
         self.learn(&status);
         self.hearing.tune(self.clock.at_secs(), parameters);
-        let song = if self.live.is_some() { None } else { self.number_of(status.song) };
+        let song = if self.live.is_some() { None } else { self.number_of_heard(&status) };
         let playing = Playing {
             song,
             position_secs: status.position_secs,
@@ -290,7 +297,9 @@ impl Listening {
             crossfade_secs: status.crossfade_secs,
         };
         let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
-        if let Some(stretch) = self.clock.follow(now_secs, playing) {
+        // Where another show was opened, what still sounds is not of that one.
+        let follows = self.live.is_some() || status.is_listed || self.clock.stretch().is_some();
+        if let Some(stretch) = follows.then(|| self.clock.follow(now_secs, playing)).flatten() {
             before(&mut self.hearing, stretch.at_secs)?;
             self.hearing.begin(stretch)?;
             // Beats counted by the live tracker are not stored in the show.
@@ -303,6 +312,9 @@ impl Listening {
         }
         let known = self.live.is_none() && self.hearing.hear(at_secs)?.is_some();
         let has_beats = known && self.known_beats().is_some();
+        if std::mem::replace(&mut self.had_beats, has_beats) && !has_beats {
+            self.ear.beats = BeatCount::from(self.last_beat.count);
+        }
         if known && std::mem::replace(&mut self.by_ear, !known) {
             self.hearing.fade_from(at_secs, self.ear.heard(), self.last_beat);
         }

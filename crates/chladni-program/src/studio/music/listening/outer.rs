@@ -4,7 +4,7 @@ use chladni_music::{BarLine, Beat, ClockMessage, Director, Tempo};
 use chladni_sound::BeatMoment;
 
 use super::Listening;
-use crate::work::LIVE_SEED;
+use crate::work::{BeatCount, LIVE_SEED};
 
 /// An outer clock, and what only the music can tell: energy and sections.
 #[derive(Default)]
@@ -13,7 +13,7 @@ pub struct Outer {
     /// Whether the preferences ask for it.
     pub wanted: bool,
     /// Whether it was followed in the last frame.
-    was_followed: bool,
+    pub was_followed: bool,
     /// The music's, since the last bar of the clock.
     section_begins: bool,
 }
@@ -80,7 +80,7 @@ impl Listening {
             return self.outer.tempo.nudge(secs);
         }
         match self.known_beats().map(|(number, _)| number) {
-            Some(number) => self.read_otherwise(number, |reading| reading.shift_secs -= secs),
+            Some(number) => self.read_otherwise(number, |reading| reading.shift(-secs)),
             None => {
                 self.warnings.push("A beat that is heard live cannot be nudged: tap it, or hold it.".into())
             }
@@ -158,7 +158,7 @@ impl Listening {
         if follows {
             self.outer.tempo.go_on_from(self.last_beat.count, self.shown_secs());
         } else {
-            self.ear.beats.gone = self.outer_beat.count.ceil();
+            self.ear.beats = BeatCount::from(self.outer_beat.count);
             // Past actions are counted again in the beats of the song, where these are known.
             self.beats_changed |= self.known_beats().is_some();
         }

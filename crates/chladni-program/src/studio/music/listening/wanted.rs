@@ -108,7 +108,7 @@ impl Listening {
 
 #[cfg(test)]
 mod tests {
-    use chladni_music::{ClockTrack, Parameters};
+    use chladni_music::{ClockTrack, Moment, Parameters};
     use chladni_sound::Capture;
 
     use super::*;
@@ -173,7 +173,7 @@ mod tests {
             &Listening::toggle,
             &Listening::next_song,
             &|listening| listening.toggle_live(Some("no such input"), &ctx),
-            &|listening| listening.go_on(Vec::new(), &[], ClockTrack::default(), 0.0),
+            &|listening| listening.go_on(Vec::new(), &[], ClockTrack::default(), Moment::default()),
         ];
         for choose in instead {
             listening.listen_to_named("no such input", &ctx);
@@ -184,5 +184,25 @@ mod tests {
         listening.listen_to_named("no such input", &ctx);
         listening.add(vec!["song.flac".into()]);
         assert!(listening.wanted.is_some());
+    }
+
+    #[test]
+    fn the_beat_of_a_show_that_is_opened_goes_on_from_there() {
+        let mut listening = Listening::start(&Context::default(), 1.0, None).unwrap();
+        let ends = Moment { at_secs: 250.0, at_beat: 500.0 };
+        listening.go_on(Vec::new(), &[], ClockTrack::default(), ends);
+        assert_eq!(listening.beat().count, 500.0);
+        listening.hear(1.0, &Parameters::default(), |_, _| Ok(())).unwrap();
+        assert!(listening.beat().count >= 500.0);
+        // An outer clock that was followed before counts on from there, too.
+        listening.want_clock(true);
+        for tick in 0..48 {
+            listening.hear_clock(chladni_music::ClockMessage::Tick, 1.0 + f64::from(tick) / 48.0);
+        }
+        listening.hear(2.0, &Parameters::default(), |_, _| Ok(())).unwrap();
+        assert!(listening.follows_clock() && listening.beat().count >= 500.0);
+        listening.go_on(Vec::new(), &[], ClockTrack::default(), Moment { at_beat: 900.0, ..ends });
+        listening.hear(2.1, &Parameters::default(), |_, _| Ok(())).unwrap();
+        assert!(listening.follows_clock() && listening.beat().count >= 900.0);
     }
 }

@@ -43,8 +43,10 @@ impl ClockSender {
                 let closes = ended.load(Ordering::Relaxed);
                 let now: Option<Given> = last.lock().unwrap_or_else(PoisonError::into_inner).clone();
                 let now = now.filter(|now| !closes && now.at.elapsed() < STALE);
-                // One device stops before another starts.
-                let goes_on = now.as_ref().filter(|now| device.is_empty() || now.device == device);
+                // One device stops before another starts. One that is not open yet would miss the start.
+                let goes_on = now
+                    .as_ref()
+                    .filter(|now| (device.is_empty() || now.device == device) && outputs.opens(&now.device));
                 let count = goes_on.map(|now| now.count + now.per_sec * now.at.elapsed().as_secs_f64());
                 if let Some(now) = goes_on {
                     device.clone_from(&now.device);
