@@ -95,7 +95,8 @@ fn flac_files() -> Vec<File> {
     let block = |kind: u8, content: &[u8]| {
         [&[kind][..], &(content.len() as u32).to_be_bytes()[1..], content].concat()
     };
-    let about = [&[16, 0, 16, 0, 0, 0, 0, 0, 0, 0, 0x0a, 0xc4, 0x42, 0xf0, 0, 0, 0, 0][..], &[0; 16]].concat();
+    let about =
+        [&[16, 0, 16, 0, 0, 0, 0, 0, 0, 0, 0x0a, 0xc4, 0x42, 0xf0, 0, 0, 0, 0][..], &[0; 16]].concat();
     let file = |blocks: &[u8], frames: usize| {
         [b"fLaC", &block(0, &about)[..], blocks, &block(0x81, &[0; 4]), &flac_frame().repeat(frames)].concat()
     };
@@ -141,15 +142,15 @@ fn opus_files() -> Vec<File> {
         [ogg_page(0, 2, 0, head, true)].into_iter().chain(pages).flatten().collect()
     };
     let tags = |count: usize| {
-        [b"OpusTags", &[0; 4][..], &(count as u32).to_le_bytes(), &b"\x03\x00\x00\x00A=b".repeat(count)].concat()
+        [b"OpusTags", &[0; 4][..], &(count as u32).to_le_bytes(), &b"\x03\x00\x00\x00A=b".repeat(count)]
+            .concat()
     };
     vec![("comments", file(&tags(COUNT), 5)), ("silence", file(&tags(0), COUNT as u32 / 10))]
 }
 
 #[test]
 fn memory_is_bounded_by_the_length_of_the_file() {
-    let kinds =
-        [("MP3", mp3_files()), ("WAV", wav_files()), ("FLAC", flac_files()), ("Opus", opus_files())];
+    let kinds = [("MP3", mp3_files()), ("WAV", wav_files()), ("FLAC", flac_files()), ("Opus", opus_files())];
     let options = SongOptions { max_bytes: 8 << 20, ..SongOptions::default() };
     for (kind, files) in kinds {
         for (what, bytes) in files {
@@ -158,7 +159,9 @@ fn memory_is_bounded_by_the_length_of_the_file() {
             let mut reader = reader.unwrap_or_else(|error| panic!("{kind}, {what}: {error}"));
             let (reading, song) = peak(|| Song::read(&mut reader, &options, &Task::new()));
             let each = opening as f64 / length as f64;
-            println!("{kind}, {what}, {length} bytes: {opening} to open ({each:.1} for each), {reading} to read");
+            println!(
+                "{kind}, {what}, {length} bytes: {opening} to open ({each:.1} for each), {reading} to read"
+            );
             match song {
                 Ok(song) => assert!(song.frames() > 0),
                 Err(error) => assert!(matches!(error, SoundError::TooLong { .. }), "{kind}, {what}: {error}"),
