@@ -40,7 +40,8 @@ export function listen(act, begin) {
 /** Shows the curves of the dance on stage, or none. */
 export function show(curves) {
   of("curves").hidden = !curves;
-  if (!curves) return;
+  // A show that is played does not take what is drawn out of the hand.
+  if (!curves || CURVES.some(({ held }) => held)) return;
   item = curves.item;
   for (const curve of CURVES) {
     curve.values = Float32Array.from(curves[curve.id]);

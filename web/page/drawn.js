@@ -11,7 +11,7 @@ const within = (value) => Math.min(1, Math.max(0, value));
 /**
  * `curve` has the height that it has at `at`, `height()`; `draw(from, to)` draws between two places, the same where a stroke
  * begins, and gives from where it goes on; `put(x, y, step)` changes it at a place alone; `done()` ends either; `paint()`
- * shows it. `left` and `below` are pixels beside and under the curve that are not its own.
+ * shows it. While a hand draws, it is `held`. `left` and `below` are pixels beside and under the curve that are not its own.
  */
 export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
   curve.at ??= 0;
@@ -27,11 +27,18 @@ export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
   };
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
+    curve.held = true;
     const at = place(event);
     stroke(at, at);
   });
   canvas.addEventListener("pointermove", (event) => { if (last) stroke(last, place(event)); });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { if (last) curve.done(); last = undefined; });
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
+    canvas.addEventListener(end, () => {
+      curve.held = false;
+      if (last) curve.done();
+      last = undefined;
+    });
+  }
   for (const change of ["focus", "blur"]) canvas.addEventListener(change, () => curve.paint());
   canvas.addEventListener("keydown", (event) => {
     const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key];

@@ -95,26 +95,40 @@ function hear() {
 
 // ---- a microphone
 
+/** Counts what was to be listened to, or no more: only the last is heard. */
+let listening = 0;
+
 /** Listens to a microphone in place of a song. */
 async function listenTo(id) {
+  const mine = ++listening;
   const take = (left, right) => concert?.take_sound(left, right);
-  const lost = attempt(async () => { await stopListening(); throw new Error("The microphone is gone."); });
+  const lost = attempt(async () => { await closeMicrophone(); throw new Error("The microphone is gone."); });
   const opened = await Microphone.open(id, take, lost);
   // Nothing is to be heard where the room was left meanwhile, and a film has its song.
-  if (!isHere() || films.isFilmed()) return opened.close();
-  await stopListening();
+  const isWanted = () => mine === listening && isHere() && !films.isFilmed();
+  if (!isWanted()) return opened.close();
+  await closeMicrophone();
+  if (!isWanted()) return opened.close();
   sound.pause();
   microphone = opened;
+  // A song that was asked for earlier would end it.
+  passOver();
   endShow();
-  concert?.listen(microphone.rate);
+  concert?.listen(opened.rate);
   const all = await Microphone.all();
+  if (microphone !== opened) return;
   of("microphone").replaceChildren(...all.map(([each, name]) => new Option(name, each)));
-  of("microphone").value = microphone.id;
+  of("microphone").value = opened.id;
   refresh();
 }
 
-/** Back to the songs. */
-async function stopListening() {
+/** Back to the songs; a microphone that is being opened is not wanted any more. */
+function stopListening() {
+  listening++;
+  return closeMicrophone();
+}
+
+async function closeMicrophone() {
   const closing = microphone;
   microphone = undefined;
   concert?.stop_listening();
@@ -129,8 +143,10 @@ const KEPT = ["breed", "mutate", "favorite", "lock", "rename", "set-transfer", "
 /** Whether dances would be lost. */
 export const isUnsaved = () => (atFront ? parked?.edits ?? 0 : edits) > 0;
 
+const STAYED = "The shape has stayed: Save show keeps its dances.";
+
 /** Whether another shape may dance, or a show be opened, without what was bred here. */
-function mayReplace(what = "Let another shape dance", stayed = "The shape has stayed: Save show keeps its dances.") {
+function mayReplace(what = "Let another shape dance", stayed = STAYED) {
   if (!isUnsaved() || confirm(`The dances that were bred here are not saved. ${what} without them?`)) return true;
   say(stayed);
   refresh();
@@ -156,9 +172,12 @@ function passOver() {
 /** Gives whether it dances: not where something else was asked for meanwhile. */
 async function danceOn(name, begin) {
   const mine = overtake();
+  const before = edits;
   say(`${label(name)}…`);
   const body = await bodyOf(name);
   if (mine !== visit) return false;
+  // It was not asked about what was bred meanwhile.
+  if (edits !== before && !mayReplace()) return false;
   show(body, begin);
   lacks = undefined;
   return true;
@@ -167,15 +186,18 @@ async function danceOn(name, begin) {
 export async function openMesh(name, bytes) {
   if (!mayReplace()) return;
   const mine = overtake();
+  const before = edits;
   coming = name;
   const harmonics = harmonicsOf(bytes.length);
   await busy(name, async (tell) => {
     const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, tell);
     if (mine !== visit) return;
+    coming = undefined;
+    if (edits !== before && !mayReplace()) return tell("said", STAYED);
     // The show that was danced by this mesh begins anew on it.
     const opens = lacks?.needs.body === name ? lacks : undefined;
     show(body, opens?.begin);
-    lacks = coming = undefined;
+    lacks = undefined;
     if (opens) shows.know(opens.text, opens.needs);
     refresh();
     report.solveSecs = secs;
@@ -199,13 +221,15 @@ let wanted;
 /** Plays a song of the list; one that cannot be read leaves it to the next. */
 async function playSong(song) {
   const mine = passOver();
+  const { pauses } = sound;
   endShow();
   while (song) {
     wanted = song;
     try {
       const decoded = await songs.soundOf(song);
       if (mine !== turn) return;
-      const aloud = !!song.file || sound.isHeard;
+      // A pause meanwhile has the last word.
+      const aloud = sound.isHeard || (!!song.file && pauses === sound.pauses);
       songs.play(song, decoded);
       sound.load(decoded, isRepeated());
       hear();
@@ -217,10 +241,18 @@ async function playSong(song) {
       if (mine !== turn) return;
       unreadable(ofFile(song.name, error));
       song = error.name === "AbortError" ? undefined : songs.strike(song);
+      // Cancelled, it does not begin anew because the one before it has ended.
+      if (error.name === "AbortError" && sound.hasEnded) sound.pause();
     }
   }
   if (mine === turn) wanted = undefined;
+  goOn();
   refresh();
+}
+
+/** A song that has ended makes room for the next, where the one that was awaited does not come. */
+function goOn() {
+  if (sound.hasEnded && !wanted && songs.count()) sound.onend();
 }
 
 /** Songs play one after the other, behind those of the list. */
@@ -228,7 +260,8 @@ export const openSongs = (files) => playSong(songs.add(files));
 
 const playBeside = attempt((steps) => playSong(songs.beside(wanted ?? songs.current(), steps)));
 sound.onend = () => {
-  if (concert?.plays_show()) return;
+  // One that was asked for comes already.
+  if (wanted || concert?.plays_show()) return;
   const isLast = songs.place() === songs.count() - 1;
   if (playlist.repeats() !== "off" || !isLast) return playBeside(1);
   sound.pause();
@@ -244,7 +277,11 @@ const ofTheList = {
   takesOut: attempt(async (song) => {
     if (song === wanted) passOver();
     const next = songs.takeOut(song);
-    if (next) await playSong(next); else sound.setRepeats(isRepeated());
+    if (next) await playSong(next);
+    else {
+      sound.setRepeats(isRepeated());
+      goOn();
+    }
     refresh();
   }),
   louder: (volume) => sound.setVolume(volume),
@@ -260,7 +297,9 @@ export async function openText(name, bytes) {
     needs.songs = needs.songs.map(base);
     needs.body &&= base(needs.body);
   } catch {
-    concert.open_preset(Math.max(0, state.dances.findIndex((dance) => !dance.chosen)), text);
+    // The place that the window takes, too.
+    const free = state.dances.findLastIndex(({ chosen, locked, favorite }) => !chosen && !locked && !favorite);
+    concert.open_preset(free < 0 ? state.dances.length - 1 : free, text);
     refresh();
     return say(`${name}: this dance is in the gallery now.`);
   }

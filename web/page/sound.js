@@ -20,6 +20,8 @@ export class Sound {
     this.volume = 1;
     /** How often it was paused. */
     this.pauses = 0;
+    /** It was heard to its end, and nothing was done since. */
+    this.hasEnded = false;
   }
 
   /** A song from its beginning. One that does not repeat calls `onend` at its end, where it is heard. */
@@ -100,7 +102,7 @@ export class Sound {
     this.source = this.context.createBufferSource();
     this.source.buffer = this.buffer;
     this.source.loop = this.repeats;
-    this.source.onended = () => this.onend?.();
+    this.source.onended = () => { this.hasEnded = true; this.onend?.(); };
     this.source.connect(this.outlet());
     this.began = this.context.currentTime;
     this.from = at;
@@ -141,6 +143,7 @@ export class Sound {
   }
 
   stopSource() {
+    this.hasEnded = false;
     if (this.source) this.source.onended = null;
     this.source?.stop();
     this.source?.disconnect();

@@ -66,7 +66,8 @@ async function ends({ page, wrong, elsewhere }) {
 
 /** Shapes and shows. */
 export async function shapes() {
-  const opening = await entered();
+  let answer = true;
+  const opening = await entered({ answers: () => answer });
   const { page } = opening;
   await breed(page);
   const show = readFileSync(await downloaded(page, "#save-show"));
@@ -125,6 +126,20 @@ export async function shapes() {
   await dances(page, "other.obj");
   assert.equal(await generation(page), 0);
   step("a show waits for its mesh");
+
+  // What is bred while another shape comes is not lost without a question.
+  answer = false;
+  for (const [what, ask] of [["bell.body", () => page.selectOption("#shape", "sample:bell")], ["prepare late.obj", () => drop(page, ["late.obj", ring])]]) {
+    await holdBack(page, what);
+    await ask();
+    await isHeldBack(page);
+    await breed(page);
+    await release(page);
+    await says(page, "The shape has stayed");
+    assert.equal(await body(page), "other.obj", what);
+    await downloaded(page, "#save-show");
+  }
+  step("nobody loses what was bred while a shape was on its way");
   await ends(opening);
 }
 
@@ -199,6 +214,26 @@ export async function songs() {
   await comesLate(page);
   assert.equal(await songNow(page), "1 of 3: clicks.wav");
   step("songs that were asked for are forgotten where the room is left, or they are taken out");
+
+  // The one that plays ends before the one that was chosen is decoded.
+  await holdBack(page, "decode third.wav");
+  await page.click('#song-list .name:has-text("third.wav")');
+  await isHeldBack(page);
+  await page.fill("#seek", "0.99");
+  await until(page, () => window.chladni.sound.hasEnded);
+  await release(page);
+  await songIs(page, "3 of 3: third.wav");
+  await until(page, () => window.chladni.sound.isHeard);
+  // And a pause meanwhile.
+  await holdBack(page, "decode late.wav");
+  await page.click('#song-list .name:has-text("late.wav")');
+  await isHeldBack(page);
+  await page.click("#play");
+  await release(page);
+  await songIs(page, "2 of 3: late.wav");
+  await page.waitForTimeout(1000);
+  assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "a pause has the last word");
+  step("a song that is decoded is not passed over, nor does it end a pause");
 
   // A pause while a device begins.
   const isPlaying = await page.evaluate(async () => {

@@ -14,6 +14,28 @@ async function enter(within, viewport = LAPTOP, touch = false) {
   return opening;
 }
 
+/** The beat that is heard steps through the favorites. */
+async function steps(page) {
+  for (const cell of [2, 7]) await page.locator(`.cell:nth-child(${cell}) .favor`).dispatchEvent("click");
+  await page.click("#more");
+  await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
+  await page.locator("#knobs").getByRole("checkbox", { name: "Next favorite", exact: true }).check();
+  await page.click("#more");
+  await page.click("#favorites");
+  await until(page, () => window.chladni.state.on_stage);
+  const onStage = async () => readFileSync(await downloaded(page, "#save-preset"), "utf8");
+  const first = await onStage();
+  let now = first;
+  // 16 beats, of 120 or 60 a minute.
+  for (let i = 0; i < 40 && now === first; i++) {
+    await page.waitForTimeout(1000);
+    now = await onStage();
+  }
+  assert.notEqual(now, first, "favorites follow the beat of the microphone");
+  await page.click("#back");
+  await until(page, () => !window.chladni.state.on_stage);
+}
+
 const listens = (page) => until(page, () => document.getElementById("listen").getAttribute("aria-pressed") === "true");
 
 export async function heard() {
@@ -37,6 +59,7 @@ export async function heard() {
     await listens(page);
     await page.waitForTimeout(1500);
     await shot("laptop-microphone");
+    await steps(page);
     await page.selectOption("#shape", "sample:bell");
     await until(page, () => window.chladni.state.body === "sample:bell");
     await moves(page, "another shape, to the microphone");
@@ -65,6 +88,26 @@ export async function heard() {
     await listens(page);
     await until(page, () => !window.chladni.state.played);
     step("a shape dances to a microphone, and to the song again");
+    // Of two choices the last one is heard, whichever is lent first.
+    await page.click("#listen");
+    await page.waitForSelector("#microphone", { state: "hidden" });
+    await page.evaluate(() => {
+      const { mediaDevices } = navigator;
+      const lend = mediaDevices.getUserMedia.bind(mediaDevices);
+      window.lent = [];
+      mediaDevices.getUserMedia = async (wish) => {
+        if (!window.lendFirst) await new Promise((done) => { window.lendFirst = done; });
+        const stream = await lend(wish);
+        window.lent.push(stream);
+        return stream;
+      };
+      for (let i = 0; i < 2; i++) document.getElementById("listen").click();
+    });
+    await listens(page);
+    await page.evaluate(() => window.lendFirst());
+    await until(page, () => window.lent[1]?.getTracks()[0].readyState === "ended");
+    assert.equal(await page.evaluate(() => window.lent[0].getTracks()[0].readyState), "live");
+    step("of two microphones that were chosen at once one is heard, and the other closed");
     assert.deepEqual([wrong, elsewhere], [[], []]);
     await page.context().close();
 

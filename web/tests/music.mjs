@@ -230,13 +230,19 @@ export async function laptop() {
   await moves(page, "after broken files");
   step("broken files are reported, and the dance goes on");
 
-  // A dance that was saved takes the place of the first that is not chosen.
+  // A dance that was saved takes the last place, but not that of a dance that is locked.
   const preset = await saved(page);
-  await page.locator(".cell:nth-child(1) .vary").dispatchEvent("click");
+  const presses = (cell, what) => page.locator(`.cell:nth-child(${cell}) .${what}`).dispatchEvent("click");
+  await presses(12, "lock");
+  await presses(11, "vary");
+  await presses(11, "choose");
   assert.notDeepEqual(mapping(await saved(page)), mapping(preset));
+  await presses(11, "choose");
   await drop(page, ["dance.toml", Buffer.from(preset)]);
   await until(page, () => document.getElementById("status").textContent.includes("this dance is in the gallery now"));
+  await presses(11, "choose");
   assert.deepEqual(mapping(await saved(page)), mapping(preset));
+  await presses(11, "choose");
   step("a dance is saved, varied and opened again");
   await marks(page);
   await turns(page);

@@ -38,6 +38,26 @@ export async function shows() {
   await page.click("#cells .cell:nth-child(1) .choose");
   await until(page, () => !window.chladni.state.played);
   step("a show is played as it was danced, and is the user's own from the first touch on");
+  // What is drawn meanwhile stays under the hand.
+  const lasting = readFileSync(show, "utf8").replace(/^duration_secs = .*$/m, "duration_secs = 600.0");
+  await drop(page, ["lasting.toml", Buffer.from(lasting)]);
+  await until(page, () => document.getElementById("status").textContent.includes("lasting.toml is open."));
+  await page.click("#play-show");
+  await until(page, () => window.chladni.state.played && !window.chladni.state.on_stage);
+  await until(page, () => window.chladni.state.played && window.chladni.state.on_stage);
+  await page.click("#draw");
+  const value = () => page.evaluate(() => Number(document.getElementById("amplification").getAttribute("aria-valuenow")));
+  const before = await value();
+  const { x, y, height } = await page.locator("#amplification").boundingBox();
+  await page.mouse.move(x + 4, before > 0 ? y + height - 4 : y + 4);
+  await page.mouse.down();
+  await page.waitForTimeout(1000);
+  assert.ok(Math.abs((await value()) - before) > 0.9, "a stroke stays while the show goes on");
+  assert.ok(await page.evaluate(() => window.chladni.state.played));
+  await page.mouse.up();
+  await until(page, () => !window.chladni.state.played);
+  assert.ok(Math.abs((await value()) - before) > 0.9, "it is a dance of one's own then");
+  step("a curve is drawn while a show is played");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

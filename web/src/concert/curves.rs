@@ -22,7 +22,7 @@ impl Concert {
     /// # Errors
     /// Bugs only.
     pub fn curves(&self) -> Result<String, JsError> {
-        let scene = self.instrument.scene(self.hearing.beat_at(self.clock.at_secs()).count);
+        let scene = self.instrument.scene(self.beat_at(self.clock.at_secs()));
         let items = self.instrument.gallery().items();
         let found = scene.and_then(|scene| items.iter().position(|item| item.id == scene.to));
         let curves = found.map(|item| {

@@ -130,7 +130,7 @@ impl Concert {
     }
 
     pub(super) fn act_at(&mut self, at_secs: f64, action: Action) -> Result<(), Error> {
-        let at_beat = self.hearing.beat_at(at_secs).count;
+        let at_beat = self.beat_at(at_secs);
         self.instrument.apply(Moment { at_secs, at_beat }, action)?;
         self.hearing.tune(at_secs, self.instrument.parameters());
         Ok(())

@@ -44,7 +44,7 @@ impl Concert {
             viewpoint: self.viewpoint,
             songs: self.songs.iter().map(|name| SongRef::of(file(name))).collect(),
             heard: self.hearing.stretches().collect(),
-            clock: self.hearing.clock().clone(),
+            clock: self.clock_track(),
             duration_secs: Some(self.clock.at_secs()),
             ..Show::of(&self.instrument)
         };
@@ -60,7 +60,7 @@ impl Concert {
         let show = Show::from_text(text)?;
         self.instrument = show.replay(self.instrument.shape().clone())?;
         let at_secs = show.ends_secs();
-        (self.programme, self.script, self.before_sand) = (None, None, None);
+        (self.programme, self.script, self.before_sand, self.live) = (None, None, None, None);
         self.hearing = Hearing::continued(&show.heard, show.clock, at_secs);
         self.clock = ShowClock::from(at_secs);
         self.hearing.tune(at_secs, self.instrument.parameters());

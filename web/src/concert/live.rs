@@ -1,7 +1,7 @@
 //! A microphone in place of a song.
 
-use chladni_music::{BarLine, Director, Framing, Parameters};
-use chladni_program::work::{Ear, Error, Heard, LIVE_SEED};
+use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing, Parameters};
+use chladni_program::work::{BeatCount, Ear, Error, Heard, LIVE_SEED};
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
@@ -14,19 +14,24 @@ pub(super) struct Live {
     left: Vec<f32>,
     right: Vec<f32>,
     last_secs: f64,
+    /// As it was heard last.
+    beat: Beat,
     director: Director,
     /// Bars that began since they were asked for.
     bars: Vec<BarLine>,
 }
 
 impl Live {
-    fn new(rate_hz: u32, parameters: &Parameters) -> Result<Self, Error> {
+    /// Whole beats are counted on from `gone`.
+    fn new(rate_hz: u32, parameters: &Parameters, gone: f64) -> Result<Self, Error> {
         let mut ear = Ear::new(rate_hz)?;
         ear.tune(rate_hz, parameters)?;
+        ear.beats = BeatCount::from(gone);
         let silence = vec![0.0; ear.analyzer().window_frames()];
         let (left, right) = (silence.clone(), silence);
         let director = Director::live(LIVE_SEED);
-        Ok(Self { rate_hz, ear, left, right, last_secs: 0.0, director, bars: Vec::new() })
+        let beat = Beat { count: gone, confidence: 0.0 };
+        Ok(Self { rate_hz, ear, left, right, last_secs: 0.0, beat, director, bars: Vec::new() })
     }
 
     fn take(&mut self, left: &[f32], right: &[f32]) {
@@ -54,9 +59,9 @@ impl Live {
             kept.splice(..0, std::iter::repeat_n(0.0, missing));
         }
         let dt_secs = (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).clamp(1e-3, 0.25);
-        let beat = self.ear.beat();
+        self.beat = self.ear.beat();
         let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, dt_secs);
-        Ok(Heard { at_secs, is_known: false, bands, harmony, beat, fading: None })
+        Ok(Heard { at_secs, is_known: false, bands, harmony, beat: self.beat, fading: None })
     }
 
     /// How the camera frames it.
@@ -77,7 +82,9 @@ impl Concert {
     /// # Errors
     /// A rate out of range.
     pub fn listen(&mut self, rate_hz: u32) -> Result<(), JsError> {
-        self.live = Some(Live::new(rate_hz, self.instrument.parameters())?);
+        // No beat goes back.
+        let gone = self.beat_at(self.clock.at_secs()).ceil();
+        self.live = Some(Live::new(rate_hz, self.instrument.parameters(), gone)?);
         Ok(())
     }
 
@@ -90,8 +97,27 @@ impl Concert {
 
     /// Back to the songs.
     pub fn stop_listening(&mut self) {
-        if let Some(mut live) = self.live.take() {
-            self.hearing.fade_from(self.clock.at_secs(), live.ear.heard(), live.ear.beat());
+        let track = self.clock_track();
+        if let Some(live) = self.live.take() {
+            self.hearing.know_clock(track);
+            self.hearing.fade_from(self.clock.at_secs(), live.ear.heard(), live.beat);
         }
+    }
+}
+
+impl Concert {
+    /// Beats gone by at a time of the show; while it is live, those heard so far.
+    pub(super) fn beat_at(&self, at_secs: f64) -> f64 {
+        self.live.as_ref().map_or_else(|| self.hearing.beat_at(at_secs), |live| live.beat).count
+    }
+
+    /// The clock of the show. No song knows the beats that came in live: they count as those of a clock that is left now.
+    pub(super) fn clock_track(&self) -> ClockTrack {
+        let (mut track, at_secs) = (self.hearing.clock().clone(), self.clock.at_secs());
+        if let Some(live) = &self.live {
+            track.follow(at_secs, live.beat, 0.0, 0.0);
+            track.leave(at_secs);
+        }
+        track
     }
 }

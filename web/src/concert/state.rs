@@ -67,7 +67,7 @@ impl Concert {
         let instrument = &self.instrument;
         let gallery = instrument.gallery();
         let is_favorite = |id| instrument.favorites().iter().any(|known| known.id == id);
-        let beat = self.hearing.beat_at(self.clock.at_secs());
+        let beat = self.beat_at(self.clock.at_secs());
         let state = State {
             body: &self.name,
             dances: gallery
@@ -88,7 +88,7 @@ impl Concert {
             forth: gallery.forth(),
             favorites: instrument.favorites().len(),
             seed: gallery.seed(),
-            on_stage: instrument.scene(beat.count).is_some(),
+            on_stage: instrument.scene(beat).is_some(),
             sand: instrument.parameters().is_on(Switch::Sand),
             piloted: self.programme.is_some(),
             played: self.script.is_some(),
