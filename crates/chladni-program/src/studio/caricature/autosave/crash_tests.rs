@@ -1,6 +1,6 @@
 //! Random edits in a process that is killed: the lost edits are no older than autosave allows.
 //!
-//! A campaign: `CHLADNI_CASES=2000 cargo test --release -p chladni-program --lib crash_tests -- --nocapture` (docs/trust.md).
+//! A campaign: `CHLADNI_CASES=10000 cargo test --release -p chladni-program --lib crash_tests -- --nocapture` (docs/trust.md).
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Write};
