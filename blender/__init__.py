@@ -143,9 +143,12 @@ class Work:
         if self.target.data.shape_keys is None:
             self.target.shape_key_add(name="Basis", from_mix=False)
         rest = polygons(self.target.data)[0]
-        for layer, displacement in layers:
-            name = self.name if len(layers) == 1 else f"{self.name}: {layer}"
-            key = self.target.data.shape_keys.key_blocks.get(name)
+        keys = self.target.data.shape_keys
+        named = [(self.name if len(layers) == 1 else f"{self.name}: {layer}", displacement) for layer, displacement in layers]
+        if any(name == keys.reference_key.name for name, _ in named):
+            raise ValueError(f"“{keys.reference_key.name}” is the shape at rest: choose another name")
+        for name, displacement in named:
+            key = keys.key_blocks.get(name)
             key = key or self.target.shape_key_add(name=name, from_mix=False)
             key.data.foreach_set("co", (rest + displacement).ravel())
             key.value = 1.0

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use chladni_task::Draft;
 use npyz::{AutoSerialize, DType, Deserialize, NpyFile, Order, TypeChar, WriteOptions, WriterBuilder};
+use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -228,9 +229,12 @@ pub fn numbers_in(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
         return numbers_of(bytes);
     }
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(Error::other)?;
-    let member = archive.by_name(&format!("{name}.npy"));
+    let member = archive.by_name(&format!("{name}.npy")).map_err(|error| match error {
+        ZipError::FileNotFound => Error::other(format!("it has no array {name:?}")),
+        other => Error::other(other),
+    })?;
     // Compression may shrink an archive a thousandfold: limit the decompressed size.
-    numbers_of(member.map_err(|_| Error::other(format!("it has no array {name:?}")))?.take(MOST_BYTES))
+    numbers_of(member.take(MOST_BYTES))
 }
 
 /// The longest header of an array, in bytes, and the most brackets in it: an array of numbers has two, and the time in which
@@ -321,6 +325,17 @@ mod tests {
         assert!(numbers_in(&bytes, "mask").unwrap_err().to_string().contains("more numbers"));
         let endless = [b"\x93NUMPY\x02\x00".as_slice(), &u32::MAX.to_le_bytes()].concat();
         assert!(numbers_in(&endless, "mask").unwrap_err().to_string().contains("bytes"));
+    }
+
+    #[test]
+    fn compressed_archives_are_read() {
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
+        archive.start_file("mask.npy", options).unwrap();
+        let numbers = [0.0_f32, 0.25, 1.0].map(f32::to_le_bytes).concat();
+        std::io::Write::write_all(&mut archive, &npy("<f4", 3, &numbers)).unwrap();
+        let bytes = archive.finish().unwrap().into_inner();
+        assert_eq!(numbers_in(&bytes, "mask").unwrap(), [0.0, 0.25, 1.0]);
     }
 
     #[test]

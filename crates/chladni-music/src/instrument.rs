@@ -104,7 +104,7 @@ impl Instrument {
         &self.gallery
     }
 
-    /// Favorites in the order they were added, as they were then.
+    /// Favorites in the order they were added.
     pub fn favorites(&self) -> &[GalleryItem] {
         &self.favorites
     }
@@ -334,6 +334,12 @@ impl Instrument {
         mapping.validate()?;
         item.genome = mapping;
         item.edited = true;
+        // A favorite is the same dance wherever it is played.
+        let edited = item.clone();
+        self.favorites
+            .iter_mut()
+            .filter(|kept| kept.id == edited.id)
+            .for_each(|kept| kept.clone_from(&edited));
         Ok(())
     }
 }

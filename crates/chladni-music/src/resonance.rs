@@ -93,17 +93,20 @@ fn audible(x: f32) -> f32 {
 fn exact(secs: f32, hz: f32, damping: f32) -> [f32; 4] {
     let (t, omega, zeta) = (f64::from(secs), std::f64::consts::TAU * f64::from(hz), f64::from(damping));
     let decay = (-zeta * omega * t).exp();
-    // sin(ω_d t)/ω_d and cos(ω_d t), or their hyperbolic counterparts; the first is t if ω_d is 0.
+    // sin(ω_d t)/ω_d and cos(ω_d t), or their hyperbolic counterparts, as they decay; the first is t if ω_d is 0.
     let square = omega * omega * (1.0 - zeta * zeta);
     let x = square.abs().sqrt();
     let (sine, cosine) = match () {
-        () if x * t < 1e-6 => (t, 1.0),
-        () if square > 0.0 => ((x * t).sin() / x, (x * t).cos()),
-        () => ((x * t).sinh() / x, (x * t).cosh()),
+        () if x * t < 1e-6 => (decay * t, decay),
+        () if square > 0.0 => (decay * (x * t).sin() / x, decay * (x * t).cos()),
+        // Decayed before they are added: sinh and cosh alone would overflow.
+        () => {
+            let [slow, fast] = [x, -x].map(|x| ((x - zeta * omega) * t).exp());
+            (0.5 * (slow - fast) / x, 0.5 * (slow + fast))
+        }
     };
     let of_rate = zeta * omega * sine;
-    [decay * (cosine + of_rate), decay * sine, -decay * omega * omega * sine, decay * (cosine - of_rate)]
-        .map(|x| x as f32)
+    [cosine + of_rate, sine, -omega * omega * sine, cosine - of_rate].map(|x| x as f32)
 }
 
 impl Resonators {

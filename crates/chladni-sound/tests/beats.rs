@@ -139,6 +139,44 @@ fn taps_halving_and_doubling_are_obeyed() {
 }
 
 #[test]
+fn beats_at_half_the_speed_take_twice_as_long() {
+    let rate_hz = 44_100;
+    let mut follower = BeatFollower::new(rate_hz).unwrap();
+    // 10 ms at a time of a click every half second.
+    let mut hear = |follower: &mut BeatFollower, step: usize| {
+        let mut block = vec![0.0; 441];
+        if step.is_multiple_of(50) {
+            block.iter_mut().enumerate().for_each(|(n, x)| *x = if n % 2 == 0 { 0.8 } else { -0.8 });
+        }
+        follower.push(&block, &block);
+        (std::iter::from_fn(|| follower.take_beat()).count(), follower.moment())
+    };
+    let mut step = 0;
+    let mut listen = |follower: &mut BeatFollower, secs: usize| {
+        let (mut beats, mut restarts, mut highest, mut last) = (0, 0, 0.0_f64, 0.0);
+        for _ in 0..100 * secs {
+            let (count, moment) = hear(follower, step);
+            step += 1;
+            beats += count;
+            restarts += usize::from(moment.phase < last - 0.4);
+            (highest, last) = (highest.max(moment.phase), moment.phase);
+        }
+        (beats, restarts, highest, follower.moment().tempo_bpm)
+    };
+    listen(&mut follower, 10);
+    let (beats, restarts, highest, bpm) = listen(&mut follower, 12);
+    assert!((bpm - 120.0).abs() < 3.0 && beats.abs_diff(24) <= 1, "{beats} beats at {bpm}");
+    assert!(restarts.abs_diff(24) <= 1 && highest > 0.9, "{restarts} {highest}");
+    for (expected_bpm, expected) in [(60.0, 12), (30.0, 6)] {
+        follower.halve();
+        listen(&mut follower, 8);
+        let (beats, restarts, highest, bpm) = listen(&mut follower, 12);
+        assert!((bpm - expected_bpm).abs() < 2.0 && beats.abs_diff(expected) <= 1, "{beats} beats at {bpm}");
+        assert!(restarts.abs_diff(expected) <= 1 && highest > 0.9, "{restarts} {highest} at {bpm}");
+    }
+}
+
+#[test]
 fn bars_and_sections_of_songs_with_a_known_form() {
     let found_at =
         |found: &[f64], truth: &[f64], window_secs: f64| beat_score(found, truth, window_secs).f_measure;

@@ -212,3 +212,13 @@ fn twenty_seconds_of_ringing_keep_four_digits() {
         }
     }
 }
+
+#[test]
+fn what_rings_for_long_comes_to_rest_however_it_is_damped() {
+    for damping in [0.3, 1.0, 1.2, 2.0] {
+        for hz in [12.0, 400.0] {
+            let rest = exact(30.0, hz, damping);
+            assert!(rest.iter().all(|x| x.abs() < 1e-6), "ζ = {damping}, {hz} Hz: {rest:?}");
+        }
+    }
+}

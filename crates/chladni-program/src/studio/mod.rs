@@ -297,7 +297,7 @@ impl Studio {
         }
         self.settings_written = Some(Instant::now());
         if let Some(path) = &self.folders.settings
-            && let Err(error) = self.settings.save(path)
+            && let Err(error) = self.settings.save_beside(&self.saved_settings, path)
         {
             self.notices.warn(format!("{}: preferences could not be kept: {error}", path.display()));
         }

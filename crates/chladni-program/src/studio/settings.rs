@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use chladni_sound::LONGEST_CROSSFADE_SECS;
 use chladni_task::{read_file, read_text_file};
 use serde::{Deserialize, Serialize};
+use toml::Value;
 
 use super::music::MOST_GAIN_DB;
 use crate::work::HARMONICS;
@@ -96,6 +97,31 @@ impl Settings {
         chladni_task::write_atomic(path, self.to_text()?.as_bytes())
     }
 
+    /// Writes to `path` what was changed since `before`; all else stays as another window may have written it there.
+    ///
+    /// # Errors
+    /// Those of [`save`](Self::save).
+    pub fn save_beside(&self, before: &Self, path: &Path) -> io::Result<()> {
+        // Where nothing is there that can be read, nothing is lost.
+        let merged = || self.over(before, &Self::load(path)?);
+        match path.exists().then(merged) {
+            Some(Ok(merged)) => merged.save(path),
+            Some(Err(_)) | None => self.save(path),
+        }
+    }
+
+    /// What was changed here since `before`, and all else as in `others`: preferences that another window wrote meanwhile.
+    ///
+    /// # Errors
+    /// A value that the file cannot hold.
+    pub fn over(&self, before: &Self, others: &Self) -> io::Result<Self> {
+        let table = |settings: &Self| toml::Table::try_from(settings).map_err(io::Error::other);
+        let mut merged = table(others)?;
+        change(&mut merged, &table(before)?, table(self)?);
+        let merged: Self = merged.try_into().map_err(io::Error::other)?;
+        Ok(merged.bounded())
+    }
+
     /// Puts `path` first among the recent files.
     pub fn remember(&mut self, path: &Path) {
         // The next run may start in another folder.
@@ -123,9 +149,49 @@ impl Settings {
     }
 }
 
+/// Changes `there` in what differs between `before` and `now`.
+fn change(there: &mut toml::Table, before: &toml::Table, mut now: toml::Table) {
+    let gone = before.keys().filter(|key| !now.contains_key(*key));
+    gone.for_each(|key| {
+        there.remove(key);
+    });
+    now.retain(|key, value| before.get(key) != Some(value));
+    for (key, value) in now {
+        match (value, there.get_mut(&key), before.get(&key)) {
+            (Value::Table(now), Some(Value::Table(there)), Some(Value::Table(before))) => {
+                change(there, before, now);
+            }
+            (value, ..) => {
+                there.insert(key, value);
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_window_writes_only_what_was_changed_in_it() {
+        let before = Settings::default();
+        let (mut one, mut other) = (before.clone(), before.clone());
+        one.zoom = 1.5;
+        one.music.volume = 0.25;
+        other.harmonics = 128;
+        other.music.live_gain_db = 6.0;
+        let both = other.over(&before, &one).unwrap();
+        assert_eq!((both.zoom, both.music.volume), (1.5, 0.25));
+        assert_eq!((both.harmonics, both.music.live_gain_db), (128, 6.0));
+        // What is changed back is changed; what is taken away goes.
+        let again = before.over(&one, &both).unwrap();
+        assert_eq!(
+            (again.zoom, again.music.volume, again.harmonics),
+            (before.zoom, before.music.volume, 128)
+        );
+        one.remember(Path::new("/a.chladni"));
+        assert_eq!(before.over(&one, &one).unwrap(), before);
+    }
 
     #[test]
     fn recent_files_are_unique_and_few() {

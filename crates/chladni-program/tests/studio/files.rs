@@ -147,7 +147,9 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
     let before = std::fs::read(desk.path("igea 1.2.chladni")).unwrap();
     std::fs::write(desk.path("b 1.3.chladni"), "another").unwrap();
     person.add_layer("magnify");
-    ["igea 1.2", "b 1.3", "c 1.4"].map(|name| desk.answers.add(desk.path(name)));
+    for name in ["igea 1.2", "b 1.3", "c 1.4"] {
+        desk.answers.add(desk.path(name));
+    }
     person.press_with(CTRL | egui::Modifiers::SHIFT, Key::S);
     assert_eq!(Project::load(&desk.path("c 1.4.chladni")).unwrap().layers().len(), 3);
     assert_eq!(std::fs::read(desk.path("b 1.3.chladni")).unwrap(), b"another");

@@ -177,7 +177,7 @@ impl BeatFollower {
     pub fn tap(&mut self, secs: f64) {
         let gap = self.taps.add(secs);
         self.speed = 1.0;
-        let frames_ago = ((self.frames_heard as f64 / ONSET_RATE_HZ - secs) * ONSET_RATE_HZ).round();
+        let frames_ago = (self.frames_heard as f64 - 1.0 - secs * ONSET_RATE_HZ).round();
         let count = self.belief.len() as f32;
         self.belief.fill(DOUBT / count);
         for tempo in &self.meter.tempi {
@@ -288,8 +288,14 @@ impl BeatFollower {
     /// The time of a beat and the time between beats, as announced.
     fn grid(&self) -> (f64, f64) {
         let frame_secs = self.frames_heard.saturating_sub(1) as f64 / ONSET_RATE_HZ;
-        let begin = frame_secs - self.best.place as f64 / ONSET_RATE_HZ;
-        (begin, self.best.period as f64 / ONSET_RATE_HZ / self.speed)
+        let period_secs = self.best.period as f64 / ONSET_RATE_HZ;
+        let mut begin = frame_secs - self.best.place as f64 / ONSET_RATE_HZ;
+        // Beats at half the speed go on from the one announced last, not from each that is tracked.
+        if self.speed < 1.0 && self.last_beat_secs >= 0.0 {
+            let since = ((begin - self.last_beat_secs) / period_secs).round();
+            begin -= since.rem_euclid(1.0 / self.speed) * period_secs;
+        }
+        (begin, period_secs / self.speed)
     }
 
     fn announce(&mut self) {

@@ -72,9 +72,13 @@ impl BarFollower {
     pub(crate) fn push(&mut self, left: &[f32], right: &[f32], onsets: &[Onset]) {
         self.reader.push(left, right, &mut self.frames);
         self.onsets.extend_from_slice(onsets);
-        let kept = [KEPT_SECS * FRAME_RATE_HZ, KEPT_SECS * ONSET_RATE_HZ].map(|count| count as usize);
-        if self.frames.len() > 2 * kept[0] {
-            let [frames, onsets] = [self.frames.len() - kept[0], self.onsets.len().saturating_sub(kept[1])];
+        let kept = (KEPT_SECS * FRAME_RATE_HZ) as usize;
+        if self.frames.len() > 2 * kept {
+            let frames = self.frames.len() - kept;
+            // Onsets come sooner than frames: those from the first frame on that is kept stay.
+            let from_secs = (self.gone[0] + frames) as f64 / FRAME_RATE_HZ;
+            let before = ((from_secs * ONSET_RATE_HZ).round() as usize).saturating_sub(self.gone[1]);
+            let onsets = before.min(self.onsets.len());
             self.frames.drain(..frames);
             self.onsets.drain(..onsets);
             self.gone = [self.gone[0] + frames, self.gone[1] + onsets];
@@ -149,4 +153,23 @@ fn mean(beats: &[BeatFeatures]) -> Vec<f32> {
             .for_each(|(mean, value): (&mut f32, f32)| *mean += value / beats.len() as f32);
     }
     mean
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_onset_of_what_is_kept_is_dropped() {
+        for rate_hz in [16_000, 44_100, 48_000] {
+            let mut bars = BarFollower::new(rate_hz).unwrap();
+            let block = vec![0.1; rate_hz as usize / 100];
+            for _ in 0..3000 {
+                bars.push(&block, &block, &[Onset::default()]);
+                let from_secs = bars.gone[0] as f64 / FRAME_RATE_HZ;
+                assert!(bars.gone[1] <= (from_secs * ONSET_RATE_HZ).round() as usize, "{rate_hz} Hz");
+            }
+            assert!(bars.gone[1] > 2000, "what is old goes");
+        }
+    }
 }

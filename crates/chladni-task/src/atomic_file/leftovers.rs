@@ -8,8 +8,8 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// How the name of a temporary file begins; random letters and digits follow, and an ending.
-pub(super) const PREFIX: &str = ".chladni-";
-pub(super) const RANDOM: usize = 6;
+pub(super) const PREFIX: &str = ".chladni-draft-";
+pub(super) const RANDOM: usize = 12;
 
 /// Files written to within this time stay: a file is created and locked in two steps, and some file systems know only
 /// the locks of their own machine.
@@ -75,20 +75,31 @@ mod tests {
     fn what_nobody_holds_and_nobody_wrote_to_for_an_hour_goes() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let kept =
-            [".chladni-Ab12", ".chladni-Ab12Xzs.txt", ".chladni-ranks-7", "chladni-Ab12Xz", "p.chladni"];
-        for name in [".chladni-Ab12Xz", ".chladni-000000.mp4"].iter().chain(&kept) {
+        // A name that a person may give is nobody's draft.
+        let kept = [
+            ".chladni-draft-Ab12",
+            ".chladni-draft-Ab12Xz34Cd56s.txt",
+            ".chladni-backup",
+            ".chladni-config.toml",
+            ".chladni-ranks-7",
+            "p.chladni",
+        ];
+        for name in [".chladni-draft-Ab12Xz34Cd56", ".chladni-draft-000000000000.mp4"].iter().chain(&kept) {
             std::fs::write(path(name), "half").unwrap();
             age(&path(name));
         }
-        std::fs::write(path(".chladni-young0"), "half").unwrap();
-        std::fs::create_dir(path(".chladni-folder")).unwrap();
-        std::os::unix::fs::symlink("p.chladni", path(".chladni-link00")).unwrap();
+        std::fs::write(path(".chladni-draft-young0000000"), "half").unwrap();
+        std::fs::create_dir(path(".chladni-draft-folder000000")).unwrap();
+        std::os::unix::fs::symlink("p.chladni", path(".chladni-draft-link00000000")).unwrap();
         let held = temporary_beside(&path("film.mp4"), ".mp4").unwrap();
         age(held.path());
         sweep(folder.path());
-        assert!(!path(".chladni-Ab12Xz").exists() && !path(".chladni-000000.mp4").exists());
-        let others = [".chladni-young0", ".chladni-folder", ".chladni-link00"];
+        assert!(
+            !path(".chladni-draft-Ab12Xz34Cd56").exists()
+                && !path(".chladni-draft-000000000000.mp4").exists()
+        );
+        let others =
+            [".chladni-draft-young0000000", ".chladni-draft-folder000000", ".chladni-draft-link00000000"];
         assert!(kept.iter().chain(&others).all(|name| path(name).exists()));
         assert!(held.path().exists(), "it is being written");
         let left = held.into_temp_path().keep().unwrap();
@@ -99,7 +110,8 @@ mod tests {
     #[test]
     fn the_first_save_in_a_folder_sweeps_it() {
         let folder = tempfile::tempdir().unwrap();
-        let (left, saved) = (folder.path().join(".chladni-Ab12Xz"), folder.path().join("p.chladni"));
+        let (left, saved) =
+            (folder.path().join(".chladni-draft-Ab12Xz34Cd56"), folder.path().join("p.chladni"));
         for sweeps in [true, false] {
             std::fs::write(&left, "half").unwrap();
             age(&left);

@@ -141,8 +141,9 @@ impl MusicRoom {
     /// The program must end: unsaved work is written before that, and stays.
     pub(super) fn leave_show(&mut self, shared: &mut Shared<'_>) {
         self.keep_show(true, shared);
-        // It is too late to tell anybody what went wrong.
+        // It is too late to tell anybody what went wrong. Where no copy could be written, the recovered one stays.
         let _ = self.keepsake.settle(true);
+        self.keepsake.adopted = None;
         self.keepsake.copy = Some(Err(()));
     }
 

@@ -151,6 +151,9 @@ impl Room for MusicRoom {
         self.curtain = Curtain::default();
         // So is the dialog: it belonged to the one that is gone.
         self.asking = None;
+        if let Some(listening) = &mut self.listening {
+            listening.change_window(&shared.ctx);
+        }
         if let Some(concert) = &mut self.concert
             && let Err(why) = concert.change_device(shared.screen)
         {

@@ -43,6 +43,11 @@ impl SongTitle {
         }
     }
 
+    /// The cover is shown by another window from now on.
+    pub fn change_device(&mut self) {
+        (self.caption, self.cover) = (Caption::new(std::mem::take(&mut self.caption.text), None), None);
+    }
+
     /// How opaque it is on a stage in full light, in [0, 1].
     pub fn opacity(&self, now_secs: f64) -> f32 {
         if self.is_hidden { 0.0 } else { title_opacity(now_secs - self.since_secs) }

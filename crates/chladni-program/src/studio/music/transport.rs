@@ -2,7 +2,7 @@
 
 use chladni_music::{Action, Switch};
 use chladni_sound::PlayerState;
-use egui::{RichText, ScrollArea, Slider, Ui};
+use egui::{RichText, ScrollArea, Ui};
 
 use super::concert::Concert;
 use super::film;
@@ -131,8 +131,9 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
     let length = status.duration_secs.unwrap_or(0.0);
     let mut at = status.position_secs;
     ui.spacing_mut().slider_width = 110.0;
-    let slider = ui.add_enabled(length > 0.0, Slider::new(&mut at, 0.0..=length.max(0.1)).show_value(false));
-    if slider.author_id("seek").on_hover_text("Where in the song").changed() {
+    let slider = theme::slider(&mut at, 0.0..=length.max(0.1)).show_value(false);
+    let slider = ui.add_enabled(length > 0.0, slider).author_id("seek").on_hover_text("Where in the song");
+    if length > 0.0 && slider.changed() {
         listening.player().seek(at);
     }
     ui.monospace(format!("{} / {}", clock(status.position_secs), clock(length)));

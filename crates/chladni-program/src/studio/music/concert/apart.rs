@@ -47,6 +47,11 @@ impl Apart {
         }
     }
 
+    /// Uses no more than this many harmonics from now on.
+    pub fn use_at_most(&mut self, harmonics: usize) {
+        self.ensemble.use_at_most(harmonics);
+    }
+
     /// Computes the items on stage now.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
         self.items = self.ensemble.play(instrument, bands, beat)?.to_vec();

@@ -173,6 +173,7 @@ impl Concert {
         self.harmonics.forget_device();
         (self.pane, self.apart) = (pane, None);
         self.outgoing.change_device();
+        self.song_title.change_device();
         Ok(())
     }
 

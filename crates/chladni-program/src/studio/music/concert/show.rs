@@ -45,12 +45,15 @@ impl Concert {
         }
         self.follow_bars(&listening.new_bars())?;
         self.judge(ui.ctx())?;
-        let (frame, mut items) = self.play(shared, listening, began)?;
+        let (mut frame, mut items) = self.play(shared, listening, began)?;
         if frame.is_apart {
             let framing = frame.framing(&self.instrument, listening);
+            let before = (shared.now)();
             self.beside(|concert, apart| {
                 concert.show_apart(ui.ctx(), shared, apart, &frame, framing, wishes)
             })?;
+            // Fewer harmonics would not make that faster.
+            frame.began += (shared.now)().saturating_duration_since(before);
         } else if let Some(apart) = &mut self.apart {
             apart.leave();
         }
@@ -103,6 +106,7 @@ impl Concert {
         };
         if is_apart {
             let apart = self.apart.get_or_insert_with(|| Apart::new(&self.pane, &self.ensemble));
+            apart.use_at_most(self.pace.harmonics());
             apart.play(&self.instrument, &heard.bands, heard.beat)?;
             apart.lag(heard.at_secs, frame.look.feels_speed());
         }

@@ -7,6 +7,7 @@ use chladni_sound::PlayerStatus;
 
 use super::super::study::{Learned, Study};
 use super::{Listening, ShowSong};
+use crate::studio::pictures::upload;
 use crate::work::read_beats;
 use crate::work::source::TUNE;
 
@@ -21,6 +22,14 @@ impl Listening {
         let path = path.to_owned();
         self.repertoire.push(ShowSong::new(path, BeatReading::default()));
         Some(self.repertoire.len() - 1)
+    }
+
+    /// Another window shows the covers.
+    pub fn change_window(&mut self, ctx: &egui::Context) {
+        self.ctx = ctx.clone();
+        for cover in self.repertoire.iter_mut().filter_map(|song| song.cover.as_mut()) {
+            cover.texture = upload(ctx, "cover", &cover.picture);
+        }
     }
 
     /// The show's number of the song that is heard. One that was taken out of the list sounds on for a moment.
