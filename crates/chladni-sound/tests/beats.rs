@@ -143,7 +143,7 @@ fn beats_at_half_the_speed_take_twice_as_long() {
     let rate_hz = 44_100;
     let mut follower = BeatFollower::new(rate_hz).unwrap();
     // 10 ms at a time of a click every half second.
-    let mut hear = |follower: &mut BeatFollower, step: usize| {
+    let hear = |follower: &mut BeatFollower, step: usize| {
         let mut block = vec![0.0; 441];
         if step.is_multiple_of(50) {
             block.iter_mut().enumerate().for_each(|(n, x)| *x = if n % 2 == 0 { 0.8 } else { -0.8 });

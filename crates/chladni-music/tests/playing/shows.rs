@@ -126,7 +126,8 @@ fn coefficients_of(items: &[Item]) -> Vec<u32> {
 fn a_favorite_that_is_edited_is_one_dance() {
     let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
     let mut instrument = Instrument::new(77, 6, shape).unwrap();
-    let transfer = instrument.gallery().items()[3].genome.transfer.iter().map(|x| 0.5 * x).collect::<Vec<_>>();
+    let transfer =
+        instrument.gallery().items()[3].genome.transfer.iter().map(|x| 0.5 * x).collect::<Vec<_>>();
     for action in [
         Action::Favorite { item: 2, on: true },
         Action::SetTransfer { item: 2, transfer: transfer.clone() },

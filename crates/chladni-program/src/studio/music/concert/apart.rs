@@ -47,8 +47,8 @@ impl Apart {
         }
     }
 
-    /// Uses no more than this many harmonics from now on.
-    pub fn use_at_most(&mut self, harmonics: usize) {
+    /// Uses no more than this many harmonics from now on; `None` for all.
+    pub fn use_at_most(&mut self, harmonics: Option<u32>) {
         self.ensemble.use_at_most(harmonics);
     }
 
