@@ -333,7 +333,7 @@ mod tests {
         let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
         archive.start_file("mask.npy", options).unwrap();
         let numbers = [0.0_f32, 0.25, 1.0].map(f32::to_le_bytes).concat();
-        std::io::Write::write_all(&mut archive, &npy("<f4", 3, &numbers)).unwrap();
+        archive.write_all(&npy("<f4", 3, &numbers)).unwrap();
         let bytes = archive.finish().unwrap().into_inner();
         assert_eq!(numbers_in(&bytes, "mask").unwrap(), [0.0, 0.25, 1.0]);
     }

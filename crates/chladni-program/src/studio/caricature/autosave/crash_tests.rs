@@ -138,10 +138,11 @@ impl Said {
         if secs < self.last_secs {
             return;
         }
-        self.last_secs = secs;
+        let before_secs = std::mem::replace(&mut self.last_secs, secs);
         match what {
             "did" => self.did.push(secs),
-            "ordered" => self.under_way.push_back(secs),
+            // It was ordered before that was said, and after the word before.
+            "ordered" => self.under_way.push_back(before_secs),
             _ => {
                 self.on_disk = self.on_disk.max(turn);
                 if what == "kept" {
