@@ -262,7 +262,7 @@ fn bad_arguments_are_told_apart() {
         ("basis shape.obj --engine slepc --hosts absent.txt", "absent.txt"),
         ("basis shape.obj --engine slepc --threads 2", "--threads is for"),
         ("basis shape.obj -o nowhere/b.npz", "its folder does not exist"),
-        ("basis shape.obj -o b.npz --operator ./b.npz", "both the harmonics and the operator"),
+        ("basis shape.obj -o b.npz --operator ./b.npz", "two results"),
         ("match shape.obj shape.obj --method sphere", "neither a template"),
         ("match shape.obj shape.obj --render out.jpg", ".png"),
         ("spectrum sample:tune --render out.jpg", ".png"),

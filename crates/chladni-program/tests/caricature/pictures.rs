@@ -110,7 +110,7 @@ fn a_picture_is_drawn_in_ink_as_svg_or_png_and_options_of_ink_are_checked() {
     // Before and after have lines of one width, or of widths that follow the exaggeration.
     desk.ok(&format!("{line} --render wide.svg --show after,coordinate --ink-exaggeration"));
     assert_ne!(read("wide.svg"), read("both.svg"));
-    let turning = format!("{line} --turn-secs 0.04 --turntable");
+    let turning = format!("{line} --turn-secs 0.1 --turntable");
     desk.ok(&format!("{turning} even.gif --ink"));
     desk.ok(&format!("{turning} wide.gif --ink-exaggeration"));
     assert_ne!(read("wide.gif"), read("even.gif"));
