@@ -151,10 +151,7 @@ impl Settings {
 
 /// Changes `there` in what differs between `before` and `now`.
 fn change(there: &mut toml::Table, before: &toml::Table, mut now: toml::Table) {
-    let gone = before.keys().filter(|key| !now.contains_key(*key));
-    gone.for_each(|key| {
-        there.remove(key);
-    });
+    there.retain(|key, _| now.contains_key(key) || !before.contains_key(key));
     now.retain(|key, value| before.get(key) != Some(value));
     for (key, value) in now {
         match (value, there.get_mut(&key), before.get(&key)) {
