@@ -144,6 +144,9 @@ impl Basis {
             )));
         }
         let threads = threads.map(|threads| arrays::count(threads, "threads", 1)).transpose()?;
+        if threads.is_some() && ranks.is_some() {
+            return Err(InputError::new_err("threads belongs to engine=\"chladni\"; SLEPc has ranks"));
+        }
         let settings = BasisSettings { threads, whole_clusters, ..BasisSettings::new(harmonics) };
         let (body, report) = work::run(py, progress, |task| {
             Ok(match &ranks {

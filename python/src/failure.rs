@@ -5,12 +5,13 @@ use chladni_harmonics::HarmonicsError;
 use chladni_match::MatchError;
 use chladni_mesh::MeshError;
 use chladni_task::Cancelled;
-use pyo3::PyErr;
 use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
 
 pyo3::import_exception!(chladni._errors, FileError);
 pyo3::import_exception!(chladni._errors, InputError);
 pyo3::import_exception!(chladni._errors, InternalError);
+pyo3::import_exception!(chladni._errors, MissingFileError);
 pyo3::import_exception!(chladni._errors, NotCertifiedError);
 
 /// Why a call has no result, on a thread that knows no Python.
@@ -39,6 +40,18 @@ impl From<Failure> for PyErr {
         }
     }
 }
+
+/// The exception for a file that is not there, with the system's number for it.
+pub fn missing(py: Python<'_>, reason: &str) -> PyErr {
+    let error = MissingFileError::new_err(reason.to_owned());
+    match error.value(py).setattr("errno", ENOENT) {
+        Ok(()) => error,
+        Err(other) => other,
+    }
+}
+
+/// The same on every system that Python runs on.
+const ENOENT: i32 = 2;
 
 impl From<HarmonicsError> for Failure {
     fn from(error: HarmonicsError) -> Self {

@@ -1,11 +1,11 @@
 //! A basis in a folder, of which only a piece is in memory at a time.
 
-use chladni_harmonics::npz;
+use chladni_harmonics::{HarmonicsError, npz};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
 use crate::arrays::{self, give, give_matrix};
-use crate::failure::Failure;
+use crate::failure::{Failure, missing};
 use crate::work;
 
 /// A basis in a folder that ``chladni basis -o DIR/`` wrote, of which a few MiB are in memory at a time.
@@ -24,7 +24,10 @@ impl StoredBasis {
     #[new]
     fn new(py: Python<'_>, folder: &Bound<'_, PyAny>) -> PyResult<Self> {
         let folder = arrays::path(folder, "folder")?;
-        let stored = npz::StoredBasis::open(&folder).map_err(Failure::from)?;
+        let stored = npz::StoredBasis::open(&folder).map_err(|error| match &error {
+            HarmonicsError::Stored { path, .. } if !path.exists() => missing(py, &error.to_string()),
+            _ => Failure::from(error).into(),
+        })?;
         let eigenvalues = give(py, stored.eigenvalues().to_vec()).unbind();
         let mut welded = vec![0.0; stored.mass().len()];
         stored.operator_vertex().iter().flatten().for_each(|v| welded[*v as usize] += 1.0);

@@ -1,5 +1,7 @@
 """Bases in folders, read in pieces."""
 
+import errno
+
 import chladni
 import numpy as np
 import pytest
@@ -31,8 +33,9 @@ def test_signals_are_taken_apart_and_put_together(tmp_path, pebble):
 
 
 def test_what_does_not_fit_is_refused(tmp_path, ball):
-    with pytest.raises(chladni.FileError, match="eigenvectors"):
+    with pytest.raises(chladni.MissingFileError, match="eigenvectors") as raised:
         chladni.StoredBasis(tmp_path / "nowhere")
+    assert isinstance(raised.value, FileNotFoundError) and raised.value.errno == errno.ENOENT
     stored(tmp_path, *ball, 5)
     read = chladni.StoredBasis(tmp_path)
     with pytest.raises(chladni.InputError, match="3 vertices, where the basis has 642"):

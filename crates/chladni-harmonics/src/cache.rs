@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 use chladni_task::write_atomic_with;
 
@@ -13,21 +14,31 @@ use crate::{Basis, BasisSettings, Certificate, HarmonicsError, Laplacian, memory
 /// Increased whenever the same mesh and settings would give a different basis.
 const VERSION: u32 = 4;
 const MAGIC: &[u8; 16] = b"chladni basis  1";
+/// How much the entries of a cache take together unless it says otherwise, in bytes.
+const MOST_BYTES: u64 = 10 << 30;
 
 /// A folder of solved bases.
 ///
 /// The name of an entry is a BLAKE3 hash of the welded surface, the settings and the version of the solver.
 /// An entry ends with a hash of its own bytes: a damaged entry is solved again and never trusted. Entries
-/// are written whole or not at all; several processes may share the folder.
+/// are written whole or not at all; several processes may share the folder. Together the entries take 10 GiB at most, or
+/// as much as the newest: each that is written removes those that were used the longest time ago.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BasisCache {
     folder: PathBuf,
+    most_bytes: u64,
 }
 
 impl BasisCache {
     /// A cache in `folder`, which is created when the first entry is written.
     pub fn new(folder: impl Into<PathBuf>) -> Self {
-        Self { folder: folder.into() }
+        Self { folder: folder.into(), most_bytes: MOST_BYTES }
+    }
+
+    /// The same cache with another bound on what all entries take, in bytes.
+    #[must_use]
+    pub fn of_at_most(self, most_bytes: u64) -> Self {
+        Self { most_bytes, ..self }
     }
 
     /// The cache in the user's cache folder; `None` if the system does not define one.
@@ -51,7 +62,8 @@ impl BasisCache {
         hash.update(bytemuck::cast_slice(&domain.positions));
         hash.update(bytemuck::cast_slice(&domain.triangles));
         let laplacian = settings.laplacian;
-        CacheEntry { laplacian, path: self.folder.join(format!("{}.basis", hash.finalize().to_hex())) }
+        let path = self.folder.join(format!("{}.basis", hash.finalize().to_hex()));
+        CacheEntry { laplacian, path, most_bytes: self.most_bytes }
     }
 }
 
@@ -60,6 +72,8 @@ pub(crate) struct CacheEntry {
     /// The Laplacian, which is a part of the name.
     laplacian: Laplacian,
     path: PathBuf,
+    /// What all entries may take.
+    most_bytes: u64,
 }
 
 /// Why an entry was not used or not written. The work goes on without it, and this is its warning.
@@ -112,6 +126,8 @@ impl CacheEntry {
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(CacheError::Unreadable { path: self.path.clone(), source }),
         };
+        // The time of an entry is that of its last use. In a folder that cannot be written nothing is removed, either.
+        let _ = file.set_modified(SystemTime::now());
         let length = file.metadata().map(|m| m.len()).unwrap_or(0);
         let keep = memory::room_for_harmonics(vertices, 1, settings)?;
         read_entry(&mut file, length, vertices, self.laplacian, keep)
@@ -147,8 +163,42 @@ impl CacheEntry {
             }
             file.write_all(hash.finalize().as_bytes())
         })
-        .map_err(unwritten)
+        .map_err(unwritten)?;
+        self.remove_unused();
+        Ok(())
     }
+
+    /// Removes the entries that were used the longest time ago while all take more than they may. This one stays. What
+    /// cannot be removed, as it is in use or another process was faster, stays or is gone.
+    fn remove_unused(&self) {
+        let files =
+            self.path.parent().and_then(|folder| fs::read_dir(folder).ok()).into_iter().flatten().flatten();
+        let mut entries: Vec<(SystemTime, u64, PathBuf)> = files
+            .filter(|file| is_entry(&file.path()))
+            .filter_map(|file| {
+                let known = file.metadata().ok().filter(fs::Metadata::is_file)?;
+                Some((known.modified().ok()?, known.len(), file.path()))
+            })
+            .collect();
+        entries.sort_unstable();
+        let mut total: u64 = entries.iter().map(|(_, length, _)| length).sum();
+        for (_, length, path) in entries {
+            if total <= self.most_bytes {
+                return;
+            }
+            if path != self.path && fs::remove_file(&path).is_ok() {
+                total -= length;
+            }
+        }
+    }
+}
+
+/// Whether a file of this name is an entry, of whatever version.
+fn is_entry(path: &Path) -> bool {
+    let name = path.file_stem().and_then(|name| name.to_str()).unwrap_or_default();
+    path.extension().is_some_and(|ending| ending == "basis")
+        && name.len() == 2 * blake3::OUT_LEN
+        && name.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
 fn read_entry(

@@ -2,7 +2,7 @@
 
 mod stored;
 
-use std::io::{BufWriter, Cursor, Error, Read, Result, Seek, Write};
+use std::io::{BufWriter, Cursor, Error, ErrorKind, Read, Result, Seek, Write};
 use std::path::Path;
 
 use chladni_task::Draft;
@@ -182,12 +182,17 @@ pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
 
 /// Writes the arrays of [`write_basis`] as `.npy` files of their own into `folder`, which is created if it
 /// does not exist. [`StoredBasis`] and `numpy.load(…, mmap_mode="r")` then read only the harmonics that are
-/// used: each is stored in one piece.
+/// used: each is stored in one piece. The eigenvectors of an earlier basis there are removed first and the new ones
+/// written last: whatever interrupts, the folder never holds those of another shape.
 ///
 /// # Errors
 /// An error of the system. Each file is written whole or not at all.
 pub fn write_basis_folder(folder: &Path, body: &Body) -> Result<()> {
     chladni_task::create_folder(folder)?;
+    match std::fs::remove_file(folder.join("eigenvectors.npy")) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
     add_basis(&mut Folder(folder), body)
 }
 
@@ -211,22 +216,23 @@ pub fn write_operator(path: &Path, operator: &Operator) -> Result<()> {
 const MOST_BYTES: u64 = 1 << 30;
 
 /// The numbers of an array, in the order of the file: of the `.npy` file at `path`, or of the array `name`
-/// of the `.npz` archive there. Truth values become 0 and 1.
+/// of the `.npz` archive there. Truth values become 0 and 1. There may be up to `most` numbers: a compressed
+/// archive may hold a thousand for each of its bytes.
 ///
 /// # Errors
 /// An error of the system; a file that is neither, or has no array of that name; an array that does not
-/// hold real numbers or is larger than 1 GiB.
-pub fn read_numbers(path: &Path, name: &str) -> Result<Vec<f64>> {
-    numbers_in(&chladni_task::read_file(path, MOST_BYTES)?, name)
+/// hold real numbers, holds more than `most`, or is larger than 1 GiB.
+pub fn read_numbers(path: &Path, name: &str, most: usize) -> Result<Vec<f64>> {
+    numbers_in(&chladni_task::read_file(path, MOST_BYTES)?, name, most)
 }
 
 /// Like [`read_numbers`], but from the bytes of the file.
 ///
 /// # Errors
 /// Those of [`read_numbers`].
-pub fn numbers_in(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
+pub fn numbers_in(bytes: &[u8], name: &str, most: usize) -> Result<Vec<f64>> {
     if !bytes.starts_with(b"PK") {
-        return numbers_of(bytes);
+        return numbers_of(bytes, most);
     }
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(Error::other)?;
     let member = archive.by_name(&format!("{name}.npy")).map_err(|error| match error {
@@ -234,7 +240,7 @@ pub fn numbers_in(bytes: &[u8], name: &str) -> Result<Vec<f64>> {
         other => Error::other(other),
     })?;
     // Compression may shrink an archive a thousandfold: limit the decompressed size.
-    numbers_of(member.take(MOST_BYTES))
+    numbers_of(member.take(MOST_BYTES), most)
 }
 
 /// The longest header of an array, in bytes, and the most brackets in it: an array of numbers has two, and the time in which
@@ -244,19 +250,19 @@ const MOST_BRACKETS: usize = 16;
 /// The most digits in a shape: with more, the number of values may be beyond 64 bits, which `npyz` does not check.
 const MOST_DIGITS: usize = 19;
 
-fn numbers_of(mut file: impl Read) -> Result<Vec<f64>> {
+fn numbers_of(mut file: impl Read, most: usize) -> Result<Vec<f64>> {
     let header = header(&mut file)?;
     let file = NpyFile::new(header.as_slice().chain(file))?;
     let DType::Plain(kind) = file.dtype() else { return Err(Error::other("it holds records, not numbers")) };
     match (kind.type_char(), kind.size_field()) {
-        (TypeChar::Bool, _) => each(file, |x: bool| f64::from(u8::from(x))),
-        (TypeChar::Float, 4) => each(file, |x: f32| f64::from(x)),
-        (TypeChar::Float, 8) => each(file, |x: f64| x),
-        (TypeChar::Int, 1) => each(file, |x: i8| f64::from(x)),
-        (TypeChar::Int, 4) => each(file, |x: i32| f64::from(x)),
-        (TypeChar::Int, 8) => each(file, |x: i64| x as f64),
-        (TypeChar::Uint, 1) => each(file, |x: u8| f64::from(x)),
-        (TypeChar::Uint, 4) => each(file, |x: u32| f64::from(x)),
+        (TypeChar::Bool, _) => each(file, most, |x: bool| f64::from(u8::from(x))),
+        (TypeChar::Float, 4) => each(file, most, |x: f32| f64::from(x)),
+        (TypeChar::Float, 8) => each(file, most, |x: f64| x),
+        (TypeChar::Int, 1) => each(file, most, |x: i8| f64::from(x)),
+        (TypeChar::Int, 4) => each(file, most, |x: i32| f64::from(x)),
+        (TypeChar::Int, 8) => each(file, most, |x: i64| x as f64),
+        (TypeChar::Uint, 1) => each(file, most, |x: u8| f64::from(x)),
+        (TypeChar::Uint, 4) => each(file, most, |x: u32| f64::from(x)),
         _ => {
             Err(Error::other(format!("it holds {kind}, which is none of the kinds of number that are read")))
         }
@@ -289,9 +295,16 @@ fn header(file: &mut impl Read) -> Result<Vec<u8>> {
 }
 
 /// Reads numbers one by one, because a damaged header may promise more than memory holds.
-fn each<T: Deserialize>(file: NpyFile<impl Read>, number: impl Fn(T) -> f64) -> Result<Vec<f64>> {
+fn each<T: Deserialize>(
+    file: NpyFile<impl Read>,
+    most: usize,
+    number: impl Fn(T) -> f64,
+) -> Result<Vec<f64>> {
     let mut numbers = Vec::new();
     for value in file.data::<T>().map_err(Error::other)? {
+        if numbers.len() == most {
+            return Err(Error::other(format!("it has more than {most} numbers")));
+        }
         numbers.push(number(value?));
     }
     Ok(numbers)
@@ -318,13 +331,13 @@ mod tests {
             let header = format!("{{{nested}'descr': '<f8'\n");
             let length = (header.len() as u16).to_le_bytes();
             let bytes = [b"\x93NUMPY\x01\x00", length.as_slice(), header.as_bytes()].concat();
-            assert!(numbers_in(&bytes, "mask").unwrap_err().to_string().contains("damaged"));
+            assert!(numbers_in(&bytes, "mask", 9).unwrap_err().to_string().contains("damaged"));
         }
         let vast = b"{'descr': '<f8', 'fortran_order': False, 'shape': (4294967296, 4294967296), }\n";
         let bytes = [b"\x93NUMPY\x01\x00".as_slice(), &(vast.len() as u16).to_le_bytes(), vast].concat();
-        assert!(numbers_in(&bytes, "mask").unwrap_err().to_string().contains("more numbers"));
+        assert!(numbers_in(&bytes, "mask", 9).unwrap_err().to_string().contains("more numbers"));
         let endless = [b"\x93NUMPY\x02\x00".as_slice(), &u32::MAX.to_le_bytes()].concat();
-        assert!(numbers_in(&endless, "mask").unwrap_err().to_string().contains("bytes"));
+        assert!(numbers_in(&endless, "mask", 9).unwrap_err().to_string().contains("bytes"));
     }
 
     #[test]
@@ -335,7 +348,8 @@ mod tests {
         let numbers = [0.0_f32, 0.25, 1.0].map(f32::to_le_bytes).concat();
         archive.write_all(&npy("<f4", 3, &numbers)).unwrap();
         let bytes = archive.finish().unwrap().into_inner();
-        assert_eq!(numbers_in(&bytes, "mask").unwrap(), [0.0, 0.25, 1.0]);
+        assert_eq!(numbers_in(&bytes, "mask", 3).unwrap(), [0.0, 0.25, 1.0]);
+        assert!(numbers_in(&bytes, "mask", 2).unwrap_err().to_string().contains("more than 2 numbers"));
     }
 
     #[test]
@@ -347,13 +361,13 @@ mod tests {
             npz.array("part", &[2], [-1i64, 7])
         })
         .unwrap();
-        assert_eq!(read_numbers(&path, "mask").unwrap(), [0.0, 0.25, 1.0]);
-        assert_eq!(read_numbers(&path, "part").unwrap(), [-1.0, 7.0]);
-        assert!(read_numbers(&path, "none").unwrap_err().to_string().contains("no array \"none\""));
+        assert_eq!(read_numbers(&path, "mask", 9).unwrap(), [0.0, 0.25, 1.0]);
+        assert_eq!(read_numbers(&path, "part", 9).unwrap(), [-1.0, 7.0]);
+        assert!(read_numbers(&path, "none", 9).unwrap_err().to_string().contains("no array \"none\""));
         let read = |bytes: &[u8]| {
             let path = folder.path().join("x.npy");
             std::fs::write(&path, bytes).unwrap();
-            read_numbers(&path, "")
+            read_numbers(&path, "", 9)
         };
         assert_eq!(read(&npy("|b1", 3, &[1, 0, 1])).unwrap(), [1.0, 0.0, 1.0]);
         assert_eq!(read(&npy("<f8", 1, &2.5f64.to_le_bytes())).unwrap(), [2.5]);

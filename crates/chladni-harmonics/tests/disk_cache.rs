@@ -39,6 +39,39 @@ fn entries_are_reused_and_damaged_ones_solved_again() {
 }
 
 #[test]
+fn what_was_used_the_longest_time_ago_makes_room_and_other_files_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = shapes::icosphere(1);
+    let entry = 8 * (42 * 5 + 42 + 5) + 96;
+    let cache = BasisCache::new(folder.path()).of_at_most(2 * entry + 9 * 42 * 8);
+    let build =
+        |k| Body::load_or_build(&mesh, &BasisSettings::new(k), Some(&cache), &Task::new()).unwrap().1.cached;
+    let others = ["notes.basis", &format!("{}.txt", "a".repeat(64))].map(|name| folder.path().join(name));
+    others.iter().for_each(|path| std::fs::write(path, vec![0; 9999]).unwrap());
+    let entries = || -> Vec<_> {
+        let paths = std::fs::read_dir(folder.path()).unwrap().map(|file| file.unwrap().path());
+        paths.filter(|path| !others.contains(path)).collect()
+    };
+    let age = |path: &std::path::Path, secs| {
+        let long_ago = std::time::SystemTime::now() - std::time::Duration::from_secs(secs);
+        std::fs::File::open(path).unwrap().set_modified(long_ago).unwrap();
+    };
+    assert!(!build(5));
+    age(&entries()[0], 1000);
+    assert!(!build(6));
+    entries().iter().for_each(|path| age(path, 100));
+    // Used: the other one is now the oldest.
+    assert!(build(5));
+    assert!(!build(7));
+    assert_eq!(entries().len(), 2);
+    assert!(build(5) && build(7));
+    assert!(others.iter().all(|path| path.exists()));
+    let small = BasisCache::new(folder.path()).of_at_most(0);
+    Body::load_or_build(&mesh, &BasisSettings::new(8), Some(&small), &Task::new()).unwrap();
+    assert_eq!(entries().len(), 1, "the newest stays");
+}
+
+#[test]
 fn no_flipped_bit_and_no_cut_is_trusted() {
     let folder = tempfile::tempdir().unwrap();
     let cache = BasisCache::new(folder.path());

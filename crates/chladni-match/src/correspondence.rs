@@ -86,6 +86,16 @@ pub fn same_connectivity(
             corner[v as usize].get_or_insert((t as u32, i));
         }
     }
+    // A copy of a vertex that no triangle uses goes with the one in its place.
+    let mut corner_of_point = vec![None; shape_surface.points.len()];
+    for (point, corner) in shape_surface.point_of_vertex.iter().zip(&corner) {
+        if let (Some(point), Some(corner)) = (point, corner) {
+            corner_of_point[*point as usize].get_or_insert(*corner);
+        }
+    }
+    for (point, corner) in shape_surface.point_of_vertex.iter().zip(&mut corner) {
+        *corner = corner.or_else(|| corner_of_point[(*point)? as usize]);
+    }
     let n = shape.positions.len();
     let mut on_template = Vec::with_capacity(n);
     let mut confidence = Vec::with_capacity(n);
@@ -107,7 +117,7 @@ pub fn same_connectivity(
 }
 
 /// Checks that both meshes have the same triangles: an equal number of vertices alone proves nothing.
-fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError> {
+pub(crate) fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError> {
     if shape.triangles == template.triangles {
         return Ok(());
     }

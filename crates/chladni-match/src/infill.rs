@@ -65,6 +65,18 @@ pub fn infilled(shape: &TriMesh, found: &Correspondence) -> Result<Option<Infill
     Ok(Some(Infill { target: target.collect(), share: doubted / surface.area() }))
 }
 
+/// Leaves each vertex of `shape` where it is that no triangle uses and that has no partner: the closest point means nothing
+/// for a vertex off the surface.
+pub(crate) fn rest_off_surface(shape: &TriMesh, confidence: &[f64], target: &mut [[f64; 3]]) {
+    let mut used = vec![false; target.len()];
+    shape.triangles.as_flattened().iter().for_each(|v| used[*v as usize] = true);
+    for (v, own) in shape.positions.iter().enumerate() {
+        if !used[v] && confidence[v] == 0.0 {
+            target[v] = *own;
+        }
+    }
+}
+
 /// Minimizes Σ W ‖d − x^δ‖² + ℓ² ‖∇d‖² over the points that are not fully trusted, with W = a t/(1 − t):
 /// trusted points keep their difference, and without trust only smoothness counts.
 fn fill(surface: &UnitSurface, trust: &[f64], delta: &mut [DVec3]) {

@@ -3,6 +3,7 @@
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
+use crate::infill::rest_off_surface;
 use crate::{
     Correspondence, Match, MatchError, MatchReport, MatchSettings, Similarity, infilled, match_shapes,
 };
@@ -42,14 +43,7 @@ impl<'a> MeanShape<'a> {
         let moved = point.into_iter().map(|p| similarity.apply(p)).collect();
         let direct = Correspondence::direct(moved, confidence);
         let mut target = infilled(self.first, &direct)?.map_or(direct.target, |filled| filled.target);
-        let mut used = vec![false; target.len()];
-        self.first.triangles.as_flattened().iter().for_each(|v| used[*v as usize] = true);
-        for (v, own) in self.first.positions.iter().enumerate() {
-            // The closest point means nothing for a vertex off the surface.
-            if !used[v] && direct.confidence[v] == 0.0 {
-                target[v] = *own;
-            }
-        }
+        rest_off_surface(self.first, &direct.confidence, &mut target);
         for (sum, point) in self.sum.iter_mut().flatten().zip(target.iter().flatten()) {
             *sum += point;
         }

@@ -3,6 +3,8 @@
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
+use crate::correspondence::check_triangles;
+use crate::infill::rest_off_surface;
 use crate::{Correspondence, MatchError, MatchReport, MatchSettings, Method, infilled, match_shapes};
 
 /// A shape to which a difference, such as an expression or a caricature, was transferred.
@@ -18,12 +20,12 @@ pub struct Transfer {
 
 /// Transfers the difference between `neutral` and `expression` to `target`.
 ///
-/// If `neutral` and `expression` have the same triangles, the difference is that of their vertices as
+/// If `neutral` and `expression` have the same triangles, in whatever order, the difference is that of their vertices as
 /// stored in the files; otherwise it is that of a match, without the differences of position, pose and
 /// size. `target` is matched with `neutral` as `settings` say. Each vertex of `target` takes the difference
 /// at its point of the neutral shape, rotated and scaled by the similarity that brings the neutral shape to
 /// the target. Where that match is not trusted, the difference is filled in from its surroundings
-/// ([`infilled`]).
+/// ([`infilled`]). A vertex of `target` that no triangle uses, and that has no partner, stays where it is.
 ///
 /// # Errors
 /// Those of [`match_shapes`].
@@ -51,7 +53,8 @@ pub fn transfer(
     let positions: Vec<[f64; 3]> = target.positions.iter().zip(on).map(moved).collect();
     let direct = Correspondence::direct(positions, confidence.clone());
     let filled = infilled(target, &direct)?;
-    let positions = filled.map_or(direct.target, |filled| filled.target);
+    let mut positions = filled.map_or(direct.target, |filled| filled.target);
+    rest_off_surface(target, &direct.confidence, &mut positions);
     Ok(Transfer { positions, confidence: direct.confidence, report: found.report })
 }
 
@@ -64,7 +67,8 @@ fn difference(
     task: &Task,
 ) -> Result<Vec<[f64; 3]>, MatchError> {
     let less = |(x, r): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| r[i] - x[i]);
-    if neutral.triangles == expression.triangles && neutral.positions.len() == expression.positions.len() {
+    let vertices = neutral.positions.len();
+    if vertices == expression.positions.len() && check_triangles(neutral, expression).is_ok() {
         return Ok(neutral.positions.iter().zip(&expression.positions).map(less).collect());
     }
     // Landmarks, and vertices in the same order, are of the target and the neutral shape.
@@ -82,7 +86,7 @@ fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_mesh::samples::sample;
+    use chladni_mesh::samples::{sample, torus};
 
     /// A grimace: the front of the face moves down and out, and parts farther forward move more.
     fn grimace(p: &[f64; 3]) -> [f64; 3] {
@@ -102,7 +106,10 @@ mod tests {
     #[test]
     fn of_the_same_triangles_the_answer_is_exact_in_any_pose_and_size() {
         let neutral = sample("template").unwrap();
-        let expression = moved(&neutral);
+        let mut expression = moved(&neutral);
+        // As exporters do that group triangles by material.
+        expression.triangles.reverse();
+        expression.triangles.iter_mut().for_each(|t| t.rotate_left(1));
         // The target is the neutral head, three times as large and turned on its side.
         let pose = |p: &[f64; 3]| [3.0 * p[1] + 5.0, -3.0 * p[0], 3.0 * p[2] - 1.0];
         let posed =
@@ -132,6 +139,17 @@ mod tests {
             whole += d.iter().map(|d| d * d).sum::<f64>();
         }
         assert!((0.6..1.4).contains(&(along / whole)), "{along} of {whole}");
+    }
+
+    #[test]
+    fn a_vertex_of_the_target_that_no_triangle_uses_stays() {
+        let (neutral, mut target) = (torus(0.4, 24, 12), torus(0.4, 24, 12));
+        let positions = neutral.positions.iter().map(|[x, y, z]| [*x + 0.1 * y, *y, *z]).collect();
+        let expression = TriMesh { positions, ..neutral.clone() };
+        target.positions.push([0.1, 0.9, 0.2]);
+        let found =
+            transfer(&neutral, &expression, &target, &MatchSettings::default(), &Task::new()).unwrap();
+        assert_eq!(found.positions.last(), Some(&[0.1, 0.9, 0.2]));
     }
 
     #[test]

@@ -50,6 +50,19 @@ fn the_same_vertices_are_told_by_their_triangles() {
     assert!(matches!(matched(&fewer), Err(MatchError::TrianglesDiffer { missing: 1, .. })));
 }
 
+/// Some exporters leave a copy of a vertex behind, which no triangle uses and which need not move along.
+#[test]
+fn a_copy_that_no_triangle_uses_goes_with_the_vertex_in_its_place() {
+    let mut shape = lump(3);
+    shape.positions.push(shape.positions[7]);
+    let mut template = moved(&shape, |[x, y, z]| [1.1 * x, y, z + 0.1 * x]);
+    template.positions[642] = [9.0, 0.0, 0.0];
+    let found = same_connectivity(&shape, &template, Scaling::Free).unwrap();
+    assert_eq!(found.confidence[642], 1.0);
+    assert_eq!(found.target[642], found.target[7]);
+    assert!(infilled(&shape, &found).unwrap().is_none());
+}
+
 #[test]
 fn a_size_that_is_kept_is_a_difference() {
     let shape = lump(3);

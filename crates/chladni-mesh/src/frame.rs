@@ -1,6 +1,7 @@
 //! The working frame: centered, uniformly scaled into [-1, 1]³.
 
 use crate::TriMesh;
+use crate::surface::is_collapsed;
 
 /// The similarity between a file's coordinates and the working frame:
 /// `working = (file − center) · scale`.
@@ -14,10 +15,11 @@ pub struct Frame {
 
 impl Frame {
     /// The frame of `mesh`: its area-weighted centroid goes to the origin and its farthest coordinate to ±1.
-    /// A mesh without extent keeps scale 1.
+    /// A mesh without extent keeps scale 1. Triangles that name one position twice do not count, as in the operator.
     pub fn of(mesh: &TriMesh) -> Self {
         // Offsets from a vertex of the surface keep the sums accurate where the mesh lies far from the origin.
-        let first = mesh.triangles.iter().flatten().min();
+        let triangles = || mesh.triangles.iter().filter(|t| !is_collapsed(&mesh.positions, t));
+        let first = triangles().flatten().min();
         let Some(&origin) = first.and_then(|v| mesh.positions.get(*v as usize)) else {
             return Self { center: [0.0; 3], scale: 1.0 };
         };
@@ -27,7 +29,7 @@ impl Frame {
         };
         let mut area = 0.0;
         let mut moment = [0.0; 3];
-        for &[a, b, c] in &mesh.triangles {
+        for &[a, b, c] in triangles() {
             let (pa, pb, pc) = (at(a), at(b), at(c));
             let u: [f64; 3] = std::array::from_fn(|i| pb[i] - pa[i]);
             let v: [f64; 3] = std::array::from_fn(|i| pc[i] - pa[i]);
@@ -41,7 +43,7 @@ impl Frame {
         let center: [f64; 3] =
             std::array::from_fn(|i| origin[i] + if area > 0.0 { moment[i] / area } else { 0.0 });
         let mut extent = 0.0_f64;
-        for &v in mesh.triangles.iter().flatten() {
+        for &v in triangles().flatten() {
             for i in 0..3 {
                 extent = extent.max((mesh.positions[v as usize][i] - center[i]).abs());
             }
@@ -79,6 +81,9 @@ mod tests {
         with_more.positions.insert(0, [1e20, 0.0, 0.0]);
         with_more.triangles.iter_mut().flatten().for_each(|v| *v += 1);
         assert_eq!(Frame::of(&with_more), frame);
+        with_more.triangles.insert(0, [0; 3]);
+        with_more.triangles.insert(0, [0, 1, 0]);
+        assert_eq!(Frame::of(&with_more), frame, "triangles of one place");
         let empty = TriMesh { positions: vec![[1.0; 3]], ..TriMesh::default() };
         assert_eq!(Frame::of(&empty), Frame { center: [0.0; 3], scale: 1.0 });
     }

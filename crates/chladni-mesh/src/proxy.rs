@@ -5,7 +5,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::surface::vec3::{Vec3, add, cross, distance, dot, length, scaled, sub, unit};
-use crate::surface::{SurfacePoint, TriangleTree, corners, doubled_area_normal, mixed, vertex_triangles};
+use crate::surface::{
+    SurfacePoint, TriangleTree, corners, doubled_area_normal, is_collapsed, mixed, vertex_triangles,
+};
 use crate::{Rows, TriMesh};
 
 /// A mesh with some of the vertices of a larger one, and the way back: for each vertex of the large mesh the
@@ -78,7 +80,8 @@ impl Proxy {
         let mesh = chosen(whole, &whole_vertex, triangles);
         let tree = TriangleTree::new(&mesh.positions, &mesh.triangles);
         let mut seen = vec![false; whole.positions.len()];
-        whole.triangles.iter().flatten().for_each(|v| seen[*v as usize] = true);
+        let has_extent = |t: &&[u32; 3]| !is_collapsed(&whole.positions, t);
+        whole.triangles.iter().filter(has_extent).flatten().for_each(|v| seen[*v as usize] = true);
         let on_surface = |(p, seen): (&Vec3, &bool)| seen.then(|| tree.closest(*p, f64::INFINITY)).flatten();
         let closest: Vec<_> = whole.positions.par_iter().zip(&seen).map(on_surface).collect();
         let farthest =

@@ -77,6 +77,18 @@ fn good_files() -> Vec<(Format, Vec<u8>)> {
 }
 
 #[test]
+fn the_first_of_several_textures_of_a_ply_is_taken_and_said() {
+    let ply = "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile b.png\nelement vertex 3\n\
+         property float x\nproperty float y\nproperty float z\nelement face 1\n\
+         property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    let loaded = read_mesh(ply.as_bytes(), Format::Ply).unwrap();
+    let texture = loaded.mesh.appearance.materials[0].base_color_texture.as_ref().unwrap();
+    assert_eq!(texture.name, "a.png");
+    let is_said = |mended: &chladni_mesh::Mended| matches!(mended, chladni_mesh::Mended::LeftOut(what) if what.contains("but the first"));
+    assert!(loaded.mended.iter().any(is_said), "{:?}", loaded.mended);
+}
+
+#[test]
 fn the_small_good_files_are_good() {
     for (format, bytes) in good_files() {
         read_soundly(&bytes, format).unwrap_or_else(|error| panic!("{format}: {error}"));

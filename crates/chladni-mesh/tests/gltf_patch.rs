@@ -219,7 +219,10 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
     std::fs::write(folder.path().join("first.bin"), &data[..48]).unwrap();
     std::fs::write(folder.path().join("all.bin"), &data).unwrap();
     std::fs::write(folder.path().join("wood.png"), picture).unwrap();
-    root["images"] = json!([{ "uri": "wood.png" }, { "uri": "missing.png" }]);
+    std::fs::write(folder.path().join("skin"), b"RIFF\x08\0\0\0WEBPnot really").unwrap();
+    std::fs::write(folder.path().join("rare"), b"something").unwrap();
+    root["images"] = json!([{ "uri": "wood.png" }, { "uri": "missing.png" }, { "uri": "skin", "mimeType": "image/webp" },
+        { "uri": "skin" }, { "uri": "rare", "mimeType": "image/rare" }]);
     let all = root["buffers"][0]["byteLength"].clone();
     root["buffers"] =
         json!([{ "byteLength": 48, "uri": "first.bin" }, { "byteLength": all, "uri": "all.bin" }]);
@@ -235,6 +238,8 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
     assert_eq!(read_mesh(&bytes, Format::Glb).unwrap().mesh, mesh);
     assert_eq!(now.0["buffers"].as_array().unwrap().len(), 1);
     assert_eq!(now.0["images"][1], json!({ "uri": "missing.png" }));
+    let kinds: Vec<_> = (0..5).map(|i| now.0["images"][i]["mimeType"].as_str().unwrap_or_default()).collect();
+    assert_eq!(kinds, ["image/png", "", "image/webp", "image/webp", "image/rare"]);
     let view = &now.0["bufferViews"][now.0["images"][0]["bufferView"].as_u64().unwrap() as usize];
     let start = view["byteOffset"].as_u64().unwrap() as usize;
     assert_eq!(&now.1[start..start + picture.len()], picture);
@@ -256,6 +261,23 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
     assert!(refused(&mesh).contains("EXT_meshopt_compression"));
     let nowhere = add_morph_targets(Path::new("nowhere.glb"), &mesh, &[]);
     assert!(nowhere.is_err());
+}
+
+/// A mesh of several materials has one list of vertices, and its sliders are stored once.
+#[test]
+fn primitives_that_share_their_vertices_share_the_sliders() {
+    let ball = chladni_mesh::samples::icosphere(1);
+    let half = ball.face_count() / 2;
+    let mut two = ball;
+    two.appearance.materials = ["a", "b"].map(chladni_mesh::Material::named).into();
+    two.appearance.face_materials = (0..two.face_count()).map(|f| Some(u32::from(f < half))).collect();
+    let glb = chladni_mesh::write_mesh(&two, Format::Glb).unwrap();
+    let mesh = read_mesh(&glb, Format::Glb).unwrap().mesh;
+    let now = parsed(&chladni_mesh::add_morph_targets_in(&glb, &mesh, &targets(&mesh)).unwrap());
+    let primitives = now.0["meshes"][0]["primitives"].as_array().unwrap();
+    assert_eq!(primitives.len(), 2);
+    assert_eq!(primitives[0]["targets"].as_array().unwrap().len(), targets(&mesh).len());
+    assert_eq!(primitives[0]["targets"], primitives[1]["targets"]);
 }
 
 #[test]

@@ -260,7 +260,7 @@ fn layout(path: &Path) -> io::Result<(u64, [usize; 2])> {
 fn numbers(path: &Path, count: Option<usize>) -> io::Result<Vec<f64>> {
     let file = chladni_task::open_file(path)?;
     let most = count.map_or(u64::MAX, |count| 8 * count as u64 + LONGEST_HEADER);
-    let numbers = numbers_of(BufReader::new(file).take(most))?;
+    let numbers = numbers_of(BufReader::new(file).take(most), usize::MAX)?;
     match count {
         Some(count) if count != numbers.len() => {
             Err(io::Error::other(format!("it has {} numbers, and the harmonics need {count}", numbers.len())))
@@ -364,6 +364,24 @@ mod tests {
         assert!(why(StoredBasis::open(folder.path()).unwrap_err()).contains("642 rows of 30 columns"));
         fs::remove_file(&vectors).unwrap();
         assert!(StoredBasis::open(folder.path()).is_err());
+    }
+
+    /// Writing another basis over it is interrupted after the first array.
+    #[test]
+    fn arrays_of_two_bases_are_never_taken_for_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, body) = ball();
+        write_basis_folder(folder.path(), &body).unwrap();
+        let mass = folder.path().join("mass.npy");
+        let before = fs::read(&mass).unwrap();
+        fs::remove_file(&mass).unwrap();
+        fs::create_dir(&mass).unwrap();
+        assert!(write_basis_folder(folder.path(), &body).is_err());
+        fs::remove_dir(&mass).unwrap();
+        fs::write(&mass, before).unwrap();
+        assert!(matches!(StoredBasis::open(folder.path()), Err(HarmonicsError::Stored { .. })));
+        write_basis_folder(folder.path(), &body).unwrap();
+        StoredBasis::open(folder.path()).unwrap();
     }
 
     #[test]

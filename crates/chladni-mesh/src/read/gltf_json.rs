@@ -90,6 +90,7 @@ pub(crate) struct BufferView {
 #[serde(rename_all = "camelCase")]
 pub(crate) struct Image {
     pub buffer_view: Option<usize>,
+    pub mime_type: Option<String>,
     pub name: Option<String>,
     pub uri: Option<String>,
 }

@@ -43,8 +43,12 @@ pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
         let what = format!("what {} rows hold beyond the header's properties", ply.long_rows);
         draft.mended.push(Mended::LeftOut(what));
     }
-    if let Some(name) = header.texture {
+    let mut textures = header.textures.into_iter();
+    if let Some(name) = textures.next() {
         add_texture(&mut draft, name, beside);
+    }
+    if textures.len() > 0 {
+        draft.mended.push(Mended::LeftOut("all textures but the first".into()));
     }
     Ok(draft)
 }

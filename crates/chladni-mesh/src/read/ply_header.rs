@@ -105,8 +105,8 @@ impl Element {
 pub(crate) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// MeshLab's `comment TextureFile NAME`.
-    pub texture: Option<String>,
+    /// MeshLab's `comment TextureFile NAME`, in order.
+    pub textures: Vec<String>,
     /// Bytes up to the first value.
     pub length: usize,
     /// Lines of the header.
@@ -117,7 +117,7 @@ impl Header {
     pub fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
-        let mut texture = None;
+        let mut textures = Vec::new();
         let (mut start, mut line) = (0, 0);
         loop {
             line += 1;
@@ -159,7 +159,7 @@ impl Header {
                 b"comment" => {
                     let rest = text.trim_ascii()[keyword.len()..].trim_ascii_start();
                     if let Some(name) = rest.strip_prefix(b"TextureFile") {
-                        texture = Some(String::from_utf8_lossy(name.trim_ascii()).into_owned());
+                        textures.push(String::from_utf8_lossy(name.trim_ascii()).into_owned());
                     }
                 }
                 b"obj_info" | b"" => {}
@@ -170,7 +170,7 @@ impl Header {
             }
         }
         let encoding = encoding.ok_or_else(|| Fault::line(line, "the header has no 'format'"))?;
-        Ok(Self { encoding, elements, texture, length: start, lines: line })
+        Ok(Self { encoding, elements, textures, length: start, lines: line })
     }
 }
 

@@ -34,5 +34,5 @@ pub use stars::delaunay_stars;
 pub use subdivided::subdivided;
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub use walk::Ground;
-pub use weld::{Weld, places, weld};
+pub use weld::{Weld, is_collapsed, places, weld};
 pub use zero_lines::{EdgePoint, chained, zero_lines};

@@ -49,6 +49,15 @@ pub fn weld(mesh: &TriMesh) -> Weld {
     Weld { positions, triangles, operator_vertex }
 }
 
+/// Whether a triangle names one position twice: it then has neither area nor a normal, and [`weld`] leaves it out.
+///
+/// # Panics
+/// If it names a vertex that is not there.
+pub fn is_collapsed(positions: &[[f64; 3]], triangle: &[u32; 3]) -> bool {
+    let [a, b, c] = triangle.map(|v| positions[v as usize]);
+    a == b || b == c || c == a
+}
+
 /// For each vertex the first vertex with exactly the same position (0 equals −0).
 pub fn places(positions: &[[f64; 3]]) -> Vec<u32> {
     let mut first = HashMap::with_capacity(positions.len());

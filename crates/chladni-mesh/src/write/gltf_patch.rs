@@ -86,7 +86,8 @@ fn patched(
         return Err(unwritable(format!("{extension} cannot be kept")));
     }
     let buffers = Buffers::open(&root, binary, beside).map_err(malformed)?;
-    let mut patch = Patch { root: &root, buffers: &buffers, document, file: Glb::default(), mesh, targets };
+    let (file, made) = (Glb::default(), HashMap::new());
+    let mut patch = Patch { root: &root, buffers: &buffers, document, file, mesh, targets, made };
     patch.take_in_buffers(beside);
     if !targets.is_empty() {
         patch.add(&placed)?;
@@ -112,6 +113,20 @@ struct Patch<'a> {
     file: Glb,
     mesh: &'a TriMesh,
     targets: &'a [MorphTarget],
+    /// The targets of primitives that were made, by the list of their vertices and the accessor of normals that they turn:
+    /// primitives that share their vertices share them.
+    made: HashMap<(*const u32, Option<u64>), Vec<Value>>,
+}
+
+/// The kind of a picture that glTF knows, by itself or by an extension.
+fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
+    match bytes {
+        [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
+        [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
+        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
+        [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some("image/ktx2"),
+        _ => None,
+    }
 }
 
 /// The array called `name`, made where it is not there.
@@ -153,13 +168,13 @@ impl Patch<'_> {
             let Some(uri) = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) else { continue };
             let taken_in = views.entry(uri).or_insert_with(|| {
                 let bytes = Buffers::uri(uri, beside).ok()?;
-                let kind = if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" };
+                let kind = picture_kind(&bytes).or(image.mime_type.as_deref())?;
                 Some((self.file.view(bytes.iter().copied(), None), kind))
             });
-            let Some((view, kind)) = *taken_in else { continue };
+            let Some((view, kind)) = taken_in else { continue };
             let image = &mut self.document["images"][i];
             image["mimeType"] = json!(kind);
-            image["bufferView"] = json!(self.root.buffer_views.len() + view);
+            image["bufferView"] = json!(self.root.buffer_views.len() + *view);
             if let Some(image) = image.as_object_mut() {
                 image.remove("uri");
             }
@@ -234,6 +249,13 @@ impl Patch<'_> {
         };
         let local = Local::of(&own.matrix).ok_or_else(|| unwritable("a node makes its mesh flat"))?;
         let normals = self.own_normals(primitive, own)?;
+        let turned = normals.as_ref().and_then(|_| primitive["attributes"]["NORMAL"].as_u64());
+        let key = (own.vertices.as_ptr(), turned);
+        if let Some(made) = self.made.get(&key) {
+            list(primitive, "targets").extend(made.iter().cloned());
+            return Ok(());
+        }
+        let mut made = Vec::with_capacity(self.targets.len());
         for (target, turned) in self.targets.iter().zip(&shape.turned) {
             let moved = own.vertices.iter().map(|v| local.offset(target.displacements[*v as usize]));
             let moved: Vec<[f32; 3]> = moved.map(|d| narrowed(d, FORMAT)).collect::<Result<_, _>>()?;
@@ -248,8 +270,10 @@ impl Patch<'_> {
                 let turn: Vec<[f32; 3]> = turn.collect();
                 entry["NORMAL"] = json!(self.floats(&turn));
             }
-            list(primitive, "targets").push(entry);
+            made.push(entry);
         }
+        list(primitive, "targets").extend(made.iter().cloned());
+        self.made.insert(key, made);
         Ok(())
     }
 

@@ -38,9 +38,10 @@ fn refused(path: &Path, why: impl std::fmt::Display) -> Error {
 /// # Errors
 /// [`Error::Input`] where that is not there, has another number of values, or one outside [0, 1].
 pub fn read(path: &Path, channel: Option<&str>, subject: &Subject) -> Result<Painted, Error> {
+    let vertices = subject.whole().positions.len();
     let values = match Format::of_path(path) {
         Some(format) => of_mesh(path, &ShapeSource::named(path).load(None)?, format, channel)?,
-        None => of_array(path, read_numbers(path, channel.unwrap_or(MASK)))?,
+        None => of_array(path, vertices, read_numbers(path, channel.unwrap_or(MASK), vertices))?,
     };
     painted(values, subject.whole(), subject).map_err(|why| refused(path, why))
 }
@@ -55,9 +56,10 @@ pub fn read_in(
     channel: Option<&str>,
     subject: &Subject,
 ) -> Result<Painted, Error> {
+    let vertices = subject.whole().positions.len();
     let values = match Format::of_path(name) {
         Some(format) => of_mesh(name, &read_named_mesh(name, bytes, &nothing_beside)?, format, channel)?,
-        None => of_array(name, numbers_in(bytes, channel.unwrap_or(MASK)))?,
+        None => of_array(name, vertices, numbers_in(bytes, channel.unwrap_or(MASK), vertices))?,
     };
     painted(values, subject.whole(), subject).map_err(|why| refused(name, why))
 }
@@ -74,8 +76,11 @@ fn of_mesh(path: &Path, loaded: &Loaded, format: Format, channel: Option<&str>) 
     found.ok_or_else(|| refused(path, no_channel(&loaded.mesh, channel)))
 }
 
-fn of_array(path: &Path, numbers: std::io::Result<Vec<f64>>) -> Result<Vec<f64>, Error> {
-    numbers.map_err(|why| refused(path, format_args!("no mask can be read from it: {why}")))
+fn of_array(path: &Path, vertices: usize, numbers: std::io::Result<Vec<f64>>) -> Result<Vec<f64>, Error> {
+    numbers.map_err(|why| {
+        let mask = format_args!("no mask, a number for each of the {vertices} vertices, can be read from it");
+        refused(path, format_args!("{mask}: {why}"))
+    })
 }
 
 fn no_channel(mesh: &TriMesh, channel: Option<&str>) -> String {
