@@ -28,8 +28,6 @@ pub struct Gallery<G> {
     current: usize,
     /// How many numbers all generations hold together.
     genes: usize,
-    /// The earliest generation whose choices count as a preference.
-    preference_since: usize,
 }
 
 impl<G: Genome> Gallery<G> {
@@ -71,15 +69,7 @@ impl<G: Genome> Gallery<G> {
         if i64::try_from(seed).is_err() {
             return Err(BreedingError::OutOfRange { name: "seed", value: seed as f64, range: "[0, 2^63)" });
         }
-        let mut gallery = Self {
-            seed,
-            draws: 0,
-            next_id,
-            generations: Vec::new(),
-            current: 0,
-            genes: 0,
-            preference_since: 0,
-        };
+        let mut gallery = Self { seed, draws: 0, next_id, generations: Vec::new(), current: 0, genes: 0 };
         let genomes = initial(&mut gallery.rng());
         if genomes.len() != size {
             return Err(BreedingError::Size { what: "initial items", found: genomes.len(), expected: size });
@@ -128,7 +118,7 @@ impl<G: Genome> Gallery<G> {
         self.generations.iter().enumerate().find_map(|(g, generation)| Some((g, place(generation)?)))
     }
 
-    /// The newest state of an item, in whichever generation it is.
+    /// An item, in whichever generation it is.
     pub fn find(&self, id: ItemId) -> Option<&GalleryItem<G>> {
         let shown = self.items().iter().find(|item| item.id == id);
         shown.or_else(|| self.generations.iter().rev().flat_map(|g| &g.items).find(|item| item.id == id))
@@ -142,6 +132,21 @@ impl<G: Genome> Gallery<G> {
         let items = &mut self.generations[self.current].items;
         let count = items.len();
         items.get_mut(index).ok_or(BreedingError::NoSuch { what: "item", index, count })
+    }
+
+    /// All copies of an item: one that keeps its place is in several generations.
+    pub fn copies_mut(&mut self, id: ItemId) -> impl Iterator<Item = &mut GalleryItem<G>> {
+        self.generations.iter_mut().flat_map(|g| &mut g.items).filter(move |item| item.id == id)
+    }
+
+    /// Chooses an item of the current generation as a parent, or no longer.
+    ///
+    /// # Errors
+    /// [`BreedingError::NoSuch`] for an index that is out of range.
+    pub fn choose(&mut self, index: usize, on: bool) -> Result<(), BreedingError> {
+        let item = self.item_mut(index)?;
+        (item.chosen, item.forgotten) = (on, false);
+        Ok(())
     }
 
     /// Makes an earlier or later generation the current one.
@@ -174,7 +179,7 @@ impl<G: Genome> Gallery<G> {
                 // Drawn for locked places too, so that locking an item does not change the others.
                 let (child, parents) = child(&parents, &mut rng);
                 if item.locked {
-                    return GalleryItem { chosen: false, ..item };
+                    return GalleryItem { chosen: false, forgotten: false, ..item };
                 }
                 self.item(child, Origin::Bred { parents })
             })
@@ -189,19 +194,19 @@ impl<G: Genome> Gallery<G> {
         if parents.len() < least { Err(BreedingError::NotEnoughParents(parents.len())) } else { Ok(parents) }
     }
 
-    /// Makes all choices so far count no longer as a preference.
+    /// Makes all choices so far count no longer as a preference. What is chosen stays chosen as a parent.
     pub fn forget_preference(&mut self) {
-        self.preference_since = self.generations.len();
+        let items = self.generations.iter_mut().flat_map(|generation| &mut generation.items);
+        items.for_each(|item| item.forgotten = item.chosen);
     }
 
     /// The generations whose choices count as a preference, newest first: the current one and its
-    /// ancestors, where something was chosen, back to the last
-    /// [`forget_preference`](Self::forget_preference).
+    /// ancestors, where something was chosen that was not
+    /// [forgotten](Self::forget_preference) since.
     pub fn opinions(&self) -> impl Iterator<Item = &[GalleryItem<G>]> {
         let back = std::iter::successors(Some(self.current), |&g| self.generations[g].from);
-        let counted = back.take_while(|&g| g >= self.preference_since);
-        let items = counted.map(|g| &self.generations[g].items[..]);
-        items.filter(|items| items.iter().any(|item| item.chosen))
+        let items = back.map(|g| &self.generations[g].items[..]);
+        items.filter(|items| items.iter().any(|item| item.chosen && !item.forgotten))
     }
 
     /// Appends a generation in which one item is changed by at most `amount`, and shows it.
@@ -266,7 +271,16 @@ impl<G: Genome> Gallery<G> {
         let id = self.next_id;
         self.next_id += 1;
         let name = String::new();
-        GalleryItem { id, name, genome, origin, edited: false, chosen: false, locked: false }
+        GalleryItem {
+            id,
+            name,
+            genome,
+            origin,
+            edited: false,
+            chosen: false,
+            forgotten: false,
+            locked: false,
+        }
     }
 
     /// A fresh random stream for each draw: the result does not depend on how much randomness earlier
@@ -326,6 +340,27 @@ mod tests {
         assert_ne!(gallery.items()[2].id, before);
         assert!(gallery.load(9, "nowhere", Numbers(vec![0.5; 384])).is_err());
         assert!(gallery.mutate(1, 0.2).is_err());
+    }
+
+    #[test]
+    fn choices_count_again_after_those_before_are_forgotten() {
+        let mut gallery = Gallery::new(3, 6, initial(6)).unwrap();
+        gallery.choose(1, true).unwrap();
+        assert_eq!(gallery.opinions().count(), 1);
+        gallery.forget_preference();
+        // It is still a parent, also in the next generation, but no preference.
+        gallery.mutate(0, 0.5).unwrap();
+        assert!(gallery.items()[1].chosen && gallery.opinions().count() == 0);
+        // In the same generation, in an earlier one, and for the same item.
+        for (generation, item) in [(1, 4), (0, 2), (0, 1)] {
+            gallery.go_to(generation).unwrap();
+            gallery.forget_preference();
+            assert_eq!(gallery.opinions().count(), 0);
+            gallery.choose(item, true).unwrap();
+            assert_eq!(gallery.opinions().count(), 1, "item {item} of generation {generation}");
+        }
+        gallery.choose(1, false).unwrap();
+        assert_eq!(gallery.opinions().count(), 0);
     }
 
     #[test]

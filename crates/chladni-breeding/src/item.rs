@@ -76,6 +76,8 @@ pub struct GalleryItem<G> {
     pub edited: bool,
     /// Whether it is chosen as a parent.
     pub chosen: bool,
+    /// Whether that choice no longer counts as a preference.
+    pub forgotten: bool,
     /// Whether it stays in its place when the others are replaced.
     pub locked: bool,
 }

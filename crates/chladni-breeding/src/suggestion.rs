@@ -87,8 +87,12 @@ impl Preference {
             .collect::<Vec<_>>()
             .into_par_iter()
             .map(|(age, item)| {
-                let weight = FADING.powi(age as i32) * if item.chosen { 1.0 } else { -PASSED_OVER };
-                Ok((describer.describe(&item.genome)?, weight))
+                let liked = match (item.chosen, item.forgotten) {
+                    (true, true) => 0.0,
+                    (true, false) => 1.0,
+                    (false, _) => -PASSED_OVER,
+                };
+                Ok((describer.describe(&item.genome)?, liked * FADING.powi(age as i32)))
             })
             .collect::<Result<_, D::Error>>()?;
         let newest: Vec<&Descriptor> = seen.iter().take(gallery.items().len()).map(|(d, _)| d).collect();

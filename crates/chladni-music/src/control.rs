@@ -173,6 +173,24 @@ impl Bindings {
         Cue::of(binding.target, which, parameters)
     }
 
+    /// Handles an OSC message. One without a value presses each time: it is never said to be released.
+    pub fn touch_osc(
+        &mut self,
+        address: &str,
+        value: Option<f32>,
+        parameters: &Parameters,
+        standing: Standing<'_>,
+    ) -> Option<Cue> {
+        let control = Control::Osc { address: address.to_owned() };
+        let touch = Touch { device: String::new(), control, value: value.unwrap_or(1.0) };
+        let cue = self.touch(&touch, parameters, standing);
+        let bound = self.list.iter().position(|binding| binding.is_of(&touch.device, &touch.control));
+        if let Some(hand) = bound.filter(|_| value.is_none()).and_then(|at| self.hands.get_mut(at)) {
+            hand.pressed = false;
+        }
+        cue
+    }
+
     /// The messages with which the devices that `listens` accepts show the positions of targets, each with
     /// the name of its device. Only changes are sent, and only for bindings to a certain device. To be called
     /// once a frame, after all touches.

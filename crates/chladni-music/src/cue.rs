@@ -116,10 +116,11 @@ pub fn osc_cue(
     if value.is_some_and(f32::is_nan) {
         return None;
     }
-    let (name, text) = match name.split_once('/') {
-        Some((name, which)) if value != Some(0.0) => (name, Some(which)),
+    let (name, text, value) = match name.split_once('/') {
+        // Where the address says which one, the value only presses.
+        Some((name, which)) if value != Some(0.0) => (name, Some(which), None),
         Some(_) => return None,
-        None => (name, text),
+        None => (name, text, value),
     };
     let written = text.map(str::to_owned).or_else(|| value.map(|value| value.to_string()));
     if let Some(action) = written.and_then(|written| setting(name, &written)) {
@@ -129,8 +130,10 @@ pub fn osc_cue(
     let which = match (target.kind(), text, value) {
         // Knobs, switches, forms and choirs take no other values.
         _ if setting(name, "0").is_some() && (text.is_some() || value.is_some()) => return None,
-        (Kind::Level, _, Some(value)) => Which::Level(value.clamp(0.0, 1.0)),
-        (Kind::Level, ..) => return None,
+        (Kind::Level, text, value) => {
+            let written = || text?.parse().ok().filter(|level: &f32| level.is_finite());
+            Which::Level(value.or_else(written)?.clamp(0.0, 1.0))
+        }
         (Kind::Choice | Kind::Dance, Some(text), _) => match text.parse() {
             Ok(number) => Which::Number(number),
             Err(_) => Which::Name(text.to_owned()),
@@ -222,6 +225,17 @@ mod tests {
         assert_eq!(cue("/chladni/breed", Some(0.31)), Some(Cue::Do(Action::Breed)));
         assert_eq!(cue("/chladni/crossfade", Some(7.0)), ask(Target::Crossfade, Which::Level(1.0)));
         assert_eq!(cue("/chladni/crossfade", None), None);
+        for pressed in [None, Some(1.0), Some(0.7)] {
+            let level = |level| ask(Target::Volume, Which::Level(level));
+            assert_eq!(cue("/chladni/volume/0.3", pressed), level(0.3));
+            assert_eq!(cue("/chladni/volume/7", pressed), level(1.0));
+            for no_level in ["/chladni/volume/loud", "/chladni/volume/NaN", "/chladni/volume/"] {
+                assert_eq!(cue(no_level, pressed), None, "{no_level}");
+            }
+        }
+        assert_eq!(cue("/chladni/volume/0.3", Some(0.0)), None, "the button is released");
+        let labeled = osc_cue("/chladni/volume", Some(0.3), Some("loud"), &Parameters::default());
+        assert_eq!(labeled, ask(Target::Volume, Which::Level(0.3)));
         assert_eq!(cue("/chladni/blackout/7", Some(0.0)), None);
     }
 }

@@ -1,5 +1,7 @@
 //! The state that actions change, and the log that replays them.
 
+mod dances;
+
 use std::collections::{BTreeMap, VecDeque};
 
 use chladni_breeding::{ItemId, Origin, item_name};
@@ -8,7 +10,8 @@ use crate::gallery::{Gallery, GalleryItem, GalleryShape, initial};
 use crate::stage::{Scene, Stage};
 use crate::text_file::FORMAT_VERSION;
 use crate::{
-    Action, Ancestor, LoggedAction, Mapping, Moment, MusicError, Parameters, Preset, Settings, VoiceSettings,
+    Action, Ancestor, LoggedAction, Mapping, Moment, MusicError, Parameter, Parameters, Preset, Settings,
+    Switch, VoiceSettings,
 };
 
 /// The longest name of a look, in characters.
@@ -221,7 +224,7 @@ impl Instrument {
 
     fn act(&mut self, moment: Moment, action: &Action) -> Result<(), MusicError> {
         match *action {
-            Action::Choose { item, on } => self.gallery.item_mut(item)?.chosen = on,
+            Action::Choose { item, on } => self.gallery.choose(item, on)?,
             Action::Breed => self.gallery.breed()?,
             Action::BreedFrom { ref candidates } => self.gallery.breed_from(candidates)?,
             Action::ForgetPreference => self.gallery.forget_preference(),
@@ -229,16 +232,17 @@ impl Instrument {
             Action::Lock { item, on } => self.gallery.item_mut(item)?.locked = on,
             Action::Favorite { item, on } => {
                 let item = self.gallery.item_mut(item)?.clone();
-                self.favorites.retain(|f| f.id != item.id);
-                if on {
-                    self.favorites.push(item);
-                }
+                self.staying_in_turn(moment.at_beat, |instrument| {
+                    instrument.favorites.retain(|f| f.id != item.id);
+                    if on {
+                        instrument.favorites.push(item);
+                    }
+                    Ok(())
+                })?;
             }
             Action::Rename { item, ref name } => {
-                let item = self.gallery.item_mut(item)?;
-                item.name = item_name(name);
-                let (id, name) = (item.id, item.name.clone());
-                self.favorites.iter_mut().filter(|f| f.id == id).for_each(|f| f.name.clone_from(&name));
+                let (id, name) = (self.gallery.item_mut(item)?.id, item_name(name));
+                self.copies_mut(id).for_each(|copy| copy.name.clone_from(&name));
             }
             Action::GoTo { generation } => self.gallery.go_to(generation)?,
             Action::NewGallery { seed, size } => {
@@ -265,7 +269,18 @@ impl Instrument {
                 self.load(item, &preset.name, mapping)?;
                 self.parameters.apply(&preset.settings)?;
             }
+            Action::Set { parameter: parameter @ Parameter::BeatsPerStep, value } => {
+                self.staying_in_turn(moment.at_beat, |instrument| {
+                    instrument.parameters.set(parameter, value)
+                })?;
+            }
             Action::Set { parameter, value } => self.parameters.set(parameter, value)?,
+            Action::Switch { switch: switch @ Switch::BeatSteps, on } => {
+                self.staying_in_turn(moment.at_beat, |instrument| {
+                    instrument.parameters.switch(switch, on);
+                    Ok(())
+                })?;
+            }
             Action::Switch { switch, on } => self.parameters.switch(switch, on),
             Action::SetForm { form } => self.parameters.form = form,
             Action::SetChoir { choir } => self.parameters.choir = choir,
@@ -311,35 +326,6 @@ impl Instrument {
             self.look.clear();
         }
         self.staying.retain(|item| self.stage.items().any(|id| id == item.id));
-        Ok(())
-    }
-
-    /// Loads a mapping, which may take the place of an item where there is no room for another generation.
-    fn load(&mut self, index: usize, name: &str, mapping: Mapping) -> Result<(), MusicError> {
-        self.gallery.item_mut(index)?;
-        self.keep_staged();
-        Ok(self.gallery.load(index, name, mapping)?)
-    }
-
-    /// Keeps what the stage names, so that a dance goes on there whatever becomes of the gallery.
-    fn keep_staged(&mut self) {
-        let staged: Vec<GalleryItem> = self.stage.items().filter_map(|id| self.item(id).cloned()).collect();
-        self.staying = staged;
-    }
-
-    fn edit(&mut self, index: usize, change: impl FnOnce(&mut Mapping)) -> Result<(), MusicError> {
-        let item = self.gallery.item_mut(index)?;
-        let mut mapping = item.genome.clone();
-        change(&mut mapping);
-        mapping.validate()?;
-        item.genome = mapping;
-        item.edited = true;
-        // A favorite is the same dance wherever it is played.
-        let edited = item.clone();
-        self.favorites
-            .iter_mut()
-            .filter(|kept| kept.id == edited.id)
-            .for_each(|kept| kept.clone_from(&edited));
         Ok(())
     }
 }

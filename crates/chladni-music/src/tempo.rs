@@ -84,6 +84,9 @@ impl Tempo {
             ClockMessage::Lost { ticks } => self.skip(ticks),
             ClockMessage::Start => self.jump(0.0, at_secs),
             ClockMessage::Continue => {
+                if let Some(grid) = self.grid.as_mut().filter(|_| !self.runs) {
+                    grid.at_secs = at_secs;
+                }
                 self.runs = true;
                 self.ticks.secs.clear();
             }
@@ -143,7 +146,7 @@ impl Tempo {
 
     /// The number of the beat within its bar, from 1.
     pub fn beat_in_bar(&self, secs: f64) -> Option<u32> {
-        let beats = self.grid?.at(secs + self.nudge_secs) * self.beats_per_quarter();
+        let beats = self.place(secs + self.nudge_secs)? * self.beats_per_quarter();
         Some(1 + beats.floor().rem_euclid(QUARTERS_PER_BAR) as u32)
     }
 
@@ -181,9 +184,13 @@ impl Tempo {
         2f64.powi(self.octave)
     }
 
+    /// The place in the song at `secs`, in quarters; a clock that was stopped stands still.
+    fn place(&self, secs: f64) -> Option<f64> {
+        self.grid.map(|grid| if self.runs { grid.at(secs) } else { grid.quarters })
+    }
+
     fn count(&self, secs: f64) -> Option<f64> {
-        let secs = if self.runs { secs + self.nudge_secs } else { self.grid?.at_secs };
-        Some(self.origin + self.grid?.at(secs) * self.beats_per_quarter())
+        Some(self.origin + self.place(secs + self.nudge_secs)? * self.beats_per_quarter())
     }
 
     fn tick(&mut self, at_secs: f64) {
@@ -245,7 +252,7 @@ impl Tempo {
 
     fn set_tempo(&mut self, bpm: f64, at_secs: f64) {
         if TEMPI_BPM.contains(&bpm) {
-            let quarters = self.grid.map_or(0.0, |grid| grid.at(at_secs));
+            let quarters = self.place(at_secs).unwrap_or(0.0);
             self.follow(Grid { quarters, at_secs, per_sec: bpm / 60.0 });
         }
     }
@@ -253,7 +260,7 @@ impl Tempo {
     fn beat(&mut self, in_bar: Option<u32>, at_secs: f64) {
         self.beats.add(at_secs);
         // The first beat of its song, or the nearest quarter if a clock is ticking.
-        let quarters = self.grid.map_or(0.0, |grid| grid.at(at_secs));
+        let quarters = self.place(at_secs).unwrap_or(0.0);
         let place = f64::from(in_bar.unwrap_or(1).saturating_sub(1)).rem_euclid(QUARTERS_PER_BAR);
         let whole = match in_bar {
             Some(_) => ((quarters - place) / QUARTERS_PER_BAR).round() * QUARTERS_PER_BAR + place,
@@ -284,8 +291,8 @@ impl Tempo {
     }
 
     fn rebase(&mut self, count: f64, at_secs: f64) {
-        if let Some(grid) = self.grid {
-            self.origin = (count - grid.at(at_secs) * self.beats_per_quarter()).ceil();
+        if let Some(quarters) = self.place(at_secs) {
+            self.origin = (count - quarters * self.beats_per_quarter()).ceil();
         }
     }
 

@@ -46,7 +46,7 @@ pub use beat::{BeatFollower, BeatMoment, BeatScore, Beats, beat_score, track_bea
 #[cfg(feature = "devices")]
 pub use capture::{Capture, CaptureFeed, CaptureKind, CaptureLevel, CaptureSource, capture_sources};
 pub use clicks::clicks;
-pub use crossfade::{LONGEST_CROSSFADE_SECS, crossfade_gain};
+pub use crossfade::{LONGEST_CROSSFADE_SECS, SEAM_SECS, crossfade_gain};
 pub use decode::{
     SONG_EXTENSIONS, Song, SongOptions, SongReader, SongTags, StereoResampler, WavSample, wav_bytes,
     write_wav,

@@ -139,6 +139,38 @@ fn taps_halving_and_doubling_are_obeyed() {
 }
 
 #[test]
+fn taps_faster_or_slower_than_all_tracked_tempi_are_obeyed() {
+    let silence = vec![0.0; 4410];
+    let tapped = |steps: usize| {
+        let mut follower = BeatFollower::new(44_100).unwrap();
+        for step in 1..=6 * steps {
+            follower.push(&silence, &silence);
+            if step % steps == 0 {
+                follower.tap(follower.now_secs());
+            }
+        }
+        follower
+    };
+    for steps in [2, 18] {
+        let follower = tapped(steps);
+        let (gap_secs, tap_secs) = (0.1 * steps as f64, follower.now_secs());
+        let bpm = follower.moment().tempo_bpm;
+        assert!((bpm * gap_secs / 60.0 - 1.0).abs() < 0.03, "{bpm} bpm of taps each {gap_secs} s");
+        // The tap is a beat, and what is tracked between two taps is none.
+        for share in [0.0, 0.5, 1.0] {
+            let phase = follower.moment_at(tap_secs + share * gap_secs).phase;
+            let off = (phase - share + 1.5).fract() - 0.5;
+            assert!(off.abs() < 0.12, "{phase} after {share} of {gap_secs} s");
+        }
+    }
+    // A key that bounces says no tempo.
+    let mut follower = BeatFollower::new(44_100).unwrap();
+    follower.push(&silence, &silence);
+    (0..3).for_each(|_| follower.tap(follower.now_secs()));
+    assert!(follower.moment().tempo_bpm < 230.0, "{:?}", follower.moment());
+}
+
+#[test]
 fn beats_at_half_the_speed_take_twice_as_long() {
     let rate_hz = 44_100;
     let mut follower = BeatFollower::new(rate_hz).unwrap();

@@ -65,7 +65,7 @@ impl<G: Genome> Gallery<G> {
         let places = self.items().to_vec().into_iter().zip(born);
         let items = places
             .map(|(item, (genome, origin))| match item.locked {
-                true => GalleryItem { chosen: false, ..item },
+                true => GalleryItem { chosen: false, forgotten: false, ..item },
                 false => self.item(genome, origin),
             })
             .collect();

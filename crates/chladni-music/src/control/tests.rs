@@ -243,3 +243,24 @@ fn bindings_that_find_no_room_are_said() {
     assert!(touch(&mut bindings, &knob(7, 127), &parameters).is_some());
     assert_eq!((bindings.learning(), bindings.list().len()), (None, MOST_BINDINGS));
 }
+
+#[test]
+fn an_osc_message_without_a_value_presses_each_time() {
+    let mut bindings = Bindings::default();
+    let parameters = Parameters::default();
+    let hear = |bindings: &mut Bindings, address: &str, value| {
+        bindings.touch_osc(address, value, &parameters, &|_, _| None)
+    };
+    bindings.learn(Some((Target::Go, None)));
+    let press = Some(Cue::Ask(Target::Go, Which::Press));
+    for _ in 0..3 {
+        assert_eq!(hear(&mut bindings, "/go", None), press);
+    }
+    // With a value, it is held until it is released.
+    let held = [1.0, 1.0, 0.0, 1.0].map(|value| hear(&mut bindings, "/go", Some(value)));
+    assert_eq!(held, [press.clone(), None, None, press]);
+    // A level is not put back.
+    bindings.learn(Some((Target::Volume, None)));
+    let full = Some(Cue::Ask(Target::Volume, Which::Level(1.0)));
+    assert_eq!([None, None].map(|value| hear(&mut bindings, "/full", value)), [full.clone(), full]);
+}

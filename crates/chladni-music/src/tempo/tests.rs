@@ -189,3 +189,55 @@ fn a_beat_without_a_place_in_its_bar_is_the_first() {
     tempo.hear(ClockMessage::Beat { in_bar: Some(0) }, 11.0);
     assert_eq!(tempo.beat_in_bar(11.01), Some(1));
 }
+
+#[test]
+fn a_clock_that_was_stopped_goes_on_from_where_it_stood() {
+    let mut stopped = Tempo::default();
+    stopped.set(120.0, 3.25, 0.0);
+    stopped.hear(ClockMessage::Stop, 10.0);
+    let still = stopped.at(10.0).count;
+    assert!((still - 23.25).abs() < 1e-9, "{still}");
+    let in_bar = stopped.beat_in_bar(10.0);
+    // Whatever comes while it stands; taps may move it to a whole beat.
+    let meanwhile: [(&str, &dyn Fn(&mut Tempo), f64); 5] = [
+        ("nothing", &|_| {}, 1e-9),
+        ("a tempo", &|tempo| tempo.hear(ClockMessage::Tempo { bpm: 125.0 }, 15.0), 1e-9),
+        ("a beat", &|tempo| tempo.hear(ClockMessage::Beat { in_bar: None }, 15.2), 0.5),
+        (
+            "taps",
+            &|tempo| {
+                (0..6)
+                    .for_each(|i| tempo.hear(ClockMessage::Beat { in_bar: None }, 13.1 + 0.6 * f64::from(i)));
+            },
+            0.5,
+        ),
+        (
+            "twice as fast and back",
+            &|tempo| {
+                tempo.double(13.0);
+                tempo.halve(17.0);
+            },
+            1.5,
+        ),
+    ];
+    for (name, comes, off) in meanwhile {
+        let mut tempo = stopped.clone();
+        comes(&mut tempo);
+        let now = tempo.at(19.0);
+        assert!((now.count - still).abs() <= off && now.confidence == 0.0, "{name}: {now:?} after {still}");
+        assert!(off > 1e-9 || tempo.beat_in_bar(19.0) == in_bar, "{name}");
+        tempo.hear(ClockMessage::Continue, 20.0);
+        let next = tempo.at(20.01);
+        assert!(
+            (next.count - now.count).abs() < 0.6 && next.confidence == 1.0,
+            "{name}: {next:?} after {now:?}"
+        );
+        // And it does go on.
+        let gone = tempo.at(24.0).count - tempo.at(22.0).count;
+        let beats = 2.0 * tempo.bpm().unwrap() / 60.0;
+        assert!((gone - beats).abs() < 1e-6, "{name}: {gone} beats");
+    }
+    let mut tempo = stopped;
+    tempo.hear(ClockMessage::Continue, 20.0);
+    assert!((tempo.at(20.01).count - still).abs() < 0.1);
+}

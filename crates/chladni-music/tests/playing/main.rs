@@ -1,6 +1,7 @@
 //! From bands to moving shapes: rest, mirror, true stereo, calibration, sessions that replay.
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
+mod favorites;
 mod limits;
 mod shows;
 

@@ -26,6 +26,9 @@ const DOUBT: f32 = 0.001_35;
 const SHORTEST_GAP: f64 = 0.6;
 /// A beat that is recognized this late is still announced.
 const LATEST_SECS: f64 = 0.06;
+/// The most and the fewest beats that are announced per beat tracked.
+const FASTEST_SPEED: f64 = 4.0;
+const SLOWEST_SPEED: f64 = 0.25;
 /// Beats are looked for this often, however many samples come at once: less often, they would be recognized too late.
 const LOOKS_PER_SEC: usize = 100;
 /// Beats, and bars, that may wait to be taken: those of several seconds at any tempo.
@@ -48,11 +51,14 @@ pub struct BeatFollower {
     samples_heard: u64,
     best: Best,
     last_beat_secs: f64,
+    /// The tracked beat from which those at half the speed are counted: the one tapped or announced last.
+    counted_secs: Option<f64>,
     /// Beats and bars that nobody has taken yet, oldest first.
     pending: VecDeque<f64>,
     bars: BarFollower,
     begun: VecDeque<HeardBar>,
-    /// How many beats are announced per beat tracked: 2 after "double", ½ after "halve".
+    /// How many beats are announced per beat tracked: 2 after "double", ½ after "halve", and after taps that are faster or
+    /// slower than all tempi.
     speed: f64,
     taps: Taps,
     /// Slow mean of the onset strength at the beats.
@@ -94,6 +100,7 @@ impl BeatFollower {
             samples_heard: 0,
             best: Best::default(),
             last_beat_secs: f64::MIN,
+            counted_secs: None,
             pending: VecDeque::with_capacity(MOST_WAITING),
             bars: BarFollower::new(rate_hz)?,
             begun: VecDeque::with_capacity(MOST_WAITING),
@@ -164,19 +171,20 @@ impl BeatFollower {
 
     /// Announces twice as many beats from now on.
     pub fn double(&mut self) {
-        self.speed = (self.speed * 2.0).min(4.0);
+        self.speed = (self.speed * 2.0).min(FASTEST_SPEED);
     }
 
     /// Announces half as many beats from now on.
     pub fn halve(&mut self) {
-        self.speed = (self.speed / 2.0).max(0.25);
+        self.speed = (self.speed / 2.0).max(SLOWEST_SPEED);
     }
 
     /// Takes a tap of the user at a time. Each tap sets the phase at once; from the second tap on, also the
     /// tempo.
     pub fn tap(&mut self, secs: f64) {
-        let gap = self.taps.add(secs);
-        self.speed = 1.0;
+        let tapped = self.taps.add(secs).map(|gap_secs| self.tracked(gap_secs * ONSET_RATE_HZ));
+        self.speed = tapped.map_or(1.0, |(_, speed)| speed);
+        self.counted_secs = Some(secs);
         let frames_ago = (self.frames_heard as f64 - 1.0 - secs * ONSET_RATE_HZ).round();
         let count = self.belief.len() as f32;
         self.belief.fill(DOUBT / count);
@@ -184,7 +192,7 @@ impl BeatFollower {
             let period = tempo.period as f64;
             // A gap within 8 % of a tempo supports that tempo. Without a gap, the last best tempo is
             // supported.
-            let wanted = gap.map_or(self.best.period as f64, |gap| gap * ONSET_RATE_HZ);
+            let wanted = tapped.map_or(self.best.period as f64, |(period, _)| period);
             let off = if wanted > 0.0 { (period / wanted).ln() / 0.04 } else { 0.0 };
             let place = frames_ago.rem_euclid(period) as usize % tempo.period;
             let index = (place + tempo.period - self.ring_start(tempo.period)) % tempo.period;
@@ -192,6 +200,21 @@ impl BeatFollower {
         }
         self.normalize();
         self.find_best();
+    }
+
+    /// The period to track where the time between taps is `gap` frames, and how many beats are announced per tracked one:
+    /// only tempi of the meter can be tracked. Taps that are faster still, as where a key bounces, have no tempo.
+    fn tracked(&self, gap: f64) -> (f64, f64) {
+        let periods = || self.meter.tempi.iter().map(|tempo| tempo.period as f64);
+        let (shortest, longest) = (periods().fold(f64::MAX, f64::min), periods().fold(0.0, f64::max));
+        let (mut period, mut speed) = (gap, 1.0);
+        while period < shortest && speed < FASTEST_SPEED {
+            (period, speed) = (2.0 * period, 2.0 * speed);
+        }
+        while period > longest && speed > SLOWEST_SPEED {
+            (period, speed) = (period / 2.0, speed / 2.0);
+        }
+        if (shortest..=longest).contains(&period) { (period, speed) } else { (gap, 1.0) }
     }
 
     /// Forgets everything, as after a seek, including taps, doubling and halving.
@@ -290,9 +313,9 @@ impl BeatFollower {
         let frame_secs = self.frames_heard.saturating_sub(1) as f64 / ONSET_RATE_HZ;
         let period_secs = self.best.period as f64 / ONSET_RATE_HZ;
         let mut begin = frame_secs - self.best.place as f64 / ONSET_RATE_HZ;
-        // Beats at half the speed go on from the one announced last, not from each that is tracked.
-        if self.speed < 1.0 && self.last_beat_secs >= 0.0 {
-            let since = ((begin - self.last_beat_secs) / period_secs).round();
+        // Beats at half the speed go on from the last one, not from each that is tracked.
+        if let Some(counted_secs) = self.counted_secs.filter(|_| self.speed < 1.0) {
+            let since = ((begin - counted_secs) / period_secs).round();
             begin -= since.rem_euclid(1.0 / self.speed) * period_secs;
         }
         (begin, period_secs / self.speed)
@@ -308,6 +331,7 @@ impl BeatFollower {
         let rested = last - self.last_beat_secs > SHORTEST_GAP * gap;
         if rested && now - last <= LATEST_SECS {
             self.last_beat_secs = now;
+            self.counted_secs = Some(now);
             keep(&mut self.pending, now);
             if let Some(bar) = self.bars.beat(now) {
                 keep(&mut self.begun, bar);

@@ -7,10 +7,8 @@ use cpal::{FromSample, SizedSample};
 use rtrb::Consumer;
 
 use super::clock::Clock;
+use crate::SEAM_SECS;
 use crate::history::Frame;
-
-/// Duration of the fades at pauses, changes of volume, jumps and underruns, which would click otherwise.
-const RAMP_SECS: f32 = 0.008;
 
 /// The reading end of a ring. [`fill`](Self::fill) runs in the audio callback: it must not allocate, lock or log, since a late
 /// callback is audible as a click.
@@ -105,7 +103,7 @@ struct Seam {
 
 impl Seam {
     fn new(rate_hz: u32) -> Self {
-        let length = ((RAMP_SECS * rate_hz as f32) as u32).max(1);
+        let length = ((SEAM_SECS * rate_hz as f32) as u32).max(1);
         Self { last: [0.0; 2], step: [0.0; 2], left: 0, length, begins: false }
     }
 
@@ -227,7 +225,7 @@ mod tests {
 
     /// Where the sound itself moves by `slope`: with a fade over twice the loudest sample, and one of the gain.
     fn allowed(slope: f32) -> f32 {
-        slope + 3.1 * LOUD / (RAMP_SECS * RATE_HZ as f32)
+        slope + 3.1 * LOUD / (SEAM_SECS * RATE_HZ as f32)
     }
 
     #[test]

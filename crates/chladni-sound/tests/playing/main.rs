@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use chladni_sound::{Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample, write_wav};
+use chladni_testdata::HANGS;
 
 fn silent() -> Player {
     Player::start(PlayerSettings { audible: false, ..PlayerSettings::default() }).unwrap()
@@ -25,9 +26,6 @@ fn write_tone(folder: &Path, name: &str, rate_hz: u32, secs: f64) -> PathBuf {
     write_wav(&path, &song, WavSample::Int16).unwrap();
     path
 }
-
-/// Far longer than anything here takes on a loaded machine: something hangs.
-const HANGS: Duration = Duration::from_secs(120);
 
 fn wait(what: &str, mut done: impl FnMut() -> bool) {
     let end = Instant::now() + HANGS;

@@ -1,0 +1,133 @@
+//! A dance is one wherever it is kept, and the favorite that is shown in turn stays while others come and go.
+
+use super::*;
+
+use chladni_music::{ItemId, Parameter, Scene};
+
+const STEP: f64 = 16.0;
+
+fn instrument() -> Instrument {
+    let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+    Instrument::new(77, 6, shape).unwrap()
+}
+
+fn apply(instrument: &mut Instrument, at_beat: f64, action: Action) {
+    instrument.apply(Moment { at_secs: at_beat, at_beat }, action).unwrap();
+}
+
+#[test]
+fn a_dance_that_is_drawn_or_renamed_is_the_same_in_all_generations() {
+    let mut instrument = instrument();
+    let transfer: Vec<f32> =
+        instrument.gallery().items()[3].genome.transfer.iter().map(|x| 0.5 * x).collect();
+    let [marked, staged] = [2, 4].map(|item: usize| instrument.gallery().items()[item].id);
+    for action in [
+        Action::Favorite { item: 2, on: true },
+        Action::Choose { item: 2, on: true },
+        Action::Perform { item: 4 },
+        Action::Mutate { item: 0, amount: 0.2 },
+        Action::Choose { item: 2, on: false },
+        Action::SetTransfer { item: 2, transfer: transfer.clone() },
+        Action::SetStereoMu { item: 4, stereo_mu: 0.125 },
+        Action::Rename { item: 2, name: "tide".into() },
+    ] {
+        apply(&mut instrument, 0.0, action);
+    }
+    for generation in [1, 0] {
+        apply(&mut instrument, 0.0, Action::GoTo { generation });
+        let drawn = instrument.item(marked).unwrap();
+        assert_eq!((&drawn.genome.transfer, drawn.name.as_str(), drawn.edited), (&transfer, "tide", true));
+        assert_eq!(drawn, &instrument.gallery().items()[2]);
+        assert_eq!(
+            (&instrument.favorites()[0].genome, instrument.favorites()[0].name.as_str()),
+            (&drawn.genome, "tide")
+        );
+        assert_eq!(instrument.item(staged).unwrap().genome.stereo_mu, 0.125);
+        // What a generation has chosen is its own.
+        assert_eq!(drawn.chosen, generation == 0);
+    }
+    let wrong = Action::SetTransfer { item: 2, transfer: vec![7.0; 16] };
+    let before = instrument.clone();
+    assert!(instrument.apply(Moment::default(), wrong).is_err() && instrument == before);
+}
+
+/// Three favorites in turn.
+fn three() -> (Instrument, [ItemId; 4]) {
+    let mut instrument = instrument();
+    for action in [
+        Action::Favorite { item: 0, on: true },
+        Action::Favorite { item: 1, on: true },
+        Action::Favorite { item: 2, on: true },
+        Action::Set { parameter: Parameter::BeatsPerStep, value: STEP as f32 },
+        Action::Set { parameter: Parameter::TransitionBeats, value: 4.0 },
+        Action::Switch { switch: Switch::BeatSteps, on: true },
+        Action::PerformFavorites { first: 0 },
+    ] {
+        apply(&mut instrument, 0.0, action);
+    }
+    let ids = [0, 1, 2, 3].map(|item: usize| instrument.gallery().items()[item].id);
+    (instrument, ids)
+}
+
+#[test]
+fn the_favorite_that_is_shown_stays_when_their_list_or_their_steps_change() {
+    let (three, [_, second, third, _]) = three();
+    let steps = |on| Action::Switch { switch: Switch::BeatSteps, on };
+    let each = |value| Action::Set { parameter: Parameter::BeatsPerStep, value };
+    let changes = [
+        // When the next one comes, after each.
+        (Action::Favorite { item: 3, on: true }, Some(8.0)),
+        (Action::Favorite { item: 0, on: false }, Some(8.0)),
+        (steps(false), None),
+        (each(5.0), Some(5.0)),
+        (each(32.0), Some(24.0)),
+    ];
+    let beat = 7.0 * STEP + 8.0;
+    for (action, next) in changes {
+        let mut instrument = three.clone();
+        assert_eq!(instrument.scene(beat).unwrap().to, second);
+        apply(&mut instrument, beat, action.clone());
+        let shown = |after: f64| {
+            let scene = instrument.scene(beat + after).unwrap();
+            (scene.to, scene.weight)
+        };
+        assert_eq!(shown(0.0), (second, 1.0), "{action:?}");
+        assert_eq!(shown(next.unwrap_or(1000.0) - 0.5), (second, 1.0), "{action:?}");
+        assert!(next.is_none_or(|next| shown(next + 0.5).0 == third), "{action:?}");
+        assert_eq!(instrument.with_beats(|secs| secs).unwrap(), instrument);
+    }
+    // A change during a transition is not seen either.
+    let mut instrument = three.clone();
+    let amid = instrument.scene(7.0 * STEP + 1.0).unwrap();
+    assert!(amid.from != amid.to && amid.weight > 0.0 && amid.weight < 1.0);
+    apply(&mut instrument, 7.0 * STEP + 1.0, Action::Favorite { item: 3, on: true });
+    assert_eq!(instrument.scene(7.0 * STEP + 1.0), Some(amid));
+    // Stepping begins again with the one that is shown.
+    let mut instrument = three;
+    apply(&mut instrument, beat, steps(false));
+    apply(&mut instrument, beat + 1000.0, steps(true));
+    assert_eq!(instrument.scene(beat + 1000.0).unwrap().to, second);
+    assert_eq!(instrument.scene(beat + 1000.5 + STEP).unwrap().to, third);
+    let before = instrument.clone();
+    assert!(instrument.apply(Moment::default(), each(f32::NAN)).is_err() && instrument == before);
+}
+
+#[test]
+fn a_favorite_that_is_one_no_longer_leaves_the_stage() {
+    let (mut instrument, [first, second, third, _]) = three();
+    let beat = 7.0 * STEP + 8.0;
+    apply(&mut instrument, beat, Action::SetLook { look: "Ember".into() });
+    apply(&mut instrument, beat, Action::Favorite { item: 1, on: false });
+    assert_eq!(instrument.scene(beat), Some(Scene { from: second, to: third, weight: 0.0 }));
+    assert_eq!(instrument.scene(beat + 4.0).map(|scene| (scene.to, scene.weight)), Some((third, 1.0)));
+    assert_eq!(instrument.scene(beat + STEP + 4.0).map(|scene| scene.to), Some(first));
+    assert!(instrument.item(second).is_some() && instrument.look().is_some());
+    for item in [0, 2] {
+        apply(&mut instrument, beat + 5.0, Action::Favorite { item, on: false });
+    }
+    assert!(instrument.scene(beat + 5.0).is_none() && instrument.look().is_none());
+    // The stage does not open by itself where there is a favorite again.
+    apply(&mut instrument, beat + 6.0, Action::Favorite { item: 4, on: true });
+    assert_eq!(instrument.scene(beat + 6.0), None);
+    assert_eq!(instrument.with_beats(|secs| secs).unwrap(), instrument);
+}
