@@ -112,6 +112,19 @@ impl PaintEdit {
         }
         Self::Set(Painted::Vertices(of.iter().map(|part| f32::from(u8::from(belongs(part)))).collect()))
     }
+
+    /// The same where only this much of the layer acts, in [0, 1]: a dab has this intensity, and the values of a region that
+    /// is set are multiplied by it. Other edits have none.
+    #[must_use]
+    pub fn with_intensity(self, intensity: f32) -> Self {
+        match self {
+            Self::Dab(dab) => Self::Dab(Dab { intensity, ..dab }),
+            Self::Set(Painted::Vertices(values)) => {
+                Self::Set(Painted::Vertices(values.iter().map(|x| x * intensity).collect()))
+            }
+            other => other,
+        }
+    }
 }
 
 impl Dab {
@@ -228,6 +241,19 @@ mod tests {
         assert_eq!(everywhere, Painted::Everywhere);
         assert_eq!(count(&PaintEdit::Clear.apply(&other, &surface).unwrap(), &surface).0, 0);
         assert!(PaintEdit::Set(other).apply(&Painted::Everywhere, &surface).is_err());
+    }
+
+    #[test]
+    fn parts_are_taken_with_the_intensity_of_the_brush() {
+        let taken = |besides: bool, erase: bool| {
+            PaintEdit::taking(&[1], &[0, 1, 1], besides, erase).with_intensity(0.25)
+        };
+        let set = |values: [f32; 3]| PaintEdit::Set(Painted::Vertices(values.into()));
+        assert_eq!(taken(false, false), set([0.0, 0.25, 0.25]));
+        for erase in [false, true] {
+            assert_eq!(taken(true, erase), PaintEdit::Dab(Dab::even(vec![1, 2], 0.25, erase)));
+        }
+        assert_eq!(PaintEdit::Clear.with_intensity(0.25), PaintEdit::Clear);
     }
 
     #[test]

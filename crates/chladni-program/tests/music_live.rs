@@ -313,6 +313,27 @@ fn a_frozen_stage_that_goes_black_is_black_in_the_recording_too() {
 }
 
 #[test]
+fn the_harmonics_are_in_the_recording_while_they_are_shown() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let mut evening = Evening::begin(20, "[music]\nlook = \"\"\nbackground = \"white\"\n", "");
+    let film = evening.record();
+    (0..10).for_each(|_| evening.step(kick));
+    for id in ["drawer/body", "show-harmonics"] {
+        control(&evening.window, id).click_accesskit();
+        (0..15).for_each(|_| evening.step(kick));
+    }
+    assert!(shows(&evening.window, "Extrema and their"));
+    evening.end_recording();
+    // They stand on slate.
+    let mean = |frame: &Vec<u8>| frame.iter().map(|&level| f32::from(level)).sum::<f32>() / 4096.0;
+    let means: Vec<f32> = gray_frames(&film).iter().map(mean).collect();
+    let (first, last) = (means[0], means[means.len() - 1]);
+    assert!(first > 100.0 && last < 0.8 * first, "{means:?}");
+}
+
+#[test]
 fn a_show_hears_live_input_again_from_its_recording() {
     if !chladni_view::ffmpeg_is_there() {
         return println!("skipped: no ffmpeg");

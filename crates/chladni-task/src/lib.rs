@@ -34,7 +34,7 @@ pub use atomic_file::{
     Draft, create_folder, folder_of, persist, private_folder, temporary_beside, write_atomic,
     write_atomic_private, write_atomic_with,
 };
-pub use other_program::{Needs, other_program};
+pub use other_program::{Needs, apart, other_program};
 pub use percent::percent_decoded;
 pub use progress::{Cancelled, Progress, Stage, Task};
 pub use read_file::{open_file, read_file, read_text_file};

@@ -145,8 +145,22 @@ impl Needs {
 }
 
 /// A command for another program, with what it needs of our environment. Every program that we start is started by this.
+/// One that needs files only is [`apart`].
 pub fn other_program(name: impl AsRef<OsStr>, needs: Needs) -> Command {
-    with_variables(name.as_ref(), needs, std::env::vars_os())
+    let mut command = with_variables(name.as_ref(), needs, std::env::vars_os());
+    if needs == Needs::Files {
+        apart(&mut command);
+    }
+    command
+}
+
+/// Starts a program in a process group of its own (on Unix): Ctrl-C, which a terminal sends to the whole group, would end
+/// an encoder before we have given it the rest. It has to end by itself when its pipe from us or to us does.
+pub fn apart(command: &mut Command) {
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    #[cfg(not(unix))]
+    let _ = command;
 }
 
 fn with_variables(
@@ -200,5 +214,28 @@ mod tests {
         assert_eq!(given(Needs::Desktop, &set), ["HOME", "LC_ALL", "PATH", "PULSE_SERVER"]);
         assert_eq!(given(Needs::Window, &set), ["HOME", "LC_ALL", "PATH", "PULSE_SERVER", "WGPU_BACKEND"]);
         assert_eq!(given(Needs::Ranks, &set), ["HOME", "LC_ALL", "OMPI_MCA_btl", "PATH"]);
+    }
+
+    /// Process and process group, from the text of `/proc/…/stat`.
+    #[cfg(target_os = "linux")]
+    fn process_and_group(stat: &str) -> (u32, u32) {
+        let numbers: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+        (stat.split_whitespace().next().unwrap().parse().unwrap(), numbers[2].parse().unwrap())
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn an_encoder_does_not_get_what_a_terminal_sends_to_us() {
+        let (_, ours) = process_and_group(&std::fs::read_to_string("/proc/self/stat").unwrap());
+        let started = |needs| {
+            let output = other_program("cat", needs).arg("/proc/self/stat").output().unwrap();
+            process_and_group(&String::from_utf8(output.stdout).unwrap())
+        };
+        let (process, group) = started(Needs::Files);
+        assert!(group == process && group != ours);
+        // Those that have no pipe with us end as we do.
+        for needs in [Needs::Desktop, Needs::Window, Needs::Ranks] {
+            assert_eq!(started(needs).1, ours, "{needs:?}");
+        }
     }
 }

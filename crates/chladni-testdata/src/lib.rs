@@ -14,9 +14,13 @@ mod sound_server;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
 pub use double_double::{DoubleDouble, TAU};
 pub use sound_server::SoundServer;
+
+/// Far longer than whatever a test waits for takes on a loaded machine: something hangs.
+pub const HANGS: Duration = Duration::from_secs(1200);
 
 /// The path of `name` in the shared data folder, or `None`, with a printed line, where it is
 /// not there.

@@ -128,6 +128,9 @@ fn a_folder_that_is_none_is_left_alone() {
     std::fs::write(other.join("recording.txt"), "48000\n../../elsewhere/set.mp4\n").unwrap();
     let found = CutOff::find(&other).unwrap();
     assert_eq!(found.film(), home.path().join("set.mp4"));
-    assert!(found.save().is_err());
+    // There is nothing to make a film of: where to look for the sound is said.
+    assert!(found.is_empty());
+    let said = found.save().unwrap_err().to_string();
+    assert!(said.contains(&other.display().to_string()), "{said}");
     assert!(other.exists());
 }

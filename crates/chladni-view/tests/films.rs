@@ -13,8 +13,8 @@ use std::process::Command;
 use chladni_task::Task;
 use chladni_view::film::{ffmpeg_is_there, shoot};
 use chladni_view::{
-    Background, Camera, Canvas, Cell, Film, FilmSettings, FrameRate, Lights, Picture, PictureRequest,
-    PictureShape, Rect, Renderer, Style, View, ViewError, film_turntable,
+    Background, Camera, Canvas, Cell, Film, FilmFormat, FilmSettings, FrameRate, Lights, Picture,
+    PictureRequest, PictureShape, Rect, Renderer, Style, View, ViewError, film_turntable,
 };
 
 const SIZE: (u32, u32) = (64, 48);
@@ -227,6 +227,15 @@ fn wrong_sizes_rates_and_endings_are_errors() {
     {
         assert!(matches!(Film::create(&at(name), settings), Err(ViewError::Film(_))), "{name}");
     }
+    // Animated PNGs hold short numbers: fractions are reduced, and others refused before any work.
+    let at_rate = |numerator, denominator| FilmSettings {
+        rate: FrameRate { numerator, denominator },
+        ..settings(1, 1)
+    };
+    write(&at("a.png"), at_rate(100_000, 1000)).unwrap();
+    assert!(at_rate(30_000, 1001).check_for(FilmFormat::Apng).is_ok());
+    let uneven = at_rate(239_761, 1000).check_for(FilmFormat::Apng);
+    assert!(matches!(uneven, Err(ViewError::Film(_))), "{uneven:?}");
     let nowhere = Film::create(&at("no/such/folder/a.gif"), settings(1, 10));
     assert!(matches!(nowhere, Err(ViewError::File { .. })));
 }

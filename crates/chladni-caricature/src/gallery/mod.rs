@@ -58,7 +58,8 @@ impl VariantGallery {
         Ok(Self { generations: Gallery::new(seed, GALLERY_SIZE, random)?, favorites: Vec::new() })
     }
 
-    /// Twelve others; groups that are locked stay as the first chosen variant has them, or the first of all.
+    /// Twelve others, except that those locked in their places stay; groups that are locked stay as the first chosen variant
+    /// has them, or the first of all.
     ///
     /// # Errors
     /// A seed above 2⁶³ − 1.
@@ -66,7 +67,12 @@ impl VariantGallery {
         let items = self.generations.items();
         let model = items.iter().find(|item| item.chosen).or(items.first()).map(|item| item.genome.clone());
         let first = first(sitter, model.as_ref(), seed)?;
+        let locked = items.iter().cloned().enumerate().filter(|(_, item)| item.locked);
+        let locked: Vec<(usize, GalleryItem<Variant>)> = locked.collect();
         self.generations = self.generations.restart(seed, GALLERY_SIZE, |_| first)?;
+        for (index, item) in locked {
+            *self.generations.item_mut(index)? = GalleryItem { chosen: false, ..item };
+        }
         Ok(())
     }
 

@@ -93,8 +93,15 @@ fn the_first_twelve_differ_more_than_random_ones_and_children_resemble_their_par
     gallery.favor(2, true).unwrap();
     let id = gallery.generations().items()[2].id;
     assert!(gallery.back() && !gallery.back() && gallery.is_favorite(id));
+    let before = gallery.generations().items().to_vec();
+    gallery.lock_place(7, true).unwrap();
     gallery.restart(4, &sitter).unwrap();
     assert!(gallery.variants().iter().all(|variant| variant.genes(Group::Parts) == parts));
+    for (index, (item, old)) in gallery.generations().items().iter().zip(&before).enumerate() {
+        let stays = item.id == old.id && item.genome == old.genome && item.locked;
+        assert_eq!(stays, index == 7, "{index}");
+        assert!(!item.chosen);
+    }
 }
 
 #[test]

@@ -6,13 +6,13 @@ use chladni_harmonics::npz::{write_basis, write_basis_folder, write_operator};
 use chladni_harmonics::{
     BasisSettings, Body, BuildReport, HarmonicsError, InnerSolver, Laplacian, Operator, Ranks, RanksReport,
 };
-use chladni_mesh::{ShapeSource, weld};
+use chladni_mesh::weld;
 use serde::Serialize;
 
 use super::Terminal;
 use crate::work::body::{basis_cache, laplacian};
 use crate::work::outputs::{check_arrays, check_distinct, check_folder};
-use crate::work::{Error, Warning, Watcher};
+use crate::work::{Error, Warning, Watcher, source};
 
 /// Solve for the harmonics of a mesh and write them for NumPy.
 #[derive(clap::Args)]
@@ -163,7 +163,7 @@ impl Args {
         if ranks.is_some() && self.threads.is_some() {
             return Err(Error::input("--threads is for Chladni's own solver; SLEPc has --ranks"));
         }
-        let loaded = ShapeSource::named(&self.mesh).load(None)?;
+        let mesh = source::mesh(&self.mesh, terminal)?;
         let named = |error: HarmonicsError| Error::from(error).of(self.mesh.display());
         let settings = BasisSettings {
             laplacian: laplacian(self.paper),
@@ -174,24 +174,22 @@ impl Args {
             ..BasisSettings::new(self.harmonics)
         };
         let cache = if self.no_cache { None } else { basis_cache() };
-        let (harmonics, vertices) = (self.harmonics, weld(&loaded.mesh).positions.len());
+        let (harmonics, vertices) = (self.harmonics, weld(&mesh).positions.len());
         if harmonics > vertices && vertices > 0 {
             return Err(named(HarmonicsError::BadHarmonicCount { harmonics, vertices }));
         }
-        let wanted = (self.operator.is_some() || ranks.is_some())
-            .then(|| Operator::with(&loaded.mesh, settings.laplacian));
+        let wanted =
+            (self.operator.is_some() || ranks.is_some()).then(|| Operator::with(&mesh, settings.laplacian));
         let operator = wanted.transpose().map_err(named)?;
         let (body, report, of_ranks) = terminal
             .watch("harmonics", |task| match (&operator, &ranks) {
                 (Some(operator), Some(ranks)) => {
-                    Body::solve_on_ranks(&loaded.mesh, operator, &settings, ranks, task)
+                    Body::solve_on_ranks(&mesh, operator, &settings, ranks, task)
                         .map(|(body, report, of_ranks)| (body, report, Some(of_ranks)))
                 }
-                (Some(operator), None) => {
-                    Body::of_operator(&loaded.mesh, operator, &settings, cache.as_ref(), task)
-                        .map(|(body, report)| (body, report, None))
-                }
-                (None, _) => Body::load_or_build(&loaded.mesh, &settings, cache.as_ref(), task)
+                (Some(operator), None) => Body::of_operator(&mesh, operator, &settings, cache.as_ref(), task)
+                    .map(|(body, report)| (body, report, None)),
+                (None, _) => Body::load_or_build(&mesh, &settings, cache.as_ref(), task)
                     .map(|(body, report)| (body, report, None)),
             })
             .map_err(named)?;

@@ -4,7 +4,7 @@ mod changes;
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{BeatReading, CHOIRS, Choir, FORMS, Form, Preset, Show};
+use chladni_music::{BeatReading, CHOIRS, Choir, FORMS, Form, Looks, Preset, Show};
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
 use chladni_view::{Answer, Background, FilmFormat, Lights, Look, Material, Palette, Samples};
@@ -15,7 +15,7 @@ use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
-use crate::work::{Error, OWN_COLORS, Piece, Warning, Watcher, blur, cautions, resolve};
+use crate::work::{Error, OWN_COLORS, Piece, Warning, Watcher, blur, cautions, resolve, resolve_looks};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -89,7 +89,7 @@ pub struct Dance {
     /// Which harmonics may sound.
     #[arg(long, value_parser = one_of(CHOIRS))]
     choir: Option<Choir>,
-    /// How strongly it moves, 0 to 20.
+    /// How strongly it moves, 0 to 20. This and all such options hold throughout a show, whatever it does with them.
     #[arg(long)]
     gain: Option<f32>,
     /// One µ for all dances, 0 to 1, instead of each one's own.
@@ -113,8 +113,9 @@ pub struct Dance {
     /// makes only what is missing.
     #[arg(long, value_name = "C.npz", conflicts_with = "resume")]
     coefficients: Option<PathBuf>,
-    /// Write the mapping of each item of the gallery into this folder, as presets.
-    #[arg(long, value_name = "DIR")]
+    /// Write the mapping of each item of the gallery into this folder, as presets: as they are when all of the film is
+    /// made.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["resume", "piece"])]
     presets: Option<PathBuf>,
     /// Strew sand on the shape and set all up for it: form modal, little gain, nothing turns on the beat, and, where
     /// nothing else says what dances, a higher tone draws a finer figure. What else is given comes after. On a flat sheet
@@ -167,7 +168,7 @@ pub struct Dance {
     /// Name each song as it begins, as on stage: its tags' artist and title, else its file.
     #[arg(long)]
     titles: bool,
-    /// Do not limit flashes to three a second.
+    /// Do not limit flashes to three a second. Unless given, a show that limits them at any time is limited throughout.
     #[arg(long)]
     allow_flashes: bool,
     /// Limit them in any field of view of 10° (a third of the picture across and down), too, for people who sit close.
@@ -184,11 +185,10 @@ impl Dance {
         let (json, samples) = (self.json, self.samples);
         let film = self.film(terminal)?;
         let output = film.output.clone();
-        let kept = output.kept().is_some();
         if let Some(film) = output.kept() {
             terminal.note(format_args!("{} is there already", film.display()));
             // Nothing else is wanted, so nothing need be read.
-            if !json && output.presets.is_none() {
+            if !json {
                 return Ok(());
             }
         }
@@ -202,9 +202,8 @@ impl Dance {
             return terminal.json(&report);
         }
         let sound = output.animation.as_deref().map(film::sound_beside);
-        let made = [&output.film, &output.animation, &sound, &output.coefficients];
-        let made = made.into_iter().filter(|_| !kept);
-        for path in std::iter::once(&output.presets).chain(made).flatten() {
+        let made = [&output.presets, &output.film, &output.animation, &sound, &output.coefficients];
+        for path in made.into_iter().flatten() {
             match output.pipe {
                 // Frames alone are on standard output.
                 Some(_) => terminal.note(format_args!("wrote {}", path.display())),
@@ -248,6 +247,7 @@ impl Dance {
         let moves_itself = self.form.is_some() || self.paper || self.autopilot;
         film.beginning.sand = (self.sand || moves_itself).then_some(self.sand);
         film.beginning.changes = changes;
+        film.read_from = self.show.or(self.preset);
         Ok(film)
     }
 
@@ -336,7 +336,20 @@ impl Dance {
         if songs.is_empty() {
             return Err(missing("song"));
         }
+        show.looks = show.looks.map(|looks| self.scenery(looks, folder, terminal));
         Ok(Film::of_show(show, body, songs, output))
+    }
+
+    /// The looks of a show in `folder`, whose picture and panorama were found; without what the arguments replace.
+    fn scenery(&self, mut looks: Looks, folder: Option<&Path>, terminal: &Terminal) -> Looks {
+        for (given, named) in [(&self.picture, &mut looks.picture), (&self.panorama, &mut looks.panorama)] {
+            if given.is_some() {
+                named.clear();
+            }
+        }
+        let (looks, warnings) = resolve_looks(looks, folder);
+        warnings.into_iter().for_each(|warning| terminal.warn(warning));
+        looks
     }
 
     /// Whether the arguments name parts of a scene, which a whole one may not suit.

@@ -98,10 +98,18 @@ impl LayerOptions {
         self.matching == Some(Method::Same)
     }
 
-    /// One of the options for matching a template mesh that was given, by its name.
-    pub fn given_for_matching(&self) -> Option<&'static str> {
+    /// Checks that no option for matching is given where `template` is no mesh, and so is not matched.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the option's name.
+    pub fn check_for(&self, template: Option<&Template>) -> Result<(), Error> {
         let given = self.matching.map(|_| "--match").or(self.landmarks.as_ref().map(|_| "--landmarks"));
-        given.or(self.rigid.then_some("--rigid"))
+        match given.or(self.rigid.then_some("--rigid")) {
+            Some(option) if !template.is_some_and(Template::is_mesh) => {
+                Err(Error::Input(format!("{option} is for a template that is a mesh")))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// How a template mesh is matched with `subject`.

@@ -8,8 +8,8 @@ use chladni_mesh::ShapeSource;
 use super::Terminal;
 use super::region::RegionOptions;
 use crate::work::formats::is_project;
-use crate::work::outputs::{check_apart, check_file};
-use crate::work::{Error, Subject, mask, source};
+use crate::work::outputs::{check_apart, check_file, left_of_gltf};
+use crate::work::{Error, Subject, Watcher, mask, source};
 
 /// Write a region as a number from 0 to 1 for each vertex of the shape's file.
 #[derive(clap::Args)]
@@ -36,14 +36,16 @@ impl MaskCommand {
         check_file(&self.output)?;
         let read = [Some(self.shape.as_path()), self.region.mask_file()];
         check_apart(&self.output, &read.into_iter().flatten().collect::<Vec<_>>())?;
-        let (subject, painted) =
+        let (shape, subject, painted) =
             if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
         let masked = mask::write(&self.output, &painted, &subject, self.as_colors)?;
+        let lost = shape.file().and_then(|shape| left_of_gltf(shape, &self.output));
+        lost.into_iter().for_each(|lost| terminal.warn(lost));
         terminal.result(format_args!("{} of {} vertices", masked.inside, masked.vertices))?;
         terminal.wrote(&self.output)
     }
 
-    fn of_mesh(&self, terminal: &Terminal) -> Result<(Subject, Painted), Error> {
+    fn of_mesh(&self, terminal: &Terminal) -> Result<(ShapeSource, Subject, Painted), Error> {
         if self.layer.is_some() {
             return Err(Error::input("--layer names a layer of a project, and this is a mesh"));
         }
@@ -51,12 +53,13 @@ impl MaskCommand {
             let ways = "--region, --part, --limb, --curved or --mask";
             return Err(Error::input(format_args!("say which region of the shape: by {ways}")));
         }
-        let subject = Subject::open(&ShapeSource::named(&self.shape), terminal)?;
+        let shape = ShapeSource::named(&self.shape);
+        let subject = Subject::open(&shape, terminal)?;
         let painted = self.region.painted(&self.shape.display().to_string(), &subject, terminal)?;
-        Ok((subject, painted))
+        Ok((shape, subject, painted))
     }
 
-    fn of_project(&self, terminal: &Terminal) -> Result<(Subject, Painted), Error> {
+    fn of_project(&self, terminal: &Terminal) -> Result<(ShapeSource, Subject, Painted), Error> {
         if self.region.is_given() {
             return Err(Error::input("a project brings its regions along: name a --layer"));
         }
@@ -68,7 +71,8 @@ impl MaskCommand {
             return Err(Error::input(no_layer(&self.shape, self.layer.as_deref())));
         };
         let painted = layer.region.painted.clone();
-        Ok((Subject::of(&mut project, terminal)?, painted))
+        let subject = Subject::of(&mut project, terminal)?;
+        Ok((project.shape, subject, painted))
     }
 }
 

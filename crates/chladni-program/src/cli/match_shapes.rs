@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use super::Terminal;
 use super::layer_options::scaling;
-use crate::work::outputs::{check_arrays, check_picture};
+use crate::work::outputs::{check_arrays, check_no_texture, check_picture};
 use crate::work::{Error, Stance, Warning, Watcher, place_colors, source};
 
 /// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
@@ -107,6 +107,7 @@ impl MatchShapes {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.check()?;
         let shape = source::mesh(&self.shape, terminal)?;
+        self.check_textures(&self.shape, &shape)?;
         let start = Instant::now();
         let found = terminal.watch("matching", |task| self.find(&shape, terminal, task))?;
         let seconds = start.elapsed().as_secs_f64();
@@ -142,6 +143,11 @@ impl MatchShapes {
         self.render.as_deref().map_or(Ok(()), check_picture)
     }
 
+    /// Checks that the picture replaces no texture of `mesh`, which was read from the file `path`.
+    fn check_textures(&self, path: &Path, mesh: &TriMesh) -> Result<(), Error> {
+        self.render.as_deref().map_or(Ok(()), |picture| check_no_texture(picture, path, mesh))
+    }
+
     fn find(&self, shape: &TriMesh, terminal: &Terminal, task: &Task) -> Result<Match, Error> {
         let failed = |error: MatchError| Error::from(error).of(self.names());
         let alone = |correspondence: Result<Correspondence, MatchError>| {
@@ -155,6 +161,7 @@ impl MatchShapes {
                     Error::input("this method needs a template: chladni match SHAPE TEMPLATE")
                 })?;
                 let template = source::mesh(path, terminal)?;
+                self.check_textures(path, &template)?;
                 let landmarks = match &self.landmarks {
                     Some(path) => load_landmarks(path)?,
                     None => Vec::new(),

@@ -103,7 +103,8 @@ where
             return 0;
         }
     };
-    let terminal = Terminal::new(cli.quiet).drawing(cli.draw);
+    let takes_stance = cli.command.as_ref().is_some_and(Command::takes_stance);
+    let terminal = Terminal::new(cli.quiet).drawing(cli.draw).taking_stance(takes_stance);
     let done = match cli.command {
         Some(command) => command.run(&terminal),
         None => open::Open::default().run(&terminal),
@@ -162,6 +163,11 @@ fn in_one_line(error: &clap::Error) -> String {
 }
 
 impl Command {
+    /// Whether it has the options --up and --front.
+    fn takes_stance(&self) -> bool {
+        matches!(self, Self::Caricature(_) | Self::Project(_) | Self::Dance(_))
+    }
+
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
         match self {
             Self::Open(command) => command.run(terminal),

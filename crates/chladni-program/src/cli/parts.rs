@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::part_output::{COLORS, Colored, PartOutput, draw};
 use super::{Terminal, limbs};
+use crate::work::outputs::check_no_texture;
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Find the parts of a head (nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck), or of any shape.
@@ -45,6 +46,7 @@ impl Parts {
         let PartOutput { output, json, render } = &self.output;
         self.output.check()?;
         let mesh = source::mesh(&self.mesh, terminal)?;
+        render.as_deref().map_or(Ok(()), |path| check_no_texture(path, &self.mesh, &mesh))?;
         let name = self.mesh.display().to_string();
         if let Some(level) = self.level {
             return limbs::run(&self.output, level, (&name, &mesh), terminal);

@@ -100,14 +100,16 @@ pub fn render(
     let triangles = &made.sculpture.body.triangles;
     if ink.wanted(path) {
         let rest = &made.sculpture.body.positions;
-        let (panels, placed) = match rows {
+        let (panels, placed): (Vec<Portrayed>, _) = match rows {
             Some(rows) => {
                 let placed = sheet::placed(&rows, from, size);
                 (rows.into_iter().flatten().collect(), placed)
             }
             None => pair(&made.sculpture, from, size),
         };
-        return ink.write(path, &inked(&panels, rest)?, &placed, triangles, size);
+        let moved = panels.iter().map(|panel| Inked::moved(&panel.positions, rest.iter().copied()));
+        let shapes: Vec<Inked<'_>> = moved.collect();
+        return ink.write(path, &shapes, &placed, triangles, size);
     }
     let device = terminal.device()?;
     let picture = match rows {
@@ -128,16 +130,6 @@ fn pair(
     let shapes = both.each_ref().map(|panel| &panel.positions[..]);
     let placed = framing::side_by_side(from, &shapes, Rect::of_size(width, height), 0, framing::FILL);
     (both.into(), placed)
-}
-
-/// Panels to be drawn in ink, which shows shapes alone; `rest` is where their vertices were.
-fn inked<'a>(panels: &'a [Portrayed], rest: &[[f64; 3]]) -> Result<Vec<Inked<'a>>, Error> {
-    if panels.iter().any(|panel| panel.shares.is_some() || panel.ghost.is_some() || !panel.dots.is_empty()) {
-        return Err(Error::input(
-            "ink draws shapes alone: leave out the panels rest, ghost, painted and region",
-        ));
-    }
-    Ok(panels.iter().map(|panel| Inked::moved(&panel.positions, rest.iter().copied())).collect())
 }
 
 /// The panels of a picture: a row for each μ of the top layer.

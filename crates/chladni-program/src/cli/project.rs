@@ -127,6 +127,7 @@ impl New {
 
 impl AddLayer {
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
+        self.layer.check_for(Some(&self.template))?;
         let mut project = source::project(&self.project, terminal)?;
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));

@@ -1,6 +1,7 @@
 //! Several shapes in one picture, in rows and columns and all to one scale: what `--show` and
 //! `--sweep` ask for.
 
+use chladni_caricature::MAX_MU;
 use chladni_view::{
     Camera, ColorMap, Device, Marker, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style,
     render_placed,
@@ -15,8 +16,20 @@ pub struct SheetOptions {
     #[arg(long, value_delimiter = ',', value_name = "PANEL", requires = "render")]
     pub show: Vec<Panel>,
     /// A row of panels for each of these μ of the top layer, such as -0.3,-0.4,-0.6.
-    #[arg(long, value_delimiter = ',', value_name = "MU", allow_hyphen_values = true, requires = "render")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "MU",
+        value_parser = mu,
+        allow_hyphen_values = true,
+        requires = "render"
+    )]
     pub sweep: Vec<f64>,
+}
+
+fn mu(text: &str) -> Result<f64, Error> {
+    let parsed = text.trim().parse().ok().filter(|mu: &f64| mu.abs() <= MAX_MU);
+    parsed.ok_or_else(|| Error::input(format!("μ must be a number from -{MAX_MU} to {MAX_MU}")))
 }
 
 /// The content of a panel.
@@ -42,6 +55,13 @@ pub enum Panel {
     Painted,
     /// χ of the top layer, smoothed.
     Region,
+}
+
+impl Panel {
+    /// Whether it shows a shape alone, which is all that ink draws.
+    pub fn is_plain(self) -> bool {
+        !matches!(self, Self::Rest | Self::Ghost | Self::Painted | Self::Region)
+    }
 }
 
 /// A shape in a panel.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use chladni_sound::{FrontEnd, Level, Song, SoundError, SpectrumAnalyzer, SpectrumSettings};
+use chladni_sound::{FrontEnd, Level, Song, SpectrumAnalyzer, SpectrumSettings};
 use chladni_task::Task;
 use clap::Args;
 
@@ -64,6 +64,11 @@ impl Spectrum {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
         let song = source::song(&self.song, self.start, self.duration, terminal)?;
+        let fps = self.frames_a_second(song.duration_secs())?;
+        let moments = Moments { song: &song, fps, start_secs: self.start };
+        if self.render.is_some() {
+            picture::check(moments.count(), self.bands)?;
+        }
         let settings = SpectrumSettings {
             bands: self.bands,
             front_end: if self.linear { FrontEnd::Linear } else { FrontEnd::LogBands },
@@ -74,80 +79,98 @@ impl Spectrum {
             loud: if self.fixed_level { None } else { Some(song.loud_level()?) },
             ..SpectrumSettings::new(song.rate_hz)
         };
-        let fps = match (self.fps, &self.render) {
-            (Some(fps), _) if fps.is_finite() && (0.1..=1000.0).contains(&fps) => fps,
-            (Some(_), _) => return Err(Error::input("--fps must lie between 0.1 and 1000")),
-            (None, Some(_)) => (PICTURE_COLUMNS / song.duration_secs().max(0.1)).min(200.0),
-            (None, None) => JSON_FPS,
-        };
         let mut analyzer = SpectrumAnalyzer::new(settings)?;
-        let frames =
-            terminal.watch("spectrum", |task| analyze(&song, &mut analyzer, fps, self.start, task))?;
-        match &self.render {
-            Some(path) => {
-                let picture = picture::spectrogram(&frames).map_err(Error::other)?;
-                chladni_task::write_atomic(path, &picture).map_err(|error| Error::unwritten(path, error))?;
-                terminal.wrote(path)
-            }
-            None => print_json(terminal, &song, &analyzer, &frames),
+        let Some(path) = &self.render else { return print_json(terminal, &moments, &mut analyzer) };
+        let mut frames = Vec::new();
+        let keep = |frame| {
+            frames.push(frame);
+            Ok(())
+        };
+        terminal.watch("spectrum", |task| moments.analyze(&mut analyzer, task, keep))?;
+        let picture = picture::spectrogram(&frames).map_err(Error::other)?;
+        chladni_task::write_atomic(path, &picture).map_err(|error| Error::unwritten(path, error))?;
+        terminal.wrote(path)
+    }
+
+    /// Frames per second of a song that lasts `secs`.
+    fn frames_a_second(&self, secs: f64) -> Result<f64, Error> {
+        match (self.fps, &self.render) {
+            (Some(fps), _) if (0.1..=1000.0).contains(&fps) => Ok(fps),
+            (Some(_), _) => Err(Error::input("--fps must lie between 0.1 and 1000")),
+            (None, Some(_)) => Ok((PICTURE_COLUMNS / secs.max(0.1)).min(200.0)),
+            (None, None) => Ok(JSON_FPS),
         }
     }
 }
 
-/// Frame i shows the window centered on i / fps.
-fn analyze(
-    song: &Song,
-    analyzer: &mut SpectrumAnalyzer,
+/// Moments of a song; i is at i / fps.
+struct Moments<'a> {
+    song: &'a Song,
     fps: f64,
+    /// Where the song begins in its file.
     start_secs: f64,
-    task: &Task,
-) -> Result<Vec<Frame>, SoundError> {
-    let rate_hz = f64::from(song.rate_hz);
-    let n = analyzer.window_frames();
-    let count = (song.duration_secs() * fps).ceil() as u64;
-    let stage = task.stage("spectrum", count);
-    let (mut left, mut right) = (vec![0.0; n], vec![0.0; n]);
-    let rounded = |bands: &[f32]| bands.iter().map(|&x| (f64::from(x) * 1e6).round() / 1e6).collect();
-    let mut frames = Vec::new();
-    for i in 0..count {
-        task.check()?;
-        let time_secs = i as f64 / fps;
-        let center = (time_secs * rate_hz).round() as i64;
-        song.window_ending_at(center + n as i64 / 2, &mut left, &mut right);
-        let spectrum = analyzer.analyze(&left, &right, 1.0 / fps);
-        frames.push(Frame {
-            time_secs: start_secs + time_secs,
-            mid: rounded(&spectrum.mid),
-            side: rounded(&spectrum.side),
-        });
-        stage.advance(1);
-    }
-    Ok(frames)
 }
 
-/// One frame a line, so that hours of music need no second copy in memory.
+impl Moments<'_> {
+    fn count(&self) -> u64 {
+        (self.song.duration_secs() * self.fps).ceil() as u64
+    }
+
+    /// Gives `take` the frame of each moment, whose window is centered on it.
+    fn analyze(
+        &self,
+        analyzer: &mut SpectrumAnalyzer,
+        task: &Task,
+        mut take: impl FnMut(Frame) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let rate_hz = f64::from(self.song.rate_hz);
+        let n = analyzer.window_frames();
+        let stage = task.stage("spectrum", self.count());
+        let (mut left, mut right) = (vec![0.0; n], vec![0.0; n]);
+        let rounded = |bands: &[f32]| bands.iter().map(|&x| (f64::from(x) * 1e6).round() / 1e6).collect();
+        for i in 0..self.count() {
+            task.check()?;
+            let time_secs = i as f64 / self.fps;
+            let center = (time_secs * rate_hz).round() as i64;
+            self.song.window_ending_at(center + n as i64 / 2, &mut left, &mut right);
+            let spectrum = analyzer.analyze(&left, &right, 1.0 / self.fps);
+            take(Frame {
+                time_secs: self.start_secs + time_secs,
+                mid: rounded(&spectrum.mid),
+                side: rounded(&spectrum.side),
+            })?;
+            stage.advance(1);
+        }
+        Ok(())
+    }
+}
+
+/// One frame a line, as soon as it is analyzed, so that hours of music need no memory.
 fn print_json(
     terminal: &Terminal,
-    song: &Song,
-    analyzer: &SpectrumAnalyzer,
-    frames: &[Frame],
+    moments: &Moments<'_>,
+    analyzer: &mut SpectrumAnalyzer,
 ) -> Result<(), Error> {
-    let json = |value: &[f32]| serde_json::to_string(value).map_err(Error::other);
     terminal.result(format_args!(
         "{{\"rate_hz\": {}, \"bands_hz\": {}, \"frames\": [",
-        song.rate_hz,
-        json(analyzer.bands_hz())?
+        moments.song.rate_hz,
+        serde_json::to_string(analyzer.bands_hz()).map_err(Error::other)?
     ))?;
-    for (i, frame) in frames.iter().enumerate() {
-        let comma = if i + 1 < frames.len() { "," } else { "" };
-        terminal.result(format_args!("{}{comma}", serde_json::to_string(frame).map_err(Error::other)?))?;
-    }
+    let mut left = moments.count();
+    terminal.watch("spectrum", |task| {
+        moments.analyze(analyzer, task, |frame| {
+            left = left.saturating_sub(1);
+            let comma = if left > 0 { "," } else { "" };
+            terminal.result(format_args!("{}{comma}", serde_json::to_string(&frame).map_err(Error::other)?))
+        })
+    })?;
     terminal.result("]}")
 }
 
 /// Amplitudes as colors.
 mod picture {
     use super::Frame;
+    use crate::work::Error;
 
     /// Amplitudes this far below 1 are black.
     const RANGE_DB: f64 = 60.0;
@@ -156,14 +179,53 @@ mod picture {
     const LEAST_WIDTH: usize = 600;
     /// Between the middle's and the side's spectrogram.
     const GAP: usize = 6;
+    /// Some hundred megabytes while it is drawn.
+    const MOST_PIXELS: usize = 64_000_000;
+
+    /// How a number of frames and bands is drawn.
+    struct Layout {
+        frame_width: usize,
+        band_height: usize,
+        width: usize,
+        /// Of one spectrogram.
+        half: usize,
+    }
+
+    impl Layout {
+        fn of(frames: usize, bands: usize) -> Self {
+            let (frames, bands) = (frames.max(1), bands.max(1));
+            let (frame_width, band_height) = (LEAST_WIDTH.div_ceil(frames), LEAST_HEIGHT.div_ceil(bands));
+            let (width, half) = (frame_width.saturating_mul(frames), band_height.saturating_mul(bands));
+            Self { frame_width, band_height, width, half }
+        }
+
+        fn height(&self) -> usize {
+            self.half.saturating_mul(2).saturating_add(GAP)
+        }
+    }
+
+    /// Checks, before any work, that the picture of so long a song is not too large.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with its size.
+    pub fn check(frames: u64, bands: usize) -> Result<(), Error> {
+        let layout = Layout::of(usize::try_from(frames).unwrap_or(usize::MAX), bands);
+        let (width, height) = (layout.width, layout.height());
+        if width.saturating_mul(height) > MOST_PIXELS {
+            return Err(Error::Input(format!(
+                "a picture of {width}×{height} pixels is too large: take a smaller --fps, fewer --bands or a shorter \
+                 --duration"
+            )));
+        }
+        Ok(())
+    }
 
     /// A PNG: time to the right, the middle above and the side below, low bands at the bottom.
     pub fn spectrogram(frames: &[Frame]) -> Result<Vec<u8>, png::EncodingError> {
         let bands = frames.first().map_or(1, |frame| frame.mid.len().max(1));
-        let band_height = LEAST_HEIGHT.div_ceil(bands);
-        let frame_width = LEAST_WIDTH.div_ceil(frames.len().max(1));
-        let (width, half) = (frame_width * frames.len().max(1), band_height * bands);
-        let height = 2 * half + GAP;
+        let layout = Layout::of(frames.len(), bands);
+        let height = layout.height();
+        let Layout { frame_width, band_height, width, half } = layout;
         let mut pixels = vec![24u8; 3 * width * height];
         for (x, column) in (0..width).map(|x| (x, frames.get(x / frame_width))) {
             let Some(frame) = column else { continue };
@@ -204,5 +266,20 @@ mod picture {
         let i = (at as usize).min(PLACES.len() - 2);
         let part = at - i as f64;
         std::array::from_fn(|c| ((1.0 - part) * PLACES[i][c] + part * PLACES[i + 1][c]).round() as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_of_an_hour_at_a_thousand_frames_a_second_is_refused() {
+        let hour = 3600;
+        let why = picture::check(1000 * hour, 128).unwrap_err();
+        assert!(why.is_of_input() && why.to_string().contains("--fps"), "{why}");
+        assert!(picture::check(u64::MAX, usize::MAX).is_err());
+        // The widest without --fps, and most bands.
+        assert!(picture::check(1200, 4096).is_ok() && picture::check(20 * hour, 128).is_ok());
     }
 }

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::Terminal;
 use crate::work::body::{self, laplacian};
 use crate::work::dancer::classes;
-use crate::work::outputs::check_picture;
+use crate::work::outputs::{check_no_texture, check_picture};
 use crate::work::{Error, Stance, Watcher, figure_markers, source};
 
 /// Tell symmetric from antisymmetric harmonics.
@@ -62,6 +62,8 @@ impl SymmetryCommand {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
         let mesh = source::mesh(&self.mesh, terminal)?;
+        let shape = Path::new(&self.mesh);
+        self.render.as_deref().map_or(Ok(()), |path| check_no_texture(path, shape, &mesh))?;
         let (body, _) = body::build(&self.mesh, &mesh, self.harmonics, laplacian(self.paper), terminal)?;
         let symmetry = terminal
             .watch("finding the mirror", |task| classes(&body, self.paper, task))

@@ -22,6 +22,8 @@ pub struct Terminal {
     task: Task,
     /// The choice of the device that draws.
     draw: Draw,
+    /// Whether the command has the options --up and --front.
+    takes_stance: bool,
 }
 
 /// The task of the running command, which Ctrl-C or a signal to end cancels.
@@ -44,12 +46,17 @@ impl Terminal {
                 }
             });
         }
-        Self { quiet, task, draw: Draw::Auto }
+        Self { quiet, task, draw: Draw::Auto, takes_stance: false }
     }
 
     /// The same, with another choice of who draws.
     pub fn drawing(self, draw: Draw) -> Self {
         Self { draw, ..self }
+    }
+
+    /// The same for a command that has, or has not, the options --up and --front.
+    pub fn taking_stance(self, takes_stance: bool) -> Self {
+        Self { takes_stance, ..self }
     }
 
     /// The choice of the device that draws.
@@ -101,7 +108,7 @@ impl Watcher for Terminal {
     }
 
     fn warn(&self, warning: Warning) {
-        self.note(format_args!("warning: {warning}"));
+        self.note(format_args!("warning: {}", advised(&warning, self.takes_stance)));
     }
 
     /// Draws the progress once the part has taken over a second.
@@ -118,6 +125,16 @@ impl Watcher for Terminal {
             let _ = watcher.join();
         }
         value
+    }
+}
+
+/// The warning, with the way out that the command offers.
+fn advised(warning: &Warning, takes_stance: bool) -> String {
+    match warning {
+        Warning::InDoubt { .. } if takes_stance => {
+            format!("{warning}: --up and --front, or a project, say otherwise")
+        }
+        _ => warning.to_string(),
     }
 }
 
@@ -146,4 +163,17 @@ fn draw_progress(label: &str, task: &Task, done: &AtomicBool) {
         std::thread::park_timeout(Duration::from_millis(100));
     }
     bar.finish_and_clear();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_mesh::Orientation;
+
+    #[test]
+    fn only_commands_that_have_options_for_the_stance_advise_them() {
+        let warning = Warning::InDoubt { name: "a.obj".into(), stands: Orientation::Y_UP };
+        assert!(advised(&warning, true).contains("--up and --front"));
+        assert!(advised(&warning, false).ends_with("which is in doubt"));
+    }
 }

@@ -7,7 +7,7 @@ use chladni_mesh::{TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{method, scaling};
-use crate::work::outputs::check_mesh;
+use crate::work::outputs::{check_mesh, left_of_gltf};
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Move the difference between two shapes, such as an expression or a caricature, onto a third.
@@ -64,6 +64,7 @@ impl TransferCommand {
         let moved = moved.map(|(x, r)| std::array::from_fn(|i| x[i] + self.amount * (r[i] - x[i])));
         let result = TriMesh { positions: moved.collect(), ..target };
         save_mesh(&result, &self.output).map_err(Error::unsaved)?;
+        left_of_gltf(&self.target, &self.output).into_iter().for_each(|lost| terminal.warn(lost));
         let trusted = 100.0 * found.confidence.iter().sum::<f64>() / (found.confidence.len().max(1) as f64);
         terminal.result(format_args!("mean confidence {trusted:.0} %"))?;
         terminal.wrote(&self.output)

@@ -17,9 +17,15 @@ pub enum Closing {
     #[default]
     No,
     /// Asked about unsaved work.
-    Asked,
+    Asked {
+        /// How many errors there were before.
+        errors: usize,
+    },
     /// All is saved; it closes once the work in the background is done.
-    Waiting,
+    Waiting {
+        /// How many errors there were before the question.
+        errors: usize,
+    },
     /// Decided; the window is about to go.
     Yes,
 }
@@ -52,16 +58,16 @@ impl Studio {
         if asked && !unsaved.is_empty() && self.closing != Closing::Yes {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             if self.closing == Closing::No {
-                self.closing = Closing::Asked;
+                self.closing = Closing::Asked { errors: self.notices.errors() };
             }
         }
         match self.closing {
             Closing::No | Closing::Yes => {}
             // The work in the background ended meanwhile.
-            Closing::Asked if unsaved.is_empty() => self.leave(ctx),
-            Closing::Asked => self.ask_to_save(ctx, &unsaved),
-            Closing::Waiting if being_made.is_empty() => self.leave(ctx),
-            Closing::Waiting => match ask_to_wait(ctx, &being_made) {
+            Closing::Asked { errors } if unsaved.is_empty() => self.leave_unless_failed(ctx, errors),
+            Closing::Asked { errors } => self.ask_to_save(ctx, &unsaved, errors),
+            Closing::Waiting { errors } if being_made.is_empty() => self.leave_unless_failed(ctx, errors),
+            Closing::Waiting { .. } => match ask_to_wait(ctx, &being_made) {
                 None | Some(Answer::Save) => {}
                 Some(Answer::Stay) => self.closing = Closing::No,
                 Some(Answer::Discard) => self.leave(ctx),
@@ -69,7 +75,7 @@ impl Studio {
         }
     }
 
-    fn ask_to_save(&mut self, ctx: &egui::Context, unsaved: &[String]) {
+    fn ask_to_save(&mut self, ctx: &egui::Context, unsaved: &[String], errors: usize) {
         match Question::CLOSING.ask(ctx, unsaved) {
             None => {}
             Some(Answer::Stay) => self.closing = Closing::No,
@@ -79,7 +85,7 @@ impl Studio {
                     self.with_room(ctx, index, |room, shared| room.save_all(shared)).unwrap_or(true)
                 });
                 // Anything that could not be saved has shown an error; nothing is lost.
-                self.closing = if saved { Closing::Waiting } else { Closing::No };
+                self.closing = if saved { Closing::Waiting { errors } } else { Closing::No };
                 ctx.request_repaint();
             }
         }
@@ -93,6 +99,15 @@ impl Studio {
             for index in 0..self.rooms.len() {
                 self.with_room(ctx, index, |room, shared| room.interrupt(shared));
             }
+            self.leave(ctx);
+        }
+    }
+
+    /// Leaves where there were no more `errors` since: those of the work that it waited for are to be read.
+    fn leave_unless_failed(&mut self, ctx: &egui::Context, errors: usize) {
+        if self.notices.errors() > errors {
+            self.closing = Closing::No;
+        } else {
             self.leave(ctx);
         }
     }

@@ -235,18 +235,18 @@ impl Studio {
     }
 
     fn handle_keys(&mut self, ctx: &egui::Context) {
-        if HELP.pressed(ctx) {
+        if HELP.pressed_anywhere(ctx) {
             self.key_sheet_open = !self.key_sheet_open;
         }
         if self.key_sheet_open && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
         {
             self.key_sheet_open = false;
         }
-        if SWITCH_ROOM.pressed(ctx) && !self.rooms.is_empty() {
+        if SWITCH_ROOM.pressed_anywhere(ctx) && !self.rooms.is_empty() {
             self.current = Some(self.current.map_or(0, |room| (room + 1) % self.rooms.len()));
         }
         self.zoom_by_keys(ctx);
-        if FULL_SCREEN.pressed(ctx) {
+        if FULL_SCREEN.pressed_anywhere(ctx) {
             let full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
             ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!full));
         }
@@ -296,10 +296,18 @@ impl Studio {
             return;
         }
         self.settings_written = Some(Instant::now());
-        if let Some(path) = &self.folders.settings
-            && let Err(error) = self.settings.save_beside(&self.saved_settings, path)
-        {
-            self.notices.warn(format!("{}: preferences could not be kept: {error}", path.display()));
+        if let Some(path) = &self.folders.settings {
+            match self.settings.save_beside(&self.saved_settings, path) {
+                Ok(None) => {}
+                Ok(Some(aside)) => self.notices.warn(format!(
+                    "{}: preferences could not be read any more; they are kept as {}.",
+                    path.display(),
+                    aside.display()
+                )),
+                Err(error) => {
+                    self.notices.warn(format!("{}: preferences could not be kept: {error}", path.display()));
+                }
+            }
         }
         self.saved_settings = self.settings.clone();
     }

@@ -37,6 +37,7 @@ struct Notice {
 #[derive(Debug, Default)]
 pub struct Notices {
     shown: Vec<Notice>,
+    errors: usize,
 }
 
 impl Notices {
@@ -81,12 +82,18 @@ impl Notices {
         }
     }
 
+    /// How many errors there were so far, read or not.
+    pub fn errors(&self) -> usize {
+        self.errors
+    }
+
     /// The oldest error on screen.
     pub fn first_error(&self) -> Option<&str> {
         self.shown.iter().find(|notice| notice.severity == Severity::Error).map(|notice| notice.text.as_str())
     }
 
     fn push(&mut self, severity: Severity, text: String) {
+        self.errors += usize::from(severity == Severity::Error);
         self.shown.retain(|notice| notice.text != text);
         self.shown.push(Notice { severity, text, is_shown: false, since: None, matter: None });
         if self.shown.len() > MOST {

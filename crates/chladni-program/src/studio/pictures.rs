@@ -24,7 +24,8 @@ pub struct Pictures {
     held: HashMap<String, Option<egui::TextureHandle>>,
     /// One at a time: the start screen is not urgent.
     coming: Option<(String, Job<Option<Picture>>)>,
-    keeping: Vec<Job<()>>,
+    /// Pictures on their way to the disk, by the keys of their files.
+    keeping: Vec<(String, Job<()>)>,
 }
 
 impl Pictures {
@@ -47,8 +48,9 @@ impl Pictures {
     /// The picture that was kept of the file at `path`.
     pub fn of_file(&mut self, ctx: &egui::Context, path: &Path) -> Option<egui::TextureHandle> {
         let file = self.file(path)?;
+        self.forget_old();
         let read = move || Picture::decode(&std::fs::read(file).ok()?).ok();
-        self.of(ctx, path.to_string_lossy().into_owned(), read)
+        self.of(ctx, key(path), read)
     }
 
     /// Keeps what `draw` draws, on a thread of its own, as the picture of the file at `path`. A
@@ -60,16 +62,29 @@ impl Pictures {
         draw: impl FnOnce() -> Option<Picture> + Send + 'static,
     ) {
         let Some(file) = self.file(path) else { return };
-        self.held.remove(&*path.to_string_lossy());
-        self.keeping.retain(|job| job.ended().is_none());
-        self.keeping.push(Job::start("Keeping a picture", ctx, move |_| {
+        self.forget_old();
+        let job = Job::start("Keeping a picture", ctx, move |_| {
             let kept = || {
                 chladni_task::create_folder(file.parent()?).ok()?;
                 chladni_task::write_atomic(&file, &draw()?.to_png().ok()?).ok()
             };
             kept();
             Ok(())
-        }));
+        });
+        self.keeping.push((key(path), job));
+    }
+
+    /// Forgets what was read before a new picture of the same file was there.
+    fn forget_old(&mut self) {
+        let Self { held, coming, keeping, .. } = self;
+        keeping.retain(|(kept, job)| {
+            let ended = job.ended().is_some();
+            if ended {
+                held.remove(kept);
+                coming.take_if(|(key, _)| key == kept);
+            }
+            !ended
+        });
     }
 
     fn of(
@@ -97,11 +112,20 @@ impl Pictures {
     }
 
     fn file(&self, path: &Path) -> Option<PathBuf> {
-        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let path = absolute(path);
         let mut hasher = DefaultHasher::new();
         path.hash(&mut hasher);
         Some(self.folder.as_ref()?.join(format!("{:016x}.png", hasher.finish())))
     }
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// The name of a file's picture among those that are held.
+fn key(path: &Path) -> String {
+    absolute(path).to_string_lossy().into_owned()
 }
 
 /// A picture as a texture.
@@ -124,4 +148,44 @@ fn portrait(device: &Device, name: &str) -> Option<Picture> {
     let from = if is_flat(&positions) { Camera { pitch_rad: 0.85, ..usual } } else { usual };
     let request = PictureRequest { shapes: &[shape], width, height, from, style };
     render_picture(device, &request).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+    use std::time::{Duration, Instant};
+
+    /// Asks for the picture of a file as frames do, until `done`.
+    fn ask(pictures: &mut Pictures, ctx: &egui::Context, path: &Path, done: impl Fn(&Pictures) -> bool) {
+        let start = Instant::now();
+        while !done(pictures) {
+            assert!(start.elapsed() < chladni_testdata::HANGS, "it never came");
+            pictures.of_file(ctx, path);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    #[test]
+    fn a_picture_that_was_asked_for_before_it_was_kept_is_seen_once_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let (ctx, path) = (egui::Context::default(), folder.path().join("a.chladni"));
+        let mut pictures = Pictures::new(Device::Processor, Some(folder.path().join("pictures")));
+        // Those of four sizes, each drawn only when it is let go.
+        for width in [2, 3, 4, 5] {
+            let (go, waits) = channel::<()>();
+            pictures.keep(&ctx, &path, move || {
+                waits.recv().ok()?;
+                Some(Picture { width, height: 1, rgba: vec![255; 4 * width as usize] })
+            });
+            // Meanwhile there is none, or the one before.
+            ask(&mut pictures, &ctx, &path, |pictures| pictures.held.contains_key(&key(&path)));
+            go.send(()).unwrap();
+            let seen = |pictures: &Pictures| {
+                let held = pictures.held.get(&key(&path)).and_then(Option::as_ref);
+                held.is_some_and(|texture| texture.size() == [width as usize, 1])
+            };
+            ask(&mut pictures, &ctx, &path, seen);
+        }
+    }
 }

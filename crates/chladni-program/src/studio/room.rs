@@ -32,6 +32,11 @@ pub trait Room {
     /// Takes files that were dropped on the window or chosen in a dialog.
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>);
 
+    /// Takes files that were chosen on the start screen, which begin something of their own.
+    fn open_anew(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
+        self.open(paths, shared);
+    }
+
     /// Extensions of the files that it opens, without dots.
     fn extensions(&self) -> Vec<&'static str>;
 

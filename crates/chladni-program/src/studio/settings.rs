@@ -20,6 +20,9 @@ const MOST_UNREAD: usize = 100;
 /// Recent files that the start screen shows at most.
 const RECENT: usize = 8;
 
+/// Preferences that are lists, of which each window may add and remove some; other arrays are one value.
+const LISTS: [&str; 3] = ["recent", "osc_allowed", "bindings"];
+
 /// Preferences and recent files: a small text file in the user's configuration folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -97,16 +100,20 @@ impl Settings {
         chladni_task::write_atomic(path, self.to_text()?.as_bytes())
     }
 
-    /// Writes to `path` what was changed since `before`; all else stays as another window may have written it there.
+    /// Writes to `path` what was changed since `before`; all else stays as another window may have written it there. A file
+    /// that cannot be read is [set aside](Self::set_aside); returns where.
     ///
     /// # Errors
-    /// Those of [`save`](Self::save).
-    pub fn save_beside(&self, before: &Self, path: &Path) -> io::Result<()> {
-        // Where nothing is there that can be read, nothing is lost.
+    /// Those of [`save`](Self::save) and [`set_aside`](Self::set_aside).
+    pub fn save_beside(&self, before: &Self, path: &Path) -> io::Result<Option<PathBuf>> {
         let merged = || self.over(before, &Self::load(path)?);
         match path.exists().then(merged) {
-            Some(Ok(merged)) => merged.save(path),
-            Some(Err(_)) | None => self.save(path),
+            Some(Ok(merged)) => merged.save(path).map(|()| None),
+            Some(Err(_)) => {
+                let aside = Self::set_aside(path)?;
+                self.save(path).map(|()| Some(aside))
+            }
+            None => self.save(path).map(|()| None),
         }
     }
 
@@ -158,11 +165,26 @@ fn change(there: &mut toml::Table, before: &toml::Table, mut now: toml::Table) {
             (Value::Table(now), Some(Value::Table(there)), Some(Value::Table(before))) => {
                 change(there, before, now);
             }
+            (Value::Array(now), Some(Value::Array(there)), before) if LISTS.contains(&key.as_str()) => {
+                let before = before.and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+                *there = changed_list(there, before, now);
+            }
             (value, ..) => {
                 there.insert(key, value);
             }
         }
     }
+}
+
+/// The list as it is `now`, with what was added to the one `there` since `before`, and without what was removed from it.
+fn changed_list(there: &[Value], before: &[Value], mut now: Vec<Value>) -> Vec<Value> {
+    now.retain(|value| there.contains(value) || !before.contains(value));
+    for (place, value) in there.iter().enumerate() {
+        if !before.contains(value) && !now.contains(value) {
+            now.insert(place.min(now.len()), value.clone());
+        }
+    }
+    now
 }
 
 #[cfg(test)]
@@ -188,6 +210,47 @@ mod tests {
         );
         one.remember(Path::new("/a.chladni"));
         assert_eq!(before.over(&one, &one).unwrap(), before);
+    }
+
+    #[test]
+    fn of_lists_a_window_writes_only_what_it_added_and_removed() {
+        let list = |names: &[&str]| names.iter().map(PathBuf::from).collect::<Vec<_>>();
+        let with = |names: &[&str]| {
+            let mut settings = Settings { recent: list(names), ..Settings::default() };
+            settings.music.osc_allowed = names.iter().filter_map(|name| name[1..].parse().ok()).collect();
+            settings
+        };
+        let before = with(&["/10.0.0.1", "/10.0.0.2", "/10.0.0.3"]);
+        // One adds 4 and removes 1, the other adds 5 and removes 2.
+        let one = with(&["/10.0.0.4", "/10.0.0.2", "/10.0.0.3"]);
+        let other = with(&["/10.0.0.5", "/10.0.0.1", "/10.0.0.3"]);
+        assert_eq!(other.over(&before, &one).unwrap(), with(&["/10.0.0.4", "/10.0.0.5", "/10.0.0.3"]));
+        // A file that is opened again comes first.
+        let again = with(&["/10.0.0.3", "/10.0.0.1", "/10.0.0.2"]);
+        let both = again.over(&before, &with(&["/10.0.0.9", "/10.0.0.1", "/10.0.0.2", "/10.0.0.3"]));
+        let expected = with(&["/10.0.0.9", "/10.0.0.3", "/10.0.0.1", "/10.0.0.2"]);
+        assert_eq!(both.unwrap().recent, expected.recent);
+        // What stands for one value is taken as a whole.
+        let mut wider = before.clone();
+        wider.music.projection.trim = [0.25, 0.5, 0.75];
+        let mut narrower = before.clone();
+        narrower.music.projection.trim = [0.125; 3];
+        let merged = wider.over(&before, &narrower).unwrap();
+        assert_eq!(merged.music.projection, wider.music.projection);
+    }
+
+    #[test]
+    fn preferences_that_cannot_be_read_are_set_aside_before_others_are_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        let (before, settings) = (Settings::default(), Settings { light: true, ..Settings::default() });
+        assert_eq!(settings.save_beside(&before, &path).unwrap(), None);
+        std::fs::write(&path, "zoom = [").unwrap();
+        let aside = settings.save_beside(&before, &path).unwrap().unwrap();
+        assert_eq!(std::fs::read_to_string(aside).unwrap(), "zoom = [");
+        assert_eq!(Settings::load(&path).unwrap(), settings);
+        assert_eq!(before.save_beside(&settings, &path).unwrap(), None);
+        assert_eq!(Settings::load(&path).unwrap(), before);
     }
 
     #[test]

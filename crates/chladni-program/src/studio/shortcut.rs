@@ -28,8 +28,14 @@ impl Shortcut {
         Self { keys: KeyboardShortcut::new(modifiers, key), action }
     }
 
-    /// Whether it was pressed in this frame, and not for the control that has the focus; consumes the key.
+    /// Whether it was pressed in this frame, neither for the control that has the focus nor beneath a question; consumes
+    /// the key.
     pub fn pressed(&self, ctx: &egui::Context) -> bool {
+        !is_asked(ctx) && self.pressed_anywhere(ctx)
+    }
+
+    /// The same, also beneath a question: for keys of the window itself.
+    pub fn pressed_anywhere(&self, ctx: &egui::Context) -> bool {
         let key = self.keys.logical_key;
         let taken = match self.keys.modifiers {
             Modifiers::NONE => is_taken(ctx, key),
@@ -39,10 +45,10 @@ impl Shortcut {
         !taken && ctx.input_mut(|input| input.consume_shortcut(&self.keys))
     }
 
-    /// Whether a key without modifiers is down, and not for the control that has the focus.
+    /// Whether a key without modifiers is down, neither for the control that has the focus nor beneath a question.
     pub fn held(&self, ctx: &egui::Context) -> bool {
         let key = self.keys.logical_key;
-        ctx.input(|input| input.key_down(key)) && !is_taken(ctx, key)
+        ctx.input(|input| input.key_down(key)) && !is_taken(ctx, key) && !is_asked(ctx)
     }
 
     /// "Ctrl+S", or "[".
@@ -71,6 +77,11 @@ impl Shortcut {
 
 /// Keys that edit text together with Ctrl.
 const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
+
+/// Whether a question or a choice stands in front of everything else: it has the keys.
+fn is_asked(ctx: &egui::Context) -> bool {
+    !ctx.memory(|memory| memory.is_above_modal_layer(egui::LayerId::background()))
+}
 
 /// Whether the control with the focus wants `key` for itself: a text field all of them, another control those
 /// that click it, change it or lead to the next one.

@@ -46,7 +46,7 @@ impl Studio {
         if let Some((index, files)) = chosen {
             self.current = Some(index);
             if !files.is_empty() {
-                self.with_room(&ctx, index, |room, shared| room.open(&files, shared));
+                self.with_room(&ctx, index, |room, shared| room.open_anew(&files, shared));
             }
         }
     }

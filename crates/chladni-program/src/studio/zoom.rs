@@ -11,10 +11,10 @@ const STEP: f32 = 1.1;
 
 impl Studio {
     pub(super) fn zoom_by_keys(&mut self, ctx: &egui::Context) {
-        if ZOOM_IN.pressed(ctx) {
+        if ZOOM_IN.pressed_anywhere(ctx) {
             self.enlarge(ctx);
         }
-        if ZOOM_OUT.pressed(ctx) {
+        if ZOOM_OUT.pressed_anywhere(ctx) {
             self.settings.zoom = (self.settings.zoom / STEP).max(0.5);
         }
     }

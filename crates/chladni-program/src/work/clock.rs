@@ -94,9 +94,11 @@ impl ShowClock {
         if self.still_secs <= STILL_SECS {
             return None;
         }
-        self.at_secs += dt_secs;
         let ended = playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
-        (stretch.playing && !ended).then(|| begin(self, position, false, 0.0)).flatten()
+        // A pause begins when the song stopped, so that it is no leap.
+        let paused = (stretch.playing && !ended).then(|| begin(self, position, false, 0.0)).flatten();
+        self.at_secs += dt_secs;
+        paused
     }
 }
 
@@ -141,6 +143,7 @@ mod tests {
             ]
         );
         assert!(begun.windows(2).all(|pair| pair[0].at_secs < pair[1].at_secs));
+        assert_eq!(begun[1].at_secs, 15.0 / 16.0);
     }
 
     #[test]

@@ -222,10 +222,7 @@ impl Display for Warning {
                      to {to}"
                 )
             }
-            Self::InDoubt { name, stands } => write!(
-                f,
-                "{name}: drawn with {stands}, which is in doubt: --up and --front, or a project, say otherwise"
-            ),
+            Self::InDoubt { name, stands } => write!(f, "{name}: drawn with {stands}, which is in doubt"),
             Self::Of { name, message } => write!(f, "{name}: {message}"),
             Self::Plain(message) => f.write_str(message),
         }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::FileRef;
+use chladni_music::{FileRef, Looks};
 
 use super::{Error, Warning};
 use chladni_mesh::ShapeSource;
@@ -13,11 +13,15 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     if ShapeSource::sample_name(path).is_some() {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
     }
+    FileRef { path: place(path, folder).to_string_lossy().into_owned(), blake3: hash(path) }
+}
+
+/// `path` relative to `folder` if it lies below it, else absolute.
+fn place(path: &Path, folder: Option<&Path>) -> PathBuf {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder.and_then(|folder| std::path::absolute(folder).ok());
     let below = folder.and_then(|folder| whole.strip_prefix(folder).ok().map(Path::to_owned));
-    let named = below.as_ref().unwrap_or(&whole);
-    FileRef { path: named.to_string_lossy().into_owned(), blake3: hash(&whole) }
+    below.unwrap_or(whole)
 }
 
 /// How a copy of a show names a file: its whole path, without reading it.
@@ -54,6 +58,35 @@ pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option
     Ok((found, warning))
 }
 
+/// How a show in `folder` names the picture and the panorama of `looks`: as it does its [other files](refer()).
+pub fn refer_looks(looks: Looks, folder: Option<&Path>) -> Looks {
+    let named = |file: String| match &*file {
+        "" => file,
+        path => place(Path::new(path), folder).to_string_lossy().into_owned(),
+    };
+    Looks { picture: named(looks.picture), panorama: named(looks.panorama), ..looks }
+}
+
+/// `looks` of a show in `folder` with the paths of the picture and the panorama that they name; without those that are
+/// not there, and a warning for each.
+pub fn resolve_looks(looks: Looks, folder: Option<&Path>) -> (Looks, Vec<Warning>) {
+    let mut warnings = Vec::new();
+    let mut found = |path: String| {
+        if path.is_empty() {
+            return path;
+        }
+        match resolve(&FileRef { path, blake3: None }, folder) {
+            Ok((found, _)) => found.to_string_lossy().into_owned(),
+            Err(why) => {
+                warnings.push(Warning::Plain(format!("{why}: the dance goes on without it")));
+                String::new()
+            }
+        }
+    };
+    let looks = Looks { picture: found(looks.picture), panorama: found(looks.panorama), ..looks };
+    (looks, warnings)
+}
+
 /// In hexadecimal digits; `None` if it cannot be read.
 fn hash(path: &Path) -> Option<String> {
     let file = std::fs::File::open(path).ok().filter(|file| file.metadata().is_ok_and(|m| m.is_file()))?;
@@ -85,5 +118,33 @@ mod tests {
         assert_eq!(resolve(&far, Some(new.path())).unwrap(), (song, None));
         let sample = refer(Path::new("sample:octopus"), None);
         assert_eq!(resolve(&sample, None).unwrap(), ("sample:octopus".into(), None));
+    }
+
+    #[test]
+    fn the_picture_and_the_panorama_of_a_show_move_with_it() {
+        let (old, new) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let text = |path: PathBuf| path.to_str().unwrap().to_owned();
+        for folder in [&old, &new] {
+            std::fs::create_dir(folder.path().join("around")).unwrap();
+            std::fs::write(folder.path().join("around/wall.png"), b"wall").unwrap();
+        }
+        let [picture, sky] = ["around/wall.png", "sky.hdr"].map(|name| text(old.path().join(name)));
+        std::fs::write(&sky, b"sky").unwrap();
+        let chosen = Looks { picture, panorama: sky.clone(), ..Looks::default() };
+        let saved = refer_looks(chosen.clone(), Some(old.path()));
+        assert_eq!(Path::new(&saved.picture), Path::new("around/wall.png"));
+        assert_eq!(saved.panorama, "sky.hdr");
+        assert_eq!(resolve_looks(saved.clone(), Some(old.path())), (chosen.clone(), Vec::new()));
+        // The picture has moved along, the panorama has not.
+        let (found, warnings) = resolve_looks(saved, Some(new.path()));
+        assert_eq!(Path::new(&found.picture), new.path().join("around/wall.png"));
+        assert_eq!(found.panorama, "");
+        assert!(warnings.len() == 1 && warnings[0].to_string().contains("sky.hdr"), "{warnings:?}");
+        // An older show has the whole path of what now lies beside it.
+        std::fs::rename(&sky, new.path().join("sky.hdr")).unwrap();
+        let (found, warnings) = resolve_looks(chosen, Some(new.path()));
+        assert_eq!(Path::new(&found.panorama), new.path().join("sky.hdr"));
+        assert_eq!(warnings, []);
+        assert_eq!(resolve_looks(Looks::default(), None), (Looks::default(), Vec::new()));
     }
 }

@@ -21,6 +21,8 @@ pub const LIVE_SEED: u64 = 1;
 
 /// A jump within a song, or to another one, is faded over this time.
 const FADE_SECS: f64 = 0.3;
+/// A song that goes on this near to where it was expected has not jumped: times are rounded.
+const ROUNDED_SECS: f64 = 1e-6;
 /// Jumps that happened this long before the earliest time asked for are ignored.
 const FORGOTTEN_SECS: f64 = 10.0;
 
@@ -185,7 +187,8 @@ impl Hearing {
     /// As [`hear`](Self::hear).
     pub fn begin(&mut self, stretch: Stretch) -> Result<(), SoundError> {
         let leaps = self.stretch().is_some_and(|last| {
-            last.song != stretch.song || last.song_secs_at(stretch.at_secs) != stretch.song_secs
+            let jump_secs = stretch.song_secs - last.song_secs_at(stretch.at_secs);
+            last.song != stretch.song || jump_secs.abs() > ROUNDED_SECS
         });
         if leaps && stretch.at_secs + FORGOTTEN_SECS > self.begins_secs {
             let beat = self.beat_at(stretch.at_secs);

@@ -110,7 +110,7 @@ mod tests {
         let until = |what: &str, ready: &mut dyn FnMut() -> bool| {
             let began = Instant::now();
             while !ready() {
-                assert!(began.elapsed() < Duration::from_secs(60), "{what}");
+                assert!(began.elapsed() < chladni_testdata::HANGS, "{what}");
                 std::thread::sleep(Duration::from_millis(5));
             }
         };

@@ -76,7 +76,7 @@ pub use deformed::Deformed;
 pub use ear::{BeatCount, Ear};
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
-pub use files::{refer, resolve, unread};
+pub use files::{refer, refer_looks, resolve, resolve_looks, unread};
 pub use frame_guard::FrameGuard;
 pub use hearing::{Heard, Hearing, KnownSong, LIVE_SEED, bands_of};
 pub use heat::{Coating, Quantity, Seen, coating};

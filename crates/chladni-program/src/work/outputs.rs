@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use chladni_mesh::Format;
+use chladni_mesh::{Format, Material, TriMesh};
 use chladni_task::folder_of;
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
@@ -121,6 +121,37 @@ pub fn check_apart(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
     }
     Ok(())
 }
+
+/// Checks that a picture written to `path` replaces none that `mesh`, which was read from the file `shape`, names: its
+/// textures lie beside it.
+///
+/// # Errors
+/// [`Error::Input`], with the path.
+pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(), Error> {
+    let names = |material: &Material| {
+        let color = material.base_color_texture.iter().map(|texture| texture.name.clone());
+        // Other maps of an OBJ's material end in their file, too.
+        let others =
+            material.other_statements.iter().filter_map(|statement| statement.split(' ').next_back());
+        color.chain(others.map(str::to_owned)).collect::<Vec<_>>()
+    };
+    let folder = folder_of(shape);
+    for name in mesh.appearance.materials.iter().flat_map(names) {
+        // Names from Windows have backslashes.
+        check_apart(path, &[&folder.join(name.replace('\\', "/"))])?;
+    }
+    Ok(())
+}
+
+/// A warning where the mesh of the file `source` is written anew to `path`, both glTF: only an export of layers keeps all
+/// else that such a file holds.
+pub fn left_of_gltf(source: &Path, path: &Path) -> Option<Warning> {
+    let is_gltf = |path: &Path| matches!(Format::of_path(path), Some(Format::Glb | Format::Gltf));
+    (is_gltf(source) && is_gltf(path)).then(|| Warning::of(source.display(), LEFT_OF_GLTF))
+}
+
+/// The part of a glTF file that a GLB lacks where it is written anew.
+pub const LEFT_OF_GLTF: &str = "rigs, animations, normals and sliders that it had are left out of the GLB";
 
 /// Checks that no two of `outputs` are one file, where the later would replace the other.
 ///

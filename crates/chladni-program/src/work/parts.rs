@@ -49,7 +49,8 @@ impl Parts {
         };
         let named = |(i, limb): (usize, &chladni_caricature::Limb)| {
             let kind = if limb.persistence > 0.0 { "part" } else { "trunk" };
-            format!("{kind} {}, {:.0} %", i + 1, 100.0 * limb.share)
+            // The number that `parts --level` prints and --limb takes.
+            format!("{kind} {i}, {:.0} %", 100.0 * limb.share)
         };
         Self {
             names: limbs.parts.iter().enumerate().map(named).collect(),

@@ -12,6 +12,7 @@ use chladni_mesh::{
 };
 use chladni_task::{Task, write_atomic};
 
+use super::outputs::LEFT_OF_GLTF;
 use super::{Error, Subject, Warning, Watcher, matched};
 
 /// The result of a project on its shape. Later edits of the project do not change it.
@@ -179,8 +180,7 @@ impl Sculpture {
             match added {
                 Ok(bytes) => return Ok((bytes, None)),
                 Err(why) => {
-                    let lost = "rigs, animations, normals and sliders that it had are left out of the GLB";
-                    warning = Some(Warning::of(source.display(), format_args!("{why}: {lost}")));
+                    warning = Some(Warning::of(source.display(), format_args!("{why}: {LEFT_OF_GLTF}")));
                 }
             }
         }

@@ -123,3 +123,35 @@ fn part(name: String, painted: Painted) -> Option<SitterPart> {
     let Painted::Vertices(painted) = painted else { return None };
     painted.iter().any(|x| *x > 0.0).then(|| SitterPart { name, painted: Arc::clone(&painted) })
 }
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::{BasisSettings, Body};
+    use chladni_mesh::samples::sample;
+    use chladni_task::Task;
+
+    use super::*;
+    use crate::work::{Aside, Parts};
+
+    /// The number that `parts --level` prints, from 0, and --limb takes.
+    #[test]
+    fn a_limb_has_one_number_wherever_it_is_named() {
+        let task = Task::new();
+        let settings = BasisSettings::new(Limbs::HARMONICS);
+        let body = Arc::new(Body::build(&sample("octopus").unwrap(), &settings, &task).unwrap());
+        let stack = Stack::new(Arc::clone(&body)).unwrap();
+        let found = Limbs::of(&body, Limbs::USUAL_LEVEL);
+        let of_page = Parts::at_level(&body, Limbs::USUAL_LEVEL, None).names;
+        assert_eq!(of_page.len(), found.parts.len());
+        let of_gallery = limbs(&stack, &Aside::new(&task)).unwrap();
+        assert!(of_gallery.len() > 1);
+        for SitterPart { name, painted } in of_gallery {
+            let (kind, numbers) = name.split_once(' ').unwrap();
+            let numbers: Vec<usize> = numbers.split('+').map(|number| number.parse().unwrap()).collect();
+            for number in &numbers {
+                assert!(of_page[*number].starts_with(&format!("{kind} {number},")), "{name}: {of_page:?}");
+            }
+            assert_eq!(found.painted(&numbers), Painted::Vertices(painted), "{name}");
+        }
+    }
+}

@@ -266,6 +266,7 @@ fn bad_arguments_are_told_apart() {
         ("match shape.obj shape.obj --method sphere", "neither a template"),
         ("match shape.obj shape.obj --render out.jpg", ".png"),
         ("spectrum sample:tune --render out.jpg", ".png"),
+        ("spectrum sample:tune --fps 1000 --bands 4096 --render out.png", "pixels is too large"),
         ("symmetry shape.obj --render nowhere/out.png", "its folder does not exist"),
         ("dance shape.obj sample:tune -o nowhere/out.gif", "its folder does not exist"),
         ("dance shape.obj sample:tune", "--output <FILM>|--frames <DIR>|--coefficients <C.npz>"),
@@ -368,6 +369,50 @@ fn a_difference_moves_onto_another_shape() {
     desk.ok("transfer shape.obj much.obj large.obj --match same --amount 0 -o still.obj");
     assert_eq!(desk.mesh("still.obj").positions, desk.mesh("large.obj").positions);
     desk.refused("transfer shape.obj much.obj large.obj --amount inf -o out.obj");
+}
+
+#[test]
+fn a_mesh_that_is_written_anew_says_what_its_gltf_file_had() {
+    let desk = Desk::new();
+    save_mesh(&lump(2.0), &desk.path("rigged.glb")).unwrap();
+    for line in [
+        "transfer shape.obj shape.obj rigged.glb --match same -o",
+        "mean rigged.glb shape.obj --match same -o",
+        "mask rigged.glb --curved bumps -o",
+    ] {
+        for (out, is_left) in [("out.glb", true), ("out.obj", false)] {
+            let output = desk.run(&format!("{line} {out}"));
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert!(output.status.success(), "{line} {out}: {said}");
+            assert_eq!(said.contains("rigged.glb: rigs, animations"), is_left, "{line} {out}: {said}");
+        }
+    }
+}
+
+#[test]
+fn harmonics_say_what_was_left_out_of_the_mesh() {
+    let desk = Desk::new();
+    let mut text = std::fs::read_to_string(desk.path("shape.obj")).unwrap();
+    text.push_str("f 1 2\n");
+    std::fs::write(desk.path("short.obj"), text).unwrap();
+    let output = desk.run("basis short.obj -k 8");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("fewer than three corners: left out"), "{said}");
+}
+
+/// Linux has names that are no text.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_batch_takes_names_that_are_no_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir(desk.path("many")).unwrap();
+    let name = std::ffi::OsStr::from_bytes(b"caf\xe9.obj");
+    save_mesh(&lump(1.0), &desk.path("many").join(name)).unwrap();
+    desk.ok("caricature --recipe p.chladni --batch many -o out");
+    assert!(desk.path("out").join(name).exists());
 }
 
 #[test]

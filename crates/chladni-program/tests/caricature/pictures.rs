@@ -168,3 +168,87 @@ fn a_picture_may_show_the_template_as_a_ghost() {
     let said = desk.refused("caricature shape.obj ellipsoid --harmonics 32 --render p.svg --show ghost");
     assert!(said.contains("ghost"), "{said}");
 }
+
+/// A lump with a texture, `anna.obj` and `anna.png`, in a folder of the desk; the texture's bytes.
+fn textured(desk: &Desk, folder: &str) -> Vec<u8> {
+    use std::fmt::Write;
+    let mesh = lump(1.0);
+    let mut text = String::from("mtllib anna.mtl\nusemtl skin\n");
+    for [x, y, z] in &mesh.positions {
+        writeln!(text, "v {x} {y} {z}\nvt 0.5 0.5").unwrap();
+    }
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|v| v + 1);
+        writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}").unwrap();
+    }
+    let at = |name: &str| desk.path(folder).join(name);
+    std::fs::create_dir_all(desk.path(folder)).unwrap();
+    std::fs::write(at("anna.obj"), text).unwrap();
+    std::fs::write(at("anna.mtl"), "newmtl skin\nmap_Kd anna.png\nmap_Bump bumps.png\n").unwrap();
+    let skin = chladni_view::Picture::filled(2, 2, [200, 90, 60, 255]).to_png().unwrap();
+    for name in ["anna.png", "bumps.png"] {
+        std::fs::write(at(name), &skin).unwrap();
+    }
+    skin
+}
+
+#[test]
+fn a_picture_replaces_no_texture_of_a_mesh_that_is_read() {
+    let desk = Desk::new();
+    let skin = textured(&desk, ".");
+    for line in [
+        "caricature anna.obj ellipsoid -k 16 --render anna.png",
+        "caricature anna.obj ellipsoid -k 16 --render bumps.png",
+        "caricature anna.obj ellipsoid -k 16 --turntable anna.png --turn-secs 0.1",
+        "caricature shape.obj anna.obj -k 16 --match same --render anna.png",
+        "caricature anna.obj --gallery -k 16 -o anna.png",
+        "match anna.obj shape.obj --method same --render anna.png",
+        "match shape.obj anna.obj --method same --render anna.png",
+        "parts anna.obj --render anna.png",
+        "parts anna.obj --level 0.3 --render anna.png",
+        "symmetry anna.obj -k 16 --render anna.png",
+    ] {
+        let said = desk.refused(line);
+        assert!(said.contains("is read, too, and would be replaced"), "{line}: {said}");
+        for name in ["anna.png", "bumps.png"] {
+            assert!(std::fs::read(desk.path(name)).unwrap() == skin, "{line}");
+        }
+    }
+    // A picture of another name, and one of an earlier run, are none of its textures.
+    for _ in 0..2 {
+        desk.ok("caricature anna.obj ellipsoid -k 16 --render wild.png --size 64x32");
+    }
+}
+
+#[test]
+fn a_picture_and_a_texture_of_one_name_are_two_files() {
+    let desk = Desk::new();
+    let skin = textured(&desk, "scans");
+    std::fs::create_dir(desk.path("out")).unwrap();
+    let line = "caricature scans/anna.obj ellipsoid -k 16 -o out/anna.obj --render out/anna.png --size 64x32";
+    for _ in 0..2 {
+        desk.ok(line);
+        let picture = std::fs::read(desk.path("out/anna.png")).unwrap();
+        let picture = chladni_view::Picture::decode(&picture).unwrap();
+        assert_eq!((picture.width, picture.height), (64, 32));
+        let result = desk.mesh("out/anna.obj");
+        assert!(*result.base_color_texture().unwrap().bytes == *skin, "the texture is what it was");
+    }
+}
+
+#[test]
+fn what_no_picture_can_show_is_refused_before_a_mesh_is_written() {
+    let desk = Desk::new();
+    for (options, why) in [
+        ("--render x.svg --show after,rest", "ink draws shapes alone"),
+        ("--render x.png --ink --show ghost", "ink draws shapes alone"),
+        ("--render x.png --ink-tones 3 --show painted", "ink draws shapes alone"),
+        ("--render x.svg --show region", "ink draws shapes alone"),
+        ("--render x.png --sweep=-500", "-100 to 100"),
+        ("--render x.png --sweep=-1,nan", "-100 to 100"),
+    ] {
+        let said = desk.refused(&format!("caricature shape.obj ellipsoid -k 16 -o out.ply {options}"));
+        assert!(said.contains(why), "{options}: {said}");
+        assert!(!desk.path("out.ply").exists(), "{options}");
+    }
+}

@@ -8,7 +8,7 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     desk.ok("project new shape.obj -o p.chladni --harmonics 48");
     let nose = "--model normal --mu -0.8 --name nose --region 12,0,0,2";
     desk.ok(&format!("project add-layer p.chladni --template ellipsoid {nose}"));
-    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0 --rigid --seed 3 --infill 0.5";
+    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0 --seed 3 --infill 0.5";
     desk.ok(&format!("project add-layer p.chladni --template self:lowpass=12 {detail}"));
     let shown = desk.ok("project show p.chladni --json");
     let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
@@ -17,7 +17,7 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     assert_eq!(shown["layers"][1]["template"], "self:lowpass=12");
     assert_eq!(shown["layers"][1]["scale_curve"]["points"][1], serde_json::json!([0.9, 2.0]));
     let matching = &shown["layers"][1]["match"];
-    assert_eq!((&matching["scaling"], &matching["seed"]), (&"rigid".into(), &3.into()));
+    assert_eq!((&matching["scaling"], &matching["seed"]), (&"free".into(), &3.into()));
     assert_eq!((&shown["layers"][0]["infill"], &shown["layers"][1]["infill"]), (&1.0.into(), &0.5.into()));
     assert!(desk.ok("project show p.chladni").contains("2. self:lowpass=12"));
 
@@ -103,6 +103,27 @@ pub(super) fn morph_sum(path: &Path, vertices: usize) -> (Vec<String>, Vec<[f64;
         }
     }
     (names, sum)
+}
+
+#[test]
+fn options_for_matching_are_for_templates_that_are_meshes() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 16");
+    std::fs::write(desk.path("marks.txt"), "0 0\n").unwrap();
+    let before = std::fs::read(desk.path("p.chladni")).unwrap();
+    for (options, option) in [
+        ("ellipsoid --match same", "--match"),
+        ("self:lowpass=8 --rigid", "--rigid"),
+        ("sphere --landmarks marks.txt", "--landmarks"),
+    ] {
+        let said = desk.refused(&format!("project add-layer p.chladni --template {options}"));
+        assert!(said.contains(&format!("{option} is for a template that is a mesh")), "{options}: {said}");
+        assert_eq!(std::fs::read(desk.path("p.chladni")).unwrap(), before, "{options}");
+    }
+    desk.ok("project add-layer p.chladni --template shape.obj --match same --rigid");
+    let shown = desk.ok("project show p.chladni --json");
+    let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
+    assert_eq!(shown["layers"][0]["match"]["scaling"], "rigid");
 }
 
 #[test]

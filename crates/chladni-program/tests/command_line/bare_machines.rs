@@ -97,3 +97,38 @@ fn without_mpi_one_line_says_what_to_install() {
         .unwrap();
     Run { output }.refused("scripts/setup --mpi");
 }
+
+/// `scripts/rust` takes the first Rust that is as new as Cargo.toml asks for: a distribution's, else rustup's own.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_scripts_take_a_rust_that_is_new_enough() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let (usual, home) = (folder.path().join("usual"), folder.path().join("home"));
+    let put = |bin: &std::path::Path, version: &str| {
+        std::fs::create_dir_all(bin).unwrap();
+        let cargo = bin.join("cargo");
+        std::fs::write(&cargo, format!("#!/bin/sh\necho 'cargo {version} (abc 2025-01-01)'\n")).unwrap();
+        std::fs::set_permissions(&cargo, std::fs::Permissions::from_mode(0o755)).unwrap();
+    };
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scripts/rust");
+    let taken = || {
+        let output = Command::new("bash")
+            .args(["-euo", "pipefail", "-c", ". \"$0\"; new_rust && command -v cargo", script])
+            .env_clear()
+            .env("PATH", format!("{}:/usr/bin:/bin", usual.display()))
+            .env("HOME", &home)
+            .output()
+            .unwrap();
+        String::from_utf8(output.stdout).unwrap().trim().to_owned()
+    };
+    put(&usual, "1.85.0");
+    assert_eq!(taken(), "");
+    let own = home.join(".cargo/bin");
+    put(&own, env!("CARGO_PKG_RUST_VERSION"));
+    assert_eq!(taken(), text(&own.join("cargo")));
+    for newer in ["1.100.0-nightly", "2.0.0"] {
+        put(&usual, newer);
+        assert_eq!(taken(), text(&usual.join("cargo")), "{newer}");
+    }
+}

@@ -3,9 +3,11 @@
 
 #[path = "../archive/mod.rs"]
 mod archive;
+mod behind;
 mod looks;
 mod own_colors;
 mod shots;
+mod shows;
 mod strobing;
 
 use std::path::Path;
@@ -215,6 +217,15 @@ fn pieces_of_a_film_are_the_film_bit_for_bit() {
     assert_eq!(read(&pieces, 33), b"kept");
     assert!(read(&pieces, 34) == read(&whole, 34) && read(&pieces, 47) == read(&whole, 47));
     frames("pieces", &["--piece", "3/3", "--resume"]);
+    // Trails are of the pictures before, whether flashes are limited or not.
+    let neon = ["--look", "neon", "--allow-flashes"];
+    let whole = frames("neon", &neon);
+    for piece in ["3/3", "2/3"] {
+        frames("neon-pieces", &[&neon[..], &["--piece", piece]].concat());
+    }
+    for frame in 16..48 {
+        assert!(read(&whole, frame) == read(&folder.path().join("neon-pieces"), frame), "frame {frame}");
+    }
     // The same on a pipe, where grains of sand depend on all that was before.
     let raw = |more: &[&str]| {
         let arguments = [&["--quiet", "dance"], &film[..], &drawn, &["--sand", "-o", "-"], more].concat();
@@ -242,13 +253,35 @@ fn a_report_is_about_the_frames_that_were_made() {
     };
     let part = report(&["--frames", &path("frames"), "--piece", "0..3"]);
     assert_eq!((part["frames"].as_u64(), part["film_secs"].as_f64()), (Some(3), Some(0.3)));
-    // A film that is there stays; what else is wanted is made, and reported.
+    // A film that is there stays, which is reported.
     std::fs::write(path("film.gif"), "kept").unwrap();
-    let presets = path("presets");
-    let none = report(&["-o", &path("film.gif"), "--resume", "--presets", &presets]);
+    let none = report(&["-o", &path("film.gif"), "--resume"]);
     assert_eq!((none["frames"].as_u64(), none["times_real_time"].as_f64()), (Some(0), Some(0.0)));
     assert_eq!(std::fs::read(path("film.gif")).unwrap(), b"kept");
-    assert_eq!(std::fs::read_dir(presets).unwrap().count(), 6);
+}
+
+#[test]
+fn a_folder_of_pictures_may_have_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["2024.05.01", "take.png", "take.mp4"] {
+        let frames = folder.path().join(name);
+        let film = ["dance", "sample:octopus", "sample:tune", "-k", "16", "--duration", "0.2", "--fps", "10"];
+        let drawn = ["--size", "64x48", "--draw", "cpu", "--frames", frames.to_str().unwrap()];
+        assert_eq!(run(&[&film[..], &drawn].concat()), 0, "{name}");
+        let names = ["frame-00000.png", "frame-00001.png", "sound.wav"];
+        assert!(bytes_below(&frames).keys().eq(&names.map(|name| frames.join(name))), "{name}");
+    }
+}
+
+#[test]
+fn a_gallery_is_no_animation_which_is_said_before_any_work() {
+    use chladni_program::work::{Aside, film};
+    let folder = tempfile::tempdir().unwrap();
+    let output = film::Output::to(folder.path().join("film.glb"));
+    let gallery = film::Beginning { gallery: Some(6), ..film::Beginning::default() };
+    let film = film::Film::new("nowhere.obj".into(), "sample:tune".into(), gallery, output);
+    let why = film::make(film, &Aside::new(&chladni_task::Task::new())).map(drop).unwrap_err().to_string();
+    assert!(why.contains("one dance"), "{why}");
 }
 
 #[test]
@@ -458,4 +491,20 @@ fn a_gallery_is_written_as_presets_that_can_be_played() {
     let again = dance("d.npz", &["--preset", direct.join("item-01.toml").to_str().unwrap()]);
     assert!(played.iter().zip(&again).all(|(a, b)| (a - b).abs() < 1e-6 * (1.0 + a.abs())));
     assert!(played.iter().any(|c| *c != 0.0));
+    // They do not replace the one that is danced, and those of a part of a film would be of another moment.
+    let before = bytes_below(folder.path());
+    let [item, gallery, direct, npz] = [&gallery.join("item-06.toml"), &gallery, &direct, &path("e.npz")]
+        .map(|path| path.to_str().unwrap().to_owned());
+    for more in
+        [["--preset", &item, "--presets", &gallery], ["--presets", &direct, "--piece", "1/2"]].map(Vec::from)
+    {
+        let words = ["dance", "sample:octopus", "sample:tune", "-k", "24", "--duration", "0.2"];
+        let arguments = [&words[..], &["--coefficients", &npz], &more].concat();
+        assert_eq!(run(&arguments), 2, "{more:?}");
+    }
+    let resumed = ["dance", "sample:octopus", "sample:tune", "--frames", &gallery, "--resume"];
+    assert_eq!(run(&[&resumed[..], &["--presets", &direct]].concat()), 2);
+    // Arrays go into a file that says so.
+    assert_eq!(run(&["dance", "sample:octopus", "sample:tune", "--coefficients", &format!("{npz}.txt")]), 2);
+    assert!(bytes_below(folder.path()) == before);
 }

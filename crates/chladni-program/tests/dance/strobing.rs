@@ -1,6 +1,8 @@
 //! A strobing song, the film of a shape that dances to it, and how bright its frames are.
 
-use chladni_music::{FlashArea, FlashCount, Histogram, MAX_FLASHES, Veil};
+use chladni_music::{
+    Action, FlashArea, FlashCount, Histogram, LoggedAction, MAX_FLASHES, Moment, Show, Switch, Veil,
+};
 
 use super::*;
 
@@ -62,10 +64,15 @@ pub fn ball(path: &Path) {
 
 /// Films a dark ball on white that the strobe blows up as far as it goes; 30 frames a second.
 pub fn strobing_film(folder: &Path, name: &str, more: &[&str]) -> std::path::PathBuf {
-    let [mesh, wav, session, out] =
-        ["ball.obj", "strobe.wav", "session.toml", name].map(|name| folder.join(name));
-    ball(&mesh);
-    strobe(&wav);
+    let session = strobing_show(folder);
+    film_of(folder, &session, name, more)
+}
+
+/// The ball, the strobe and what it does to the ball.
+fn strobing_show(folder: &Path) -> std::path::PathBuf {
+    ball(&folder.join("ball.obj"));
+    strobe(&folder.join("strobe.wav"));
+    let session = folder.join("session.toml");
     // All sound goes to the harmonics that widen the ball and that heighten it, without decay.
     let action = |text: &str| format!("[[actions]]\nat_secs = 0.0\nat_beat = 0.0\n{text}\n");
     let mapping =
@@ -80,7 +87,13 @@ pub fn strobing_film(folder: &Path, name: &str, more: &[&str]) -> std::path::Pat
     .map(|text| action(&text))
     .concat();
     std::fs::write(&session, format!("format_version = 1\nseed = 5\nsize = 6\n{wild}")).unwrap();
-    let [mesh, wav, session, frames] = [&mesh, &wav, &session, &out].map(|path| path.to_str().unwrap());
+    session
+}
+
+/// Films the ball as a show says.
+fn film_of(folder: &Path, show: &Path, name: &str, more: &[&str]) -> std::path::PathBuf {
+    let [mesh, wav, out] = ["ball.obj", "strobe.wav", name].map(|name| folder.join(name));
+    let [mesh, wav, session, frames] = [&mesh, &wav, show, &out].map(|path| path.to_str().unwrap());
     let look = ["--size", "64x64", "--material", "dark", "--lights", "studio", "--background", "white"];
     let fixed = ["dance", mesh, wav, "-k", "24", "--session", session, "--frames", frames];
     assert_eq!(run(&[&fixed[..], &look, more].concat()), 0);
@@ -106,4 +119,31 @@ fn a_strobing_song_never_flashes_more_than_three_times_a_second() {
     let fields = strobing_film(folder.path(), "fields", &["--flash-fields"]);
     let left = flashes_in(FlashArea::Field, &fields);
     assert!(left <= MAX_FLASHES, "{left} flashes a second in a field");
+}
+
+#[test]
+fn a_film_is_limited_throughout_where_its_show_is_at_any_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let session = strobing_show(folder.path());
+    let flashes = |name: &str, first: bool, then: Option<bool>, more: &[&str]| {
+        let mut show = Show::load(&session).unwrap();
+        let switch = Switch::FlashLimit;
+        show.beginning.switches.insert(switch, first);
+        show.actions.extend(then.map(|on| LoggedAction {
+            moment: Moment { at_secs: 3.5, at_beat: 0.0 },
+            action: Action::Switch { switch, on },
+        }));
+        let path = folder.path().join(format!("{name}.show.toml"));
+        show.save(&path).unwrap();
+        flashes_in(FlashArea::Screen, &film_of(folder.path(), &path, name, more))
+    };
+    let never = flashes("never", false, None, &[]);
+    assert!(never > MAX_FLASHES, "{never}: the show does not limit them");
+    for (name, first, then) in [("off-on", false, true), ("on-off", true, false)] {
+        let limited = flashes(name, first, Some(then), &[]);
+        assert!(limited <= MAX_FLASHES, "{name}: {limited} flashes a second");
+    }
+    // Fields are judged only in a film that is limited.
+    let asked = flashes("asked", false, None, &["--flash-fields"]);
+    assert!(asked <= MAX_FLASHES, "{asked} flashes a second");
 }

@@ -1,7 +1,8 @@
 //! The autopilot: when it takes over, and its keys.
 
-use chladni_music::Action;
+use chladni_music::{Action, Form, GalleryShape, Instrument, Moment, Parameter};
 
+use super::clocks::packet;
 use super::*;
 
 /// Goes to a time of the window's clock, which stands still otherwise.
@@ -132,4 +133,103 @@ fn it_goes_on_with_another_shape_and_ends_with_another_show() {
     wait(&mut window, "the other show", |w| shows(w, "6 items"));
     window.run_steps(5);
     assert!(shows(&window, "6 items"), "the autopilot went on in another show");
+}
+
+/// A room on a ball and a song in which the autopilot does not begin by itself.
+fn with_its_key(folder: &Path) -> (Window, Answers) {
+    let (folders, answers) = (folders(folder), Answers::default());
+    let settings = folders.settings.clone().unwrap();
+    std::fs::write(settings, "harmonics = 24\n[music]\nleans_back = false\n").unwrap();
+    let (files, chooser) = (ball_and_song(folder).to_vec(), Box::new(answers.clone()));
+    (enter(Opening { folders, files, chooser, now: no_time, ..Opening::default() }), answers)
+}
+
+fn saved_show(window: &mut Window, answers: &Answers, file: &Path) -> Show {
+    answers.add(file);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    wait(window, "the show", |_| file.exists());
+    Show::load(file).unwrap()
+}
+
+#[test]
+fn a_preset_that_is_taken_meanwhile_keeps_its_form_and_knobs() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = GalleryShape { eigenvalues: (0..24).map(f64::from).collect(), bands: 128 };
+    let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+    let damping = Action::Set { parameter: Parameter::Damping, value: 1.5 };
+    for action in [Action::SetForm { form: Form::Modal }, damping] {
+        instrument.apply(Moment::default(), action).unwrap();
+    }
+    let preset = instrument.preset(&instrument.gallery().items()[0], Vec::new());
+    let path = folder.path().join("calm.toml");
+    preset.save(&path).unwrap();
+    let (mut window, answers) = with_its_key(folder.path());
+    press(&mut window, Key::A);
+    assert!(!shows(&window, "12 items"));
+    drop_file(&mut window, path);
+    window.run_steps(3);
+    assert!(!shows(&window, "12 items"), "the stage was left");
+    press(&mut window, Key::Escape);
+    wait(&mut window, "the gallery", |w| shows(w, "12 items"));
+    let show = saved_show(&mut window, &answers, &folder.path().join("taken.toml"));
+    let played = show.replay(shape).unwrap();
+    assert_eq!(played.parameters().of_a_dance(), preset.settings);
+    assert!(played.gallery().items().iter().any(|item| item.name == preset.name));
+}
+
+/// Five changes of the picture fit into a second: after four, the stage is opened by the fifth.
+#[test]
+fn it_does_all_its_actions_or_none_where_the_flash_guard_holds_the_stage_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut window, answers) = with_its_key(folder.path());
+    point_at(&mut window, "dance/2");
+    let mut now_secs = window.ctx.input(|input| input.time);
+    // Each round in a moment of its own.
+    for before in 0..3 {
+        now_secs += 2.0;
+        go_to(&mut window, now_secs);
+        for _ in 0..before {
+            press(&mut window, Key::S);
+            press(&mut window, Key::Escape);
+        }
+        press(&mut window, Key::A);
+        now_secs += 2.0;
+        go_to(&mut window, now_secs);
+        press(&mut window, Key::Escape);
+        wait(&mut window, "the gallery", |w| shows(w, "12 items"));
+    }
+    let actions = saved_show(&mut window, &answers, &folder.path().join("held.toml")).actions;
+    let actions: Vec<Action> = actions.into_iter().map(|line| line.action).collect();
+    let begun = actions.iter().filter(|action| matches!(action, Action::Take { .. })).count();
+    let whole = actions
+        .windows(3)
+        .filter(|three| matches!(three, [Action::Take { .. }, Action::Set { .. }, Action::Perform { .. }]));
+    assert!(begun > 0 && whole.count() == begun, "{actions:?}");
+}
+
+/// Each frame's clock is given, so that no machine is too slow or too fast for it.
+#[test]
+fn hands_on_a_controller_keep_it_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let (folders, trace) = (folders(folder.path()), Trace::default());
+    let port = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+    let settings = folders.settings.clone().unwrap();
+    std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n")).unwrap();
+    let files = ball_and_song(folder.path()).to_vec();
+    let opening = Opening { folders, files, trace: Some(trace.clone()), now: no_time, ..Opening::default() };
+    let mut window = open_with(opening, Harness::builder().with_size([1000.0, 640.0]));
+    window.input_mut().time = Some(1.0);
+    wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
+    wait(&mut window, "the song", |_| trace.borrow().last().is_some_and(|frame| frame.is_known));
+    go_to(&mut window, 4.0);
+    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    wait(&mut window, "the controller's volume", |_| {
+        socket.send_to(&packet("/chladni/volume", 0.25), (Ipv4Addr::LOCALHOST, port)).unwrap();
+        std::fs::read_to_string(&settings).unwrap().contains("volume = 0.25")
+    });
+    for at_secs in [12.5, 12.6, 30.0] {
+        go_to(&mut window, at_secs);
+    }
+    window.run_steps(2);
+    assert!(shows(&window, "12 items"), "it took over");
 }

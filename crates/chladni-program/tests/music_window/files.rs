@@ -1,5 +1,7 @@
 //! Files that are opened, refused and remembered.
 
+use chladni_music::{Action, FileRef, GalleryShape, Instrument, SongRef, Switch};
+
 use super::*;
 
 #[test]
@@ -218,6 +220,56 @@ fn a_show_is_opened_once_it_is_known_what_becomes_of_unsaved_favorites() {
 }
 
 #[test]
+fn songs_that_are_opened_with_a_show_come_behind_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let [ball, song] = ball_and_song(folder.path());
+    std::fs::copy(song, path("other.wav")).unwrap();
+    // Its shape is another one, which has to be loaded first.
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &path("round.obj")).unwrap();
+    let shape = GalleryShape { eigenvalues: (0..96).map(f64::from).collect(), bands: 32 };
+    let file = |name: &str| FileRef { path: name.into(), blake3: None };
+    let show = Show {
+        body: Some(file("round.obj")),
+        songs: vec![SongRef::of(file("song.wav"))],
+        ..Show::of(&Instrument::new(3, 6, shape).unwrap())
+    };
+    show.save(&path("evening.toml")).unwrap();
+    let files = vec![ball, path("evening.toml"), path("other.wav")];
+    let opening = Opening { folders: folders(folder.path()), files, ..Opening::default() };
+    let mut window = open(opening, [1000.0, 640.0]);
+    wait(&mut window, "the show", |w| shows(w, "6 items"));
+    click(&mut window, "drawer/songs");
+    assert!(shows(&window, "Remove song") && shows(&window, "Remove other"));
+}
+
+#[test]
+fn a_sheet_in_place_of_a_body_is_strewn_at_that_moment() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    wait(&mut window, "some of the song", |_| trace.borrow().last().is_some_and(|frame| frame.at_secs > 0.2));
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    window.run_steps(2);
+    click(&mut window, "drawer/knobs");
+    assert!(!is_chosen(&window, "form/modal"));
+    chladni_mesh::save_mesh(&chladni_mesh::samples::grid_square(12), &path("sheet.obj")).unwrap();
+    answers.add(path("sheet.obj"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the sheet", |w| is_there(w, "form/modal") && is_chosen(w, "form/modal"));
+    answers.add(path("sheet.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    wait(&mut window, "the show", |_| path("sheet.toml").exists());
+    let actions = Show::load(&path("sheet.toml")).unwrap().actions;
+    let strewn = |action: &Action| *action == Action::Switch { switch: Switch::Sand, on: true };
+    assert!(actions.iter().any(|line| strewn(&line.action)));
+    let times: Vec<f64> = actions.iter().map(|line| line.moment.at_secs).collect();
+    assert!(times[0] > 0.2 && times.is_sorted(), "{times:?}");
+}
+
+#[test]
 fn a_project_with_a_song_dances_to_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
@@ -311,8 +363,7 @@ fn a_show_survives_a_crash_and_a_request_to_end() {
     assert!(closes(&window));
     drop(window);
     let kept = Show::load(&shows_in(home)[0]).unwrap();
-    let favorites =
-        kept.actions.iter().filter(|line| matches!(line.action, chladni_music::Action::Favorite { .. }));
+    let favorites = kept.actions.iter().filter(|line| matches!(line.action, Action::Favorite { .. }));
     assert_eq!(favorites.count(), 2);
 }
 

@@ -210,3 +210,23 @@ fn a_window_that_is_closed_while_it_films_waits_for_the_film() {
     wait(&mut window, "the end", closes);
     assert!(film.exists());
 }
+
+#[test]
+fn a_film_that_ends_while_the_start_screen_is_there_is_announced() {
+    let folder = tempfile::tempdir().unwrap();
+    let (answers, files) = (Answers::default(), ball_and_song(folder.path()).to_vec());
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
+    answers.add(folder.path().join("film.gif"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    click(&mut window, "size/640x360");
+    click(&mut window, "fps/12");
+    click(&mut window, "film-begin");
+    window.get_by_role_and_label(Role::Button, "Chladni").click();
+    window.run_steps(3);
+    wait(&mut window, "the film", |w| shows(w, "Filmed"));
+    assert!(shows(&window, "What would you like to play?"));
+    ask_to_close(&mut window);
+    assert!(!shows(&window, "is not finished"));
+}

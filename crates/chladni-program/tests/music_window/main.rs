@@ -15,6 +15,8 @@ mod films;
 mod gallery;
 mod hands;
 mod lost_device;
+#[cfg(target_os = "linux")]
+mod media_keys;
 mod own_colors;
 mod stage;
 

@@ -5,9 +5,10 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{load_mesh, save_mesh};
 use chladni_task::Task;
 use egui::{Key, Modifiers, pos2};
+use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
-use crate::driving::person::{self, Desk, HARMONICS};
+use crate::driving::person::{self, Desk, HARMONICS, Person};
 
 #[test]
 fn from_two_meshes_to_sliders_in_another_program() {
@@ -85,6 +86,52 @@ fn from_two_meshes_to_sliders_in_another_program() {
     let share = |values: &[f32]| values.iter().sum::<f32>() / values.len() as f32;
     assert_eq!(carried.len(), 2562);
     assert!((share(carried) / share(painted) - 1.0).abs() < 0.3, "{} {}", share(carried), share(painted));
+}
+
+/// Begins a film of the turning shape that takes far longer than a few frames of the window.
+fn film(person: &mut Person, to: std::path::PathBuf, desk: &Desk) {
+    person.press_with(CTRL, Key::E);
+    person.click("export/gif");
+    person.click("sizes");
+    person.click("size/640x480");
+    desk.answers.add(to);
+    person.click("export-begin");
+}
+
+#[test]
+fn a_film_that_ends_while_the_start_screen_is_there_holds_up_no_closing() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    film(&mut person, desk.path("turn.gif"), &desk);
+    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Chladni").click();
+    person.0.run_steps(3);
+    person.wait_to_see("Exported");
+    assert!(person.sees("What would you like to play?"));
+    person.close();
+    assert!(!person.sees("is not finished"));
+}
+
+#[test]
+fn a_film_that_fails_while_the_window_waits_for_it_keeps_it_open() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    // It cannot take the place of a folder, which is seen at its end.
+    std::fs::create_dir(desk.path("turn.gif")).unwrap();
+    film(&mut person, desk.path("turn.gif"), &desk);
+    person.close();
+    assert!(person.sees("Writing turn.gif is not finished"));
+    desk.answers.add(desk.path("p.chladni"));
+    person.click("save-and-close");
+    assert!(person.sees("Closing when this is done"));
+    person.wait_until_gone("Closing when this is done");
+    assert!(person.sees("turn.gif: "));
+    // It is open: what is done now is asked about.
+    person.add_layer("magnify");
+    person.close();
+    assert!(person.sees("Save before closing?"));
 }
 
 /// In the GLB, the sliders of the lowest layers at 1 and the rest at 0 give each layer's result.

@@ -6,6 +6,7 @@ use chladni_caricature::{Project, ShapeSource};
 use chladni_mesh::save_mesh;
 use chladni_program::studio::{FirstPicture, Opening};
 use egui::Key;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
 use crate::driving::person::{self, Desk, HARMONICS, Person};
@@ -62,8 +63,73 @@ fn a_project_that_is_only_looked_at_has_nothing_to_save() {
     person.press_with(CTRL, Key::O);
     person.wait_to_see("Softness");
     person.0.run_steps(5);
+    // Through all controls: into each number, and on without a change.
+    let mut numbers = std::collections::BTreeSet::new();
+    for _ in 0..120 {
+        person.press(Key::Tab);
+        let fields = person.0.get_all_by_role(egui::accesskit::Role::SpinButton);
+        let focused = fields.map(|field| field.accesskit_node()).filter(|field| field.is_focused());
+        numbers.extend(focused.filter_map(|field| field.label()));
+    }
+    assert!(["Strength", "Softness"].iter().all(|name| numbers.contains(*name)), "{numbers:?}");
     person.close();
     assert!(!person.sees("Save before closing?"));
+}
+
+#[test]
+fn what_is_chosen_on_the_start_screen_is_opened_and_becomes_no_layer() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("642 vertices");
+    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Chladni").click();
+    person.0.run_steps(3);
+    person.0.get_by_label("Open Ring").click();
+    person.0.run_steps(3);
+    person.wait_until_gone("642 vertices");
+    person.wait_to_see("vertices");
+    assert!(person.0.query_all_by_label_contains("Layer ").next().is_none());
+}
+
+#[test]
+fn keys_do_nothing_beneath_a_question() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    person.close();
+    assert!(person.sees("Save before closing?"));
+    person.press(Key::Delete);
+    person.press_with(CTRL, Key::D);
+    desk.answers.add(desk.path("kept.chladni"));
+    person.click("save-and-close");
+    assert_eq!(Project::load(&desk.path("kept.chladni")).unwrap().layers().len(), 1);
+}
+
+#[test]
+fn a_number_of_harmonics_is_a_preference_once_it_is_solved() {
+    let desk = Desk::new();
+    save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
+    let mut person = desk.sit_down(&["finer.obj"]);
+    person.wait_to_see("48 harmonics");
+    // What the next window would begin with.
+    let preferred = |person: &mut Person| {
+        eframe::App::on_exit(person.0.state_mut());
+        chladni_program::studio::Settings::load(&desk.path("settings.toml")).unwrap().harmonics
+    };
+    person.click("harmonics");
+    person.click("harmonics/64");
+    person.wait_to_see("64 harmonics");
+    person.wait_until_gone("Solving");
+    assert_eq!(preferred(&mut person), 64);
+    person.click("harmonics");
+    person.click("harmonics/1024");
+    // A very quick machine may have solved it.
+    let cancel = person.0.query_by_label("Cancel").map(|cancel| cancel.click());
+    person.wait_until_gone("Solving");
+    person.0.run_steps(3);
+    let expected = if person.sees("64 harmonics") { 64 } else { 1024 };
+    assert!(cancel.is_some() || expected == 1024);
+    assert_eq!(preferred(&mut person), expected);
 }
 
 #[test]

@@ -136,6 +136,38 @@ fn the_first_stroke_of_a_brush_is_one_step() {
 }
 
 #[test]
+fn a_stroke_that_a_key_ends_is_a_step_of_its_own() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    person.press(Key::B);
+    let (left, right) = (pos2(580.0, 420.0), pos2(680.0, 420.0));
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    person.0.hover_at(left);
+    person.0.run_steps(1);
+    person.0.event(button(left, true));
+    person.0.hover_at(left + vec2(10.0, 0.0));
+    person.0.run_steps(1);
+    // The brush is put away before the button is released.
+    person.press(Key::B);
+    person.0.event(button(left + vec2(10.0, 0.0), false));
+    person.0.run_steps(2);
+    let first = painted(&desk, &mut person);
+    assert!(inside(&first) > 3);
+    person.press(Key::B);
+    person.drag(&[right, right + vec2(10.0, 0.0)]);
+    assert!(inside(&painted(&desk, &mut person)) > inside(&first));
+    person.press_with(CTRL, Key::Z);
+    assert_eq!(painted(&desk, &mut person), first);
+}
+
+#[test]
 fn a_soft_brush_leaves_a_soft_edge_and_is_remembered() {
     let desk = Desk::new();
     save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();

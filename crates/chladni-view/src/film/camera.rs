@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use chladni_task::{Needs, other_program};
+use chladni_task::{Needs, apart, other_program};
 
 use super::feed::Feed;
 use super::ffmpeg::ffmpeg;
@@ -200,6 +200,7 @@ impl CameraTarget {
         match self {
             Self::PipeWire => {
                 let mut command = other_program("gst-launch-1.0", Needs::Desktop);
+                apart(&mut command);
                 command.args(["-q", "fdsrc", "fd=0"]).arg(format!("blocksize={}", 4 * width * height));
                 command.args(["!", "rawvideoparse", "format=rgbx"]);
                 command.args([

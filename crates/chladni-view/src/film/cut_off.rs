@@ -37,7 +37,8 @@ impl RecordingFolder {
         let folder = private_folder(PREFIX, folder_of(film))?;
         let name = film.file_name().unwrap_or_default().to_string_lossy();
         let mut note = File::create(folder.path().join(NOTE))?;
-        note.lock()?;
+        // Where the file system has no locks, it is recorded all the same, and left alone afterwards.
+        let _ = note.lock();
         writeln!(note, "{sound_hz}\n{name}")?;
         note.sync_all()?;
         Ok(Self { folder, film: film.to_owned(), sound_hz, _note: note })
@@ -110,6 +111,11 @@ impl CutOff {
         &self.film
     }
 
+    /// Whether nothing was recorded, so that there is nothing to make a film of.
+    pub fn is_empty(&self) -> bool {
+        !has_bytes(&self.folder.join(PICTURE))
+    }
+
     /// Makes a film of what was recorded, beside the one that it was to be, and removes the folder; where the film is.
     /// The last second may be missing.
     ///
@@ -117,16 +123,16 @@ impl CutOff {
     /// [`ViewError::NoFfmpeg`], [`ViewError::Film`] where it has no picture, [`ViewError::Ffmpeg`] and
     /// [`ViewError::File`]. The folder stays.
     pub fn save(self) -> Result<PathBuf, ViewError> {
+        if self.is_empty() {
+            let folder = self.folder.display();
+            return Err(ViewError::Film(format!("no picture was recorded; the rest is in {folder}")));
+        }
         if !ffmpeg_is_there() {
             return Err(ViewError::NoFfmpeg);
         }
         let failed = |source| ViewError::File { path: self.folder.clone(), source };
-        let picture = self.folder.join(PICTURE);
-        if !has_bytes(&picture) {
-            return Err(ViewError::Film("nothing was recorded".into()));
-        }
         let film = self.free_name();
-        join((&picture, &self.folder.join(SOUND), self.sound_hz), None, &film)?;
+        join((&self.folder.join(PICTURE), &self.folder.join(SOUND), self.sound_hz), None, &film)?;
         std::fs::remove_dir_all(&self.folder).map_err(failed)?;
         Ok(film)
     }

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use super::{Encode, FilmSettings, beside, persist};
+use super::{Encode, FilmSettings, FrameRate, beside, persist};
 use crate::{Picture, ViewError};
 
 /// One PNG with all frames.
@@ -16,10 +16,7 @@ pub(super) struct Apng {
 
 impl Apng {
     pub(super) fn create(path: &Path, settings: &FilmSettings) -> Result<Self, ViewError> {
-        let narrow = |n: u32| {
-            u16::try_from(n)
-                .map_err(|_| ViewError::Film(format!("an animated PNG cannot hold a rate with {n}")))
-        };
+        let (numerator, denominator) = delay(settings.rate)?;
         let frames = u32::try_from(settings.frames)
             .map_err(|_| ViewError::Film(format!("an animated PNG of {} frames", settings.frames)))?;
         let file = beside(path)?;
@@ -29,12 +26,23 @@ impl Apng {
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_animated(frames, 0).map_err(failed)?;
-        encoder
-            .set_frame_delay(narrow(settings.rate.denominator)?, narrow(settings.rate.numerator)?)
-            .map_err(failed)?;
+        encoder.set_frame_delay(numerator, denominator).map_err(failed)?;
         let writer = encoder.write_header().map_err(failed)?;
         Ok(Self { path: path.to_owned(), file, writer })
     }
+}
+
+/// How long a frame is shown, in seconds, as the fraction of two short numbers that an animated PNG holds.
+pub(super) fn delay(rate: FrameRate) -> Result<(u16, u16), ViewError> {
+    let FrameRate { numerator, denominator } = rate;
+    let (mut divisor, mut rest) = (numerator, denominator);
+    while rest > 0 {
+        (divisor, rest) = (rest, divisor % rest);
+    }
+    let short = |n: u32| u16::try_from(n / divisor.max(1)).ok();
+    short(denominator).zip(short(numerator)).ok_or_else(|| {
+        ViewError::Film(format!("an animated PNG cannot hold a rate of {numerator}/{denominator}"))
+    })
 }
 
 fn failed(error: png::EncodingError) -> ViewError {

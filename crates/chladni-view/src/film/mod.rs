@@ -137,6 +137,7 @@ impl FilmSettings {
             FilmFormat::Mp4 if self.width < 2 || self.height < 2 => {
                 Err(ViewError::Film("an MP4 needs at least 2×2 pixels".into()))
             }
+            FilmFormat::Apng => frames::delay(self.rate).map(drop),
             _ => Ok(()),
         }
     }
@@ -175,7 +176,14 @@ impl Film {
     /// [`ViewError::NoFfmpeg`] for an MP4 without ffmpeg, [`ViewError::Film`] for settings the
     /// format cannot hold, [`ViewError::File`] where the file cannot be made.
     pub fn create(path: &Path, settings: FilmSettings) -> Result<Self, ViewError> {
-        let format = FilmFormat::of(path)?;
+        Self::create_as(FilmFormat::of(path)?, path, settings)
+    }
+
+    /// Begins a film of this format, whatever its name ends in: that of a folder may have a dot.
+    ///
+    /// # Errors
+    /// As [`create`](Self::create).
+    pub fn create_as(format: FilmFormat, path: &Path, settings: FilmSettings) -> Result<Self, ViewError> {
         settings.check_for(format)?;
         let encoder: Box<dyn Encode> = match format {
             FilmFormat::Mp4 => Box::new(mp4::Mp4::create(path, &settings, mp4::Layout::Whole)?),

@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::Project;
-use chladni_mesh::Format;
+use chladni_mesh::{Format, ShapeSource};
 
 use super::{Caricature, one};
 use crate::cli::Terminal;
@@ -38,7 +38,8 @@ impl Caricature {
             }
             let name = shape.display().to_string();
             let (wanted, pictures) = (self.resolution.wanted(), self.pictures(render.as_deref()));
-            match one(&name, &project, Some(&from), wanted, Some(output), pictures, terminal) {
+            let source = ShapeSource::named(shape);
+            match one(&source, &project, Some(&from), wanted, Some(output), pictures, terminal) {
                 Ok(()) => {}
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(failure) => {

@@ -21,7 +21,7 @@ use super::resolution::ResolutionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::{check_distinct, check_film, check_mesh, check_picture};
+use crate::work::outputs::{check_distinct, check_film, check_mesh, check_no_texture, check_picture};
 use crate::work::{Error, Made, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -98,7 +98,7 @@ impl Caricature {
             (None, Some(shape)) => {
                 self.check(&project.files())?;
                 let from = Subject::of(&mut project, terminal)?.mesh;
-                self.one_of(shape, &project, Some(&from), terminal)
+                self.one_of(&ShapeSource::named(shape), &project, Some(&from), terminal)
             }
             (None, None) => {
                 self.check(&project.files())?;
@@ -107,7 +107,7 @@ impl Caricature {
                         "--proxy is for another shape: its own is worked on as the recipe says",
                     ));
                 }
-                let shape = project.shape.to_string();
+                let shape = project.shape.clone();
                 self.one_of(&shape, &project, None, terminal)
             }
         }
@@ -115,10 +115,12 @@ impl Caricature {
 
     /// Checks that no option is without effect.
     fn check_options(&self) -> Result<(), Error> {
-        if !self.template.as_ref().is_some_and(Template::is_mesh)
-            && let Some(option) = self.layer.given_for_matching()
-        {
-            return Err(Error::Input(format!("{option} is for a template that is a mesh")));
+        self.layer.check_for(self.template.as_ref())?;
+        let in_ink = self.render.as_deref().is_some_and(|path| self.ink.wanted(path));
+        if in_ink && !self.sheet.show.iter().all(|panel| panel.is_plain()) {
+            return Err(Error::input(
+                "ink draws shapes alone: leave out the panels rest, ghost, painted and region",
+            ));
         }
         let draws_sheet = self.gallery.gallery && !self.gallery.is_single();
         if !draws_sheet
@@ -176,13 +178,14 @@ impl Caricature {
         let layer = self.layer.layer("caricature", template.clone(), painted, &project, &subject)?;
         project.push(layer)?;
         let pictures = self.pictures(self.render.as_deref());
-        finish(shape, subject, &project, project.stands, self.output.as_deref(), pictures, terminal)
+        let source = project.shape.clone();
+        finish(&source, subject, &project, project.stands, self.output.as_deref(), pictures, terminal)
     }
 
     /// The recipe `project` on one shape.
     fn one_of(
         &self,
-        shape: &str,
+        shape: &ShapeSource,
         project: &Project,
         from: Option<&TriMesh>,
         terminal: &Terminal,
@@ -208,6 +211,7 @@ impl Caricature {
         project.resolution = self.resolution.or_all(self.layer.needs_all_vertices());
         let subject = Subject::of(&mut project, terminal)?;
         let mesh = &subject.mesh;
+        check_textures(output, (&project.shape, subject.whole()), self.template.iter())?;
         let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
@@ -249,7 +253,7 @@ fn save(sculpture: &Sculpture, output: &Path, terminal: &Terminal) -> Result<(),
 /// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
 /// regions and landmarks are carried over, and it is worked on as is `wanted`.
 fn one(
-    shape: &str,
+    shape: &ShapeSource,
     project: &Project,
     from: Option<&TriMesh>,
     wanted: Resolution,
@@ -263,16 +267,16 @@ fn one(
         return finish(shape, subject, &project, project.stands, output, pictures, terminal);
     };
     let mut other = project.clone();
-    (other.shape, other.resolution) = (ShapeSource::named(Path::new(shape)), wanted);
+    (other.shape, other.resolution) = (shape.clone(), wanted);
     let subject = Subject::before_carrying(&mut other, terminal)?;
-    let project = carry(project, from, shape, &subject.mesh, terminal)?;
+    let project = carry(project, from, &shape.to_string(), &subject.mesh, terminal)?;
     // Another shape need not stand as the project's own does.
     finish(shape, subject, &project, None, output, pictures, terminal)
 }
 
 /// `project` on `subject`, which is called `shape` and stands as is `kept`, to its files.
 fn finish(
-    shape: &str,
+    shape: &ShapeSource,
     subject: Subject,
     project: &Project,
     kept: Option<Orientation>,
@@ -280,22 +284,44 @@ fn finish(
     pictures: Pictures<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let (body, _) = body::build(shape, &subject.mesh, project.harmonics, project.laplacian, terminal)?;
-    let mut made = make(subject, Arc::new(body), project, false, terminal)?;
-    made.sculpture.source = shape.parse()?;
-    describe(&made, terminal)?;
-    if let Some(output) = output {
-        save(&made.sculpture, output, terminal)?;
-    }
     let Pictures { path, turntable, portrait, sheet, ink } = pictures;
+    let templates = project.layers().iter().map(|(_, layer)| &layer.template);
+    for path in path.into_iter().chain(turntable.turntable.as_deref()) {
+        check_textures(path, (shape, subject.whole()), templates.clone())?;
+    }
+    let name = shape.to_string();
+    let (body, _) = body::build(&name, &subject.mesh, project.harmonics, project.laplacian, terminal)?;
+    let mut made = make(subject, Arc::new(body), project, false, terminal)?;
+    made.sculpture.source = shape.clone();
+    describe(&made, terminal)?;
     if let Some(path) = path {
-        portrait::render(&mut made, shape, project, path, portrait, sheet, ink, kept, terminal)?;
+        portrait::render(&mut made, &name, project, path, portrait, sheet, ink, kept, terminal)?;
         terminal.wrote(path)?;
     }
     if let Some(path) = &turntable.turntable {
-        let from = portrait.camera(shape, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
+        let from = portrait.camera(&name, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
         turntable.film(path, &made.sculpture, from, portrait.size(), ink, terminal)?;
         terminal.wrote(path)?;
+    }
+    // Last: its textures take names that the pictures have left free.
+    output.map_or(Ok(()), |output| save(&made.sculpture, output, terminal))
+}
+
+/// Checks that the picture or film at `path` replaces no texture of a shape or of the meshes among `templates`.
+fn check_textures<'a>(
+    path: &Path,
+    (shape, mesh): (&ShapeSource, &TriMesh),
+    templates: impl Iterator<Item = &'a Template>,
+) -> Result<(), Error> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    shape.file().map_or(Ok(()), |file| check_no_texture(path, file, mesh))?;
+    for file in templates.filter_map(Template::file) {
+        // One that cannot be read is reported by its layer.
+        if let Ok(loaded) = ShapeSource::named(file).load(None) {
+            check_no_texture(path, file, &loaded.mesh)?;
+        }
     }
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! The brush that paints a layer's region.
 
-use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit};
+use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit, SurfacePoint};
 use chladni_mesh::MirrorPlane;
 use egui::{RichText, Slider, Ui};
 
 use super::edits::Edits;
 use super::lasso::LassoTool;
 use super::limb_tool::LimbTool;
-use super::stage::Press;
+use super::stage::{BrushInHand, Press};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{BRUSH, ERASE};
@@ -95,28 +95,32 @@ impl BrushTool {
         theme::row(ui, "Intensity", "How much of the layer acts where you paint", |ui| {
             ui.add(Slider::new(&mut self.intensity, 0.0..=1.0).fixed_decimals(2));
         });
+        let before = [self.fill, self.limbs.active, self.lasso.active];
         ui.horizontal(|ui| {
             theme::checkbox(ui, &mut self.mirror, "Mirror")
                 .author_id("mirror")
                 .on_hover_text("Paint both sides of the shape at once");
             theme::checkbox(ui, &mut self.fill, "Fill")
+                .author_id("fill")
                 .on_hover_text("A click fills everything that is connected");
             self.limbs.show_switch(ui);
             self.lasso.show_switch(ui);
         });
+        let now = [self.fill, self.limbs.active, self.lasso.active];
+        [self.fill, self.limbs.active, self.lasso.active] = one_way(before, now);
         self.limbs.show_level(ui);
         if self.mirror {
             show_mirror(ui, plane);
         }
     }
 
-    /// Turns a drag on the shape into dabs of the vertices that the ring enclosed, or, where there are `limbs`, a
-    /// click into a part.
+    /// Turns a drag on the shape with the brush in `hand` into dabs of the vertices that the ring enclosed, or, where there
+    /// are `limbs`, a click into a part.
     pub fn paint(
         &mut self,
         ui: &Ui,
         response: &egui::Response,
-        presses: &[Press],
+        (presses, hand): (&[Press], BrushInHand<'_>),
         layer: LayerId,
         limbs: Option<&Limbs>,
         edits: &mut Edits,
@@ -128,24 +132,40 @@ impl BrushTool {
         let primary = egui::PointerButton::Primary;
         if self.limbs.active {
             if let Some(limbs) = limbs.filter(|_| response.clicked_by(primary)) {
-                self.limbs.take(limbs, layer, self.erase ^ modifiers.ctrl, modifiers, edits);
+                let erase = self.erase ^ modifiers.ctrl;
+                let taken = self.limbs.taken(limbs, erase, self.intensity, modifiers);
+                taken.into_iter().for_each(|edit| edits.once(Action::Paint { layer, edit }));
             }
             return;
         }
         let pressed = response.dragged_by(primary) || response.clicked_by(primary);
         for press in presses.iter().filter(|_| pressed) {
             let erase = self.erase ^ modifiers.ctrl;
-            let edit = if self.fill {
+            let mut paint = |edit| edits.live(Action::Paint { layer, edit });
+            if self.fill {
                 let intensity = if erase { 0.0 } else { self.intensity };
-                PaintEdit::FillComponent { at: press.touch.on_surface(), intensity }
+                fills(press.touch.on_surface(), hand, intensity).for_each(paint);
             } else {
-                PaintEdit::Dab(Dab::of(&press.reach, self.intensity, erase))
-            };
-            edits.live(Action::Paint { layer, edit });
+                paint(PaintEdit::Dab(Dab::of(&press.reach, self.intensity, erase)));
+            }
         }
         if response.drag_stopped() || response.clicked_by(primary) {
             edits.finish();
         }
+    }
+}
+
+/// Fills everything that is connected with a place, and what is with its mirror image.
+fn fills(at: SurfacePoint, hand: BrushInHand<'_>, intensity: f32) -> impl Iterator<Item = PaintEdit> {
+    let twin = hand.twin(&at);
+    std::iter::once(at).chain(twin).map(move |at| PaintEdit::FillComponent { at, intensity })
+}
+
+/// Of ways to paint that exclude each other, the one that was switched on last.
+fn one_way(before: [bool; 3], now: [bool; 3]) -> [bool; 3] {
+    match (0..3).find(|way| now[*way] && !before[*way]) {
+        Some(on) => std::array::from_fn(|way| way == on),
+        None => now,
     }
 }
 
@@ -170,4 +190,56 @@ fn show_mirror(ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
                vertices then miss the surface: root mean square of the best nine tenths, as a share of the \
                bounding box's diagonal";
     ui.label(RichText::new(text).color(color).small()).on_hover_text(tip);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_caricature::{Brush, Painted, Stack, Surface};
+    use chladni_harmonics::{BasisSettings, Body};
+    use chladni_mesh::{TriMesh, samples};
+    use chladni_task::Task;
+
+    /// Two balls, each the mirror image of the other, and the plane between them.
+    fn balls() -> (Stack, MirrorPlane) {
+        let ball = samples::icosphere(2);
+        let n = ball.positions.len() as u32;
+        let at = |x: f64| ball.positions.iter().map(move |p| [p[0] + x, p[1], p[2]]);
+        let second = ball.triangles.iter().map(|t| t.map(|v| v + n));
+        let mesh = TriMesh {
+            positions: at(-2.0).chain(at(2.0)).collect(),
+            triangles: ball.triangles.iter().copied().chain(second).collect(),
+            ..TriMesh::default()
+        };
+        let body = Body::build(&mesh, &BasisSettings::new(6), &Task::new()).unwrap();
+        let middle = body.frame.to_working([0.0; 3])[0];
+        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: middle, misfit: 0.0 };
+        (Stack::new(body.into()).unwrap(), plane)
+    }
+
+    #[test]
+    fn what_is_filled_is_filled_on_both_sides_of_a_mirror() {
+        let (stack, plane) = balls();
+        let surface: &Surface = stack.surface();
+        let at = SurfacePoint { triangle: 3, weights: [1.0, 0.0, 0.0] };
+        for (mirror, share) in [(None, 0.5), (Some(plane), 1.0)] {
+            let hand = BrushInHand { brush: Brush { radius: 0.1, hardness: 1.0, mirror }, surface };
+            let painted = fills(at, hand, 0.75)
+                .try_fold(Painted::Everywhere, |painted, edit| edit.apply(&painted, surface))
+                .unwrap();
+            let Painted::Vertices(values) = painted else { panic!("nothing was filled") };
+            let filled = values.iter().filter(|x| **x == 0.75).count();
+            assert_eq!(filled as f64, share * values.len() as f64);
+        }
+    }
+
+    #[test]
+    fn fill_parts_and_lasso_exclude_each_other() {
+        let [fill, parts, lasso] = [[true, false, false], [false, true, false], [false, false, true]];
+        assert_eq!(one_way(parts, [false, true, true]), lasso);
+        assert_eq!(one_way(lasso, [true, false, true]), fill);
+        assert_eq!(one_way(fill, [true, true, false]), parts);
+        assert_eq!(one_way(fill, [false; 3]), [false; 3]);
+        assert_eq!(one_way(lasso, lasso), lasso);
+    }
 }

@@ -156,7 +156,7 @@ fn show_stage(
             let taken = stage.encircled(ui, rect, look.show, &line, hand);
             LassoTool::take(taken, brush.intensity, erase, layer, edits);
         }
-    } else if let Some(layer) = session.selected.filter(|_| brush.active) {
+    } else if let Some((layer, hand)) = session.selected.zip(in_hand) {
         if waits {
             return Ok(());
         }
@@ -165,7 +165,7 @@ fn show_stage(
         {
             ui.ctx().request_repaint();
         }
-        brush.paint(ui, &response, &presses, layer, limbs, edits);
+        brush.paint(ui, &response, (&presses, hand), layer, limbs, edits);
     } else if response.clicked()
         && look.show == Show::Models
         && let Some(model) = figure.and_then(|figure| Model::ALL.get(figure.checked_sub(stage::MODELS)?))

@@ -139,9 +139,8 @@ impl CaricatureRoom {
         self.export.open = self.session.is_some();
     }
 
-    /// Draws the export window and takes in the finished export.
+    /// Draws the export window.
     pub(super) fn show_export(&mut self, ui: &Ui, shared: &mut Shared<'_>) {
-        self.export.poll(shared);
         if !self.export.open {
             return;
         }
@@ -248,7 +247,8 @@ impl Export {
         }
     }
 
-    fn poll(&mut self, shared: &mut Shared<'_>) {
+    /// Takes in the finished export.
+    pub fn poll(&mut self, shared: &mut Shared<'_>) {
         match self.running.as_ref().and_then(Job::ended) {
             Some(Ok((path, warning))) => {
                 shared.notices.done(format!("Exported {}", path.display()));

@@ -11,7 +11,6 @@ use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::job;
-use crate::studio::settings::Settings;
 use crate::studio::theme;
 
 /// Numbers of harmonics on offer.
@@ -22,7 +21,7 @@ const PAPER_MODE: &str = "The paper's plain cotangent Laplacian, which not every
                           with the paper's settings";
 
 /// Draws it.
-pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut Edits) {
+pub fn show(ui: &mut Ui, session: &Session, edits: &mut Edits) {
     let palette = theme::palette(ui);
     let body = session.stack.body();
     ui.add_space(theme::GAP_SMALL);
@@ -54,7 +53,6 @@ pub fn show(ui: &mut Ui, session: &Session, settings: &mut Settings, edits: &mut
                     let chosen = session.project().harmonics == choice;
                     let button = ui.selectable_label(chosen, format!("{} harmonics", grouped(choice)));
                     if button.author_id(format!("harmonics/{choice}")).clicked() {
-                        settings.harmonics = choice;
                         edits.once(Action::SetHarmonics(choice));
                         ui.close();
                     }

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{Action, LayerId, Limbs, PaintEdit};
+use chladni_caricature::{Limbs, PaintEdit};
 use chladni_harmonics::Body;
 use chladni_mesh::MirrorPlane;
 use egui::{Modifiers, RichText, Slider, Ui};
 
-use super::edits::Edits;
 use super::stage::Press;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::Job;
@@ -81,13 +80,17 @@ impl LimbTool {
         changed
     }
 
-    /// Takes the part under the pointer: alone, or, with Shift, besides the painted region; `erase` takes it away.
-    pub fn take(&self, limbs: &Limbs, layer: LayerId, erase: bool, modifiers: Modifiers, edits: &mut Edits) {
-        if self.pointed.is_empty() {
-            return;
-        }
-        let edit = PaintEdit::taking(&self.pointed, &limbs.part, modifiers.shift, erase);
-        edits.once(Action::Paint { layer, edit });
+    /// Takes the part under the pointer with this intensity: alone, or, with Shift, besides the painted region; `erase` takes
+    /// it away. `None` where there is none.
+    pub fn taken(
+        &self,
+        limbs: &Limbs,
+        erase: bool,
+        intensity: f32,
+        modifiers: Modifiers,
+    ) -> Option<PaintEdit> {
+        let taking = || PaintEdit::taking(&self.pointed, &limbs.part, modifiers.shift, erase);
+        (!self.pointed.is_empty()).then(taking).map(|edit| edit.with_intensity(intensity))
     }
 }
 
@@ -143,28 +146,20 @@ impl KnownLimbs {
 
 #[cfg(test)]
 mod tests {
-    use super::super::edits::Edit;
     use super::*;
-    use chladni_caricature::{Dab, Layer, Limb, Painted, Project, ShapeSource, Template};
+    use chladni_caricature::{Dab, Limb, Painted};
 
     #[test]
     fn a_click_takes_a_part_alone_shift_adds_it_and_erasing_takes_it_away() {
         let part = Limb { share: 0.5, persistence: 1.0, middle: [0.0; 3] };
         let limbs = Limbs { part: vec![0, 1, 1, 0], parts: vec![part; 2] };
-        let mut project = Project::new(ShapeSource::Sample("head".into()), 4);
-        let layer = project.push(Layer::new("a layer", Template::Ellipsoid)).unwrap();
         let taken = |pointed: &[usize], erase: bool, modifiers: Modifiers| {
             let tool = LimbTool { pointed: pointed.to_vec(), ..LimbTool::default() };
-            let mut edits = Edits::default();
-            tool.take(&limbs, layer, erase, modifiers, &mut edits);
-            edits.take().pop().map(|edit| match edit {
-                Edit::Once(Action::Paint { edit, .. }) => edit,
-                other => panic!("{other:?}"),
-            })
+            tool.taken(&limbs, erase, 0.5, modifiers)
         };
-        let alone = PaintEdit::Set(Painted::Vertices([0.0, 1.0, 1.0, 0.0].into()));
+        let alone = PaintEdit::Set(Painted::Vertices([0.0, 0.5, 0.5, 0.0].into()));
         assert_eq!(taken(&[1], false, Modifiers::NONE), Some(alone));
-        let dab = |erase: bool| Some(PaintEdit::Dab(Dab::even(vec![1, 2], 1.0, erase)));
+        let dab = |erase: bool| Some(PaintEdit::Dab(Dab::even(vec![1, 2], 0.5, erase)));
         assert_eq!(taken(&[1], false, Modifiers::SHIFT), dab(false));
         assert_eq!(taken(&[1], true, Modifiers::NONE), dab(true));
         assert_eq!(taken(&[], false, Modifiers::NONE), None);

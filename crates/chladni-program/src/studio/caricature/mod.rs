@@ -138,6 +138,10 @@ impl Room for CaricatureRoom {
         self.panels(ui, shared, &mut edits);
         self.center(ui, shared, &mut edits);
         self.show_export(ui, shared);
+        // Also where the tool that began a stroke was put away meanwhile.
+        if shared.ctx.input(|input| input.pointer.any_released()) {
+            edits.finish();
+        }
         let requests = edits.take();
         if let Some(session) = &mut self.session {
             match session.apply(requests) {
@@ -159,11 +163,17 @@ impl Room for CaricatureRoom {
         self.open_together(paths, new_shape, shared);
     }
 
+    fn open_anew(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
+        self.open_together(paths, true, shared);
+    }
+
     fn extensions(&self) -> Vec<&'static str> {
         [PROJECT].into_iter().chain(MESHES).collect()
     }
 
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+        // A window that closes waits for it, whichever room is on screen.
+        self.export.poll(shared);
         self.keep_copy(shared);
         self.ask_to_replace(shared);
         self.offer_recovery(shared)
@@ -236,10 +246,15 @@ impl CaricatureRoom {
             }
         }
         if let Some(session) = &mut self.session {
+            let before = session.solved_harmonics();
             match session.pump_harmonics(&shared.ctx) {
                 Ok(None) => {}
                 Ok(Some(warnings)) => {
                     self.stale = true;
+                    // One that was solved is one for shapes opened later, too.
+                    if session.solved_harmonics() != before {
+                        shared.settings.harmonics = session.solved_harmonics();
+                    }
                     warnings.into_iter().for_each(|warning| shared.notices.warn(warning));
                 }
                 Err(why) => shared.notices.failed(why),
@@ -302,9 +317,7 @@ impl CaricatureRoom {
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         let mut wants_mesh = false;
         egui::Panel::left("layers").resizable(false).exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
-            egui::Panel::bottom("shape")
-                .resizable(false)
-                .show(ui, |ui| footer::show(ui, session, shared.settings, edits));
+            egui::Panel::bottom("shape").resizable(false).show(ui, |ui| footer::show(ui, session, edits));
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let mut selected = session.selected;
                 let failed = session.failed_layers();

@@ -54,11 +54,12 @@ impl Curtain {
                         ctx.send_viewport_cmd(ViewportCommand::SetMonitor(*index));
                         self.filled |= !full;
                     }
-                    Change::Missing { filled, .. } => {
-                        if *filled && std::mem::take(&mut self.filled) {
+                    Change::Leave | Change::Missing { filled: true, .. } => {
+                        if std::mem::take(&mut self.filled) {
                             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
                         }
                     }
+                    Change::Missing { .. } => {}
                 }
                 return change.warning();
             }

@@ -284,7 +284,9 @@ impl Form {
             }
         };
         film.beginning.keeps_look = self.look.is_some();
-        film.look = self.look.and_then(Look::named).unwrap_or(film.look);
+        // A shape's own colors stay under any look.
+        let own_colors = film.look.own_colors;
+        film.look = Look { own_colors, ..self.look.and_then(Look::named).unwrap_or(film.look) };
         let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
         Ok(Film { start_secs: self.from_secs, duration_secs, ..film })
     }
@@ -311,14 +313,15 @@ fn as_it_is(mut show: Show, view: View, favorites: usize) -> Show {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::work::OWN_COLORS;
     use chladni_music::{GalleryShape, Instrument, Looks, Parameter};
 
     #[test]
     fn a_film_looks_as_it_was_seen_unless_a_look_is_chosen() {
         let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
-        let film = |form: Form| {
+        let film = |palette: &str, form: Form| {
             let instrument = Instrument::new(1, 6, shape.clone()).unwrap();
-            let looks = Some(Looks { look: "ember".into(), ..Looks::default() });
+            let looks = Some(Looks { look: "ember".into(), palette: palette.to_owned(), ..Looks::default() });
             let scene = Scene {
                 show: Show { looks, ..Show::of(&instrument) },
                 body: "sample:ring".into(),
@@ -329,12 +332,15 @@ mod tests {
             };
             form.film(scene, PathBuf::from("film.gif")).unwrap()
         };
-        let as_seen = film(Form::FIRST);
+        let as_seen = film("", Form::FIRST);
         assert_eq!(as_seen.look, Look::EMBER);
         assert!(as_seen.output.titles, "as on stage");
         for (name, look) in Look::PRESETS {
-            let chosen = film(Form { look: Some(name), titles: false, ..Form::FIRST });
-            assert!(chosen.look == look && !chosen.output.titles, "{name}");
+            let chosen = Form { look: Some(name), titles: false, ..Form::FIRST };
+            let film = |palette: &str| film(palette, chosen.clone());
+            assert!(film("").look == look && !film("").output.titles, "{name}");
+            // The colors that the shape brings stay.
+            assert_eq!(film(OWN_COLORS).look, Look { own_colors: true, ..look }, "{name}");
         }
     }
 

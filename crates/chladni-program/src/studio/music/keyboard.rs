@@ -142,12 +142,16 @@ impl MusicRoom {
         let now = Now {
             at_secs: now_secs,
             beat: listening.beat(),
+            beat_at: listening.heard_at(),
             tempo_bpm: listening.beat_moment().tempo_bpm,
             progress: listening.progress(),
             bands: &listening.spectrum().0.mid,
             ahead_secs: listening.ahead_secs(),
         };
         self.drawers.remote.tell(music, &now, &shared.ctx);
+        if !cues.is_empty() {
+            self.leaning.end();
+        }
         for cue in cues {
             match cue {
                 Cue::Do(action) => {

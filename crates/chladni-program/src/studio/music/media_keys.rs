@@ -219,7 +219,7 @@ mod tests {
     fn until(what: &str, mut ready: impl FnMut() -> bool) {
         let began = Instant::now();
         while !ready() {
-            assert!(began.elapsed() < Duration::from_secs(60), "{what}");
+            assert!(began.elapsed() < chladni_testdata::HANGS, "{what}");
             std::thread::sleep(Duration::from_millis(10));
         }
     }

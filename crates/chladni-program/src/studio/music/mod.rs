@@ -104,6 +104,8 @@ pub struct MusicRoom {
     awake: Awake,
     /// Presets and shows that wait for a shape.
     waiting: Vec<PathBuf>,
+    /// Songs that wait for the show that was opened with them: it would replace them.
+    late_songs: Vec<PathBuf>,
     /// A show that waits for an answer: unsaved dances are in its way.
     replacing: Option<(PathBuf, Show)>,
     /// A show that waits for its own shape.
@@ -222,6 +224,7 @@ impl MusicRoom {
             let path = self.waiting.remove(0);
             self.open_text(path, shared);
         }
+        self.add_songs(shared);
     }
 
     /// Reports what went wrong, and does not retry automatically.

@@ -7,6 +7,8 @@ use super::preferences::Screen;
 pub enum Change {
     /// It fills the screen with this index.
     Fill(usize),
+    /// It fills none any more.
+    Leave,
     /// The screen is not there: the window leaves full screen where it filled one.
     Missing { filled: bool, name: String },
 }
@@ -31,7 +33,11 @@ pub struct Place {
 impl Place {
     /// Follows the wanted screen, and the screens that there are now, in the system's order.
     pub fn follow(&mut self, wanted: &Screen, names: &[String]) -> Option<Change> {
-        let name = wanted.name()?;
+        let Some(name) = wanted.name() else {
+            self.missing = None;
+            let filled = self.fills.take().is_some();
+            return (filled && *wanted == Screen::Window).then_some(Change::Leave);
+        };
         if let Some(index) = wanted.index(names) {
             self.missing = None;
             let is_new = self.fills.as_ref() != Some(&name);
@@ -62,6 +68,19 @@ mod tests {
         assert_eq!(place.follow(&wanted, &[]), None);
         assert_eq!(place.follow(&wanted, &both[1..]), Some(Change::Fill(0)));
         assert_eq!(place.follow(&Screen::Named("eDP-1".into()), &both), Some(Change::Fill(0)));
+    }
+
+    #[test]
+    fn a_plain_window_leaves_the_screen_and_the_screen_is_filled_anew() {
+        let names = ["eDP-1", "HDMI-1"].map(String::from);
+        let named = Screen::Named("HDMI-1".into());
+        for (between, leaves) in [(Screen::Window, Some(Change::Leave)), (Screen::Full, None)] {
+            let mut place = Place::default();
+            assert_eq!(place.follow(&named, &names), Some(Change::Fill(1)));
+            assert_eq!(place.follow(&between, &names), leaves);
+            assert_eq!(place.follow(&between, &names), None);
+            assert_eq!(place.follow(&named, &names), Some(Change::Fill(1)));
+        }
     }
 
     #[test]

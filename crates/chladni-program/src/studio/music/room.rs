@@ -51,11 +51,8 @@ impl Room for MusicRoom {
         self.listening(shared);
         self.poll(shared);
         self.follow_dialog(shared);
-        self.filming.poll(shared);
         let mut wishes = self.keys(&shared.ctx);
         self.follow_remote(shared, &mut wishes);
-        #[cfg(target_os = "linux")]
-        self.follow_media_keys(shared);
         let staged = self.concert.as_ref().is_some_and(Concert::on_stage);
         self.apart = shared.settings.music.own_window;
         // Whether the stage has this window.
@@ -115,10 +112,15 @@ impl Room for MusicRoom {
     }
 
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+        // The songs go on in another room.
+        #[cfg(target_os = "linux")]
+        self.follow_media_keys(shared);
         // In another room nobody taps to the clicks.
         if self.pass != shared.ctx.cumulative_pass_nr() {
             self.end_calibrating();
         }
+        // A window that closes waits for it, whichever room is on screen.
+        self.filming.poll(shared);
         self.offer_show(shared)
     }
 
@@ -195,15 +197,8 @@ impl Room for MusicRoom {
                 shared.settings.remember(path);
             }
         }
-        if !songs.is_empty() {
-            match self.listening(shared) {
-                Some(listening) => {
-                    listening.add(songs);
-                    self.leaning.begin(&shared.ctx);
-                }
-                None => shared.notices.warn("There is no player for these songs."),
-            }
-        }
+        self.late_songs.extend(songs);
+        self.add_songs(shared);
     }
 }
 

@@ -1,8 +1,10 @@
 //! Recordings of the stage that a crash cut off: each is noted while it is made, and those whose program is gone are made
 //! into films at the next start.
 
+use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use chladni_view::film::CutOff;
 
@@ -12,6 +14,8 @@ use crate::work::Error;
 
 /// The folder of the notes, in that of recovery copies.
 const NOTES: &str = "recordings";
+/// The note of a recording whose disk is not there waits for it this long.
+const WAIT: Duration = Duration::from_secs(30 * 86_400);
 
 /// The note of a recording. Dropped, it is gone: the recording has ended.
 pub struct Note(PathBuf);
@@ -23,7 +27,7 @@ impl Note {
         chladni_task::create_folder(&notes)?;
         let recording = std::path::absolute(recording)?;
         let note = notes.join(recording.file_name().unwrap_or_default());
-        chladni_task::write_atomic(&note, recording.to_string_lossy().as_bytes())?;
+        chladni_task::write_atomic(&note, recording.as_os_str().as_encoded_bytes())?;
         Ok(Self(note))
     }
 }
@@ -92,15 +96,17 @@ impl Salvage {
     }
 }
 
-/// Recordings with a note that no program writes any more. Notes of missing recordings are removed.
+/// Recordings with a note that no program writes any more. Notes of recordings that are gone are removed.
 fn find(notes: &Path) -> Vec<(PathBuf, CutOff)> {
     let entries = std::fs::read_dir(notes).into_iter().flatten().filter_map(Result::ok);
     let mut found = Vec::new();
     for note in entries.map(|entry| entry.path()) {
-        let Ok(folder) = std::fs::read_to_string(&note).map(PathBuf::from) else { continue };
+        let Some(folder) = std::fs::read(&note).ok().and_then(path_of) else { continue };
         if let Some(recording) = CutOff::find(&folder) {
             found.push((note, recording));
-        } else if !folder.exists() {
+        } else if folder.try_exists().is_ok_and(|is_there| !is_there)
+            && (is_mounted(&folder) || has_waited(&note))
+        {
             // One that cannot be removed does no harm.
             let _ = std::fs::remove_file(&note);
         }
@@ -108,10 +114,33 @@ fn find(notes: &Path) -> Vec<(PathBuf, CutOff)> {
     found
 }
 
+/// The path whose bytes a note holds; on Unix they need not be text.
+fn path_of(bytes: Vec<u8>) -> Option<PathBuf> {
+    #[cfg(unix)]
+    let path = Some(<OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes));
+    #[cfg(not(unix))]
+    let path = String::from_utf8(bytes).ok().map(OsString::from);
+    path.map(PathBuf::from)
+}
+
+/// Whether the disk of a recording is there. Where none is mounted, the folder around it is missing or empty.
+fn is_mounted(recording: &Path) -> bool {
+    let around = recording.parent().and_then(|around| std::fs::read_dir(around).ok());
+    around.is_some_and(|mut entries| entries.next().is_some())
+}
+
+/// Whether a note has waited long enough for a recording that is not there.
+fn has_waited(note: &Path) -> bool {
+    let written = note.metadata().and_then(|note| note.modified()).ok();
+    written.and_then(|written| written.elapsed().ok()).is_some_and(|age| age > WAIT)
+}
+
 fn save((note, recording): (PathBuf, CutOff)) -> Saved {
     let was = recording.film().to_owned();
+    let is_empty = recording.is_empty();
     let film = recording.save().map_err(Error::from);
-    if film.is_ok() {
+    // Where there is nothing to save, that is said once; what fails otherwise may succeed at the next start.
+    if film.is_ok() || is_empty {
         let _ = std::fs::remove_file(&note);
     }
     Saved { was, film }
@@ -152,7 +181,49 @@ mod tests {
         assert_eq!(found.len(), 1);
         let saved = save(found.remove(0));
         assert_eq!(saved.was, home.path().join("set.mp4"));
-        // It has no picture: the folder stays for a person to look at.
-        assert!(saved.film.is_err() && recording.exists());
+        // It has no picture: the folder stays for a person to look at, and is named once.
+        let said = saved.film.unwrap_err().to_string();
+        assert!(said.contains(&recording.display().to_string()) && recording.exists(), "{said}");
+        assert!(find(&recovery.join(NOTES)).is_empty());
+        assert_eq!(std::fs::read_dir(recovery.join(NOTES)).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_note_waits_for_a_disk_that_is_not_mounted() {
+        let home = tempfile::tempdir().unwrap();
+        let (recovery, disk) = (home.path().join("recovery"), home.path().join("disk"));
+        let recording = disk.join(".chladni-abc");
+        std::fs::create_dir_all(&recording).unwrap();
+        std::mem::forget(Note::write(&recovery, &recording).unwrap());
+        let is_kept = || {
+            assert!(find(&recovery.join(NOTES)).is_empty());
+            recovery.join(NOTES).join(".chladni-abc").exists()
+        };
+        std::fs::remove_dir_all(&recording).unwrap();
+        assert!(is_kept(), "an empty place to mount it at");
+        std::fs::remove_dir(&disk).unwrap();
+        assert!(is_kept(), "no place");
+        let note = std::fs::File::options().write(true).open(recovery.join(NOTES).join(".chladni-abc"));
+        let before = std::time::SystemTime::now() - WAIT - Duration::from_secs(60);
+        note.unwrap().set_modified(before).unwrap();
+        // One that is long at work is no recording that is missing.
+        std::fs::create_dir_all(&recording).unwrap();
+        assert!(is_kept());
+        std::fs::remove_dir_all(&disk).unwrap();
+        assert!(!is_kept(), "after a month");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_folder_need_not_be_text() {
+        use std::os::unix::ffi::OsStrExt;
+        let home = tempfile::tempdir().unwrap();
+        let folder = home.path().join(std::ffi::OsStr::from_bytes(b"caf\xe9"));
+        let (recovery, recording) = (home.path().join("recovery"), folder.join(".chladni-abc"));
+        std::fs::create_dir_all(&recording).unwrap();
+        std::fs::write(recording.join("recording.txt"), "48000\nset.mp4\n").unwrap();
+        std::mem::forget(Note::write(&recovery, &recording).unwrap());
+        let found = find(&recovery.join(NOTES));
+        assert_eq!(found.first().map(|(_, recording)| recording.film()), Some(&*folder.join("set.mp4")));
     }
 }

@@ -38,6 +38,22 @@ impl MusicRoom {
         }
     }
 
+    /// Adds songs that were opened, once no show is to come that would replace them.
+    pub(super) fn add_songs(&mut self, shared: &mut Shared<'_>) {
+        let show_comes = !self.waiting.is_empty() || self.replacing.is_some() || self.coming.is_some();
+        if show_comes || self.late_songs.is_empty() {
+            return;
+        }
+        let songs = std::mem::take(&mut self.late_songs);
+        match self.listening(shared) {
+            Some(listening) => {
+                listening.add(songs);
+                self.leaning.begin(&shared.ctx);
+            }
+            None => shared.notices.warn("There is no player for these songs."),
+        }
+    }
+
     /// Opens a show, once it was asked about unsaved dances.
     fn open_show(&mut self, path: PathBuf, show: Show, shared: &mut Shared<'_>) {
         if self.unsaved_show().is_some() {
@@ -145,6 +161,8 @@ fn is_like_a_show(path: &Path) -> bool {
 /// Puts a preset in the last place whose item is neither chosen nor a favorite. The previous generation is
 /// kept; the knobs are set to those of the preset. Returns the dance that it became.
 pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> Result<ItemId, Error> {
+    // The autopilot ends with the gallery and the knobs that there were before it: not with those of the preset.
+    concert.end_piloting()?;
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
     let loved = |id| instrument.favorites().iter().any(|favorite| favorite.id == id);

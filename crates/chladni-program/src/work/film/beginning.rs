@@ -2,7 +2,7 @@
 
 use chladni_music::{
     Action, BreedingError, Dancer, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping, Moment,
-    MusicError, Parameter, Preset, SAND_MODE, Show, experiment,
+    MusicError, Parameter, Preset, SAND_MODE, Settings, Show, experiment,
 };
 
 use crate::work::Error;
@@ -25,7 +25,7 @@ pub struct Beginning {
     pub sand: Option<bool>,
     /// Whether the looks that came on stage in a show are left out, and the film's own is used throughout.
     pub keeps_look: bool,
-    /// Done before anything else.
+    /// Done before anything else; whatever would change the same in a show is left out.
     pub changes: Vec<Action>,
 }
 
@@ -36,6 +36,11 @@ impl Beginning {
             Some(size) => Err(MusicError::from(BreedingError::GallerySize(size)).into()),
             None => Ok(()),
         }
+    }
+
+    /// Whether all of a gallery is shown.
+    pub(super) fn is_gallery(&self) -> bool {
+        self.gallery.is_some() && self.preset.is_none() && self.show.is_none()
     }
 
     /// The instrument on `dancer`, which may be a flat sheet, and what will be done to it.
@@ -54,6 +59,7 @@ impl Beginning {
                 if self.keeps_look {
                     show.actions.retain(|line| !matches!(line.action, Action::SetLook { .. }));
                 }
+                self.changes.iter().for_each(|change| hold(change, &mut show.actions));
                 (show.begin(shape)?, show.actions)
             }
             None => {
@@ -70,6 +76,35 @@ impl Beginning {
         }
         apply(&mut instrument, self.changes)?;
         Ok((instrument, script))
+    }
+}
+
+/// Leaves out of a script all that changes what `change` sets, so that it holds throughout.
+fn hold(change: &Action, script: &mut Vec<LoggedAction>) {
+    script.retain(|line| match (change, &line.action) {
+        (Action::SetForm { .. }, Action::SetForm { .. })
+        | (Action::SetChoir { .. }, Action::SetChoir { .. })
+        | (Action::SetHarmonics { .. }, Action::SetHarmonics { .. }) => false,
+        (Action::Set { parameter: held, .. }, Action::Set { parameter, .. }) => held != parameter,
+        (Action::Switch { switch: held, .. }, Action::Switch { switch, .. }) => held != switch,
+        _ => true,
+    });
+    for line in script {
+        if let Action::Take { preset, .. } = &mut line.action {
+            leave_out(change, &mut preset.settings);
+        }
+    }
+}
+
+/// Leaves out of settings what `change` sets.
+fn leave_out(change: &Action, settings: &mut Settings) {
+    match change {
+        Action::SetForm { .. } => settings.form = None,
+        Action::SetChoir { .. } => settings.choir = None,
+        Action::SetHarmonics { .. } => settings.harmonics = None,
+        Action::Set { parameter, .. } => settings.knobs.retain(|knob, _| knob != parameter),
+        Action::Switch { switch, .. } => settings.switches.retain(|known, _| known != switch),
+        _ => {}
     }
 }
 

@@ -28,6 +28,9 @@ use performance::Done;
 use prepared::Prepared;
 pub use report::{Report, Seconds};
 
+/// Why a gallery cannot be written as an animation.
+const ONE_DANCE: &str = "a GLB holds one dance, not a gallery of them";
+
 /// A film that is wanted.
 pub struct Film {
     /// A mesh, a sample or a caricature, as the command line calls it.
@@ -48,6 +51,8 @@ pub struct Film {
     pub show_secs: Option<f64>,
     /// How it begins, and the actions in it.
     pub beginning: Beginning,
+    /// The preset or the show that says so, where it was read from a file.
+    pub read_from: Option<PathBuf>,
     /// The look of shapes, lights and background.
     pub look: Look,
     /// The file of a picture that stands behind them, or none.
@@ -83,6 +88,7 @@ impl Film {
             clock: ClockTrack::default(),
             show_secs: None,
             beginning,
+            read_from: None,
             autopilot: false,
             start_secs: 0.0,
             duration_secs: None,
@@ -112,6 +118,7 @@ impl Film {
             duration_secs: None,
             output,
             beginning: Beginning { show: Some(Box::new(show)), ..Beginning::default() },
+            read_from: None,
         }
     }
 }
@@ -179,6 +186,9 @@ impl Film {
         self.output.check()?;
         self.stance.check()?;
         self.beginning.check()?;
+        if self.output.animation.is_some() && self.beginning.is_gallery() {
+            return Err(Error::input(ONE_DANCE));
+        }
         if let Some(sound) = self.output.animation.as_deref().map(sound_beside)
             && self.songs.iter().any(|(song, _)| is_same_file(&sound, Path::new(song)))
         {
@@ -188,8 +198,8 @@ impl Film {
             )));
         }
         let songs = self.songs.iter().map(|(song, _)| song);
-        let inputs: Vec<&Path> =
-            songs.chain([&self.body, &self.picture, &self.panorama]).map(Path::new).collect();
+        let named = songs.chain([&self.body, &self.picture, &self.panorama]).map(Path::new);
+        let inputs: Vec<&Path> = named.chain(self.read_from.as_deref()).collect();
         self.output.check_apart(&inputs)?;
         let times = [Some(self.start_secs), self.duration_secs.map(|d| d.max(-1.0))];
         if times.iter().flatten().any(|secs| !(secs.is_finite() && *secs >= 0.0))
@@ -204,6 +214,11 @@ impl Film {
 /// Where the sound of a folder of pictures goes.
 pub fn sound_in(folder: &Path) -> PathBuf {
     folder.join("sound.wav")
+}
+
+/// Where the preset of this item of the gallery goes, counted from 0: `item-01.toml` and so on.
+fn preset_in(folder: &Path, item: usize) -> PathBuf {
+    folder.join(format!("item-{:02}.toml", item + 1))
 }
 
 /// Where the sound of an animation goes.

@@ -3,13 +3,14 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use chladni_music::GALLERY_SIZES;
 use chladni_synth::Backend;
 use chladni_view::film::{RawFormat, frame_path};
 use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 
 use super::performance::Means;
-use super::{sound_beside, sound_in};
-use crate::work::outputs::{check_apart, check_distinct, check_file, check_film, check_folder};
+use super::{preset_in, sound_beside, sound_in};
+use crate::work::outputs::{check_apart, check_arrays, check_distinct, check_file, check_film, check_folder};
 use crate::work::{Error, Piece};
 
 /// Morph targets of an animation unless said.
@@ -138,7 +139,7 @@ impl Output {
             self.means().drawing()?;
         }
         if let Some(path) = &self.film {
-            let format = if self.is_folder { FilmFormat::Frames } else { self.format_of(path)? };
+            let format = self.format_of(path)?;
             let settings = FilmSettings {
                 width: self.width,
                 height: self.height,
@@ -158,13 +159,16 @@ impl Output {
             check_file(path)?;
         }
         self.presets.as_deref().map_or(Ok(()), check_folder)?;
-        self.coefficients.as_deref().map_or(Ok(()), check_file)?;
+        self.coefficients.as_deref().map_or(Ok(()), check_arrays)?;
         let files = self.files();
         check_distinct(&files.iter().map(PathBuf::as_path).collect::<Vec<_>>())
     }
 
-    /// The format of a film in one file, as its name says.
-    fn format_of(&self, path: &Path) -> Result<FilmFormat, Error> {
+    /// The format of the film at `path`: pictures in a folder, however that is called, else what the name says.
+    pub(super) fn format_of(&self, path: &Path) -> Result<FilmFormat, Error> {
+        if self.is_folder {
+            return Ok(FilmFormat::Frames);
+        }
         match FilmFormat::of(path).map_err(Error::input)? {
             FilmFormat::Frames => {
                 let path = path.display();
@@ -184,12 +188,15 @@ impl Output {
         self.files().iter().try_for_each(|file| check_apart(file, inputs))
     }
 
-    /// The files that are written. Pictures in a folder and presets have names of their own.
+    /// The files that are written, presets for as many items as a gallery may have. Pictures in a folder have names of
+    /// their own.
     fn files(&self) -> Vec<PathBuf> {
         let film = self.film.clone().filter(|_| !self.is_folder);
         let beside = self.animation.as_deref().map(sound_beside);
         let within = self.folder().map(sound_in);
         let files = [film, self.animation.clone(), self.coefficients.clone(), beside, within];
-        files.into_iter().flatten().collect()
+        let items = GALLERY_SIZES.into_iter().max().unwrap_or(0);
+        let presets = self.presets.iter().flat_map(|folder| (0..items).map(|item| preset_in(folder, item)));
+        files.into_iter().flatten().chain(presets).collect()
     }
 }

@@ -17,7 +17,7 @@ use super::performance::{Done, Performance};
 use super::report::Seconds;
 use super::songs::Songs;
 use super::titles::Titles;
-use super::{Film, sound_beside, sound_in};
+use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::earlier_frames;
@@ -110,8 +110,10 @@ impl Prepared {
         watcher: &impl Watcher,
     ) -> Result<Done, Error> {
         let output = &wanted.output;
-        let sound = output.film.as_deref().filter(|_| output.piece.is_none());
-        let sound = sound.map(|path| sound_for(path, &self.songs, watcher)).transpose()?.flatten();
+        let film = output.film.as_deref();
+        let format = film.map(|path| output.format_of(path)).transpose()?;
+        let is_heard = format == Some(FilmFormat::Mp4) && output.piece.is_none();
+        let sound = is_heard.then(|| sound_for(&self.songs, watcher)).transpose()?;
         let settings = FilmSettings {
             width: output.width,
             height: output.height,
@@ -123,8 +125,8 @@ impl Prepared {
         if let Some(folder) = output.folder().filter(|_| output.piece.is_none()) {
             earlier_frames(folder, range.end).into_iter().for_each(|warning| watcher.warn(warning));
         }
-        let film = match &output.film {
-            Some(path) => Reel::create(path, settings)?,
+        let film = match film.zip(format) {
+            Some((path, format)) => Reel::create_as(format, path, settings)?,
             None => Reel::to_pipe(std::io::stdout(), output.pipe.unwrap_or_default(), settings)?,
         };
         let scene = (&wanted.look, &wanted.viewpoint, scenery);
@@ -149,7 +151,7 @@ impl Prepared {
             self.performance.rehearse(range, seconds, task, |form, items| {
                 match (&mut animation, items) {
                     (Some(_), [_, _, ..]) => {
-                        return Err(Error::input("a GLB holds one dance, not a gallery of them"));
+                        return Err(Error::input(ONE_DANCE));
                     }
                     (Some(animation), [item]) => animation.push(form, item),
                     _ => {}
@@ -193,12 +195,11 @@ impl Prepared {
     }
 }
 
-/// Each item of the gallery as a preset, `item-01.toml` and so on.
+/// Each item of the gallery as a preset.
 fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
     chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
     for (i, item) in instrument.gallery().items().iter().enumerate() {
-        let path = folder.join(format!("item-{:02}.toml", i + 1));
-        instrument.preset(item, Vec::new()).save(&path).map_err(Error::unsaved)?;
+        instrument.preset(item, Vec::new()).save(&preset_in(folder, i)).map_err(Error::unsaved)?;
     }
     Ok(())
 }
@@ -208,16 +209,9 @@ fn save_sound(path: &Path, songs: &Songs) -> Result<(), Error> {
 }
 
 /// The sound that an MP4 is given, as a temporary file.
-fn sound_for(
-    film: &Path,
-    songs: &Songs,
-    watcher: &impl Watcher,
-) -> Result<Option<tempfile::NamedTempFile>, Error> {
-    if FilmFormat::of(film).map_err(Error::input)? != FilmFormat::Mp4 {
-        return Ok(None);
-    }
+fn sound_for(songs: &Songs, watcher: &impl Watcher) -> Result<tempfile::NamedTempFile, Error> {
     let file = tempfile::Builder::new().prefix("chladni-").suffix(".wav").tempfile().map_err(Error::other)?;
     let sound = songs.sound()?;
     watcher.watch("writing the sound", |_| write_wav(file.path(), &sound, WavSample::Int16))?;
-    Ok(Some(file))
+    Ok(file)
 }

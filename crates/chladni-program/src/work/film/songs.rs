@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni_music::{BeatReading, Stretch};
-use chladni_sound::{Beats, Song, StereoResampler, crossfade_gain, track_beats};
+use chladni_sound::{Beats, SEAM_SECS, Song, StereoResampler, crossfade_gain, track_beats};
 
 use crate::work::sand::BEFORE_SECS;
 use crate::work::{Error, Hearing, KnownSong, Watcher, read_beats, source};
@@ -120,12 +120,12 @@ impl Songs {
         }
     }
 
-    /// The sound of the film: pauses are silent, and so is live input.
+    /// The sound of the film, at the highest rate of its songs: pauses are silent, and so is live input.
     ///
     /// # Errors
-    /// A song that cannot be resampled to the rate of the first.
+    /// A song that cannot be resampled to that rate.
     pub fn sound(&self) -> Result<Song, Error> {
-        let rate_hz = self.songs.iter().flatten().map(|known| known.song.rate_hz).next();
+        let rate_hz = self.songs.iter().flatten().map(|known| known.song.rate_hz).max();
         let rate_hz = rate_hz.unwrap_or(SILENT_RATE_HZ);
         let frames = |secs: f64| (secs * f64::from(rate_hz)).round() as usize;
         let silence = vec![0.0; frames(self.film_secs)];
@@ -164,8 +164,35 @@ impl Songs {
                 all.for_each(|(frame, (all, heard))| *all += gain(frame) * heard);
             }
         }
+        self.join(&mut sound);
         Ok(sound)
     }
+
+    /// Joins what does not follow from each other, at leaps and at pauses, as the player does: the step fades out.
+    fn join(&self, sound: &mut Song) {
+        let rate_hz = f64::from(sound.rate_hz);
+        let length = ((SEAM_SECS * sound.rate_hz as f32) as usize).max(1);
+        for (before, next) in self.heard.iter().zip(self.heard.iter().skip(1)) {
+            let seam = ((next.at_secs - self.start_secs) * rate_hz).round();
+            if seam < 1.0 || next.crossfade_secs > 0.0 || follows(next, before, 1.0 / rate_hz) {
+                continue;
+            }
+            for side in [&mut sound.left, &mut sound.right] {
+                let Some((heard, coming)) = side.split_at_mut_checked(seam as usize) else { continue };
+                let [Some(last), Some(first)] = [heard.last(), coming.first()] else { continue };
+                let step = last - first;
+                for (i, sample) in coming.iter_mut().take(length).enumerate() {
+                    *sample += step * (1.0 - i as f32 / length as f32);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a stretch goes on with the song where the one before it ends, but for less than `off_secs`.
+fn follows(next: &Stretch, before: &Stretch, off_secs: f64) -> bool {
+    let is_near = (before.song_secs_at(next.at_secs) - next.song_secs).abs() < off_secs;
+    before.playing && next.playing && before.song == next.song && is_near
 }
 
 fn at_rate(song: &Arc<Song>, rate_hz: u32) -> Result<Arc<Song>, Error> {
@@ -221,5 +248,61 @@ mod tests {
         assert!(part.left == sound.left[3_500..4_500] && part.right == sound.right[3_500..4_500]);
         let part = songs((1.0, Some(1.5)));
         assert!(part.right == sound.right[1_000..2_500] && part.right[1_400] > 0.1);
+    }
+
+    const SINE_HZ: f32 = 100.0;
+
+    /// The sound of stretches of sines, one of each rate.
+    fn of_sines(rates_hz: &[u32], heard: &[Stretch]) -> Song {
+        let folder = tempfile::tempdir().unwrap();
+        let names = rates_hz.iter().map(|rate_hz| {
+            let turn = std::f32::consts::TAU * SINE_HZ / *rate_hz as f32;
+            let left: Vec<f32> = (0..*rate_hz).map(|n| (turn * n as f32).sin()).collect();
+            let song = Song { rate_hz: *rate_hz, right: left.clone(), left };
+            let path = folder.path().join(format!("{rate_hz}.wav"));
+            chladni_sound::write_wav(&path, &song, chladni_sound::WavSample::Float32).unwrap();
+            (path.to_str().unwrap().to_owned(), BeatReading::default())
+        });
+        let names: Vec<_> = names.collect();
+        Songs::open(&names, heard.to_vec(), Some(1.0), (0.0, None), &Aside::new(&Task::new()))
+            .unwrap()
+            .sound()
+            .unwrap()
+    }
+
+    fn stretch(at_secs: f64, song: usize, song_secs: f64, playing: bool) -> Stretch {
+        Stretch { at_secs, song: Some(song), song_secs, playing, crossfade_secs: 0.0 }
+    }
+
+    #[test]
+    fn a_film_has_the_rate_of_its_best_song() {
+        let heard = [stretch(0.0, 0, 0.0, true), stretch(0.5, 1, 0.0, true)];
+        let sound = of_sines(&[8_000, 48_000], &heard);
+        assert_eq!((sound.rate_hz, sound.left.len()), (48_000, 48_000));
+        // Songs that are not heard do not count.
+        assert_eq!(of_sines(&[8_000, 48_000], &heard[..1]).rate_hz, 8_000);
+    }
+
+    #[test]
+    fn leaps_and_pauses_do_not_click() {
+        // From a crest to a trough and back, and a pause at a crest.
+        let heard = [
+            stretch(0.0, 0, 0.0, true),
+            stretch(0.2025, 0, 0.1075, true),
+            stretch(0.4025, 0, 0.0125, true),
+            stretch(0.6025, 0, 0.2125, false),
+            stretch(0.8, 0, 0.2125, true),
+        ];
+        let sound = of_sines(&[8_000], &heard);
+        let steps = sound.left.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let largest = steps.fold(0.0, f32::max);
+        // That of the sine, and that of a fade over twice its amplitude.
+        let slope = std::f32::consts::TAU * SINE_HZ / 8_000.0 + 2.1 / (SEAM_SECS * 8_000.0);
+        assert!(largest < slope, "{largest} of {slope}");
+        assert!(sound.left[5_000..6_400].iter().all(|sample| *sample == 0.0));
+        // What goes on where it was is the song.
+        let whole = of_sines(&[8_000], &heard[..1]);
+        let goes_on = [stretch(0.0, 0, 0.0, true), stretch(0.2025, 0, 0.2025, true)];
+        assert_eq!(of_sines(&[8_000], &goes_on), whole);
     }
 }

@@ -5,6 +5,9 @@ use chladni_music::{BarLine, Beat, Director, Framing, Stretch};
 use super::Hearing;
 use crate::work::bars::bar_lines;
 
+/// Fewer beats than this are not made up for by a whole one: counts are rounded.
+const ROUNDED_BEATS: f64 = 1e-6;
+
 impl Hearing {
     /// Beats of the songs gone by at any time of the show so far.
     pub(super) fn beat_by_songs(&self, at_secs: f64) -> Beat {
@@ -63,7 +66,7 @@ impl Hearing {
     pub(super) fn added_beats(&self, before: &[(Stretch, f64)], stretch: Stretch) -> f64 {
         let Some((last, added)) = before.last() else { return 0.0 };
         let gone = self.beat_of_song(*last, last.song_secs_at(stretch.at_secs)).count + added;
-        (gone - self.beat_of_song(stretch, stretch.song_secs).count).ceil()
+        (gone - self.beat_of_song(stretch, stretch.song_secs).count - ROUNDED_BEATS).ceil()
     }
 
     pub(super) fn count_again(&mut self) {

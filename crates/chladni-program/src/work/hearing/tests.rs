@@ -1,4 +1,5 @@
 use super::*;
+use crate::work::{Playing, ShowClock};
 use chladni_music::Parameter;
 use chladni_sound::{sample_tune, sample_tune_beats_secs};
 
@@ -54,6 +55,39 @@ fn pausing_and_seeking_snap_nothing_and_beats_only_grow() {
         last = mid;
     }
     assert!(snap <= most && most < 0.3, "{snap} at a leap, else {most}");
+}
+
+#[test]
+fn a_pause_is_no_leap_however_many_beats_were_added() {
+    const FRAME_SECS: f64 = 1.0 / 60.0;
+    let (mut hearing, mut clock) = (hearing(), ShowClock::default());
+    let mut now_secs = 0.0;
+    for round in 0..40 {
+        // Each round leaps back, plays, pauses and goes on.
+        let mut position_secs = 2.0 + 0.0137 * f64::from(round);
+        let mut paused_at = 0.0;
+        for frame in 0..60 {
+            now_secs += FRAME_SECS;
+            let pauses = (25..45).contains(&frame);
+            position_secs += if pauses { 0.0 } else { FRAME_SECS };
+            let playing =
+                Playing { song: Some(0), position_secs, duration_secs: Some(100.0), crossfade_secs: 0.0 };
+            if let Some(stretch) = clock.follow(now_secs, playing) {
+                let before = hearing.beat_at(stretch.at_secs).count;
+                hearing.begin(stretch).unwrap();
+                let step = hearing.beat_at(stretch.at_secs).count - before;
+                assert!(frame == 0 || step.abs() < 1e-9, "{step} beats in frame {frame} of round {round}");
+            }
+            let heard = hearing.hear(clock.at_secs()).unwrap().unwrap();
+            if frame == 24 {
+                paused_at = heard.beat.count;
+            }
+            assert!(frame < 24 || heard.fading.is_none(), "it fades in frame {frame} of round {round}");
+            assert!(!pauses || (heard.beat.count - paused_at).abs() < 1e-9, "the beat goes on in a pause");
+        }
+    }
+    assert!(hearing.stretches().filter(|stretch| !stretch.playing).count() == 40);
+    assert!(hearing.beat_at(clock.at_secs()).count > 30.0);
 }
 
 #[test]

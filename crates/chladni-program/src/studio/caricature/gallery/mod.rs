@@ -104,7 +104,7 @@ impl GalleryView {
             self.work = None;
             match brought {
                 Ok(Brought { shown, stack }) => {
-                    stack.iter().for_each(|stack| session.stack.learn(stack));
+                    stack.iter().for_each(|stack| session.learn(stack));
                     (self.shown, self.wall) = (Some(shown), self.wall.take().map(Wall::emptied));
                     self.before = None;
                 }
@@ -159,7 +159,7 @@ impl GalleryView {
         {
             self.start(Step::Back, &ctx);
         }
-        if button(ui, Icon::RefreshCw, "Others", "Twelve others; locked groups stay".into(), ready) {
+        if button(ui, Icon::RefreshCw, "Others", "Twelve others; what is locked stays".into(), ready) {
             self.seed += 1;
             self.start(Step::Restart(self.seed), &ctx);
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{Action, CaricatureError, MatchRequest, Matched};
+use chladni_caricature::{Action, CaricatureError, MatchRequest, Matched, Stack};
 use chladni_harmonics::Body;
 use chladni_mesh::Estimate;
 use chladni_task::Task;
@@ -54,6 +54,17 @@ impl Session {
             self.matching = Some((request.clone(), self.start_match(request, ctx)));
         }
         (warning, changed)
+    }
+
+    /// Takes over matches that were found elsewhere for the same shape: layers that waited for them act now.
+    pub fn learn(&mut self, other: &Stack) {
+        self.stack.learn(other);
+        self.refresh();
+    }
+
+    /// The number of harmonics that was solved for last.
+    pub fn solved_harmonics(&self) -> usize {
+        self.solved.0
     }
 
     /// Limits, while the hand rests, the layers that would fold the surface, the lowest first; true where one was

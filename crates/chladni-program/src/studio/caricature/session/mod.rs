@@ -304,7 +304,7 @@ mod tests {
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
         let mut session = Session::new(loaded);
         let ctx = egui::Context::default();
-        let deadline = std::time::Instant::now() + std::time::Duration::from_secs(120);
+        let deadline = std::time::Instant::now() + chladni_testdata::HANGS;
         let wait_for = |session: &mut Session, done: &dyn Fn(&Session) -> bool| {
             while !done(session) {
                 assert!(std::time::Instant::now() < deadline);
@@ -326,6 +326,25 @@ mod tests {
         let acting = &session.shown.evaluation.layers[0];
         assert_eq!((acting.id, acting.state.clone()), (layer, LayerState::Acts));
         assert_eq!(acting.difference.as_ref().unwrap().target.spectrum().len(), 24);
+    }
+
+    #[test]
+    fn a_match_that_was_found_elsewhere_reaches_the_shape() {
+        let mut project = Project::new(ShapeSource::Sample("head".into()), 16);
+        let layer = Layer { mu: -1.0, ..Layer::new("round", Template::Ellipsoid) };
+        project.push(layer.clone()).unwrap();
+        let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
+        let (mut session, ctx) = (Session::new(loaded), egui::Context::default());
+        session.catch_up(&ctx).unwrap();
+        assert_eq!(session.shown.evaluation.layers[0].state, LayerState::Waiting);
+        // As the gallery does.
+        let mut other = session.stack.clone();
+        let request = MatchRequest::of(&layer).unwrap();
+        let found = request.run(&session.subject.mesh, session.stack.body(), None, &Task::new());
+        other.install(request, found);
+        session.learn(&other);
+        session.catch_up(&ctx).unwrap();
+        assert_eq!(session.shown.evaluation.layers[0].state, LayerState::Acts);
     }
 
     #[test]

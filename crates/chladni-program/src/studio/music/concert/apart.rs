@@ -95,7 +95,7 @@ impl Concert {
         if let Some(change) = apart.place.follow(&screen, &shared.screen.monitors()) {
             let command = match change {
                 Change::Fill(index) => ViewportCommand::SetMonitor(index),
-                Change::Missing { .. } => ViewportCommand::Fullscreen(false),
+                Change::Leave | Change::Missing { .. } => ViewportCommand::Fullscreen(false),
             };
             ctx.send_viewport_cmd_to(window(), command);
             if matches!(change, Change::Missing { filled: true, .. }) {

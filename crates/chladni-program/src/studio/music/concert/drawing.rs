@@ -109,7 +109,7 @@ impl Concert {
     }
 
     /// Gives films and other programs the picture of the stage or, where there is none, the window.
-    fn send(&mut self, is_kept: bool) -> Result<(), Error> {
+    pub(super) fn send(&mut self, is_kept: bool) -> Result<(), Error> {
         let seen = self.draws_stage || !self.on_stage();
         let canvas = if is_kept { self.pane.viewport.kept_canvas() } else { self.pane.viewport.canvas() };
         let Some(canvas) = canvas.filter(|_| seen) else { return Ok(()) };

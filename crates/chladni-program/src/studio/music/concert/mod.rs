@@ -225,14 +225,25 @@ impl Concert {
     /// Applies an action at the moment being heard. Refuses to open or close the stage so often that the
     /// window would flash.
     pub fn act(&mut self, action: Action) -> Result<(), Error> {
-        let opens = action.opens_stage();
-        let curtain = self.may_draw(std::slice::from_ref(&action))?;
+        self.may_draw(std::slice::from_ref(&action))?;
+        self.apply(action)
+    }
+
+    /// Does all of `actions`, or none where the flash guard holds the stage back.
+    pub fn act_all(&mut self, actions: Vec<Action>) -> Result<(), Error> {
+        self.may_draw(&actions)?;
+        actions.into_iter().try_for_each(|action| self.apply(action))
+    }
+
+    /// Applies an action that [`may_draw`](Self::may_draw) has let pass.
+    fn apply(&mut self, action: Action) -> Result<(), Error> {
+        let ends_piloting = action.opens_stage() || self.draws_curtain(&action);
         if action == Action::Breed && self.instrument.parameters().is_on(Switch::Suggest) {
             self.judging.want();
             return Ok(());
         }
         self.instrument.apply(self.moment, action)?;
-        if curtain || opens {
+        if ends_piloting {
             self.end_piloting()?;
         }
         let count = self.instrument.gallery().items().len();
@@ -243,24 +254,19 @@ impl Concert {
         Ok(())
     }
 
-    /// Does all of `actions`, or none where the flash guard holds the stage back.
-    pub fn act_all(&mut self, actions: Vec<Action>) -> Result<(), Error> {
-        self.may_draw(&actions)?;
-        actions.into_iter().try_for_each(|action| self.act(action))
+    /// Whether an action opens or closes the stage.
+    fn draws_curtain(&self, action: &Action) -> bool {
+        if self.on_stage() { *action == Action::LeaveStage } else { action.opens_stage() }
     }
 
-    /// Whether any of `actions` draws the curtain, which is refused where that would be a flash too many.
-    fn may_draw(&mut self, actions: &[Action]) -> Result<bool, Error> {
-        let on_stage = self.on_stage();
-        let curtain = actions.iter().any(|action| match on_stage {
-            true => *action == Action::LeaveStage,
-            false => action.opens_stage(),
-        });
+    /// Refuses `actions` where one of them draws the curtain and that would be a flash too many; else counts it.
+    fn may_draw(&mut self, actions: &[Action]) -> Result<(), Error> {
+        let draws = actions.iter().any(|action| self.draws_curtain(action));
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        if curtain && limited && !self.pane.guard.may_step(self.seconds) {
+        if draws && limited && !self.pane.guard.may_step(self.seconds) {
             return Err(Error::input("The stage was held back: more would be a flash too many in a second."));
         }
-        Ok(curtain)
+        Ok(())
     }
 
     /// The room was not shown for a while, and its second window is gone.
@@ -308,6 +314,7 @@ impl Concert {
     /// Replays on this body all actions made on another.
     pub fn go_on_from(&mut self, before: &Self) -> Result<(), Error> {
         let viewpoint = self.viewpoint;
+        self.moment = before.moment;
         self.replay(&Show::of(&before.instrument))?;
         (self.saved, self.is_of_a_file) = (before.saved, before.is_of_a_file);
         self.viewpoint = viewpoint;
@@ -319,6 +326,7 @@ impl Concert {
         let is_flat = self.staging.is_flat();
         self.piloted = before.piloted.map(|programme| programme.on_sheet(is_flat));
         (self.outgoing, self.house, self.backcloth) = (before.outgoing, before.house, before.backcloth);
+        self.song_title = before.song_title;
     }
 
     /// Sets all up for sand where a flat sheet takes the place of a body, and takes that back where a body takes the place of

@@ -62,8 +62,9 @@ impl Pane {
         if limited { self.viewport.kept_texture() } else { self.viewport.drawn_texture() }
     }
 
-    /// Drops the picture that is being judged.
+    /// Drops the picture that is being judged, and the veil.
     pub fn forget(&mut self) {
         (self.glimpse, self.judged, self.shown) = (Glimpse::default(), false, None);
+        self.veil = Veil::Clear;
     }
 }

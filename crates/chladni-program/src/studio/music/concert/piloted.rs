@@ -62,8 +62,8 @@ impl Concert {
         Ok(())
     }
 
-    /// The stage was left or taken by hand: back to the gallery as it was.
-    pub(super) fn end_piloting(&mut self) -> Result<(), Error> {
+    /// The stage is left or taken by hand: back to the gallery as it was.
+    pub fn end_piloting(&mut self) -> Result<(), Error> {
         let Some(programme) = self.piloted.take() else { return Ok(()) };
         let actions = programme.end(&self.instrument);
         Ok(actions.into_iter().try_for_each(|action| self.instrument.apply(self.moment, action))?)

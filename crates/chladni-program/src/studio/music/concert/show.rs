@@ -141,7 +141,7 @@ impl Concert {
         ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
         let (viewport, topology) = (&mut self.pane.viewport, &self.deformed.topology);
         self.moving |= self.harmonics.show(ui, viewport, topology, camera, whole, first)?;
-        Ok(())
+        self.send(false)
     }
 
     /// Deforms the shapes as `items` say, and notes how fine their waves are.

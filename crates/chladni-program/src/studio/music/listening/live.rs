@@ -160,7 +160,7 @@ mod tests {
     fn until(what: &str, mut done: impl FnMut(f64) -> bool) {
         let began = Instant::now();
         while !done(began.elapsed().as_secs_f64()) {
-            assert!(began.elapsed() < Duration::from_secs(30), "waited for {what}");
+            assert!(began.elapsed() < chladni_testdata::HANGS, "waited for {what}");
             std::thread::sleep(Duration::from_millis(10));
         }
     }

@@ -14,6 +14,7 @@ pub use outer::Progress;
 pub use wanted::{Input, MOST_GAIN_DB};
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Moment, Parameters, Stretch};
 use chladni_sound::{
@@ -52,6 +53,8 @@ pub struct Listening {
     /// The beats of the song are known.
     had_beats: bool,
     last_beat: Beat,
+    /// When that was heard.
+    heard_at: Instant,
     ear: Ear,
     left: Vec<f32>,
     right: Vec<f32>,
@@ -138,6 +141,7 @@ impl Listening {
             by_ear: true,
             had_beats: false,
             last_beat: Beat::default(),
+            heard_at: Instant::now(),
             ear: Ear::new(44_100)?,
             left: Vec::new(),
             right: Vec::new(),
@@ -287,6 +291,7 @@ impl Listening {
         self.keep_live(now_secs);
         self.keep_wanted();
         let status = self.player.status();
+        self.heard_at = Instant::now();
         self.learn(&status);
         self.hearing.tune(self.clock.at_secs(), parameters);
         let song = if self.live.is_some() { None } else { self.number_of_heard(&status) };

@@ -1,5 +1,7 @@
 //! The beat of an outer clock, in place of the one that is heard.
 
+use std::time::Instant;
+
 use chladni_music::{BarLine, Beat, ClockMessage, Director, Tempo};
 use chladni_sound::BeatMoment;
 
@@ -14,6 +16,8 @@ pub struct Outer {
     pub wanted: bool,
     /// Whether it was followed in the last frame.
     pub was_followed: bool,
+    /// The tempo is one of the music that is held: no clock has given it.
+    is_of_music: bool,
     /// The music's, since the last bar of the clock.
     section_begins: bool,
 }
@@ -63,14 +67,18 @@ impl Listening {
             let BeatMoment { tempo_bpm, .. } = self.beat_moment();
             self.outer.tempo.set(tempo_bpm, self.last_beat.count, self.shown_secs());
             self.outer.was_followed = self.outer.tempo.is_known();
+            self.outer.is_of_music = self.outer.was_followed;
             self.film_anew();
         }
         if on && !self.outer.tempo.is_known() {
             return self.warnings.push("There is no tempo to hold yet.".into());
         }
         self.outer.tempo.lock(on);
-        if !on && !self.outer.wanted {
-            self.outer.tempo = Tempo::default();
+        if !on {
+            let is_of_music = std::mem::take(&mut self.outer.is_of_music);
+            if is_of_music || !self.outer.wanted {
+                self.outer.tempo = Tempo::default();
+            }
         }
     }
 
@@ -90,6 +98,11 @@ impl Listening {
     /// The beat, as it was heard last.
     pub fn beat(&self) -> Beat {
         self.last_beat
+    }
+
+    /// When that was, for those who go on counting from it.
+    pub fn heard_at(&self) -> Instant {
+        self.heard_at
     }
 
     /// Bars, sections and energy so far.
@@ -168,5 +181,53 @@ impl Listening {
     /// Bars now have another time.
     fn film_anew(&mut self) {
         self.director = Director::live(LIVE_SEED);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use chladni_music::Stretch;
+    use chladni_sound::{Beats, sample_tune, sample_tune_beats_secs};
+
+    use super::*;
+    use crate::work::KnownSong;
+
+    /// A song whose beats are known, and the preference for a clock.
+    fn listening() -> Listening {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let beats = Beats { tempo_bpm: 112.0, beats_secs: sample_tune_beats_secs(), ..Beats::default() };
+        listening.hearing.know(0, KnownSong::new(Arc::new(sample_tune())).unwrap());
+        listening.hearing.know_beats(0, beats);
+        let (song, crossfade_secs) = (Some(0), 0.0);
+        let stretch = Stretch { at_secs: 0.0, song, song_secs: 2.0, playing: true, crossfade_secs };
+        listening.hearing.begin(stretch).unwrap();
+        listening.want_clock(true);
+        listening
+    }
+
+    #[test]
+    fn a_tempo_of_the_music_that_was_held_is_forgotten() {
+        let mut listening = listening();
+        for _ in 0..2 {
+            assert!(!listening.follows_clock());
+            listening.lock(true);
+            assert!(listening.follows_clock());
+            assert_eq!(listening.beat_moment().tempo_bpm.round(), 112.0);
+            listening.lock(false);
+        }
+        assert!(!listening.follows_clock());
+    }
+
+    #[test]
+    fn a_clock_that_was_held_is_followed_again() {
+        let mut listening = listening();
+        listening.lock(true);
+        listening.lock(false);
+        listening.hear_clock(ClockMessage::Tempo { bpm: 90.0 }, 1.0);
+        listening.lock(true);
+        listening.lock(false);
+        assert!(listening.follows_clock());
     }
 }

@@ -23,6 +23,8 @@ pub struct Now<'a> {
     /// By any steadily running clock.
     pub at_secs: f64,
     pub beat: Beat,
+    /// When that was the beat.
+    pub beat_at: Instant,
     /// 0 where none is known.
     pub tempo_bpm: f64,
     pub progress: Progress,
@@ -194,6 +196,7 @@ mod tests {
             let now = Now {
                 at_secs,
                 beat: Beat { count, confidence: 1.0 },
+                beat_at: Instant::now(),
                 tempo_bpm: 120.0,
                 progress,
                 bands: &bands,
@@ -236,6 +239,7 @@ mod tests {
             let now = Now {
                 at_secs: 0.25 * f64::from(frame),
                 beat: Beat { count: 145.0 + beat + 1e-9, confidence: 1.0 },
+                beat_at: Instant::now(),
                 tempo_bpm: 120.0,
                 progress,
                 bands: &[],
@@ -253,14 +257,15 @@ mod tests {
     #[test]
     fn messages_arrive_where_they_are_sent() {
         let ear = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-        ear.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        ear.set_read_timeout(Some(chladni_testdata::HANGS)).unwrap();
         let port = ear.local_addr().unwrap().port();
         let ctx = egui::Context::default();
         let mut out = BeatOut::to(&format!("localhost:{port}"), &ctx).unwrap();
         let beat = Beat { count: 3.5, confidence: 1.0 };
         let progress = Progress::default();
         // The picture is a quarter of a second ahead: what it shows is sent when it is heard.
-        let now = Now { at_secs: 1.0, beat, tempo_bpm: 98.5, progress, bands: &[0.25; 16], ahead_secs: 0.25 };
+        let (beat_at, bands) = (Instant::now(), &[0.25; 16]);
+        let now = Now { at_secs: 1.0, beat, beat_at, tempo_bpm: 98.5, progress, bands, ahead_secs: 0.25 };
         until_found(&mut out, &now);
         let waiting = out.waiting.len();
         assert!(waiting > 0 && out.waiting.iter().all(|(due_secs, _)| *due_secs == 1.25));
@@ -281,6 +286,7 @@ mod tests {
         let now = Now {
             at_secs: 1.0,
             beat: Beat::default(),
+            beat_at: Instant::now(),
             tempo_bpm: 98.5,
             progress: Progress::default(),
             bands: &[],

@@ -21,6 +21,22 @@ struct Given {
     at: Instant,
 }
 
+impl Given {
+    fn of(device: &str, now: &Now<'_>) -> Self {
+        Self {
+            device: device.to_owned(),
+            // Others keep to what is heard.
+            count: now.beat.count - now.ahead_secs * now.tempo_bpm / 60.0,
+            per_sec: now.tempo_bpm / 60.0,
+            at: now.beat_at,
+        }
+    }
+
+    fn count_at(&self, at: Instant) -> f64 {
+        self.count + self.per_sec * at.saturating_duration_since(self.at).as_secs_f64()
+    }
+}
+
 /// The beat of a frame is valid for this long.
 const STALE: Duration = Duration::from_secs(2);
 
@@ -47,7 +63,7 @@ impl ClockSender {
                 let goes_on = now
                     .as_ref()
                     .filter(|now| (device.is_empty() || now.device == device) && outputs.opens(&now.device));
-                let count = goes_on.map(|now| now.count + now.per_sec * now.at.elapsed().as_secs_f64());
+                let count = goes_on.map(|now| now.count_at(Instant::now()));
                 if let Some(now) = goes_on {
                     device.clone_from(&now.device);
                 }
@@ -67,13 +83,7 @@ impl ClockSender {
     /// The beat now; it is sent to `device`, or to none.
     pub fn tell(&self, device: Option<&str>, now: &Now<'_>) {
         let device = device.filter(|_| now.tempo_bpm > 0.0 && now.beat.confidence >= SURE);
-        let given = device.map(|device| Given {
-            device: device.to_owned(),
-            // Others keep to what is heard.
-            count: now.beat.count - now.ahead_secs * now.tempo_bpm / 60.0,
-            per_sec: now.tempo_bpm / 60.0,
-            at: Instant::now(),
-        });
+        let given = device.map(|device| Given::of(device, now));
         *self.given.lock().unwrap_or_else(PoisonError::into_inner) = given;
     }
 }
@@ -81,5 +91,34 @@ impl ClockSender {
 impl Drop for ClockSender {
     fn drop(&mut self) {
         self.closed.store(true, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_music::Beat;
+
+    use super::*;
+    use crate::studio::music::listening::Progress;
+
+    #[test]
+    fn a_beat_goes_on_from_when_it_was_heard() {
+        let sender = ClockSender { given: Arc::default(), closed: Arc::default() };
+        let beat_at = Instant::now();
+        let now = Now {
+            at_secs: 1.0,
+            beat: Beat { count: 8.0, confidence: 1.0 },
+            beat_at,
+            tempo_bpm: 120.0,
+            progress: Progress::default(),
+            bands: &[],
+            ahead_secs: 0.0,
+        };
+        // However much later others are told of it.
+        std::thread::sleep(Duration::from_millis(5));
+        sender.tell(Some("drum machine"), &now);
+        let given = sender.given.lock().unwrap().clone().unwrap();
+        let count = given.count_at(beat_at + Duration::from_millis(50));
+        assert!((count - 8.1).abs() < 1e-9, "{count}");
     }
 }

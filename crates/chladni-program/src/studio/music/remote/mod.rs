@@ -108,10 +108,10 @@ impl Remote {
                     (Some(cue), _) => push(&mut cues, cue),
                     (None, Some(said)) => clock.push((said, came)),
                     (None, None) => {
-                        let control = Control::Osc { address: message.address };
-                        let value = message.value.unwrap_or(1.0);
-                        let touch = Touch { device: String::new(), control, value };
-                        self.touch(&touch, parameters, standing, &mut cues);
+                        let (address, value) = (message.address, message.value);
+                        let cue = self.bindings.touch_osc(&address, value, parameters, standing);
+                        self.last = Some(Control::Osc { address });
+                        cue.into_iter().for_each(|cue| push(&mut cues, cue));
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use chladni_music::{Action, FlashArea, Switch, Viewpoint};
+use chladni_music::{Action, FlashArea, LoggedAction, Switch, Viewpoint};
 use chladni_synth::{Backend, Item};
 use chladni_task::Task;
 use chladni_view::film::shoot_retouched;
@@ -12,8 +12,8 @@ use super::{Done, Performance, Shot};
 use crate::work::film::Seconds;
 use crate::work::{Deformed, Error, FrameGuard, Scenery, Wardrobe, dots, look_on_stage};
 
-/// A piece of a film starts drawing this much before its first frame, because the flash guard has to know what was
-/// seen during the last second.
+/// A piece of a film starts drawing this much before its first frame: the flash guard has to know what was seen during
+/// the last second, and so have trails.
 const LEAD_SECS: f64 = 2.0;
 
 /// The means to compute and draw; by default those that suit the device.
@@ -76,9 +76,10 @@ impl Performance {
         let wardrobe = self.staging.wardrobe(&device)?;
         let (rate, mut done) = (self.rate, Done::default());
         let area = self.guarded_area();
-        let (mut guard, is_guarded) = (FrameGuard::new(area), area.is_some());
+        let mut guard = FrameGuard::new(area);
+        done.warnings.extend(self.note_of_limit(area));
         let first = film.settings().first;
-        let lead = if is_guarded { rate.frames_in(LEAD_SECS).min(first) } else { 0 };
+        let lead = rate.frames_in(LEAD_SECS).min(first);
         let begin = first - lead;
         self.play_until(begin, seconds, task)?;
         let (mut guarding, mut titles) = (0.0, std::mem::take(&mut self.titles));
@@ -87,6 +88,10 @@ impl Performance {
             done.warnings.push(format!("the processor draws {}, whatever --samples says", canvas.samples()));
         }
         let (mut surroundings, mut behind) = (scenery.on(&device)?, scenery.film()?);
+        if let Some(film) = &behind {
+            // The scenery has its first picture as the window shows it: smaller.
+            surroundings = surroundings.before(&device, film.picture())?;
+        }
         let mut renderer = Renderer::new(&device);
         renderer.surround(&surroundings)?;
         let draw = |renderer: &mut Renderer, canvas: &Canvas, frame| -> Result<(), Error> {
@@ -136,13 +141,35 @@ impl Performance {
         Ok(done)
     }
 
-    /// How large a flash must be for the guard to act; none where it never does.
+    /// How large a flash must be for the guard to act; none where it never does. A limit that is on at any time of the show
+    /// holds for all of it.
     fn guarded_area(&self) -> Option<FlashArea> {
-        let area = self.instrument.parameters().flash_area().filter(|_| !self.flashes_allowed);
-        // What was switched on within the show holds for all of it.
-        let fields_on = Action::Switch { switch: Switch::FlashFields, on: true };
-        let fields_judged = self.fields_judged || self.script.clone().any(|line| line.action == fields_on);
-        area.map(|area| if fields_judged { FlashArea::Field } else { area })
+        let is_limited = self.fields_judged || self.is_ever(Switch::FlashLimit, true);
+        if self.flashes_allowed || !is_limited {
+            return None;
+        }
+        let judges_fields = self.fields_judged || self.is_ever(Switch::FlashFields, true);
+        Some(if judges_fields { FlashArea::Field } else { FlashArea::Screen })
+    }
+
+    /// A warning where the film is guarded and the show is not.
+    fn note_of_limit(&self, area: Option<FlashArea>) -> Option<String> {
+        let is_asked_for = area.is_none() || self.fields_judged;
+        (!is_asked_for && self.is_ever(Switch::FlashLimit, false)).then(|| {
+            "the limit of flashes, which is off in a part of the show, is on in all of the film; dance \
+             --allow-flashes films without it"
+                .into()
+        })
+    }
+
+    /// Whether a switch is so now, or is turned so later in the show.
+    fn is_ever(&self, switch: Switch, on: bool) -> bool {
+        let turned = |line: LoggedAction| match line.action {
+            Action::Switch { switch: turned, on: so } => turned == switch && so == on,
+            Action::Take { preset, .. } => preset.settings.switches.get(&switch) == Some(&on),
+            _ => false,
+        };
+        self.instrument.parameters().is_on(switch) == on || self.script.clone().any(turned)
     }
 
     /// Deforms the shape for one picture, and notes how that went.

@@ -1,0 +1,68 @@
+//! Films of shows: the options that hold throughout, and the show's own file.
+
+use std::path::Path;
+
+use chladni_music::{
+    Action, Form, GalleryShape, Instrument, LoggedAction, Moment, Parameter, Settings, Switch,
+};
+
+use crate::looks::show;
+use crate::{array, ball, run};
+
+/// Shape and values of the coefficients of a show in which `changes` are made after 0.2 s.
+fn danced(folder: &Path, changes: &[Action], start: &str, more: &[&str]) -> (Vec<u64>, Vec<f64>) {
+    ball(&folder.join("ball.obj"));
+    let mut show = show("ember", None);
+    let moment = Moment { at_secs: 0.2, at_beat: 0.0 };
+    show.actions.extend(changes.iter().map(|action| LoggedAction { moment, action: action.clone() }));
+    let [file, npz] = ["a.show.toml", "a.npz"].map(|name| folder.join(name));
+    show.save(&file).unwrap();
+    let [file_name, npz_name] = [&file, &npz].map(|path| path.to_str().unwrap());
+    let dance = ["dance", "--show", file_name, "--coefficients", npz_name, "-k", "16"];
+    let part = ["--start", start, "--duration", "0.4", "--fps", "10"];
+    assert_eq!(run(&[&dance[..], &part, more].concat()), 0, "{more:?}");
+    array(&npz, "coefficients")
+}
+
+#[test]
+fn options_hold_throughout_a_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let danced = |changes: &[Action], more: &[&str]| danced(folder.path(), changes, "6", more);
+    // A preset that is taken sets knobs, too.
+    let shape = GalleryShape { eigenvalues: (0..16).map(f64::from).collect(), bands: 32 };
+    let instrument = Instrument::new(1, 6, shape).unwrap();
+    let mut preset = instrument.preset(&instrument.gallery().items()[0], Vec::new());
+    preset.settings = Settings { knobs: [(Parameter::Gain, 0.1)].into(), ..Settings::default() };
+    let take = Action::Take { item: 5, preset: Box::new(preset) };
+    let plain = danced(&[], &[]);
+    for (change, option) in [
+        (Action::Set { parameter: Parameter::Gain, value: 0.1 }, ["--gain", "2"]),
+        (take, ["--gain", "2"]),
+        (Action::Set { parameter: Parameter::Decay, value: 0.9 }, ["--set", "decay=0.1"]),
+        (Action::Switch { switch: Switch::Resonate, on: false }, ["--timbre", "rubber"]),
+    ] {
+        let change = [change];
+        assert_ne!(danced(&change, &[]), plain, "{change:?} changes nothing");
+        assert_eq!(danced(&change, &option), danced(&[], &option), "{option:?}");
+    }
+}
+
+#[test]
+fn the_form_that_is_asked_for_is_that_of_all_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let change = [Action::SetForm { form: Form::Filter }];
+    assert_eq!(danced(folder.path(), &change, "0", &["--form", "modal"]).0, [4, 16]);
+}
+
+#[test]
+fn presets_do_not_replace_the_show() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    ball(Path::new(&path("ball.obj")));
+    let file = path("item-03.toml");
+    show("ember", None).save(Path::new(&file)).unwrap();
+    let before = std::fs::read(&file).unwrap();
+    let dance = ["dance", "--show", &file, "--presets", &path(""), "--coefficients", &path("a.npz")];
+    assert_eq!(run(&[&dance[..], &["-k", "16", "--duration", "0.2"]].concat()), 2);
+    assert!(std::fs::read(&file).unwrap() == before && !Path::new(&path("a.npz")).exists());
+}
