@@ -1,5 +1,6 @@
 """Sends a mesh to the program `chladni` and takes its layers back as shape keys."""
 
+import json
 import pathlib
 import shutil
 import subprocess
@@ -22,6 +23,10 @@ MODELS = [
     ("normal", "Normal", "Inflates and deflates along the surface: smooth parts"),
     ("distance", "Distance", "One filter for all directions: subtle, μ down to −8"),
 ]
+
+
+# The property of a mesh that holds, for each name of a result, the shape keys that its layers became.
+MADE = "chladni_keys"
 
 
 class ChladniPreferences(bpy.types.AddonPreferences):
@@ -85,6 +90,18 @@ def weights(target, name):
     return found
 
 
+def distinct(names):
+    """The same names, with a number behind those that were there before."""
+    found = []
+    for name in names:
+        number, own = 1, name
+        while own in found or (number > 1 and own in names):
+            number += 1
+            own = f"{name} {number}"
+        found.append(own)
+    return found
+
+
 class Work:
     """One run of the program on one object."""
 
@@ -144,16 +161,33 @@ class Work:
             self.target.shape_key_add(name="Basis", from_mix=False)
         rest = polygons(self.target.data)[0]
         keys = self.target.data.shape_keys
-        named = [(self.name if len(layers) == 1 else f"{self.name}: {layer}", displacement) for layer, displacement in layers]
-        if any(name == keys.reference_key.name for name, _ in named):
+        names = distinct([self.name if len(layers) == 1 else f"{self.name}: {layer}" for layer, _ in layers])
+        made = json.loads(self.target.data.get(MADE, "{}"))
+        before = made.get(self.name, {})
+        if any(keys.reference_key.name in (name, before.get(name)) for name in names):
             raise ValueError(f"“{keys.reference_key.name}” is the shape at rest: choose another name")
-        for name, displacement in named:
-            key = keys.key_blocks.get(name)
-            key = key or self.target.shape_key_add(name=name, from_mix=False)
+        now = {}
+        for name, (_, displacement) in zip(names, layers):
+            # Blender shortens long names.
+            key = keys.key_blocks.get(before.get(name, name))
+            if key is None or key.name in now.values():
+                key = self.target.shape_key_add(name=name, from_mix=False)
             key.data.foreach_set("co", (rest + displacement).ravel())
             key.value = 1.0
+            now[name] = key.name
+        self.put_away(before, now)
+        made[self.name] = before | now
+        self.target.data[MADE] = json.dumps(made)
         self.target.data.update()
         return said
+
+    def put_away(self, before, now):
+        """Sets the keys of an earlier run to 0 that this one has not renewed: they would add to the new ones."""
+        keys = self.target.data.shape_keys
+        for name in set(before.values()) - set(now.values()):
+            key = keys.key_blocks.get(name)
+            if key is not None and key != keys.reference_key:
+                key.value = 0.0
 
     def end(self):
         """Stops the program where it still runs, and leaves nothing behind."""
@@ -218,12 +252,22 @@ class ChladniCaricature(bpy.types.Operator):
         stopped = event.type == "ESC"
         if not stopped and self.work.process.poll() is None:
             return {"PASS_THROUGH"}
-        context.window_manager.event_timer_remove(self.timer)
-        context.workspace.status_text_set(None)
         if stopped:
-            self.work.end()
+            self.cancel(context)
             return {"CANCELLED"}
+        self.rest(context)
         return self.finish(self.work)
+
+    def rest(self, context):
+        """No longer waits for the program."""
+        context.window_manager.event_timer_remove(self.timer)
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+
+    def cancel(self, context):
+        """Ends the work; Blender calls this, too, where it ends the operator, as when another file is opened."""
+        self.rest(context)
+        self.work.end()
 
 
 class ChladniPanel(bpy.types.Panel):

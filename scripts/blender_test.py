@@ -105,6 +105,26 @@ def the_addon_makes_shape_keys():
     both = places(keys["Two: broad"].data) + places(keys["Two: narrow"].data) - rest
     check("together they are the result", np.abs(both - vertices(result)).max() < 1e-5)
 
+    before = places(keys["Two: broad"].data)
+    run(CHLADNI, "project", "add-layer", project, "--template", "ellipsoid", "--mu", "-0.3", "--name", "broad")
+    check("a project with two layers of one name runs", bpy.ops.object.chladni_caricature() == {"FINISHED"})
+    check("each has a key of its own", {"Two: broad", "Two: narrow", "Two: broad 2"} <= {key.name for key in keys})
+    check("and the first is what it was", np.abs(places(keys["Two: broad"].data) - before).max() < 1e-5)
+
+    project = HERE / "grows.chladni"
+    run(CHLADNI, "project", "new", shape, "-o", project, "-k", "64")
+    run(CHLADNI, "project", "add-layer", project, "--template", "sphere", "--name", "first")
+    settings.project, settings.name = str(project), "A name that is longer than the names that Blender keeps for keys"
+    bpy.ops.object.chladni_caricature()
+    alone, count = keys[-1], len(keys)
+    bpy.ops.object.chladni_caricature()
+    check("a key whose name was shortened is renewed", len(keys) == count and alone.value == 1)
+    alone = alone.name
+    run(CHLADNI, "project", "add-layer", project, "--template", "ellipsoid", "--name", "second")
+    bpy.ops.object.chladni_caricature()
+    check("keys of both layers are new", len(keys) == count + 2 and [key.value for key in keys][-2:] == [1, 1])
+    check("and that of the one layer does not add to them", keys[alone].value == 0)
+
     settings.mask, settings.template = "nowhere", "ellipsoid"
     try:
         ended = bpy.ops.object.chladni_caricature()
