@@ -59,8 +59,10 @@ fn they_act_while_another_room_is_shown() {
         .unwrap();
     let is = |state: &str| player.get_property::<String>("PlaybackStatus").is_ok_and(|seen| seen == state);
     wait(&mut window, "the song", |_| is("Playing"));
-    control(&window, "room/0").click();
-    wait(&mut window, "the other room", |w| !shows(w, "12 items"));
+    window.get_by_role_and_label(Role::Button, "Chladni").click_accesskit();
+    wait(&mut window, "the start screen", |w| is_there(w, "room/0"));
+    click(&mut window, "room/0");
+    wait(&mut window, "the other room", |w| !is_there(w, "room/0"));
     player.call_method("Pause", &()).unwrap();
     wait(&mut window, "the pause", |_| is("Paused"));
 }

@@ -13,7 +13,7 @@ use super::{MusicRoom, Names};
 use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
-use crate::work::{Error, cautions, refer, resolve};
+use crate::work::{Error, cautions, refer, refer_looks, resolve, resolve_looks};
 
 /// The most harmonics that dance live.
 pub const MOST_HARMONICS: usize = 512;
@@ -128,7 +128,9 @@ impl MusicRoom {
             concert.mark_unsaved();
         }
         if let Some(looks) = &show.looks {
-            shared.settings.music.look_like(looks);
+            let (looks, missing) = resolve_looks(looks.clone(), path.parent());
+            missing.into_iter().for_each(|missing| shared.notices.warn(missing));
+            shared.settings.music.look_like(&looks);
         }
         let mut songs: Vec<ShowSong> = Vec::new();
         for song in &show.songs {
@@ -231,7 +233,8 @@ pub fn write_show(
     names: &Names,
     shared: &mut Shared<'_>,
 ) -> Result<(), Error> {
-    let show = the_show(concert, listening, names, shared, |file| refer(file, path.parent()));
+    let mut show = the_show(concert, listening, names, shared, |file| refer(file, path.parent()));
+    show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
     show.save(path).map_err(Error::unsaved)?;
     shared.notices.done(format!("Saved {}", path.display()));
     concert.mark_saved();
