@@ -39,6 +39,8 @@ pub struct Concert {
     /// The live input in place of a song.
     live: Option<Live>,
     clock: ShowClock,
+    /// The page's clock, by which flashes are counted: that of a show begins anew with each.
+    now_secs: f64,
     instrument: Instrument,
     ensemble: Ensemble,
     staging: Staging,
@@ -96,6 +98,7 @@ impl Concert {
             hearing,
             live: None,
             clock: ShowClock::default(),
+            now_secs: 0.0,
             instrument,
             ensemble: Ensemble::new(dancer),
             staging,
@@ -191,7 +194,7 @@ impl Concert {
     pub fn judge(&mut self, rgba: &[u8], width: u32, height: u32) -> i32 {
         let Some(area) = self.instrument.parameters().flash_area() else { return 0 };
         self.stage.guard.set_area(area);
-        match self.stage.guard.judge(self.clock.at_secs(), rgba.as_chunks().0, [width, height]) {
+        match self.stage.guard.judge(self.now_secs, rgba.as_chunks().0, [width, height]) {
             Veil::Clear => 0,
             Veil::Black(opacity) => -i32::from(opacity),
             Veil::White(opacity) => opacity.into(),
@@ -236,6 +239,7 @@ impl Concert {
         position_secs: f64,
         duration_secs: f64,
     ) -> Result<Option<Shot>, Error> {
+        self.now_secs = self.now_secs.max(now_secs);
         let playing = match usize::try_from(song).ok().filter(|_| self.live.is_none()) {
             None => Playing { song: None, position_secs: 0.0, duration_secs: None, crossfade_secs: 0.0 },
             song => {
@@ -300,7 +304,7 @@ impl Concert {
         renderer.draw_finished(screen.canvas(), &cells, &staged.look.finish, at_secs)?;
         if let Some((picture, area)) = screen.show()?.zip(self.instrument.parameters().flash_area()) {
             stage.guard.set_area(area);
-            stage.guard.pass(at_secs, picture);
+            stage.guard.pass(self.now_secs, picture);
         }
         let of = |cell: &Rect| [cell.x, cell.y, cell.width, cell.height];
         stage.cells = staged.viewports.iter().flat_map(of).collect();

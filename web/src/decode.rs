@@ -1,6 +1,6 @@
 //! From a song's file to its samples and beats: slow, too, and for a worker.
 
-use chladni_sound::{Song, SongOptions, SongReader, sample_tune, track_beats};
+use chladni_sound::{Song, SongOptions, SongReader, SoundError, sample_tune, track_beats};
 use chladni_task::Task;
 use wasm_bindgen::prelude::*;
 
@@ -64,7 +64,7 @@ pub fn decode(name: &str, bytes: Option<Vec<u8>>) -> Result<DecodedSong, JsError
         Some(bytes) => {
             let mut reader = SongReader::from_bytes(name, bytes)?;
             let options = SongOptions { max_bytes: MOST_BYTES, ..SongOptions::default() };
-            let song = Song::read(&mut reader, &options, &task)?;
+            let song = Song::read(&mut reader, &options, &task).map_err(in_words_of_the_page)?;
             (song, reader.damage().map(|damage| damage.to_string()))
         }
         None => (sample_tune(), None),
@@ -72,4 +72,13 @@ pub fn decode(name: &str, bytes: Option<Vec<u8>>) -> Result<DecodedSong, JsError
     let beats = serde_json::to_string(&track_beats(&song, &task)?)?;
     let loud = song.loud_level()?;
     Ok(DecodedSong { song, beats, loud, damage })
+}
+
+/// A page takes songs whole, and has no start and duration to give.
+fn in_words_of_the_page(error: SoundError) -> JsError {
+    let SoundError::TooLong { name, limit_secs } = error else { return error.into() };
+    let minutes = (limit_secs / 60.0).floor();
+    JsError::new(&format!(
+        "{name}: longer than the {minutes} minutes that a page has memory for; the program for the desktop plays it"
+    ))
 }

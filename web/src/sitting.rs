@@ -148,6 +148,12 @@ impl Sitting {
         self.evaluation =
             if self.solved { self.stack.evaluate(project) } else { self.stack.evaluate(&nothing(project)) };
         self.stage.stand(stands);
+        if let Some(hanging) = &mut self.hanging {
+            hanging.stand(stands);
+        }
+        if let Some(landmarks) = &mut self.landmarks {
+            landmarks.stand(stands);
+        }
         self.stage.take(if self.bare { self.stack.original() } else { &self.evaluation.result })?;
         self.line_up_models()?;
         self.forget_other_landmarks();

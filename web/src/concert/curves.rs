@@ -22,14 +22,18 @@ impl Concert {
     /// # Errors
     /// Bugs only.
     pub fn curves(&self) -> Result<String, JsError> {
-        let scene = self.instrument.scene(self.beat_at(self.clock.at_secs()));
         let items = self.instrument.gallery().items();
-        let found = scene.and_then(|scene| items.iter().position(|item| item.id == scene.to));
-        let curves = found.map(|item| {
+        let curves = self.staged().map(|item| {
             let mapping = &items[item].genome;
             Curves { item, transfer: &mapping.transfer, amplification: &mapping.amplification }
         });
         Ok(serde_json::to_string(&curves)?)
+    }
+
+    /// The place in the gallery of the dance on stage, which beats may change; none where none of the gallery is there.
+    pub fn staged(&self) -> Option<usize> {
+        let scene = self.instrument.scene(self.beat_at(self.clock.at_secs()))?;
+        self.instrument.gallery().items().iter().position(|item| item.id == scene.to)
     }
 
     /// Gives a dance a ready-made curve, to begin from: `direct` (low sounds to low harmonics), `reversed`, `rest` (no

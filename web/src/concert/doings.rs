@@ -15,12 +15,19 @@ const DISTANCES: (f32, f32) = (0.25, 4.0);
 #[wasm_bindgen]
 impl Concert {
     /// Does an action of the instrument, as a line of a show file says it: `{"do": "choose", "item": 3, "on": true}`.
+    /// The autopilot ends where the stage is taken or left by it.
     ///
     /// # Errors
     /// Text that is not an action, and an action that cannot be done.
     #[wasm_bindgen(js_name = "act")]
     pub fn act_text(&mut self, action: &str) -> Result<(), JsError> {
-        Ok(self.act(serde_json::from_str(action)?)?)
+        let action: Action = serde_json::from_str(action)?;
+        let ends_piloting = action.opens_stage() || action == Action::LeaveStage;
+        self.act(action)?;
+        if ends_piloting {
+            self.end_piloting()?;
+        }
+        Ok(())
     }
 
     /// Breeds the chosen dances; where children are suggested, the best of two hundred, which takes a second or more.
@@ -61,23 +68,23 @@ impl Concert {
         Ok(())
     }
 
-    /// The autopilot chooses dances and looks, or lets go.
+    /// The autopilot chooses dances, favorites among them, and looks, or lets go.
     ///
     /// # Errors
     /// Bugs only.
     pub fn autopilot(&mut self, on: bool) -> Result<(), JsError> {
         if !on {
-            let Some(programme) = self.programme.take() else { return Ok(()) };
-            self.act(Action::LeaveStage)?;
-            return Ok(programme
-                .end(&self.instrument)
-                .into_iter()
-                .try_for_each(|action| self.act(action))?);
+            if self.programme.is_some() {
+                self.act(Action::LeaveStage)?;
+            }
+            return Ok(self.end_piloting()?);
         }
         let at_secs = self.clock.at_secs();
         // Another evening, another programme.
         let draw = js_sys::Date::now() as u64;
-        let programme = Programme::new(&self.instrument, Vec::new(), at_secs, draw)?;
+        let favorites = self.instrument.favorites().iter();
+        let favorites = favorites.map(|item| self.instrument.preset(item, Vec::new())).collect();
+        let programme = Programme::new(&self.instrument, favorites, at_secs, draw)?;
         let mut programme = programme.on_sheet(self.staging.is_flat());
         let actions = programme.step(at_secs, true, &self.instrument);
         self.programme = Some(programme);
@@ -134,6 +141,12 @@ impl Concert {
         self.instrument.apply(Moment { at_secs, at_beat }, action)?;
         self.hearing.tune(at_secs, self.instrument.parameters());
         Ok(())
+    }
+
+    /// The autopilot ends: gallery and knobs are as they were before it.
+    fn end_piloting(&mut self) -> Result<(), Error> {
+        let Some(programme) = self.programme.take() else { return Ok(()) };
+        programme.end(&self.instrument).into_iter().try_for_each(|action| self.act(action))
     }
 
     /// Does the autopilot's actions up to a time of the show.

@@ -84,6 +84,14 @@ impl Hanging {
     pub fn fit(&mut self) {
         self.fitted = false;
     }
+
+    /// Turns the viewer where the shape stands otherwise.
+    pub fn stand(&mut self, stands: Orientation) {
+        if self.camera.stands != stands {
+            self.camera.stands = stands;
+            self.fit();
+        }
+    }
 }
 
 #[wasm_bindgen]

@@ -2,7 +2,7 @@
 
 use chladni_caricature::{Action, LayerId, Property, Template};
 use chladni_match::{Landmark, MatchSettings, read_landmarks, write_landmarks};
-use chladni_mesh::{Estimate, Known};
+use chladni_mesh::{Estimate, Known, Orientation};
 use chladni_program::work::landmarks::{Gesture, Picks, Side, Which};
 use chladni_program::work::{Aside, Error, template_mesh};
 use chladni_task::Task;
@@ -22,6 +22,8 @@ pub struct Landmarks {
     layer: LayerId,
     template: Template,
     sides: [Side; 2],
+    /// How the template stands is in doubt: it stands as the shape does.
+    follows: bool,
     picks: Picks,
     /// The shape that the pointer was on last.
     on: Which,
@@ -50,6 +52,15 @@ impl Landmarks {
 
     pub fn fit(&mut self) {
         self.sides[self.on as usize].refit();
+    }
+
+    /// Turns the viewer where the shape stands otherwise.
+    pub fn stand(&mut self, stands: Orientation) {
+        let both = if self.follows { 2 } else { 1 };
+        for side in self.sides.iter_mut().take(both).filter(|side| side.camera.stands != stands) {
+            side.camera.stands = stands;
+            side.refit();
+        }
     }
 
     /// Both shapes with their landmarks.
@@ -104,7 +115,8 @@ impl Sitting {
         let device = self.stage.device();
         let sides = [Side::new(device, &self.mesh, beside)?, Side::new(device, &mesh, stands)?];
         let picks = Picks::default();
-        let landmarks = Landmarks { layer, template: wanted, sides, picks, on: Which::Shape };
+        let (follows, on) = (found.in_doubt, Which::Shape);
+        let landmarks = Landmarks { layer, template: wanted, sides, follows, picks, on };
         (self.landmarks, self.hanging) = (Some(landmarks), None);
         self.stage.stir();
         Ok(())

@@ -79,6 +79,15 @@ impl Sitting {
         Ok(self.refresh()?)
     }
 
+    /// Forgets the answer to a request: its file has another content.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn forget(&mut self, request: &str) -> Result<(), JsError> {
+        self.stack.forget(&serde_json::from_str(request)?);
+        Ok(self.refresh()?)
+    }
+
     /// The matches of all layers, as JSON, for [`Wall`](crate::Wall): each request with its answer.
     ///
     /// # Errors

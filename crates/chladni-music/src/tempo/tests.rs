@@ -233,7 +233,8 @@ fn a_clock_that_was_stopped_goes_on_from_where_it_stood() {
             "{name}: {next:?} after {now:?}"
         );
         // And it does go on.
-        let gone = tempo.at(24.0).count - tempo.at(22.0).count;
+        let [before, after] = [22.0, 24.0].map(|secs| tempo.at(secs).count);
+        let gone = after - before;
         let beats = 2.0 * tempo.bpm().unwrap() / 60.0;
         assert!((gone - beats).abs() < 1e-6, "{name}: {gone} beats");
     }
