@@ -96,7 +96,9 @@ fn the_first_twelve_differ_more_than_random_ones_and_children_resemble_their_par
     let before = gallery.generations().items().to_vec();
     gallery.lock_place(7, true).unwrap();
     gallery.restart(4, &sitter).unwrap();
-    assert!(gallery.variants().iter().all(|variant| variant.genes(Group::Parts) == parts));
+    let mut others = gallery.variants();
+    others.remove(7);
+    assert!(others.iter().all(|variant| variant.genes(Group::Parts) == parts));
     for (index, (item, old)) in gallery.generations().items().iter().zip(&before).enumerate() {
         let stays = item.id == old.id && item.genome == old.genome && item.locked;
         assert_eq!(stays, index == 7, "{index}");
