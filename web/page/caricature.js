@@ -24,6 +24,8 @@ let state;
 let shape = {};
 /** What was brought, by name: shapes and templates. */
 const files = new Map();
+/** The matches with each file that the shape was asked for, by the file's name. */
+const requests = new Map();
 /** A project that waits for its shape, and the templates that it names besides. */
 let waiting;
 /** How often a shape was opened: what was asked for an older one is not wanted any more. */
@@ -74,19 +76,24 @@ const room = {
 
 // ---- shapes, matches, projects
 
-/** Whether there are layers that no file has. */
-export const isUnsaved = () => !!state?.modified && state.layers.length > 0;
+/** The project is one of a file: what is changed in it is missed even where no layer is left. */
+let isOfFile = false;
+
+/** Whether there are layers, or changes of a project, that no file has. */
+export const isUnsaved = () => !!state?.modified && (state.layers.length > 0 || isOfFile);
 
 /** Whether another shape may take the place of what is not saved; says so, else. */
 function mayReplace() {
-  if (!isUnsaved() || confirm("The layers of this shape are not saved. Open another one without them?")) return true;
+  const lost = state?.layers.length ? "The layers of this shape" : "The changes of this project";
+  if (!isUnsaved() || confirm(`${lost} are not saved. Open another one without them?`)) return true;
   say("The shape has stayed: Save project keeps its layers.");
   refresh();
   return false;
 }
 
-/** Opens a shape with its project, or with a first layer against one of the starting points. */
-async function openShape(name, bytes, project, first) {
+/** Opens a shape with its project and the meshes that `came` with that, or with a first layer against one of the starting
+ * points. */
+async function openShape(name, bytes, project, first, came = []) {
   if (!mayReplace()) return;
   say(`${label(name)}…`);
   // That is to be seen before the page reads the shape.
@@ -97,6 +104,9 @@ async function openShape(name, bytes, project, first) {
   wall.leave();
   sitting?.free();
   sitting = next;
+  isOfFile = project !== undefined;
+  requests.clear();
+  for (const [each, mesh] of came) files.set(each, mesh);
   empty(false);
   ink.again(true);
   shape = { name, bytes };
@@ -155,16 +165,21 @@ async function match() {
     for (let next; mine === opened && (next = sitting.missing()); refresh()) {
       const { request, template, file } = JSON.parse(next);
       const brought = file ? files.get(base(template)) : undefined;
+      if (file) remember(base(template), request);
+      // Another file of its name has come since.
+      const isOutdated = () => file && files.get(base(template)) !== brought;
       if (file && !brought) { sitting.fail(request, `bring ${base(template)}, too`); continue; }
       try {
         const asked = { work: "match", name: shape.name, bytes: shape.bytes?.slice(), request, template: brought };
         const before = await matchedBefore(shape.name, template, request);
         const { found, secs } = before ? { found: before, secs: 0 } : await busy(label(base(template)), (tell) => ask(asked, tell, "match"));
         if (mine !== opened) return;
+        if (isOutdated()) continue;
         sitting.install(request, found);
         report.matchSecs = secs;
       } catch (error) {
         if (mine !== opened) return;
+        if (isOutdated()) continue;
         sitting.fail(request, error.message ?? String(error));
         say(error.message ?? String(error), true);
       }
@@ -174,27 +189,51 @@ async function match() {
   }
 }
 
-/** Opens the text of a project, once its shape is there. */
-export async function openProject(name, bytes) {
+function remember(file, request) {
+  if (!requests.has(file)) requests.set(file, new Set());
+  requests.get(file).add(request);
+}
+
+/** Keeps a mesh by its name. Where that is the name of another one, matches with it are forgotten; gives whether layers are
+ * compared with it. */
+function keep(name, bytes) {
+  const before = files.get(name);
+  files.set(name, bytes);
+  const isSame = before?.length === bytes.length && before.every((byte, i) => byte === bytes[i]);
+  if (!sitting || !before || isSame) return false;
+  if (held === "landmarks") hold("turn");
+  for (const request of requests.get(name) ?? []) sitting.forget(request);
+  requests.delete(name);
+  return state.layers.some(({ template }) => template === name);
+}
+
+/** Opens the text of a project, once its shape is there. What it names of the meshes `beside` it, by their names, it takes
+ * out of them; they come before others of their names. */
+export async function openProject(name, bytes, beside = new Map()) {
   const text = new TextDecoder().decode(bytes);
   const needs = JSON.parse(needs_of_project(name, text));
-  const brought = needs.file ? files.get(base(needs.shape)) : undefined;
+  const shapeName = base(needs.shape);
+  const brought = needs.file ? beside.get(shapeName) ?? files.get(shapeName) : undefined;
   if (needs.file && !brought) {
-    waiting = { name, bytes, shape: base(needs.shape), templates: needs.templates.map(base) };
-    return say(`${name} is made on ${base(needs.shape)}: bring that mesh, too.`, false, 600);
+    waiting = { name, bytes, shape: shapeName, templates: needs.templates.map(base) };
+    return say(`${name} is made on ${shapeName}: bring that mesh, too.`, false, 600);
   }
   waiting = undefined;
-  await openShape(needs.shape, brought, text);
+  const named = new Set([shapeName, ...needs.templates.map(base)]);
+  const came = [...beside].filter(([each]) => named.has(each));
+  for (const [each] of came) beside.delete(each);
+  await openShape(needs.shape, brought, text, undefined, came);
 }
 
 /** A mesh was brought: the shape of a project that waits, a template that a layer or such a project waits for, or, as the
  * user says, one of both. */
 export async function takeMesh(name, bytes) {
-  files.set(name, bytes);
+  const isOther = keep(name, bytes);
   if (waiting?.shape === name) return openProject(waiting.name, waiting.bytes);
   const wanting = state?.layers.filter((layer) => layer.state === "failed" && base(layer.template) === name) ?? [];
   for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
-  if (wanting.length) return changed();
+  if (isOther) say(`${name} is another file now: the layers that are compared with it are matched anew.`);
+  if (wanting.length || isOther) return changed();
   if (waitsFor(name)) return say(`${name} is kept for ${waiting.name}, which is made on ${waiting.shape}: bring that mesh, too.`, false, 600);
   switch (sitting ? await whichOf(name) : "shape") {
     case "shape": return openShape(name, bytes);
@@ -468,7 +507,8 @@ export function listen() {
   on("landmarks", pickLandmarks);
   for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
   of("wanted-harmonics").addEventListener("change", () => act({ set_harmonics: Math.round(Number(of("wanted-harmonics").value)) || state.wanted_harmonics }));
-  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, changed, act, set, slide };
+  const saved = () => { isOfFile = true; refresh(); };
+  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, saved, changed, act, set, slide };
   chosen.listen(caricature);
   exports.listen(caricature);
   scaleCurve.listen(caricature);

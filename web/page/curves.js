@@ -37,11 +37,14 @@ export function listen(act, begin) {
   }
 }
 
+/** A hand draws one of them. */
+export const isHeld = () => CURVES.some(({ held }) => held);
+
 /** Shows the curves of the dance on stage, or none. */
 export function show(curves) {
   of("curves").hidden = !curves;
   // A show that is played does not take what is drawn out of the hand.
-  if (!curves || CURVES.some(({ held }) => held)) return;
+  if (!curves || isHeld()) return;
   item = curves.item;
   for (const curve of CURVES) {
     curve.values = Float32Array.from(curves[curve.id]);

@@ -3,8 +3,12 @@ import { of, on } from "./page.js";
 
 let shown;
 
+/** A hand is on a slider, or a name is being typed: it stays that of the dance for which it was begun. */
+export const isHeld = () => document.activeElement === of("dance-name") || ["own-gain", "own-mu"].some((id) => of(id).matches(":active"));
+
 /** Shows dance `item` of a state, or none. */
 export function show(item, { dances, without_mu }) {
+  if (dances[shown] && isHeld()) item = shown;
   shown = dances[item] && item;
   of("this-dance").disabled = shown === undefined;
   of("dance-number").textContent = shown === undefined ? "" : `${item + 1}`;

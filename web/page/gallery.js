@@ -51,7 +51,11 @@ export function listen(musicRoom) {
   on("breed", breed);
   on("earlier", () => act({ do: "go-to", generation: state.back }));
   on("later", () => act({ do: "go-to", generation: state.forth }));
-  on("favorites", () => act({ do: "perform-favorites", first: 0 }));
+  on("favorites", () => {
+    // One after the other, even where the beat was not set to step.
+    act({ do: "switch", switch: "beat-steps", on: true });
+    act({ do: "perform-favorites", first: 0 });
+  });
   on("other-dances", () => room.begin(state.seed + 1, state.dances.length));
   of("gallery-size").addEventListener("change", () => room.begin(state.seed, Number(of("gallery-size").value)));
 }

@@ -28,11 +28,11 @@ function enterCaricature() {
   caricature.open();
 }
 
-/** Opens what was brought where it belongs. */
-async function take(name, bytes) {
+/** Opens what was brought where it belongs; `beside` it, by their names, are meshes that a project may need. */
+async function take(name, bytes, beside) {
   switch (/\.np[yz]$/i.test(name) ? "mask" : kind(name)) {
     case "text": await enterMusic(); return music.openText(name, bytes);
-    case "project": enterCaricature(); return caricature.openProject(name, bytes);
+    case "project": enterCaricature(); return caricature.openProject(name, bytes, beside);
     case "mesh":
       if (caricature.waitsFor(name)) enterCaricature();
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
@@ -44,8 +44,8 @@ async function take(name, bytes) {
 }
 
 /** One that cannot be opened, such as the cover of an album, leaves the others. */
-const takeFile = attempt(async (file) => {
-  try { await take(file.name, new Uint8Array(await file.arrayBuffer())); } catch (error) { throw ofFile(file.name, error); }
+const takeFile = attempt(async (file, beside) => {
+  try { await take(file.name, new Uint8Array(await file.arrayBuffer()), beside); } catch (error) { throw ofFile(file.name, error); }
 });
 
 /** What says what it needs comes before what it needs. */
@@ -54,13 +54,30 @@ const order = ({ name }) => (["text", "project"].includes(kind(name)) ? 0 : 1);
 const open = attempt(async (files) => {
   if (isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
   const [songs, lists] = ["song", "list"].map((wanted) => files.filter(({ name }) => kind(name) === wanted));
-  for (const file of files.toSorted((a, b) => order(a) - order(b))) if (![...songs, ...lists].includes(file)) await takeFile(file);
+  const beside = await meshesBesideProjects(files);
+  const came = new Set(beside.keys());
+  for (const file of files.toSorted((a, b) => order(a) - order(b))) {
+    const isTaken = came.has(file.name) && !beside.has(file.name);
+    if (![...songs, ...lists].includes(file) && !isTaken) await takeFile(file, beside);
+  }
   const { inOrder, missing } = await inOrderOf(lists, songs);
   if (inOrder.length) {
     await Promise.all([enterMusic(), music.openSongs(inOrder)]);
   }
   if (missing.length) throw new Error(`${lists[0].name}: a page finds no files by itself. Open these together with the list: ${missing.slice(0, 5).join(", ")}${missing.length > 5 ? `, and ${missing.length - 5} more` : ""}.`);
 });
+
+/** The meshes that came with a project, by their names. */
+async function meshesBesideProjects(files) {
+  const found = new Map();
+  if (!files.some(({ name }) => kind(name) === "project")) return found;
+  for (const file of files.filter(({ name }) => kind(name) === "mesh")) {
+    // One that cannot be read is reported when it is to be taken.
+    const bytes = await file.arrayBuffer().catch(() => undefined);
+    if (bytes) found.set(file.name, new Uint8Array(bytes));
+  }
+  return found;
+}
 
 /** Songs in the order of the lists that came with them, those of no list behind them; and what the lists name besides. */
 async function inOrderOf(lists, songs) {

@@ -153,8 +153,11 @@ function mayReplace(what = "Let another shape dance", stayed = STAYED) {
   return false;
 }
 
-/** The mesh that is being prepared. */
+/** The mesh that is being prepared, by its name. */
 let coming;
+/** Those who wait until the room is entered. */
+const waiting = [];
+const entered = () => (isHere() ? undefined : new Promise((done) => { waiting.push(done); }));
 
 /** Another shape that was asked for is not wanted any more; gives the number of this wish. */
 function overtake() {
@@ -185,25 +188,35 @@ async function danceOn(name, begin) {
 
 export async function openMesh(name, bytes) {
   if (!mayReplace()) return;
-  const mine = overtake();
+  overtake();
   const before = edits;
-  coming = name;
+  const mine = coming = { name };
   const harmonics = harmonicsOf(bytes.length);
-  await busy(name, async (tell) => {
+  const found = await busy(name, async (tell) => {
     const { body, secs } = await ask({ work: "prepare", name, bytes, harmonics }, tell);
-    if (mine !== visit) return;
-    coming = undefined;
-    if (edits !== before && !mayReplace()) return tell("said", STAYED);
-    // The show that was danced by this mesh begins anew on it.
-    const opens = lacks?.needs.body === name ? lacks : undefined;
-    show(body, opens?.begin);
-    lacks = undefined;
-    if (opens) shows.know(opens.text, opens.needs);
-    refresh();
-    report.solveSecs = secs;
-    if (opens) tell("said", isOpen(opens.name, opens.needs));
-    tell("said", `${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s.`);
+    if (coming !== mine) return undefined;
+    if (!isHere()) tell("said", `${name} is ready, and dances once the music room is entered.`);
+    else for (const text of danceOnMesh(name, body, secs, before).toReversed()) tell("said", text);
+    return { body, secs };
   });
+  if (!found || coming !== mine) return;
+  await entered();
+  if (coming === mine) say(danceOnMesh(name, found.body, found.secs, before).join(" "), false, 20);
+}
+
+/** Lets a mesh dance that is ready, where its user may lose what was bred since there were `before` edits; gives what is said of it. */
+function danceOnMesh(name, body, secs, before) {
+  coming = undefined;
+  if (edits !== before && !mayReplace()) return [STAYED];
+  // The show that was danced by this mesh begins anew on it.
+  const opens = lacks?.needs.body === name ? lacks : undefined;
+  show(body, opens?.begin);
+  lacks = undefined;
+  if (opens) shows.know(opens.text, opens.needs);
+  refresh();
+  report.solveSecs = secs;
+  const news = `${name}: ${concert.vertices()} vertices, ${concert.harmonics()} harmonics in ${secs.toFixed(1)} s.`;
+  return opens ? [news, isOpen(opens.name, opens.needs)] : [news];
 }
 
 // ---- songs
@@ -312,7 +325,7 @@ export async function openText(name, bytes) {
     if (!await danceOn(needs.body, begin)) return;
   } else {
     // Its own mesh may come.
-    if (!coming || coming !== needs.body) overtake();
+    if (!coming || coming.name !== needs.body) overtake();
     heard.splice(0, heard.length, ...begin(concert));
     edits = 0;
     hear();
@@ -336,12 +349,16 @@ function isOpen(name, needs) {
 /** Plays the show that was opened, or leaves it to the user. */
 async function playShow() {
   if (concert.plays_show()) return endShow();
+  if (!mayReplace("Play the show", "The show is not played: Save show keeps the dances that are here.")) return;
   await stopListening();
   const cast = shows.begin(concert);
   // What was asked for earlier does not come into it.
   overtake();
   passOver();
   heard.splice(0, heard.length, ...cast);
+  edits = 0;
+  // Until its first song is heard there is none.
+  sound.number = -1;
   refresh();
 }
 
@@ -354,7 +371,11 @@ function endShow() {
 
 /** Lets a song be heard as a show wants it. */
 async function hearSong(song, secs, playing) {
-  if (!song) return sound.pause();
+  if (!song) {
+    // Not even the one that played before: the concert knows none.
+    sound.number = -1;
+    return sound.pause();
+  }
   if (song !== songs.current() || !song.sound) {
     const mine = visit;
     const decoded = await songs.soundOf(song);
@@ -388,11 +409,14 @@ function holdStill() {
   const stood = plate.letGo();
   if (plate.isStill()) return sound.pause();
   if (stood) {
-    shows.skip(shows.clockSecs(performance.now()) - stood.clock);
+    goOnFrom(stood);
     sound.seek(stood.position);
   }
   sound.playing = true;
 }
+
+/** The clock goes on from where the plate stood, which sand may have brought ahead of it. */
+const goOnFrom = (stood) => shows.skip(shows.clockSecs(performance.now()) - stood.clock);
 
 const room = {
   name: "A shape that moves with the sound.",
@@ -408,7 +432,7 @@ const room = {
   judge: (rgba, width, height) => concert.judge(rgba, width, height),
   byProcessor: () => concert?.draw_by_processor(),
   drawn: (width, height) => {
-    if (state.played) refresh();
+    if (state.played || isAnotherOnStage()) refresh();
     drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, gallery.choices);
     films.tick();
     if (microphone) of("loudness").value = Math.sqrt(microphone.loudest);
@@ -437,6 +461,16 @@ const act = attempt((action) => {
 });
 /** The dance that is saved: the one on stage, else the first that is chosen. */
 const theDance = () => JSON.parse(concert.curves())?.item ?? Math.max(0, state.dances.findIndex((dance) => dance.chosen));
+/** The dance on stage of which controls were shown last. */
+let staged;
+/** Whether beats, or the autopilot, have brought another one; not while a hand is on what belongs to that. */
+function isAnotherOnStage() {
+  const now = concert.staged();
+  if (now === staged || dance.isHeld() || curves.isHeld()) return false;
+  staged = now;
+  return true;
+}
+
 /** Gives all dances up for others, where their user may. */
 function newGallery(seed, size) {
   if (isUnsaved() && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
@@ -472,7 +506,11 @@ function refresh() {
   curves.show(drawing ? shown : undefined);
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
-  if (shows.draw(state.played)) say("The show is over, and yours from here on.");
+  if (shows.draw(state.played)) {
+    say("The show is over, and yours from here on.");
+    // In place of live sound no song was known.
+    if (sound.number < 0) hear();
+  }
   films.show(!!microphone || state.played);
   of("listen").setAttribute("aria-pressed", !!microphone);
   of("heard").hidden = !microphone;
@@ -509,6 +547,7 @@ function goIn() {
   visit++;
   showPicture(room);
   unpark();
+  for (const goOn of waiting.splice(0)) goOn();
 }
 
 export function leave() {
@@ -532,7 +571,10 @@ function unpark() {
     refresh();
   }
   atFront = undefined;
-  if (plate.letGo()) sound.playing = true;
+  const stood = plate.letGo();
+  if (!stood) return;
+  goOnFrom(stood);
+  sound.playing = true;
 }
 
 /** The plate with sand on it, which moves as soon as the tune is there. */

@@ -17,11 +17,11 @@ let filmed;
 function beginFilm() {
   const { clientWidth, clientHeight } = of("picture");
   const by = Math.min(devicePixelRatio, 1.5);
-  const overheard = room.microphone() ? { tracks: room.microphone().stream.getAudioTracks().map((track) => track.clone()), end: () => {} } : room.sound.overheard();
+  const overheard = room.sound.overheard();
   let film;
   try { film = new LiveFilm(by * clientWidth, by * clientHeight, overheard.tracks); } catch (error) { overheard.end(); throw error; }
   const unwatch = watch((picture, veil) => film.take(picture, veil));
-  filming = { film, end: () => { unwatch(); overheard.end(); for (const track of overheard.tracks) track.stop(); } };
+  filming = { film, follow: overheard.follow, end: () => { unwatch(); overheard.end(); } };
   film.failed.catch(attempt(async (error) => { filming?.end(); filming = undefined; room.refresh(); throw error; }));
   say("A live recording: what this page shows is filmed, at the pace at which it is shown. Press Stop to have it.", false, 20);
   room.refresh();
@@ -77,6 +77,8 @@ export function show(isBusy) {
   of("film-song").disabled = !!filming || isBusy;
   of("film").classList.toggle("going", !!filming);
   if (!filming) of("film").textContent = "Film";
+  // A microphone may have come or gone.
+  filming?.follow(room.microphone()?.stream);
 }
 
 /** Shows how long it is recorded by now. */

@@ -135,11 +135,29 @@ export class Sound {
     this.seek(at);
   }
 
-  /** What is heard, for a film: its tracks, and `end()` when they are no longer wanted. */
+  /** The sound of the room, for a film: its tracks; `follow(stream)`, after which a microphone's stream is heard, too, or
+   * none; and `end()` when they are no longer wanted. */
   overheard() {
     const ear = this.outlet().context.createMediaStreamDestination();
+    // Where no song was heard yet it does not run.
+    this.context.resume().catch(() => {});
     this.out.connect(ear);
-    return { tracks: ear.stream.getAudioTracks(), end: () => this.out.disconnect(ear) };
+    let heard;
+    let source;
+    const follow = (stream) => {
+      if (stream === heard) return;
+      source?.disconnect();
+      source = stream && this.context.createMediaStreamSource(stream);
+      source?.connect(ear);
+      heard = stream;
+    };
+    const tracks = ear.stream.getAudioTracks();
+    const end = () => {
+      follow(undefined);
+      this.out.disconnect(ear);
+      for (const track of tracks) track.stop();
+    };
+    return { tracks, follow, end };
   }
 
   stopSource() {

@@ -140,6 +140,32 @@ export async function shapes() {
     await downloaded(page, "#save-show");
   }
   step("nobody loses what was bred while a shape was on its way");
+
+  // A mesh that is prepared while the room is left is found there.
+  answer = true;
+  await holdBack(page, "prepare kept.obj");
+  await drop(page, ["kept.obj", ring]);
+  await isHeldBack(page);
+  await page.click("#home");
+  await dances(page, "sample:plate");
+  await release(page);
+  await says(page, "kept.obj is ready");
+  assert.equal(await body(page), "sample:plate");
+  await page.click("#enter");
+  await dances(page, "kept.obj");
+  // One for which another shape was chosen meanwhile does not come.
+  await holdBack(page, "prepare late.obj");
+  await drop(page, ["late.obj", ring]);
+  await isHeldBack(page);
+  await page.click("#home");
+  await dances(page, "sample:plate");
+  await page.click("#enter");
+  await dances(page, "kept.obj");
+  await page.selectOption("#shape", "sample:bell");
+  await dances(page, "sample:bell");
+  await comesLate(page);
+  assert.equal(await body(page), "sample:bell");
+  step("a mesh that is prepared while the room is left dances once it is entered");
   await ends(opening);
 }
 
@@ -410,6 +436,30 @@ export async function projects() {
   await until(page, () => window.chladni.sitting.shape === "dent.obj");
   await acts(page);
   assert.equal(await page.evaluate(() => window.asked), 0, "nobody is asked what a template of the project is");
+  // Others of the same names take their places: together with the project, and a template alone.
+  await page.evaluate(() => {
+    const { postMessage } = Worker.prototype;
+    window.templates = [];
+    Worker.prototype.postMessage = function (message, ...rest) {
+      if (message.work === "match") window.templates.push(message.template.length);
+      return postMessage.call(this, message, ...rest);
+    };
+  });
+  const isMatchedWith = async (template) => {
+    await until(page, (length) => window.templates.at(-1) === length, template.length);
+    await acts(page);
+  };
+  const [together, alone] = [head(16, 12), head(18, 13)];
+  const { vertices } = await page.evaluate(() => window.chladni.sitting);
+  await drop(page, ["dent.chladni", PROJECT], ["smooth.obj", together], ["dent.obj", head(28, 18)]);
+  await until(page, (before) => window.chladni.sitting.vertices > before, vertices);
+  await isMatchedWith(together);
+  await drop(page, ["smooth.obj", alone]);
+  await isMatchedWith(alone);
+  assert.equal(await page.evaluate(() => window.asked), 0);
+  const matched = await page.evaluate(() => window.templates.length);
+  assert.equal(matched, 2, "each is matched once");
+  step("files of the same names take the places of those before");
   // Layers without their template are left out of an export, and named.
   await drop(page, ["gone.chladni", Buffer.from(PROJECT.toString().replace("smooth.obj", "gone.obj"))]);
   await until(page, () => window.chladni.sitting.layers[0]?.state === "failed" && window.chladni.sitting.solved);

@@ -17,12 +17,9 @@ async function enter(within, viewport = LAPTOP, touch = false) {
 /** The beat that is heard steps through the favorites. */
 async function steps(page) {
   for (const cell of [2, 7]) await page.locator(`.cell:nth-child(${cell}) .favor`).dispatchEvent("click");
-  await page.click("#more");
-  await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
-  await page.locator("#knobs").getByRole("checkbox", { name: "Next favorite", exact: true }).check();
-  await page.click("#more");
   await page.click("#favorites");
   await until(page, () => window.chladni.state.on_stage);
+  const number = await page.textContent("#dance-number");
   const onStage = async () => readFileSync(await downloaded(page, "#save-preset"), "utf8");
   const first = await onStage();
   let now = first;
@@ -32,8 +29,46 @@ async function steps(page) {
     now = await onStage();
   }
   assert.notEqual(now, first, "favorites follow the beat of the microphone");
+  // Curves and fields are those of the dance that has come.
+  await until(page, (before) => document.getElementById("dance-number").textContent !== before, number);
   await page.click("#back");
   await until(page, () => !window.chladni.state.on_stage);
+}
+
+/** A live film has what is heard at each time: nothing, the microphone, nothing, the song. */
+async function films(page) {
+  await page.evaluate(() => {
+    const { MediaRecorder } = window;
+    window.MediaRecorder = class extends MediaRecorder {
+      constructor(stream, ...rest) { super(stream, ...rest); window.filmed = stream; }
+    };
+  });
+  await page.click("#play");
+  await until(page, () => !window.chladni.sound.isHeard);
+  await page.click("#film");
+  await until(page, () => window.filmed);
+  await page.evaluate(() => {
+    const context = new AudioContext();
+    window.ear = new AnalyserNode(context, { fftSize: 8192 });
+    context.createMediaStreamSource(window.filmed).connect(window.ear);
+  });
+  const hears = (sounds) => until(page, (sounds) => {
+    const samples = new Float32Array(window.ear.fftSize);
+    window.ear.getFloatTimeDomainData(samples);
+    return window.ear.context.state === "running" && samples.some((sample) => Math.abs(sample) > 0.02) === sounds;
+  }, sounds);
+  await hears(false);
+  await page.click("#listen");
+  await listens(page);
+  await hears(true);
+  await page.click("#listen");
+  await page.waitForSelector("#microphone", { state: "hidden" });
+  await hears(false);
+  await page.click("#play");
+  await hears(true);
+  await downloaded(page, "#film");
+  await until(page, () => window.filmed.getAudioTracks().every(({ readyState }) => readyState === "ended"));
+  step("a live film has the sound of each moment");
 }
 
 const listens = (page) => until(page, () => document.getElementById("listen").getAttribute("aria-pressed") === "true");
@@ -75,6 +110,7 @@ export async function heard() {
     await still(page);
     await page.click("#play");
     await moves(page, "to the song again");
+    await films(page);
     assert.equal((await state(page)).dances.length, 12);
     // A show that is played is the user's own once something else is heard.
     const saved = readFileSync(await downloaded(page, "#save-show"), "utf8");

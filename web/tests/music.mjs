@@ -36,6 +36,20 @@ async function draws(page) {
   step("curves are drawn by pointer and by keys");
 }
 
+/** Drops a silent song of 70 minutes: of so few samples a second, and so coarse, that its file is small. */
+const dropLongSong = (page) => page.evaluate(() => {
+  const [rate, frames] = [8000, 33_600_000];
+  const header = new DataView(new ArrayBuffer(44));
+  const text = (at, words) => [...words].forEach((letter, i) => header.setUint8(at + i, letter.charCodeAt(0)));
+  const long = (at, value) => header.setUint32(at, value, true);
+  const short = (at, value) => header.setUint16(at, value, true);
+  text(0, "RIFF"); long(4, 36 + frames); text(8, "WAVEfmt "); long(16, 16); short(20, 1); short(22, 1);
+  long(24, rate); long(28, rate); short(32, 1); short(34, 8); text(36, "data"); long(40, frames);
+  const dropped = new DataTransfer();
+  dropped.items.add(new File([header, new Uint8Array(frames).fill(128)], "long.wav"));
+  document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: dropped, bubbles: true, cancelable: true }));
+});
+
 /** A favorite, a lock, a name, generations, other dances. */
 async function marks(page) {
   const dance = (item) => page.evaluate((item) => window.chladni.state.dances[item], item);
@@ -61,6 +75,17 @@ async function marks(page) {
   await until(page, (generation) => window.chladni.state.generation > generation, generation);
   await page.click("#favorites");
   await until(page, () => window.chladni.state.on_stage);
+  assert.ok((await state(page)).settings.switches["beat-steps"], "one after the other");
+  await page.click("#back");
+  await until(page, () => !window.chladni.state.on_stage);
+  // A hand that takes the stage ends the autopilot, and has the gallery that was there before it.
+  const { generation: before } = await state(page);
+  await page.click("#pilot");
+  await until(page, () => window.chladni.state.piloted);
+  await page.click("#favorites");
+  await until(page, () => window.chladni.state.on_stage && !window.chladni.state.piloted);
+  assert.equal((await state(page)).generation, before);
+  assert.equal(await page.getAttribute("#pilot", "aria-pressed"), "false");
   await page.click("#back");
   await until(page, () => !window.chladni.state.on_stage);
   await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
@@ -227,6 +252,8 @@ export async function laptop() {
   await until(page, () => document.getElementById("status").className === "bad");
   await drop(page, ["broken.ogg", Buffer.from("OggS, but no more")]);
   await until(page, () => document.getElementById("status").textContent.includes("broken.ogg"));
+  await dropLongSong(page);
+  await until(page, () => document.getElementById("status").textContent.includes("long.wav: longer than the 69 minutes that a page has memory for"));
   await moves(page, "after broken files");
   step("broken files are reported, and the dance goes on");
 

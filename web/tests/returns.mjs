@@ -106,6 +106,22 @@ export async function galleries() {
   await drop(page, ["cat.toml", Buffer.from(cat)]);
   await says(page, "cat.toml is open.");
   assert.deepEqual(asked, [], "nobody is asked about a show that is in its file");
+  // Nor are they lost where it is played.
+  await breed(page);
+  yes = false;
+  await page.click("#play-show");
+  await says(page, "The show is not played");
+  assert.deepEqual(asked, ["confirm"]);
+  await generation(page, 2);
+  yes = true;
+  await page.click("#play-show");
+  await until(page, () => window.chladni.state.played && window.chladni.state.generation === 0);
+  await page.click("#play-show");
+  await until(page, () => !window.chladni.state.played);
+  asked.length = 0;
+  await drop(page, ["cat.toml", Buffer.from(cat)]);
+  await says(page, "cat.toml is open.");
+  assert.deepEqual(asked, [], "what was played is in its file");
   step("unsaved dances are asked about before a show, and stay where it cannot be danced");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
@@ -194,6 +210,20 @@ export async function layers() {
   await page.click('#which button[value="template"]');
   await until(page, () => window.chladni.sitting.layers.length === 1);
   await acts(page);
+
+  // A project of a file that has lost its last layer is one still.
+  asked.length = 0;
+  yes = false;
+  await downloaded(page, "#save-project");
+  await page.click("#layers [data-key$=' delete']");
+  await until(page, () => !window.chladni.sitting.layers.length);
+  await page.selectOption("#sitter", "sample:template");
+  await says(page, "The shape has stayed");
+  assert.deepEqual([asked, await page.evaluate(() => window.chladni.sitting.shape)], [["confirm"], "sample:head"]);
+  await page.click("#undo");
+  await until(page, () => window.chladni.sitting.layers.length === 1);
+  await acts(page);
+  yes = true;
 
   // A second press, while the gallery opens, does not open another.
   await page.evaluate(() => {

@@ -38,8 +38,23 @@ export async function shows() {
   await page.click("#cells .cell:nth-child(1) .choose");
   await until(page, () => !window.chladni.state.played);
   step("a show is played as it was danced, and is the user's own from the first touch on");
-  // What is drawn meanwhile stays under the hand.
   const lasting = readFileSync(show, "utf8").replace(/^duration_secs = .*$/m, "duration_secs = 600.0");
+  // One that was danced to live sound is silent, and is seen all the same; its end brings the song back.
+  const live = lasting.replace(/^song = \d+\n/gm, "");
+  assert.notEqual(live, lasting);
+  await drop(page, ["live.toml", Buffer.from(live)]);
+  await until(page, () => document.getElementById("status").textContent.includes("live.toml is open."));
+  await page.click("#play-show");
+  await until(page, () => window.chladni.state.played && window.chladni.state.generation === 0 && !window.chladni.state.on_stage);
+  await until(page, () => window.chladni.state.played && window.chladni.state.on_stage);
+  assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "live sound was not recorded");
+  await page.click("#play-show");
+  await until(page, () => !window.chladni.state.played);
+  await page.click("#play");
+  await until(page, () => window.chladni.sound.isHeard && window.chladni.sound.number >= 0);
+  await moves(page, "to the song, once the show is over");
+  step("a show that begins with live sound is seen");
+  // What is drawn meanwhile stays under the hand.
   await drop(page, ["lasting.toml", Buffer.from(lasting)]);
   await until(page, () => document.getElementById("status").textContent.includes("lasting.toml is open."));
   await page.click("#play-show");
@@ -58,6 +73,35 @@ export async function shows() {
   await until(page, () => !window.chladni.state.played);
   assert.ok(Math.abs((await value()) - before) > 0.9, "it is a dance of one's own then");
   step("a curve is drawn while a show is played");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
+/** The flash guard has its own time: after a strobe it lets a show pass that begins anew at 0. */
+export async function flashes() {
+  const { page, wrong, elsewhere } = await opened({ width: 640, height: 480 }, false);
+  const { most, left } = await page.evaluate(async () => {
+    const { Concert } = await import("./chladni_web.js");
+    const body = await (await fetch("bodies/plate.body")).arrayBuffer();
+    const concert = new Concert(new Uint8Array(body), 6, 1);
+    const flat = (level) => Uint8Array.from({ length: 4 * 16 * 16 }, (_, i) => (i % 4 === 3 ? 255 : level));
+    const [dark, light] = [flat(0), flat(255)];
+    let now = 100;
+    const judged = (picture) => {
+      now += 1 / 15;
+      concert.go_on(now, -1, 0, 0);
+      return Math.abs(concert.judge(picture, 16, 16));
+    };
+    const most = Math.max(...Array.from({ length: 180 }, (_, i) => judged(i % 2 ? dark : light)));
+    concert.play_show(concert.save_show());
+    // Three seconds of each, of which the veil may last for two.
+    const left = [light, dark].map((picture) => Array.from({ length: 45 }, () => judged(picture)).at(-1));
+    concert.free();
+    return { most, left };
+  });
+  assert.ok(most > 0, "a strobe is veiled");
+  assert.deepEqual(left, [0, 0], "the veil goes");
+  step("flashes of before do not veil a show that is played");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

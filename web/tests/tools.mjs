@@ -108,10 +108,23 @@ async function masks(page) {
   step("a region goes out as .npy, .npz and PLY, and comes back");
 }
 
+/** Says that another axis points up, and leaves it to the estimate again: what is shown turns, and back. */
+async function turnsWithUp(page, what) {
+  const stood = await still(page);
+  await page.selectOption("#up", "x");
+  await until(page, () => window.chladni.sitting.up === "x");
+  const turned = differing(stood, await still(page));
+  assert.ok(turned > 60, `${what}: ${turned} of 4000 pixels have changed`);
+  await page.selectOption("#up", "");
+  await until(page, () => window.chladni.sitting.up === "");
+  assert.ok(differing(stood, await still(page)) < 20, `${what} as before`);
+}
+
 async function landmarks(page, shot) {
   await page.click("#landmarks");
   await until(page, () => /Click a place on the shape/.test(document.getElementById("landmark-hint").textContent));
   const box = await page.locator("#picture").boundingBox();
+  await turnsWithUp(page, "the shape beside its template");
   const press = (half, x, y) => page.mouse.click(box.x + (half + 0.5 + x) * 0.5 * box.width, box.y + (0.5 + y) * box.height);
   await page.evaluate(() => { window.chladni.matchSecs = 0; });
   let count = 0;
@@ -157,6 +170,7 @@ async function gallery(page, shot) {
   await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
   await moves(page, "figures that swell");
   await page.uncheck("#wall-swell");
+  await turnsWithUp(page, "the gallery");
   const full = await still(page);
   const names = () => page.evaluate(() => window.chladni.wall.items.map(({ name }) => name));
   const first = await names();
