@@ -199,7 +199,8 @@ fn a_clock_that_was_stopped_goes_on_from_where_it_stood() {
     assert!((still - 23.25).abs() < 1e-9, "{still}");
     let in_bar = stopped.beat_in_bar(10.0);
     // Whatever comes while it stands; taps may move it to a whole beat.
-    let meanwhile: [(&str, &dyn Fn(&mut Tempo), f64); 5] = [
+    type Comes<'a> = &'a dyn Fn(&mut Tempo);
+    let meanwhile: [(&str, Comes<'_>, f64); 5] = [
         ("nothing", &|_| {}, 1e-9),
         ("a tempo", &|tempo| tempo.hear(ClockMessage::Tempo { bpm: 125.0 }, 15.0), 1e-9),
         ("a beat", &|tempo| tempo.hear(ClockMessage::Beat { in_bar: None }, 15.2), 0.5),
