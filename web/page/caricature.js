@@ -202,6 +202,8 @@ function keep(name, bytes) {
   const isSame = before?.length === bytes.length && before.every((byte, i) => byte === bytes[i]);
   if (!sitting || !before || isSame) return false;
   if (held === "landmarks") hold("turn");
+  // Its worker has the matches with the file before.
+  if (requests.has(name)) wall.leave();
   for (const request of requests.get(name) ?? []) sitting.forget(request);
   requests.delete(name);
   return state.layers.some(({ template }) => template === name);
@@ -229,7 +231,11 @@ export async function openProject(name, bytes, beside = new Map()) {
  * user says, one of both. */
 export async function takeMesh(name, bytes) {
   const isOther = keep(name, bytes);
-  if (waiting?.shape === name) return openProject(waiting.name, waiting.bytes);
+  if (waiting?.shape === name) {
+    await openProject(waiting.name, waiting.bytes);
+    // Where the shape has stayed, its layers are matched anew.
+    return isOther ? changed() : undefined;
+  }
   const wanting = state?.layers.filter((layer) => layer.state === "failed" && base(layer.template) === name) ?? [];
   for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
   if (isOther) say(`${name} is another file now: the layers that are compared with it are matched anew.`);

@@ -114,7 +114,7 @@ impl PaintEdit {
     }
 
     /// The same where only this much of the layer acts, in [0, 1]: a dab has this intensity, and the values of a region that
-    /// is set are multiplied by it. Other edits have none.
+    /// is set are multiplied by it. Other edits stay as they are.
     #[must_use]
     pub fn with_intensity(self, intensity: f32) -> Self {
         match self {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::surface::vec3::{Vec3, add, cross, distance, dot, length, scaled, sub, unit};
 use crate::surface::{
-    SurfacePoint, TriangleTree, corners, doubled_area_normal, is_collapsed, mixed, vertex_triangles,
+    SurfacePoint, TriangleTree, corners, doubled_area_normal, is_collapsed, mixed, places, vertex_triangles,
 };
 use crate::{Rows, TriMesh};
 
@@ -79,9 +79,13 @@ impl Proxy {
         let triangles = triangles.iter().map(|t| t.map(|v| row[v as usize])).collect();
         let mesh = chosen(whole, &whole_vertex, triangles);
         let tree = TriangleTree::new(&mesh.positions, &mesh.triangles);
-        let mut seen = vec![false; whole.positions.len()];
+        // By place, as in the operator: a copy of a vertex that only collapsed triangles use moves with that vertex.
+        let place = places(&whole.positions);
+        let mut used = vec![false; whole.positions.len()];
         let has_extent = |t: &&[u32; 3]| !is_collapsed(&whole.positions, t);
-        whole.triangles.iter().filter(has_extent).flatten().for_each(|v| seen[*v as usize] = true);
+        let corners = whole.triangles.iter().filter(has_extent).flatten();
+        corners.for_each(|v| used[place[*v as usize] as usize] = true);
+        let seen: Vec<bool> = place.iter().map(|v| used[*v as usize]).collect();
         let on_surface = |(p, seen): (&Vec3, &bool)| seen.then(|| tree.closest(*p, f64::INFINITY)).flatten();
         let closest: Vec<_> = whole.positions.par_iter().zip(&seen).map(on_surface).collect();
         let farthest =
@@ -311,6 +315,22 @@ mod tests {
         assert!(off < 1e-9, "{off}");
         let rest = vec![[0.0; 3]; small.len()];
         assert!(proxy.carried(&rest).iter().all(|d| *d == [0.0; 3]));
+    }
+
+    #[test]
+    fn a_copy_that_only_a_collapsed_triangle_uses_moves_along_and_one_far_away_rests() {
+        let mut scan = TriMesh::clone(&scan());
+        let n = scan.positions.len() as u32;
+        let [a, b] = [scan.triangles[0][0], scan.triangles[0][1]];
+        scan.positions.extend([scan.positions[a as usize], [1e3, 0.0, 0.0]]);
+        scan.triangles.extend([[a, n, b], [n + 1; 3]]);
+        scan.appearance.attributes.clear();
+        let proxy = Proxy::of(&Arc::new(scan), 3000).unwrap();
+        let up = vec![[0.0, 0.0, 2.0]; proxy.mesh().positions.len()];
+        let carried = proxy.carried(&up);
+        assert!(distance(carried[n as usize], carried[a as usize]) < 1e-9 && carried[n as usize][2] > 1.9);
+        assert_eq!(carried[n as usize + 1], [0.0; 3]);
+        assert!(proxy.farthest() < 1.0, "{}", proxy.farthest());
     }
 
     #[test]

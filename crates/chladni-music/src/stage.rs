@@ -163,12 +163,12 @@ impl Stage {
     fn by_beats(&self, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
         let transition = f64::from(parameters.get(Parameter::TransitionBeats));
         let gone = (beat - self.since_beat).max(0.0);
-        let entering = |to: ItemId| {
+        let entering = |to: ItemId, transition: f64| {
             let from = self.before.unwrap_or(to);
             Scene { from, to, weight: if from == to { 1.0 } else { ease(gone, transition) } }
         };
         match self.shown? {
-            Shown::Item(id) => Some(entering(id)),
+            Shown::Item(id) => Some(entering(id, transition)),
             Shown::Favorites(first) => {
                 let count = favorites.len();
                 if count == 0 {
@@ -178,7 +178,9 @@ impl Stage {
                 let per_step = turns::beats_per_step(parameters);
                 let step = turns::steps(gone, parameters);
                 if step < 1.0 {
-                    return at(0).map(entering);
+                    // Whole before the next one comes.
+                    let most = if parameters.is_on(Switch::BeatSteps) { per_step } else { f64::INFINITY };
+                    return at(0).map(|to| entering(to, transition.min(most)));
                 }
                 let from = at(step as usize - 1)?;
                 let to = at(step as usize)?;

@@ -102,6 +102,14 @@ fn the_favorite_that_is_shown_stays_when_their_list_or_their_steps_change() {
     assert!(amid.from != amid.to && amid.weight > 0.0 && amid.weight < 1.0);
     apply(&mut instrument, 7.0 * STEP + 1.0, Action::Favorite { item: 3, on: true });
     assert_eq!(instrument.scene(7.0 * STEP + 1.0), Some(amid));
+    // Nor where a transition takes longer than a step.
+    let mut instrument = three.clone();
+    let longer = Action::Set { parameter: Parameter::TransitionBeats, value: 2.0 * STEP as f32 };
+    apply(&mut instrument, 7.0 * STEP, longer);
+    let amid = instrument.scene(7.0 * STEP + 1.0).unwrap();
+    assert!(amid.from != amid.to && amid.weight > 0.0 && amid.weight < 1.0);
+    apply(&mut instrument, 7.0 * STEP + 1.0, Action::Favorite { item: 3, on: true });
+    assert_eq!(instrument.scene(7.0 * STEP + 1.0), Some(amid));
     // Stepping begins again with the one that is shown.
     let mut instrument = three;
     apply(&mut instrument, beat, steps(false));

@@ -1,5 +1,6 @@
 //! `chladni spectrum`: the bands that the shape will dance to, as numbers or as a picture.
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use chladni_sound::{FrontEnd, Level, Song, SpectrumAnalyzer, SpectrumSettings};
@@ -157,13 +158,15 @@ fn print_json(
         serde_json::to_string(analyzer.bands_hz()).map_err(Error::other)?
     ))?;
     let mut left = moments.count();
-    terminal.watch("spectrum", |task| {
+    let mut print = |task: &Task| {
         moments.analyze(analyzer, task, |frame| {
             left = left.saturating_sub(1);
             let comma = if left > 0 { "," } else { "" };
             terminal.result(format_args!("{}{comma}", serde_json::to_string(&frame).map_err(Error::other)?))
         })
-    })?;
+    };
+    // At a terminal the numbers are the progress, between which a bar would be drawn.
+    if std::io::stdout().is_terminal() { print(terminal.task()) } else { terminal.watch("spectrum", print) }?;
     terminal.result("]}")
 }
 

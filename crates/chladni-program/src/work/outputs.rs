@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-use chladni_mesh::{Format, Material, TriMesh};
-use chladni_task::folder_of;
+use chladni_mesh::{Format, Material, Texture, TriMesh};
+use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
 
@@ -128,17 +128,24 @@ pub fn check_apart(path: &Path, inputs: &[&Path]) -> Result<(), Error> {
 /// # Errors
 /// [`Error::Input`], with the path.
 pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(), Error> {
+    let folder = folder_of(shape);
+    // Names from Windows have backslashes.
+    let beside = |name: &str| folder.join(name.replace('\\', "/"));
+    // One that a GLB holds itself may have the name of any file.
+    let is_file = |texture: &Texture| {
+        let there = || read_file(&beside(&texture.name), texture.bytes.len() as u64);
+        texture.bytes.is_empty() || there().is_ok_and(|there| *there == *texture.bytes)
+    };
     let names = |material: &Material| {
-        let color = material.base_color_texture.iter().map(|texture| texture.name.clone());
+        let color = material.base_color_texture.iter().filter(|texture| is_file(texture));
+        let color = color.map(|texture| texture.name.clone());
         // Other maps of an OBJ's material end in their file, too.
         let others =
             material.other_statements.iter().filter_map(|statement| statement.split(' ').next_back());
         color.chain(others.map(str::to_owned)).collect::<Vec<_>>()
     };
-    let folder = folder_of(shape);
     for name in mesh.appearance.materials.iter().flat_map(names) {
-        // Names from Windows have backslashes.
-        check_apart(path, &[&folder.join(name.replace('\\', "/"))])?;
+        check_apart(path, &[&beside(&name)])?;
     }
     Ok(())
 }

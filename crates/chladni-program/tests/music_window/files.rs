@@ -241,6 +241,10 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
     wait(&mut window, "the show", |w| shows(w, "6 items"));
     click(&mut window, "drawer/songs");
     assert!(shows(&window, "Remove song") && shows(&window, "Remove other"));
+    // The show's own is the one that plays.
+    wait(&mut window, "its song", |w| is_chosen(w, "song/1"));
+    window.run_steps(20);
+    assert!(is_chosen(&window, "song/1") && !is_chosen(&window, "song/2"));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use chladni_caricature::{
     Base, Crossings, DEFAULT_HARMONICS, Project, Resolution, ShapeSource, Stack, Template,
 };
-use chladni_mesh::{Orientation, TriMesh};
+use chladni_mesh::{Format, Orientation, TriMesh};
 
 use super::Terminal;
 use super::gallery::GalleryOptions;
@@ -294,6 +294,13 @@ fn finish(
     let mut made = make(subject, Arc::new(body), project, false, terminal)?;
     made.sculpture.source = shape.clone();
     describe(&made, terminal)?;
+    // An OBJ comes last: its textures take names that the pictures have left free.
+    let is_last = output.is_some_and(|output| Format::of_path(output) == Some(Format::Obj));
+    let save = |sculpture: &Sculpture, now: bool| match output {
+        Some(output) if now => save(sculpture, output, terminal),
+        _ => Ok(()),
+    };
+    save(&made.sculpture, !is_last)?;
     if let Some(path) = path {
         portrait::render(&mut made, &name, project, path, portrait, sheet, ink, kept, terminal)?;
         terminal.wrote(path)?;
@@ -303,8 +310,7 @@ fn finish(
         turntable.film(path, &made.sculpture, from, portrait.size(), ink, terminal)?;
         terminal.wrote(path)?;
     }
-    // Last: its textures take names that the pictures have left free.
-    output.map_or(Ok(()), |output| save(&made.sculpture, output, terminal))
+    save(&made.sculpture, is_last)
 }
 
 /// Checks that the picture or film at `path` replaces no texture of a shape or of the meshes among `templates`.

@@ -54,6 +54,7 @@ impl Curtain {
                         ctx.send_viewport_cmd(ViewportCommand::SetMonitor(*index));
                         self.filled |= !full;
                     }
+                    // Left only where the stage has a window of its own, which is asked for every screen.
                     Change::Leave | Change::Missing { filled: true, .. } => {
                         if std::mem::take(&mut self.filled) {
                             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));

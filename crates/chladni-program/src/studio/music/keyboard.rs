@@ -41,9 +41,8 @@ impl MusicRoom {
             calibrating.take_keys(ctx);
             return wishes;
         }
-        // An open menu has the keys, and so has a question.
-        let is_asked = !ctx.memory(|memory| memory.is_above_modal_layer(egui::LayerId::background()));
-        if egui::Popup::is_any_open(ctx) || is_asked || self.filming.asks() {
+        // An open menu has the keys.
+        if egui::Popup::is_any_open(ctx) || self.filming.asks() {
             return wishes;
         }
         type Hearing = fn(&mut Listening);

@@ -106,6 +106,8 @@ pub struct MusicRoom {
     waiting: Vec<PathBuf>,
     /// Songs that wait for the show that was opened with them: it would replace them.
     late_songs: Vec<PathBuf>,
+    /// That show has come with songs of its own, behind which these play.
+    late_songs_follow: bool,
     /// A show that waits for an answer: unsaved dances are in its way.
     replacing: Option<(PathBuf, Show)>,
     /// A show that waits for its own shape.

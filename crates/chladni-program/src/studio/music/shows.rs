@@ -40,12 +40,17 @@ impl MusicRoom {
 
     /// Adds songs that were opened, once no show is to come that would replace them.
     pub(super) fn add_songs(&mut self, shared: &mut Shared<'_>) {
-        let show_comes = !self.waiting.is_empty() || self.replacing.is_some() || self.coming.is_some();
+        let waits = !self.waiting.is_empty() && !self.refused;
+        let show_comes = waits || self.replacing.is_some() || self.coming.is_some();
         if show_comes || self.late_songs.is_empty() {
             return;
         }
         let songs = std::mem::take(&mut self.late_songs);
+        let follow = std::mem::take(&mut self.late_songs_follow);
         match self.listening(shared) {
+            Some(listening) if follow => {
+                listening.append(songs);
+            }
             Some(listening) => {
                 listening.add(songs);
                 self.leaning.begin(&shared.ctx);
@@ -128,9 +133,16 @@ impl MusicRoom {
             concert.mark_unsaved();
         }
         if let Some(looks) = &show.looks {
-            let (looks, missing) = resolve_looks(looks.clone(), path.parent());
-            missing.into_iter().for_each(|missing| shared.notices.warn(missing));
-            shared.settings.music.look_like(&looks);
+            // One that is not found keeps its name, which may be of a disk that comes back; the stage says that it is missing.
+            let (mut found, _) = resolve_looks(looks.clone(), path.parent());
+            for (found, named) in
+                [(&mut found.picture, &looks.picture), (&mut found.panorama, &looks.panorama)]
+            {
+                if found.is_empty() {
+                    found.clone_from(named);
+                }
+            }
+            shared.settings.music.look_like(&found);
         }
         let mut songs: Vec<ShowSong> = Vec::new();
         for song in &show.songs {
@@ -145,6 +157,7 @@ impl MusicRoom {
             warning.into_iter().for_each(|warning| shared.notices.warn(warning));
             songs.push(ShowSong::new(file, song.reading));
         }
+        self.late_songs_follow = !songs.is_empty() && !self.late_songs.is_empty();
         // The stretches are numbered by these songs; an older file has none, and the current song goes on.
         if show.body.is_some() || !songs.is_empty() {
             let at_beat = show.actions.last().map_or(0.0, |line| line.moment.at_beat);

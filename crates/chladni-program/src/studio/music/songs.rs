@@ -158,7 +158,8 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
             if let Some(cover) = listening.cover_of(song) {
                 ui.add(egui::Image::new(&cover.texture).fit_to_exact_size(vec2(COVER, COVER)));
             }
-            if row(ui, ui.available_width() - 38.0, heard, name).clicked() {
+            let row = row(ui, ui.available_width() - 38.0, heard, name);
+            if row.author_id(format!("song/{}", song + 1)).clicked() {
                 play = Some(song);
             }
             let out = ui.small_button(icon::text(Icon::X));

@@ -19,14 +19,20 @@ impl Listening {
         if songs.is_empty() {
             return;
         }
+        let first = self.append(songs);
+        // A window that is opened with songs and a live input goes on looking for that.
+        self.leave_live();
+        self.player.select(first);
+    }
+
+    /// The same, but what is heard goes on. Returns the number of the first.
+    pub fn append(&mut self, songs: Vec<PathBuf>) -> usize {
         self.songs.retain(|song| *song != self.tune);
         let first = self.songs.len();
         let file = |song: PathBuf| if song == Path::new(TUNE) { self.tune.clone() } else { song };
         self.songs.extend(songs.into_iter().map(file));
         self.player.set_songs(self.songs.clone());
-        // A window that is opened with songs and a live input goes on looking for that.
-        self.leave_live();
-        self.player.select(first);
+        first
     }
 
     /// Puts the songs in an order by chance; the one that is heard comes first, and goes on.
