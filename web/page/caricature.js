@@ -206,7 +206,7 @@ function keep(name, bytes) {
   if (requests.has(name)) wall.leave();
   for (const request of requests.get(name) ?? []) sitting.forget(request);
   requests.delete(name);
-  return state.layers.some(({ template }) => template === name);
+  return state.layers.some(({ template }) => base(template) === name);
 }
 
 /** Opens the text of a project, once its shape is there. What it names of the meshes `beside` it, by their names, it takes

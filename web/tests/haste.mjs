@@ -459,6 +459,13 @@ export async function projects() {
   assert.equal(await page.evaluate(() => window.asked), 0);
   const matched = await page.evaluate(() => window.templates.length);
   assert.equal(matched, 2, "each is matched once");
+  // The gallery, whose caricatures were made of the one before, closes.
+  await page.click("#gallery");
+  await until(page, () => window.chladni.wall);
+  const third = head(22, 15);
+  await drop(page, ["smooth.obj", third]);
+  await until(page, () => !window.chladni.wall);
+  await isMatchedWith(third);
   step("files of the same names take the places of those before");
   // Layers without their template are left out of an export, and named.
   await drop(page, ["gone.chladni", Buffer.from(PROJECT.toString().replace("smooth.obj", "gone.obj"))]);

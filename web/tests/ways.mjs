@@ -28,6 +28,14 @@ export async function music() {
     assert.equal(await page.isDisabled("#back"), !(await page.evaluate(() => window.chladni.state.on_stage)));
     if (await page.isEnabled("#back")) await page.click("#back");
   }
+  // It takes the stage from the autopilot.
+  await page.click("#pilot");
+  await until(page, () => window.chladni.state.piloted);
+  await page.click("#sand");
+  await until(page, () => window.chladni.state.sand && !window.chladni.state.piloted);
+  assert.equal(await page.evaluate(() => window.chladni.state.settings.form), "modal", "it is set up for sand");
+  await page.click("#back");
+  await until(page, () => !window.chladni.state.sand && !window.chladni.state.on_stage);
   step("the dance on stage is saved, and sand leaves with it");
   // Songs that are passed over quickly are passed over.
   await drop(page, ...["a", "b", "c", "d", "e"].map((name) => [`${name}.wav`, song(4)]));

@@ -46,11 +46,13 @@ impl Concert {
     }
 
     /// Sand lies on the shape, which vibrates as a plate does; or all is as it was before. Of a show that was opened with
-    /// sand it is not known how it was: knobs then stand where they stand first.
+    /// sand it is not known how it was: knobs then stand where they stand first. The autopilot ends.
     ///
     /// # Errors
     /// Bugs only.
     pub fn sand(&mut self, on: bool) -> Result<(), JsError> {
+        // Before knobs are set, since this returns them to where they were.
+        self.end_piloting()?;
         let actions = match (on, self.before_sand.take()) {
             (true, before) => {
                 self.before_sand = before.or_else(|| Some(self.instrument.parameters().clone()));
