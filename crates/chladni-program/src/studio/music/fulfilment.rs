@@ -24,7 +24,8 @@ impl MusicRoom {
         let Some(concert) = &mut self.concert else { return };
         let done = match wish {
             Wish::Do(action) => concert.act(action),
-            Wish::Experiment => concert.act_all(concert.experiment()),
+            // The end of the autopilot returns knobs to where they were: it comes before they are set.
+            Wish::Experiment => concert.end_piloting().and_then(|()| concert.act_all(concert.experiment())),
             Wish::Show(view) => {
                 concert.look_at(view);
                 Ok(())
