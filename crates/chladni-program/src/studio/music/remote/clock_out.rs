@@ -114,7 +114,7 @@ mod tests {
             bands: &[],
             ahead_secs: 0.0,
         };
-        // However much later others are told of it.
+        // The beat is of that moment, however much later it is sent.
         std::thread::sleep(Duration::from_millis(5));
         sender.tell(Some("drum machine"), &now);
         let given = sender.given.lock().unwrap().clone().unwrap();
