@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::surface::vec3::{Vec3, add, cross, distance, dot, length, scaled, sub, unit};
 use crate::surface::{
-    SurfacePoint, TriangleTree, corners, doubled_area_normal, is_collapsed, mixed, places, vertex_triangles,
+    SurfacePoint, TriangleTree, corners, doubled_area_normal, mixed, vertex_triangles, weld,
 };
 use crate::{Rows, TriMesh};
 
@@ -41,7 +41,7 @@ impl Proxy {
     /// another kind of processor may choose a few other vertices.
     #[cfg(feature = "simplify")]
     pub fn of(whole: &Arc<TriMesh>, vertices: usize) -> Option<Self> {
-        let welded = crate::weld(whole);
+        let welded = weld(whole);
         if welded.positions.len() < 2 * vertices {
             return None;
         }
@@ -79,14 +79,10 @@ impl Proxy {
         let triangles = triangles.iter().map(|t| t.map(|v| row[v as usize])).collect();
         let mesh = chosen(whole, &whole_vertex, triangles);
         let tree = TriangleTree::new(&mesh.positions, &mesh.triangles);
-        // By place, as in the operator: a copy of a vertex that only collapsed triangles use moves with that vertex.
-        let place = places(&whole.positions);
-        let mut used = vec![false; whole.positions.len()];
-        let has_extent = |t: &&[u32; 3]| !is_collapsed(&whole.positions, t);
-        let corners = whole.triangles.iter().filter(has_extent).flatten();
-        corners.for_each(|v| used[place[*v as usize] as usize] = true);
-        let seen: Vec<bool> = place.iter().map(|v| used[*v as usize]).collect();
-        let on_surface = |(p, seen): (&Vec3, &bool)| seen.then(|| tree.closest(*p, f64::INFINITY)).flatten();
+        // The vertices that the operator has are those of the surface: by place, and none of a collapsed triangle alone.
+        let seen = weld(whole).operator_vertex;
+        let on_surface =
+            |(p, seen): (&Vec3, &Option<u32>)| seen.and_then(|_| tree.closest(*p, f64::INFINITY));
         let closest: Vec<_> = whole.positions.par_iter().zip(&seen).map(on_surface).collect();
         let farthest =
             closest.par_iter().flatten().map(|c| c.distance_squared).reduce(|| 0.0, f64::max).sqrt();
@@ -261,7 +257,7 @@ fn quotient(p: [Vec3; 3], s: [Vec3; 3]) -> Option<[Vec3; 3]> {
 #[cfg(all(test, feature = "simplify"))]
 mod tests {
     use super::*;
-    use crate::{Attribute, samples, weld};
+    use crate::{Attribute, samples};
 
     /// A ball with bumps, of 40,962 vertices, off the origin; `quality` is its height.
     fn scan() -> Arc<TriMesh> {

@@ -153,8 +153,12 @@ pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(),
 /// A warning where the mesh of the file `source` is written anew to `path`, both glTF: only an export of layers keeps all
 /// else that such a file holds.
 pub fn left_of_gltf(source: &Path, path: &Path) -> Option<Warning> {
-    let is_gltf = |path: &Path| matches!(Format::of_path(path), Some(Format::Glb | Format::Gltf));
     (is_gltf(source) && is_gltf(path)).then(|| Warning::of(source.display(), LEFT_OF_GLTF))
+}
+
+/// Whether a file's name is one of glTF.
+pub fn is_gltf(path: &Path) -> bool {
+    matches!(Format::of_path(path), Some(Format::Glb | Format::Gltf))
 }
 
 /// The part of a glTF file that a GLB lacks where it is written anew.

@@ -12,7 +12,7 @@ use chladni_mesh::{
 };
 use chladni_task::{Task, write_atomic};
 
-use super::outputs::LEFT_OF_GLTF;
+use super::outputs::{LEFT_OF_GLTF, is_gltf};
 use super::{Error, Subject, Warning, Watcher, matched};
 
 /// The result of a project on its shape. Later edits of the project do not change it.
@@ -171,7 +171,7 @@ impl Sculpture {
         let (whole, targets) = (self.subject.whole(), self.morph_targets());
         let mut warning = None;
         if let ShapeSource::File(source) = &self.source
-            && matches!(Format::of_path(source), Some(Format::Glb | Format::Gltf))
+            && is_gltf(source)
         {
             let added = match file {
                 Some(bytes) => add_morph_targets_in(bytes, whole, &targets),
