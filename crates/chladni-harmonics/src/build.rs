@@ -19,7 +19,7 @@ impl Body {
     /// Welds `mesh`, builds its Laplacian and solves for its harmonics.
     ///
     /// # Errors
-    /// A mesh without usable triangles, a component without area, K = 0, a result that cannot be certified,
+    /// A mesh without usable triangles or without area, K = 0, a result that cannot be certified,
     /// or [`HarmonicsError::Cancelled`].
     pub fn build(mesh: &TriMesh, settings: &BasisSettings, task: &Task) -> Result<Self, HarmonicsError> {
         Self::load_or_build(mesh, settings, None, task).map(|(body, _)| body)
@@ -29,7 +29,7 @@ impl Body {
     /// surface and K; otherwise solves and writes the entry.
     ///
     /// A damaged entry is solved again and replaced. A cache that cannot be written is reported in
-    /// [`BuildReport::cache_warning`], and K > N in [`BuildReport::warnings`].
+    /// [`BuildReport::cache_warning`], and K > N and parts without area in [`BuildReport::warnings`].
     ///
     /// # Errors
     /// Those of [`build`](Self::build).
@@ -176,7 +176,8 @@ fn built(
     task.check()?;
     let domain = operator.map_or_else(|| Domain::of(mesh), |operator| Ok(operator.domain()))?;
     let vertices = domain.positions.len();
-    let mut report = BuildReport { asked: settings.harmonics, vertices, ..BuildReport::default() };
+    let (asked, without_area) = (settings.harmonics, domain.without_area);
+    let mut report = BuildReport { asked, vertices, without_area, ..BuildReport::default() };
     let settings = &BasisSettings { harmonics: settings.clamped(vertices)?, ..settings.clone() };
     let entry = cache.map(|c| c.entry(&domain, settings));
     let found =
@@ -228,7 +229,7 @@ fn solved(
     })?
 }
 
-/// The file's triangles over operator vertices. If a collapsed triangle is the only one that uses a vertex,
+/// The file's triangles over operator vertices. If a vertex is only used by a collapsed triangle, or a part without area,
 /// that corner is replaced by another of its corners (or 0), which keeps the triangle collapsed.
 pub(crate) fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Vec<[u32; 3]> {
     mesh.triangles

@@ -26,7 +26,7 @@ pub enum HarmonicsError {
         /// Index of the vertex in the file, from 0.
         vertex: usize,
     },
-    /// A connected component whose triangles all have zero area.
+    /// A mesh none of whose connected components has an area; the first of them.
     #[error("a connected component of {vertices} vertices has no area (vertex {vertex} is one of them)")]
     ZeroArea {
         /// Size of the component, in operator vertices.
@@ -174,6 +174,14 @@ pub enum HarmonicsError {
     RanksFailed {
         /// The report of the first rank that failed.
         reason: String,
+    },
+    /// More worker threads than any machine has use for: each costs memory and a process of the system.
+    #[error("{threads} threads: at most {most} are possible")]
+    TooManyThreads {
+        /// The number that was asked for.
+        threads: usize,
+        /// The largest that is possible.
+        most: usize,
     },
     /// The worker threads could not be started.
     #[error("the worker threads could not be started: {0}")]

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use chladni_mesh::surface::{Weld, components, delaunay_stars, total_area, weld};
+use chladni_mesh::surface::{Weld, components, delaunay_stars, flat_components, leave_out_flat, weld};
 use chladni_mesh::{Frame, TriMesh};
 
 use crate::laplacian::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_laplacian};
@@ -29,6 +29,8 @@ pub struct Operator {
     /// The connected component of each operator vertex; components are numbered from 0 in order of
     /// appearance.
     pub component: Vec<u32>,
+    /// The number of connected components of the mesh that were left out, since they have no area.
+    pub without_area: usize,
 }
 
 /// The welded surface of a mesh in the working frame, before its operator is built.
@@ -38,12 +40,14 @@ pub(crate) struct Domain {
     pub positions: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
     pub operator_vertex: Vec<Option<u32>>,
+    /// Components that were left out, since they have no area.
+    pub without_area: usize,
 }
 
 impl Domain {
     pub(crate) fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
         check_mesh(mesh)?;
-        let Weld { mut positions, triangles, operator_vertex } = weld(mesh);
+        let Weld { mut positions, triangles, operator_vertex, without_area } = weld(mesh);
         if triangles.is_empty() {
             return Err(HarmonicsError::NoTriangle);
         }
@@ -51,13 +55,13 @@ impl Domain {
         for p in &mut positions {
             *p = frame.to_working(*p);
         }
-        Ok(Self { frame, positions, triangles, operator_vertex })
+        Ok(Self { frame, positions, triangles, operator_vertex, without_area })
     }
 }
 
 /// S and the diagonal of M of `mesh` as it is, in its own units: the intrinsic Delaunay Laplacian on its n
-/// vertices, which are not welded. A vertex that no triangle uses has 1 in S and a thousandth of the least area in
-/// M, as in robust_laplacian: its eigenvalue is above all that matter.
+/// vertices, which are not welded. A vertex that no triangle uses, or only those of a component without area, has 1 in S
+/// and a thousandth of the least area in M, as in robust_laplacian: its eigenvalue is above all that matter.
 ///
 /// Lengths are mollified: in every triangle the sum of two sides exceeds the third by at least `mollify` ≥
 /// 0 mean edge lengths (Sharp & Crane 2020, §4.5); 1e-5 is usual.
@@ -71,10 +75,11 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
         return Err(HarmonicsError::bad_pencil(reason));
     }
     let whole = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
-    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter(whole).copied().collect();
+    let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter(whole).copied().collect();
     if triangles.is_empty() {
         return Err(HarmonicsError::NoTriangle);
     }
+    leave_out_flat(&mesh.positions, &mut triangles);
     // The vertices in use, renumbered.
     let mut local = vec![None; mesh.positions.len()];
     triangles.as_flattened().iter().for_each(|v| local[*v as usize] = Some(0));
@@ -97,7 +102,7 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
     Ok((stiffness, mass))
 }
 
-/// Gives vertices without a triangle, or only with triangles whose corners lie in one place, a 1 in S and a thousandth of
+/// Gives vertices without a triangle, or only with triangles of parts without area or whose corners lie in one place, a 1 in S and a thousandth of
 /// the least area in M, as robust_laplacian does: they make no difference to others, and the pencil can be solved.
 fn fill_unused(stiffness: &mut SymmetricSparse, mass: &mut [f64]) {
     let least = mass.iter().copied().filter(|a| *a > 0.0).fold(f64::INFINITY, f64::min);
@@ -184,8 +189,7 @@ impl Operator {
     /// Builds the intrinsic Delaunay operator of `mesh`.
     ///
     /// # Errors
-    /// No usable triangle, coordinates that are not finite, an index out of range, or a component without
-    /// area.
+    /// No usable triangle, coordinates that are not finite, an index out of range, or a mesh without area.
     pub fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
         Self::with(mesh, Laplacian::Delaunay)
     }
@@ -200,7 +204,7 @@ impl Operator {
     }
 
     pub(crate) fn on(domain: &Domain, laplacian: Laplacian) -> Result<Self, HarmonicsError> {
-        let Domain { frame, positions, triangles, operator_vertex } = domain.clone();
+        let Domain { frame, positions, triangles, operator_vertex, without_area } = domain.clone();
         let component = components(positions.len(), &triangles);
         refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
         let (stiffness, mass) = match laplacian {
@@ -208,7 +212,17 @@ impl Operator {
             Laplacian::Cotangent => cotangent_laplacian(&positions, &triangles)
                 .map_err(|refusal| refused(refusal, &operator_vertex))?,
         };
-        Ok(Self { laplacian, frame, positions, triangles, operator_vertex, stiffness, mass, component })
+        Ok(Self {
+            laplacian,
+            frame,
+            positions,
+            triangles,
+            operator_vertex,
+            stiffness,
+            mass,
+            component,
+            without_area,
+        })
     }
 
     /// The surface on which the operator was built.
@@ -218,6 +232,7 @@ impl Operator {
             positions: self.positions.clone(),
             triangles: self.triangles.clone(),
             operator_vertex: self.operator_vertex.clone(),
+            without_area: self.without_area,
         }
     }
 
@@ -261,19 +276,8 @@ fn refuse_zero_area(
     component: &[u32],
     operator_vertex: &[Option<u32>],
 ) -> Result<(), HarmonicsError> {
-    let count = component.iter().max().map_or(0, |c| *c as usize + 1);
-    // The area is compared with the square of the longest edge, which accepts tiny components.
-    let mut area = vec![0.0; count];
-    let mut longest = vec![0.0_f64; count];
-    for t in triangles {
-        let c = component[t[0] as usize] as usize;
-        area[c] += total_area(positions, std::slice::from_ref(t));
-        for i in 0..3 {
-            let (p, q) = (positions[t[i] as usize], positions[t[(i + 1) % 3] as usize]);
-            longest[c] = longest[c].max((0..3).map(|x| (p[x] - q[x]).powi(2)).sum());
-        }
-    }
-    let Some(empty) = (0..count).find(|&c| area[c] <= 1e-14 * longest[c]) else { return Ok(()) };
+    let flat = flat_components(positions, triangles, component);
+    let Some(empty) = flat.iter().position(|flat| *flat) else { return Ok(()) };
     let inside = |v: &Option<u32>| v.is_some_and(|v| component[v as usize] as usize == empty);
     Err(HarmonicsError::ZeroArea {
         vertices: component.iter().filter(|&&c| c as usize == empty).count(),

@@ -13,6 +13,8 @@ pub struct BuildReport {
     pub vertices: usize,
     /// The number of them on a held border, where all harmonics are 0; 0 without one.
     pub held: usize,
+    /// The number of connected components that were left out, since they have no area.
+    pub without_area: usize,
     /// Whether the basis was read from the cache.
     pub cached: bool,
     /// Wall-clock times.
@@ -33,16 +35,17 @@ pub struct BuildReport {
 impl BuildReport {
     /// The warnings that users of the basis should see; `certificate` is that of the basis.
     pub fn warnings(&self, certificate: &Certificate) -> Vec<BasisWarning> {
-        let Self { asked, vertices, held, .. } = *self;
+        let Self { asked, vertices, held, without_area, .. } = *self;
         let free = vertices.saturating_sub(held);
         let fewer = (asked > free).then_some(match held {
             0 => BasisWarning::FewerHarmonics { asked, vertices },
             _ => BasisWarning::HeldBorder { asked, vertices, free },
         });
+        let flat = (without_area > 0).then_some(BasisWarning::WithoutArea { parts: without_area });
         let cache = self.cache_warning.clone().map(BasisWarning::Cache);
         let short = self.short_of_memory.clone().map(BasisWarning::ShortOfMemory);
         let imprecise = certificate.warning().map(BasisWarning::Imprecise);
-        fewer.into_iter().chain(cache).chain(short).chain(imprecise).collect()
+        fewer.into_iter().chain(flat).chain(cache).chain(short).chain(imprecise).collect()
     }
 }
 
@@ -66,6 +69,12 @@ pub enum BasisWarning {
         vertices: usize,
         /// The number of vertices that are not held, which is K of the result.
         free: usize,
+    },
+    /// Connected components have no area, and no harmonics.
+    #[error("has parts without area ({parts}), which are left out")]
+    WithoutArea {
+        /// The number of components.
+        parts: usize,
     },
     /// The cache could not be used or written.
     #[error("{0}")]

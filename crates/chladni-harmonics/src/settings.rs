@@ -27,6 +27,9 @@ impl std::fmt::Display for Laplacian {
     }
 }
 
+/// The largest number of worker threads that may be asked for.
+pub(crate) const MOST_THREADS: usize = 1024;
+
 /// How a basis is solved.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BasisSettings {
@@ -35,7 +38,7 @@ pub struct BasisSettings {
     /// The operator whose harmonics are computed.
     pub laplacian: Laplacian,
     /// The number of worker threads. `None` uses the rayon pool in which the solver is called
-    /// (`pool.install(|| …)`), or all threads of the machine. The result does not depend on it.
+    /// (`pool.install(|| …)`), or all threads of the machine; at most 1,024. The result does not depend on it.
     pub threads: Option<usize>,
     /// Whether to extend K to the end of a group of equal eigenvalues that it would cut.
     pub whole_clusters: bool,
@@ -77,7 +80,7 @@ impl BasisSettings {
         std::env::temp_dir()
     }
 
-    /// K, or N if that is less.
+    /// K, or N if that is less, where the settings are possible.
     pub(crate) fn clamped(&self, vertices: usize) -> Result<usize, HarmonicsError> {
         match self.harmonics.min(vertices) {
             0 => Err(HarmonicsError::BadHarmonicCount { harmonics: self.harmonics, vertices }),

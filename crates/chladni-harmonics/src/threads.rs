@@ -2,6 +2,7 @@
 
 use crate::HarmonicsError;
 use crate::platform::HAS_THREADS;
+use crate::settings::MOST_THREADS;
 
 /// Runs `work` on `threads` threads. `None` means the pool from which it is called, or all threads of the
 /// machine. If no thread can be started, the calling thread does all of the work.
@@ -9,6 +10,9 @@ pub(crate) fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
 ) -> Result<T, HarmonicsError> {
+    if let Some(threads) = threads.filter(|threads| *threads > MOST_THREADS) {
+        return Err(HarmonicsError::TooManyThreads { threads, most: MOST_THREADS });
+    }
     if !HAS_THREADS || (threads.is_none() && rayon::current_thread_index().is_some()) {
         return Ok(work());
     }

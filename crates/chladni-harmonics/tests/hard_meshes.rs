@@ -5,7 +5,9 @@
 
 mod shapes;
 
-use chladni_harmonics::{BasisSettings, BasisWarning, Body, HarmonicsError, Laplacian, Operator};
+use chladni_harmonics::{
+    BasisSettings, BasisWarning, Body, HarmonicsError, Laplacian, Operator, mesh_laplacian,
+};
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 use proptest::prelude::*;
@@ -134,6 +136,9 @@ fn the_smallest_and_the_fullest_problems() {
     against_dense(&square, n);
     let none = Body::build(&square, &BasisSettings::new(0), &Task::new()).unwrap_err();
     assert_eq!(none, HarmonicsError::BadHarmonicCount { harmonics: 0, vertices: n });
+    let crowded = BasisSettings { threads: Some(1025), ..BasisSettings::new(9) };
+    let refused = Body::build(&square, &crowded, &Task::new()).unwrap_err();
+    assert_eq!(refused, HarmonicsError::TooManyThreads { threads: 1025, most: 1024 });
     let (body, report) =
         Body::load_or_build(&square, &BasisSettings::new(n + 1), None, &Task::new()).unwrap();
     assert_eq!(body.basis.harmonics(), n);
@@ -227,6 +232,27 @@ fn what_cannot_be_used_is_told_apart() {
     assert_eq!(bad(holed, vec![[0, 1, 2]]), HarmonicsError::NotFinite { vertex: 1 });
     let line = vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]];
     assert_eq!(bad(line, vec![[0, 1, 2]]), HarmonicsError::ZeroArea { vertices: 3, vertex: 0 });
+}
+
+#[test]
+fn a_detached_part_without_area_is_left_out_with_a_warning() {
+    let ball = shapes::icosphere(3);
+    let (settings, task) = (BasisSettings::new(20), Task::new());
+    let alone = Body::build(&ball, &settings, &task).unwrap();
+    let mut mesh = ball.clone();
+    let n = mesh.positions.len() as u32;
+    mesh.positions.extend([[3.0; 3], [4.0; 3], [6.0; 3]]);
+    mesh.triangles.insert(7, [n, n + 1, n + 2]);
+    let (body, report) = Body::load_or_build(&mesh, &settings, None, &task).unwrap();
+    assert_eq!(body.basis.eigenvalues, alone.basis.eigenvalues);
+    assert_eq!((body.frame, &body.positions), (alone.frame, &alone.positions));
+    assert_eq!(body.operator_vertex[n as usize..], [None; 3]);
+    assert!(report.warnings(&body.basis.certificate).contains(&BasisWarning::WithoutArea { parts: 1 }));
+    let operator = Operator::of(&mesh).unwrap();
+    assert_eq!((operator.components(), operator.without_area), (1, 1));
+    let (of_ball, of_both) = (mesh_laplacian(&ball, 1e-5).unwrap().1, mesh_laplacian(&mesh, 1e-5).unwrap().1);
+    let area = |mass: &[f64]| mass.iter().take(n as usize).sum::<f64>();
+    assert!((area(&of_ball) / area(&of_both) - 1.0).abs() < 1e-12 && of_both[n as usize] > 0.0);
 }
 
 proptest! {

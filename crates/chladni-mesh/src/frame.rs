@@ -1,7 +1,7 @@
 //! The working frame: centered, uniformly scaled into [-1, 1]³.
 
 use crate::TriMesh;
-use crate::surface::is_collapsed;
+use crate::surface::{has_flat_triangle, is_collapsed, weld};
 
 /// The similarity between a file's coordinates and the working frame:
 /// `working = (file − center) · scale`.
@@ -15,10 +15,14 @@ pub struct Frame {
 
 impl Frame {
     /// The frame of `mesh`: its area-weighted centroid goes to the origin and its farthest coordinate to ±1.
-    /// A mesh without extent keeps scale 1. Triangles that name one position twice do not count, as in the operator.
+    /// A mesh without extent keeps scale 1. Triangles that [`weld`] leaves out do not count.
     pub fn of(mesh: &TriMesh) -> Self {
+        // Most meshes have no triangle without area, and all of theirs count.
+        let welded = has_flat_triangle(&mesh.positions, &mesh.triangles).then(|| weld(mesh).operator_vertex);
+        let is_left_out = |v: u32| welded.as_ref().is_some_and(|rows| rows[v as usize].is_none());
+        let counts = |t: &&[u32; 3]| !is_collapsed(&mesh.positions, t) && !is_left_out(t[0]);
+        let triangles = || mesh.triangles.iter().filter(counts);
         // Offsets from a vertex of the surface keep the sums accurate where the mesh lies far from the origin.
-        let triangles = || mesh.triangles.iter().filter(|t| !is_collapsed(&mesh.positions, t));
         let first = triangles().flatten().min();
         let Some(&origin) = first.and_then(|v| mesh.positions.get(*v as usize)) else {
             return Self { center: [0.0; 3], scale: 1.0 };

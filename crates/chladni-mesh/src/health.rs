@@ -67,9 +67,9 @@ pub struct Topology {
 pub struct Welded {
     /// Operator vertices.
     pub vertices: usize,
-    /// Triangles with three different corners.
+    /// Triangles with three different corners, less those of pieces without area.
     pub triangles: usize,
-    /// How they are connected.
+    /// How faces are connected, those of pieces without area included.
     #[serde(flatten)]
     pub topology: Topology,
 }

@@ -89,6 +89,59 @@ fn the_first_of_several_textures_of_a_ply_is_taken_and_said() {
 }
 
 #[test]
+fn what_windows_writes_for_no_number_is_one() {
+    let facet = |normal: &str, x: &str| {
+        format!(
+            "solid\nfacet normal {normal}\nouter loop\nvertex {x} 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
+        )
+    };
+    for word in ["-nan(ind)", "nan(snan)", "1.#QNAN", "-1.#IND", "1.#INF", "-1.#INF00"] {
+        let ignored = facet(&[word; 3].join(" "), "0");
+        assert!(read_mesh(ignored.as_bytes(), Format::Stl).is_ok(), "{word}");
+        let said = message(facet("0 0 1", word).as_bytes(), Format::Stl);
+        let value = if word.contains("INF") { "inf" } else { "NaN" };
+        assert!(said.contains("line 4") && said.contains(value), "{word}: {said}");
+    }
+    let obj = "v 1 0 0\nv 0 0 -1.#IND\nv 0 1 0\nf 1 2 3\n";
+    let said = message(obj.as_bytes(), Format::Obj);
+    assert!(said.contains("line 2") && said.contains("NaN"), "{said}");
+    let commented = "v 1 0 0\nv 0 0 1.# a comment\nv 0 1 0\nf 1 2 3\n";
+    assert_eq!(read_mesh(commented.as_bytes(), Format::Obj).unwrap().mesh.positions[1][2], 1.0);
+    assert!(message(facet("0 0 nan(", "0").as_bytes(), Format::Stl).contains("'nan('"));
+}
+
+#[test]
+fn a_color_or_texture_coordinate_without_its_partners_is_an_attribute() {
+    let ply = |properties: &str, rows: [&str; 3]| {
+        let properties: String =
+            properties.split(' ').map(|name| format!("property float {name}\n")).collect();
+        let [a, b, c] = rows;
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             {properties}element face 1\nproperty list uchar int vertex_indices\nend_header\n\
+             0 0 0 {a}\n1 0 0 {b}\n0 1 0 {c}\n3 0 1 2\n"
+        );
+        read_mesh(text.as_bytes(), Format::Ply).unwrap().mesh
+    };
+    let again =
+        |mesh: &TriMesh| read_mesh(&write_mesh(mesh, Format::Ply).unwrap(), Format::Ply).unwrap().mesh;
+    let mesh = ply("t alpha red", ["1 2 3", "4 5 6", "7 8 9"]);
+    assert_eq!(mesh.channel("t", Format::Ply), Some(vec![1.0, 4.0, 7.0]));
+    assert_eq!(mesh.channel("red", Format::Ply), Some(vec![3.0, 6.0, 9.0]));
+    assert_eq!(again(&mesh).appearance, mesh.appearance);
+    // Beside colors and texture coordinates of its own, the mesh keeps such numbers under other names.
+    let mut dressed = ply("red green blue s t", ["1 0 0 0 1", "0 1 0 1 0", "0 0 1 0 0"]);
+    assert!(dressed.appearance.attributes.is_empty());
+    dressed.appearance.attributes = mesh.appearance.attributes;
+    let back = again(&dressed);
+    assert_eq!(back.triangle_uvs(), dressed.triangle_uvs());
+    assert!(back.appearance.colors.is_some());
+    let names: Vec<&str> = back.appearance.attributes.iter().map(|attribute| &*attribute.name).collect();
+    assert_eq!(names, ["_t", "_alpha", "_red"]);
+    assert_eq!(back.appearance.attributes[0].values, [1.0, 4.0, 7.0]);
+}
+
+#[test]
 fn the_small_good_files_are_good() {
     for (format, bytes) in good_files() {
         read_soundly(&bytes, format).unwrap_or_else(|error| panic!("{format}: {error}"));

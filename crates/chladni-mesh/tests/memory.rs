@@ -46,6 +46,11 @@ fn obj_files() -> Vec<File> {
         ("materials", numbered("usemtl #\n")),
         ("faces of materials", numbered("usemtl #\nf 1 2 3\n")),
         ("groups", rows("g a\n")),
+        (
+            "libraries",
+            format!("mtllib{}\n{triangle}f 1 2 3\n", (0..COUNT).map(|i| format!(" {i}")).collect::<String>())
+                .into_bytes(),
+        ),
         ("broken faces", rows("f 1 2\n")),
     ]
 }
@@ -131,6 +136,8 @@ fn gltf_files() -> Vec<File> {
         ("materials", with_node("materials", "{},")),
         ("images", with_node("images", "{},")),
         ("images of one picture", images_of_one_picture()),
+        ("views of one picture", overlapping_pictures(|_| 0)),
+        ("overlapping pictures", overlapping_pictures(|i| 8 * i)),
     ]
 }
 
@@ -148,6 +155,30 @@ fn images_of_one_picture() -> Vec<u8> {
         "accessors":[{{"componentType":5126,"count":3,"type":"VEC3"}}],
         "bufferViews":[{{"buffer":0,"byteLength":{bytes}}}],"buffers":[{{"byteLength":{bytes},
         "uri":"data:application/octet-stream;base64,{picture}"}}],
+        "images":[{images}],"textures":[{textures}],"materials":[{materials}]}}"#
+    )
+    .into_bytes()
+}
+
+/// A triangle, and materials with images of their own, each from its place of a buffer of beginnings of a PNG on.
+fn overlapping_pictures(place: impl Fn(usize) -> usize) -> Vec<u8> {
+    let (count, bytes) = (2000, 99_984);
+    // Three beginnings of a PNG.
+    let buffer = "iVBORw0KGgqJUE5HDQoaColQTkcNChoK".repeat(bytes / 24);
+    let rows = |row: &dyn Fn(usize) -> String| (0..count).map(row).collect::<Vec<_>>().join(",");
+    let views = rows(&|i| {
+        let place = place(i);
+        format!(r#"{{"buffer":0,"byteOffset":{place},"byteLength":{}}}"#, bytes - place)
+    });
+    let images = rows(&|i| format!(r#"{{"bufferView":{i}}}"#));
+    let textures = rows(&|i| format!(r#"{{"source":{i}}}"#));
+    let materials =
+        rows(&|i| format!(r#"{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":{i}}}}}}}"#));
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"componentType":5126,"count":3,"type":"VEC3"}}],
+        "bufferViews":[{views}],"buffers":[{{"byteLength":{bytes},
+        "uri":"data:application/octet-stream;base64,{buffer}"}}],
         "images":[{images}],"textures":[{textures}],"materials":[{materials}]}}"#
     )
     .into_bytes()

@@ -95,6 +95,46 @@ fn options_and_statements_that_are_not_understood_are_written_as_they_were_read(
 }
 
 #[test]
+fn a_second_definition_replaces_all_of_the_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("wood.png"), PICTURE).unwrap();
+    fs::write(at("in.obj"), format!("mtllib in.mtl\n{TRIANGLE}")).unwrap();
+    let first = "newmtl wood\nKd 1 0 0\nd .5\nmap_Kd -s 2 2 2 wood.png\nNs 12\n";
+    fs::write(at("in.mtl"), format!("{first}newmtl wood\nNs 15\n")).unwrap();
+    let expected = Material { other_statements: vec!["Ns 15".into()], ..Material::named("wood") };
+    assert_eq!(only_material(&at("in.obj")), expected);
+}
+
+#[test]
+fn one_statement_names_several_libraries_or_one_with_blanks() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("in.obj"), format!("mtllib a.mtl none.mtl b.mtl\nmtllib ./b.mtl\n{TRIANGLE}")).unwrap();
+    fs::write(at("b.mtl"), "newmtl wood\nNs 15\n").unwrap();
+    fs::write(at("a.mtl"), "newmtl wood\nNs 12\n").unwrap();
+    let loaded = load_mesh(&at("in.obj")).unwrap();
+    assert_eq!(loaded.mesh.appearance.materials[0].other_statements, ["Ns 15"]);
+    let names: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
+    assert!(names.len() == 1 && names[0].starts_with("none.mtl could not"), "{names:?}");
+    fs::write(at("a.mtl none.mtl b.mtl"), "newmtl wood\nNs 7\n").unwrap();
+    fs::remove_file(at("b.mtl")).unwrap();
+    assert_eq!(only_material(&at("in.obj")).other_statements, ["Ns 7"]);
+}
+
+#[test]
+fn a_picture_s_name_ends_as_pictures_names_do() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, written) in [("albedo.001", "albedo.001.png"), ("a.PNG", "a.PNG"), ("b", "b.png")] {
+        let picture = Texture { name: name.into(), bytes: PICTURE.into() };
+        let material = Material { base_color_texture: Some(picture), ..Material::named("wood") };
+        let path = folder.path().join("out.obj");
+        save_mesh(&triangle_of(material), &path).unwrap();
+        assert_eq!(only_material(&path).base_color_texture.unwrap().name, written);
+    }
+}
+
+#[test]
 fn a_channel_slightly_above_one_is_no_byte() {
     let obj = |channel: &str| format!("v 0 0 0 {channel} .5 .25\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n");
     let off = |channel: &str| {

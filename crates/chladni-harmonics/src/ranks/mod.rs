@@ -176,6 +176,7 @@ impl Body {
         ranks.check()?;
         operator.check_belongs_to(mesh)?;
         let vertices = operator.vertices();
+        let without_area = operator.without_area;
         let (asked, harmonics) = (settings.harmonics, settings.clamped(vertices)?);
         if harmonics * 2 > vertices || ranks.count > vertices {
             let reason = "ranks are for large meshes: ask for at most half of all harmonics, and no more ranks than vertices";
@@ -183,7 +184,7 @@ impl Body {
         }
         let settings = BasisSettings { harmonics, ..settings.clone() };
         let keep = memory::room_for_harmonics(vertices, 1, &settings)?;
-        let mut report = BuildReport { asked, vertices, ..BuildReport::default() };
+        let mut report = BuildReport { asked, vertices, without_area, ..BuildReport::default() };
         let (mut basis, of_ranks) = solve(operator, &settings, ranks, keep, task)?;
         canonical::choose(&mut basis, &operator.positions, &operator.stiffness);
         let whole = basis.harmonics();

@@ -1,18 +1,39 @@
 //! Files that a mesh file names: glTF buffers, material libraries, textures.
 
+use std::borrow::Cow;
 use std::io;
 use std::path::{Component, Path};
 
-use chladni_task::read_file;
+use chladni_task::{percent_decoded, read_file};
 
 /// Their bytes, or why there are none, by that name.
 pub(crate) type Beside<'a> = dyn Fn(&str) -> Result<Vec<u8>, String> + 'a;
 
+/// `name` with `/` between its parts, and without `.` and `part/..`: one for all spellings of it.
+pub(crate) fn plain_name(name: &str) -> String {
+    // Names from Windows have backslashes.
+    let name = name.replace('\\', "/");
+    let root = if name.starts_with('/') { "/" } else { "" };
+    let mut parts: Vec<&str> = Vec::new();
+    for part in name.split('/').filter(|part| !matches!(*part, "" | ".")) {
+        if part == ".." && parts.last().is_some_and(|last| *last != "..") {
+            parts.pop();
+        } else {
+            parts.push(part);
+        }
+    }
+    format!("{root}{}", parts.join("/"))
+}
+
+/// The [plain name](plain_name) of the file that a glTF `uri` names; a `data:` URI stays as it is.
+pub(crate) fn plain_uri(uri: &str) -> Cow<'_, str> {
+    if uri.starts_with("data:") { Cow::Borrowed(uri) } else { Cow::Owned(plain_name(&percent_decoded(uri))) }
+}
+
 /// Reads the file that a mesh in `folder` calls `name`. It must lie in that folder or below, links followed: a mesh may
 /// come from anywhere, and what it names may end up in what is sent on.
 pub(crate) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<Vec<u8>, String> {
-    // Names from Windows have backslashes.
-    let name = name.replace('\\', "/");
+    let name = plain_name(name);
     let outside =
         || Err("it lies outside the folder of the mesh, which may name files in there only".to_owned());
     let mut depth = 0i64;
@@ -45,6 +66,19 @@ pub(crate) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_has_one_plain_spelling() {
+        for uri in ["a.bin", "./a.bin", "%61.bin", "b/../a.bin", ".//b\\.\\..\\a.bin"] {
+            assert_eq!(plain_uri(uri), "a.bin", "{uri}");
+        }
+        for (name, plain) in
+            [("../a/./../b", "../b"), ("/../a", "/../a"), ("a/../..", ".."), ("//a//b", "/a/b")]
+        {
+            assert_eq!(plain_name(name), plain);
+        }
+        assert_eq!(plain_uri("data:,a/../b"), "data:,a/../b");
+    }
 
     #[test]
     fn a_mesh_names_files_in_its_folder_only() {

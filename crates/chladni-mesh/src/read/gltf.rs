@@ -8,7 +8,7 @@ use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
 use super::gltf_buffers::Buffers;
 use super::gltf_chunks::json_and_binary;
-use super::gltf_json::{Primitive, Root};
+use super::gltf_json::{Primitive, Root, TextureInfo};
 use super::gltf_matrix::{IDENTITY, Matrix, local_matrix, mirrors, moved, product};
 use crate::error::Fault;
 use crate::read::{Loaded, Mended};
@@ -16,12 +16,14 @@ use crate::{CornerUvs, Format, MeshError};
 
 mod materials;
 mod place;
+mod uv_transform;
 
 use place::Place;
+use uv_transform::Affine;
 
 /// Instances of a mesh, and primitives that share an accessor, cost nothing in the file; this limits the vertices and the
-/// texture coordinates that all of them may add up to.
-const MOST_VERTICES: usize = 1 << 24;
+/// texture coordinates that all of them may add up to. `f32`, which `_VERTEX` numbers vertices in, counts as far.
+pub(crate) const MOST_VERTICES: usize = 1 << 24;
 
 /// Reads triangles, strips and fans, with or without indices, of all meshes that the scene's
 /// nodes place, in the order of a walk from the roots. Every primitive brings its own vertices,
@@ -306,22 +308,26 @@ impl Scene<'_> {
     ) -> Result<(), Fault> {
         let material = primitive.material.and_then(|m| self.root.materials.get(m));
         let texture = material.and_then(|m| m.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref());
-        let set = texture.map_or(0, |texture| texture.tex_coord);
+        let set = texture.map_or(0, TextureInfo::set);
+        let transform = texture.and_then(Affine::of);
         let draft = &mut self.draft;
         let points = match primitive.attributes.get(&format!("TEXCOORD_{set}")).copied() {
             None => 0..0,
-            Some(accessor) => match place.known_uvs(vertices, accessor) {
+            Some(accessor) => match place.known_uvs(vertices, accessor, transform) {
                 Some(known) => known,
                 None => {
                     let first = draft.uvs.len();
                     let points = self.buffers.vectors::<2>(accessor, at)?;
                     // glTF's v runs downward.
-                    draft.uvs.extend(points.into_iter().take(vertices.len()).map(|[u, v]| [u, 1.0 - v]));
+                    draft.uvs.extend(points.into_iter().take(vertices.len()).map(|point| {
+                        let [u, v] = transform.map_or(point, |transform| transform.of_point(point));
+                        [u, 1.0 - v]
+                    }));
                     if draft.uvs.len() > MOST_VERTICES {
                         let reason = format!("more than {MOST_VERTICES} texture coordinates in all");
                         return Err(Fault::part(at, reason));
                     }
-                    place.brings_uvs(vertices, accessor, first..draft.uvs.len())
+                    place.brings_uvs(vertices, accessor, transform, first..draft.uvs.len())
                 }
             },
         };

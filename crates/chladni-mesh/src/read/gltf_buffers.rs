@@ -1,12 +1,10 @@
 //! A glTF file's buffers and the accessors into them.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use chladni_task::percent_decoded;
-
-use super::beside::Beside;
+use super::beside::{Beside, plain_uri};
 use super::gltf_json::{Accessor, Root};
 use crate::error::Fault;
 
@@ -22,11 +20,11 @@ pub(crate) struct Buffers<'a> {
 impl<'a> Buffers<'a> {
     pub fn open(root: &'a Root, binary: Option<&'a [u8]>, beside: &Beside<'_>) -> Result<Self, Fault> {
         let mut data: Vec<Arc<Cow<'a, [u8]>>> = Vec::new();
-        let mut by_uri: HashMap<&str, usize> = HashMap::new();
+        let mut by_uri: HashMap<Cow<'_, str>, usize> = HashMap::new();
         for (i, buffer) in root.buffers.iter().enumerate() {
             let at = || format!("buffers[{i}]");
             let bytes = match (&buffer.uri, binary) {
-                (Some(uri), _) => match by_uri.insert(uri, i) {
+                (Some(uri), _) => match by_uri.insert(plain_uri(uri), i) {
                     Some(same) => data[same].clone(),
                     None => {
                         let bytes = Self::uri(uri, beside).map_err(|reason| Fault::part(at(), reason))?;
@@ -50,10 +48,16 @@ impl<'a> Buffers<'a> {
         self.data.iter().map(|data| &***data)
     }
 
+    /// The number of bytes of all buffers, those of one uri counted once.
+    pub fn length(&self) -> usize {
+        let mut known = HashSet::new();
+        self.all().filter(|data| known.insert(data.as_ptr())).map(<[u8]>::len).sum()
+    }
+
     /// The bytes behind a `data:` URI or of a file beside.
     pub fn uri(uri: &str, beside: &Beside<'_>) -> Result<Vec<u8>, String> {
         let Some(data) = uri.strip_prefix("data:") else {
-            let name = percent_decoded(uri);
+            let name = plain_uri(uri);
             return beside(&name).map_err(|reason| format!("{name}: {reason}"));
         };
         match data.split_once(";base64,") {
@@ -242,7 +246,7 @@ mod tests {
 
     #[test]
     fn a_file_that_many_buffers_name_is_read_once() {
-        let root = r#"{"buffers":[{"byteLength":3,"uri":"a"},{"byteLength":1,"uri":"b"},{"byteLength":2,"uri":"a"}]}"#;
+        let root = r#"{"buffers":[{"byteLength":3,"uri":"a"},{"byteLength":1,"uri":"b"},{"byteLength":2,"uri":"./%61"}]}"#;
         let root: Root = serde_json::from_str(root).unwrap();
         let read = std::cell::RefCell::new(Vec::new());
         let beside = |name: &str| {

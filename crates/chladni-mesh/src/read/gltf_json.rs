@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer};
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -116,11 +117,70 @@ pub(crate) struct TextureInfo {
     pub index: usize,
     #[serde(default)]
     pub tex_coord: usize,
+    #[serde(default, deserialize_with = "if_understood")]
+    pub extensions: Option<TextureInfoExtensions>,
+}
+
+#[derive(Deserialize)]
+pub(crate) struct TextureInfoExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub transform: Option<UvTransform>,
+}
+
+/// The extension `KHR_texture_transform`.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct UvTransform {
+    #[serde(default)]
+    pub offset: [f64; 2],
+    #[serde(default)]
+    pub rotation: f64,
+    #[serde(default = "ones")]
+    pub scale: [f64; 2],
+    pub tex_coord: Option<usize>,
+}
+
+/// An extension with mistakes is passed over, as one that is not known.
+fn if_understood<'de, D: Deserializer<'de>, T: DeserializeOwned>(value: D) -> Result<Option<T>, D::Error> {
+    serde_json::Value::deserialize(value).map(|value| serde_json::from_value(value).ok())
+}
+
+fn ones() -> [f64; 2] {
+    [1.0; 2]
 }
 
 #[derive(Deserialize)]
 pub(crate) struct TextureSource {
-    pub source: Option<usize>,
+    source: Option<usize>,
+    #[serde(default, deserialize_with = "if_understood")]
+    extensions: Option<TextureExtensions>,
+}
+
+/// Images in formats that not every program reads.
+#[derive(Deserialize)]
+struct TextureExtensions {
+    #[serde(rename = "EXT_texture_webp")]
+    webp: Option<ImageSource>,
+    #[serde(rename = "EXT_texture_avif")]
+    avif: Option<ImageSource>,
+    #[serde(rename = "KHR_texture_basisu")]
+    basis: Option<ImageSource>,
+}
+
+#[derive(Deserialize)]
+struct ImageSource {
+    source: Option<usize>,
+}
+
+impl TextureSource {
+    /// Its image: in a format that glTF itself knows where there is one.
+    pub fn image(&self) -> Option<usize> {
+        let other = || {
+            let TextureExtensions { webp, avif, basis } = self.extensions.as_ref()?;
+            [webp, avif, basis].into_iter().flatten().find_map(|image| image.source)
+        };
+        self.source.or_else(other)
+    }
 }
 
 #[derive(Deserialize)]

@@ -11,7 +11,7 @@ mod medit;
 mod mtl;
 mod obj;
 mod off;
-mod ply;
+pub(crate) mod ply;
 mod ply_header;
 mod stl;
 mod text;

@@ -1,35 +1,79 @@
 //! OBJ material libraries and the pictures they name.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
-use super::beside::Beside;
+use super::beside::{Beside, plain_name};
 use super::draft::Draft;
 use super::text::{Lines, words};
 use crate::appearance::linear_from_srgb;
 use crate::read::Mended;
 use crate::{Material, Texture};
 
-/// Reads library `name` into the materials that the faces of `draft` use. Unreadable parts are skipped and
-/// reported.
-pub(crate) fn read_into(draft: &mut Draft, name: &str, beside: &Beside<'_>) {
-    let bytes = match beside(name) {
-        Ok(bytes) => bytes,
-        Err(reason) => {
-            draft.mended.push(Mended::MissingFile(name.to_owned(), reason));
-            return;
+/// The libraries that one statement is taken to name.
+const MOST_LIBRARIES: usize = 64;
+
+/// Reads what `mtllib` statements name into the materials that the faces of `draft` use: each a library whose name may hold
+/// blanks, or, where there is none, several. A library that is named again, as some programs do before each group, is read
+/// once. Unreadable parts are skipped and reported.
+pub(crate) fn read_into(draft: &mut Draft, statements: &[String], beside: &Beside<'_>) {
+    let (mut known, mut pictures) = (HashSet::new(), HashMap::new());
+    for statement in statements {
+        if !known.insert(plain_name(statement)) {
+            continue;
         }
-    };
-    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
-    let picture = |name: &str| {
-        let bytes = beside(&folder.join(name.replace('\\', "/")).to_string_lossy())?;
-        if is_picture(&bytes) { Ok(Arc::from(bytes)) } else { Err("it is neither PNG nor JPEG".into()) }
+        let reason = match beside(statement) {
+            Ok(bytes) => {
+                read_library(draft, statement, &bytes, &mut pictures, beside);
+                continue;
+            }
+            Err(reason) => reason,
+        };
+        let mut found = false;
+        let mut missing = Vec::new();
+        let names = statement.split_ascii_whitespace().filter(|name| *name != statement.as_str());
+        for name in names.take(MOST_LIBRARIES) {
+            if !known.insert(plain_name(name)) {
+                found = true;
+                continue;
+            }
+            match beside(name) {
+                Ok(bytes) => {
+                    found = true;
+                    read_library(draft, name, &bytes, &mut pictures, beside);
+                }
+                Err(reason) => missing.push(Mended::MissingFile(name.to_owned(), reason)),
+            }
+        }
+        if !found {
+            missing = vec![Mended::MissingFile(statement.clone(), reason)];
+        }
+        draft.mended.append(&mut missing);
+    }
+}
+
+fn read_library(
+    draft: &mut Draft,
+    name: &str,
+    bytes: &[u8],
+    pictures: &mut HashMap<String, Picture>,
+    beside: &Beside<'_>,
+) {
+    let name = plain_name(name);
+    let folder = Path::new(&name).parent().unwrap_or(Path::new(""));
+    let mut picture = |name: &str| {
+        // Many materials may share one picture; it is read once.
+        let path = plain_name(&folder.join(name.replace('\\', "/")).to_string_lossy());
+        let read = |path: &String| {
+            let bytes = beside(path)?;
+            if is_picture(&bytes) { Ok(Arc::from(bytes)) } else { Err("it is neither PNG nor JPEG".into()) }
+        };
+        pictures.entry(path).or_insert_with_key(read).clone()
     };
     let mut joined = Vec::new();
-    let mut lines = Lines::new(&bytes, Some(b'#'), true);
+    let mut lines = Lines::new(bytes, Some(b'#'), true);
     let mut current = None;
-    let mut pictures = HashMap::new();
     while let Some(line) = lines.next(&mut joined) {
         let keyword = words(line).next().unwrap_or_default();
         let rest = String::from_utf8_lossy(line[keyword.len()..].trim_ascii()).into_owned();
@@ -37,12 +81,12 @@ pub(crate) fn read_into(draft: &mut Draft, name: &str, beside: &Beside<'_>) {
             current = draft.known_material(&rest);
             // A second definition replaces the first.
             if let Some(material) = current.and_then(|i| draft.materials.get_mut(i)) {
-                material.other_statements.clear();
+                *material = Material::named(&rest);
             }
             continue;
         }
         let Some(material) = current.and_then(|i| draft.materials.get_mut(i)) else { continue };
-        if let Err(missing) = statement(material, keyword, &rest, &mut pictures, &picture) {
+        if let Err(missing) = statement(material, keyword, &rest, &mut picture) {
             draft.mended.push(missing);
         }
     }
@@ -55,8 +99,7 @@ fn statement(
     material: &mut Material,
     keyword: &[u8],
     rest: &str,
-    pictures: &mut HashMap<String, Picture>,
-    picture: &dyn Fn(&str) -> Picture,
+    picture: &mut dyn FnMut(&str) -> Picture,
 ) -> Result<(), Mended> {
     let mut values = rest.split_ascii_whitespace().map_while(|word| word.parse::<f64>().ok());
     let other = || format!("{} {rest}", String::from_utf8_lossy(keyword));
@@ -80,8 +123,7 @@ fn statement(
             let rest = rest.trim();
             let name = without_options(rest);
             material.texture_options = rest[..rest.len() - name.len()].trim_end().to_owned();
-            // Many materials may share one picture; it is read once.
-            let found = pictures.entry(name.to_owned()).or_insert_with(|| picture(name)).clone();
+            let found = picture(name);
             let bytes = found.clone().unwrap_or_default();
             material.base_color_texture = Some(Texture { name: name.to_owned(), bytes });
             found.map_err(|reason| Mended::MissingFile(name.to_owned(), reason))?;

@@ -1,7 +1,5 @@
 //! Wavefront OBJ.
 
-use std::collections::HashSet;
-
 use super::beside::Beside;
 use super::draft::{Draft, coordinate, full_channel, vertex_index};
 use super::mtl;
@@ -158,11 +156,7 @@ impl Obj {
         if self.free_form > 0 {
             draft.mended.push(Mended::LeftOut(format!("{} free-form curves and surfaces", self.free_form)));
         }
-        // A library that is named again, as some programs do before each group, is read once.
-        let mut read = HashSet::new();
-        for library in self.libraries.iter().filter(|library| read.insert(*library)) {
-            mtl::read_into(&mut draft, library, beside);
-        }
+        mtl::read_into(&mut draft, &self.libraries, beside);
         Ok(draft)
     }
 }

@@ -144,8 +144,8 @@ struct Ply<'a> {
 }
 
 /// The meaning of a vertex property.
-#[derive(Clone, Copy)]
-enum Role {
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Role {
     Position(usize),
     Color(usize),
     Uv(usize),
@@ -157,9 +157,9 @@ enum Role {
 /// Numbers of a vertex that are kept, at most: a damaged header may name any number of them.
 const MOST_ATTRIBUTES: usize = 64;
 
-/// The meaning of a vertex property; `attributes` are those that were found before it.
-fn vertex_role(property: &Property, attributes: &mut Vec<Attribute>) -> Role {
-    match &*property.name {
+/// The meaning that the name of a vertex property has; `Attribute` where it has none.
+pub(crate) fn named_role(name: &str) -> Role {
+    match name {
         "x" => Role::Position(0),
         "y" => Role::Position(1),
         "z" => Role::Position(2),
@@ -171,36 +171,53 @@ fn vertex_role(property: &Property, attributes: &mut Vec<Attribute>) -> Role {
         "t" | "v" | "texture_v" => Role::Uv(1),
         // Normals are wrong as soon as the shape moves.
         "nx" | "ny" | "nz" => Role::Other,
-        name if property.list.is_none()
-            && attributes.len() < MOST_ATTRIBUTES
-            && attributes.iter().all(|known| known.name != name) =>
+        _ => Role::Attribute(0),
+    }
+}
+
+/// The meanings of vertex properties, and the attributes among them. A channel of a color, or a texture coordinate, is an
+/// attribute where its partners are missing.
+fn vertex_roles(properties: &[Property]) -> (Vec<Role>, Vec<Attribute>) {
+    let named: Vec<Role> = properties.iter().map(|property| named_role(&property.name)).collect();
+    let has = |role: Role| named.contains(&role);
+    let has_colors = (0..3).all(|channel| has(Role::Color(channel)));
+    let has_uvs = (0..2).all(|i| has(Role::Uv(i)));
+    let mut attributes: Vec<Attribute> = Vec::new();
+    let role = |(property, named): (&Property, &Role)| match *named {
+        Role::Color(_) if has_colors => *named,
+        Role::Uv(_) if has_uvs => *named,
+        Role::Position(_) | Role::Other => *named,
+        _ if property.list.is_some()
+            || attributes.len() >= MOST_ATTRIBUTES
+            || attributes.iter().any(|known| known.name == property.name) =>
         {
-            attributes.push(Attribute { name: name.to_owned(), values: Vec::new() });
+            Role::Other
+        }
+        _ => {
+            attributes.push(Attribute { name: property.name.clone(), values: Vec::new() });
             Role::Attribute(attributes.len() - 1)
         }
-        _ => Role::Other,
-    }
+    };
+    let roles = properties.iter().zip(&named).map(role).collect();
+    (roles, attributes)
 }
 
 impl Ply<'_> {
     fn vertices(&mut self, element: &Element) -> Result<(), Fault> {
-        let mut attributes = Vec::new();
-        let roles: Vec<Role> = element.properties.iter().map(|p| vertex_role(p, &mut attributes)).collect();
+        let (roles, mut attributes) = vertex_roles(&element.properties);
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
             if !roles.iter().any(|r| matches!(r, Role::Position(j) if *j == i)) && element.count > 0 {
                 return Err(Fault::part("header", format!("the vertices have no property {axis}")));
             }
         }
         let mut full = [1.0; 4];
-        let mut colored = 0;
         for (property, role) in element.properties.iter().zip(&roles) {
             if let Role::Color(channel) = *role {
                 full[channel] = property.scalar.full_scale();
-                colored |= 1 << channel;
             }
         }
-        let has_colors = colored & 0b111 == 0b111;
-        let has_uvs = [0, 1].iter().all(|i| roles.iter().any(|r| matches!(r, Role::Uv(j) if j == i)));
+        let has_colors = roles.contains(&Role::Color(0));
+        let has_uvs = roles.contains(&Role::Uv(0));
         let mut colors = Vec::new();
         let mut values = Vec::new();
         for _ in 0..element.rows() {

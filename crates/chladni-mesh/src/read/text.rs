@@ -71,7 +71,11 @@ impl<'a> Lines<'a> {
     }
 
     fn without_comment<'c>(&self, line: &'c [u8]) -> &'c [u8] {
-        let end = line.iter().position(|&b| Some(b) == self.comment).unwrap_or(line.len());
+        let begins = |at: usize| {
+            // The sign in 1.#INF begins no comment.
+            Some(line[at]) == self.comment && !(line[..at].ends_with(b"1.") && is_windows_name(&line[at..]))
+        };
+        let end = (0..line.len()).find(|at| begins(*at)).unwrap_or(line.len());
         line[..end].trim_ascii()
     }
 }
@@ -151,7 +155,33 @@ pub(crate) fn number<T: std::str::FromStr>(word: &[u8], line: usize, what: &str)
     std::str::from_utf8(word)
         .ok()
         .and_then(|text| text.parse().ok())
+        .or_else(|| not_finite(word)?.parse().ok())
         .ok_or_else(|| Fault::line(line, format!("{} is not {what}", quoted(word))))
+}
+
+/// The usual spelling of what programs write for a number that is none or without end, such as `-nan(ind)` and, on Windows,
+/// `1.#QNAN`; `None` of any other word.
+fn not_finite(word: &[u8]) -> Option<&'static str> {
+    let (negative, plain) = match word {
+        [b'-', plain @ ..] => (true, plain),
+        [b'+', plain @ ..] => (false, plain),
+        plain => (false, plain),
+    };
+    if let Some(name) = plain.strip_prefix(b"1.").filter(|name| is_windows_name(name)) {
+        let infinite = name.starts_with(b"#INF");
+        return Some(match (infinite, negative) {
+            (false, _) => "NaN",
+            (true, false) => "inf",
+            (true, true) => "-inf",
+        });
+    }
+    let (start, rest) = plain.split_at_checked(4)?;
+    (start.eq_ignore_ascii_case(b"nan(") && rest.ends_with(b")")).then_some("NaN")
+}
+
+/// Whether `text` begins as the end of `1.#INF`, `1.#IND`, `1.#QNAN` or `1.#SNAN`.
+fn is_windows_name(text: &[u8]) -> bool {
+    [&b"#INF"[..], b"#IND", b"#QNAN", b"#SNAN"].iter().any(|name| text.starts_with(name))
 }
 
 /// A word for an error message: short and printable, whatever bytes it has.

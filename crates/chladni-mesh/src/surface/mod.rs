@@ -7,6 +7,7 @@ mod adjacency;
 mod curvature;
 #[cfg(feature = "simplify")]
 mod detail;
+mod flat;
 mod normals;
 mod point;
 mod small_system;
@@ -24,6 +25,8 @@ pub use adjacency::{Rows, boundary_vertices, components, vertex_neighbors, verte
 pub use curvature::{Principal, Tensor, averaged, curvature_tensors, times, vertex_areas, vertex_gradients};
 #[cfg(feature = "simplify")]
 pub use detail::{Detail, details};
+pub(crate) use flat::has_flat_triangle;
+pub use flat::{flat_components, is_collapsed, leave_out_flat};
 pub use normals::{
     STAND_IN_NORMAL, corners, doubled_area_normal, total_area, vertex_normals, vertex_normals_around,
 };
@@ -34,5 +37,5 @@ pub use stars::delaunay_stars;
 pub use subdivided::subdivided;
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub use walk::Ground;
-pub use weld::{Weld, is_collapsed, places, weld};
+pub use weld::{Weld, places, weld};
 pub use zero_lines::{EdgePoint, chained, zero_lines};

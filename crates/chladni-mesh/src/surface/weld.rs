@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::leave_out_flat;
 use crate::TriMesh;
 
 /// The operator's view of a mesh: exactly equal positions are one vertex, and only vertices
@@ -12,11 +13,14 @@ pub struct Weld {
     /// N positions, each different, in the order in which the file first names them.
     pub positions: Vec<[f64; 3]>,
     /// Triangles of indices < N with three different corners, in the order of the file. A
-    /// triangle that names one position twice has neither area nor a normal and is left out.
+    /// triangle that names one position twice has neither area nor a normal and is left out, and so are connected
+    /// components without area.
     pub triangles: Vec<[u32; 3]>,
     /// For each of the mesh's n vertices its operator vertex, `None` where no triangle in
     /// [`triangles`](Self::triangles) uses its position.
     pub operator_vertex: Vec<Option<u32>>,
+    /// The number of components that were left out, since they have no area; 0 where none has.
+    pub without_area: usize,
 }
 
 /// Merges exactly equal positions of `mesh` (0 equals −0) and drops unused vertices.
@@ -29,6 +33,7 @@ pub fn weld(mesh: &TriMesh) -> Weld {
         (a != b && b != c && c != a).then_some([a, b, c])
     };
     let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter_map(distinct).collect();
+    let without_area = leave_out_flat(&mesh.positions, &mut triangles);
     let mut used = vec![false; mesh.positions.len()];
     for &v in triangles.iter().flatten() {
         used[v as usize] = true;
@@ -46,16 +51,7 @@ pub fn weld(mesh: &TriMesh) -> Weld {
         *v = row[*v as usize];
     }
     let operator_vertex = place.iter().map(|&v| used[v as usize].then(|| row[v as usize])).collect();
-    Weld { positions, triangles, operator_vertex }
-}
-
-/// Whether a triangle names one position twice: it then has neither area nor a normal, and [`weld`] leaves it out.
-///
-/// # Panics
-/// If it names a vertex that is not there.
-pub fn is_collapsed(positions: &[[f64; 3]], triangle: &[u32; 3]) -> bool {
-    let [a, b, c] = triangle.map(|v| positions[v as usize]);
-    a == b || b == c || c == a
+    Weld { positions, triangles, operator_vertex, without_area }
 }
 
 /// For each vertex the first vertex with exactly the same position (0 equals −0).

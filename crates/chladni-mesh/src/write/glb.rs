@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use serde_json::{Value, json};
 
 use super::{check, narrowed};
+use crate::read::gltf::MOST_VERTICES;
 use crate::surface::vec3::add;
 use crate::surface::{STAND_IN_NORMAL, places, vertex_normals};
 use crate::{CornerUvs, Format, MeshError, TriMesh};
@@ -39,7 +40,7 @@ const FORMAT: Format = Format::Glb;
 ///
 /// # Errors
 /// [`MeshError::Unwritable`] where coordinates do not fit `f32`, a target has not n
-/// displacements, the mesh's parts do not belong together or the file would pass 4 GiB.
+/// displacements, the mesh's parts do not belong together, or the file would pass 4 GiB or 2^24 vertices.
 pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, MeshError> {
     write(mesh, targets, None)
 }
@@ -82,6 +83,7 @@ fn write(
         }
     }
     let entries = Entries::of(mesh);
+    check_count(entries.vertices.len())?;
     let mut file = Glb::default();
     let (attributes, morphs) = vertex_data(&mut file, mesh, &entries, targets)?;
     let (materials, default_material) = materials(&mut file, mesh);
@@ -125,6 +127,15 @@ fn write(
         root["images"] = json!(std::mem::take(&mut file.images));
     }
     container(&root, file.data).ok_or_else(|| unwritable("the file would pass 4 GiB".into()))
+}
+
+/// Refuses more vertices than `_VERTEX` can number, which are more than the reader takes, too.
+fn check_count(vertices: usize) -> Result<(), MeshError> {
+    if vertices <= MOST_VERTICES {
+        return Ok(());
+    }
+    let reason = format!("it would have more than {MOST_VERTICES} vertices; save PLY or OBJ");
+    Err(MeshError::Unwritable { format: FORMAT, reason })
 }
 
 /// The vertices as glTF stores them: one per pair of vertex and texture coordinate.
@@ -237,8 +248,8 @@ fn primitives_by_material(mesh: &TriMesh, entries: &Entries, default: usize) -> 
 fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
     let look = &mesh.appearance;
     let mut materials = Vec::new();
-    // Many materials may share one picture.
-    let mut pictures = HashMap::new();
+    // Many materials may share one picture, under several names.
+    let (mut pictures, mut views) = (HashMap::new(), HashMap::new());
     for material in &look.materials {
         let mut pbr =
             json!({ "baseColorFactor": material.base_color, "metallicFactor": 0.0, "roughnessFactor": 0.8 });
@@ -246,7 +257,11 @@ fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
             material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
         {
             let picture = (&texture.name, texture.bytes.as_ptr());
-            let index = pictures.entry(picture).or_insert_with(|| file.image(&texture.name, &texture.bytes));
+            let index = pictures.entry(picture).or_insert_with(|| {
+                let view = views.entry(texture.bytes.as_ptr());
+                let view = *view.or_insert_with(|| file.view(texture.bytes.iter().copied(), None));
+                file.image(&texture.name, view, &texture.bytes)
+            });
             pbr["baseColorTexture"] = json!({ "index": index });
         }
         let mut entry = json!({ "name": material.name, "pbrMetallicRoughness": pbr, "doubleSided": true });
@@ -336,9 +351,8 @@ impl Glb {
         self.accessors.len() - 1
     }
 
-    /// A texture of this picture; returns its index, which is the image's too.
-    fn image(&mut self, name: &str, bytes: &[u8]) -> usize {
-        let view = self.view(bytes.iter().copied(), None);
+    /// A texture of the picture with these `bytes`, which lie in `view`; returns its index, which is the image's too.
+    fn image(&mut self, name: &str, view: usize, bytes: &[u8]) -> usize {
         let kind = if bytes.starts_with(b"\x89PNG") { "image/png" } else { "image/jpeg" };
         self.images.push(json!({ "name": name, "bufferView": view, "mimeType": kind }));
         self.images.len() - 1
@@ -359,4 +373,16 @@ pub(super) fn container(root: &Value, data: Vec<u8>) -> Option<Vec<u8>> {
     bytes.extend_from_slice(b"BIN\0");
     bytes.extend_from_slice(&data);
     Some(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_vertices_are_written_than_are_read() {
+        assert!(check_count(1 << 24).is_ok());
+        let refused = check_count((1 << 24) + 1).unwrap_err().to_string();
+        assert!(refused.contains("save PLY or OBJ"), "{refused}");
+    }
 }

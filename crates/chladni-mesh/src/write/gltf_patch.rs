@@ -166,7 +166,7 @@ impl Patch<'_> {
         let mut views = HashMap::new();
         for (i, image) in self.root.images.iter().enumerate() {
             let Some(uri) = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) else { continue };
-            let taken_in = views.entry(uri).or_insert_with(|| {
+            let taken_in = views.entry(beside::plain_uri(uri)).or_insert_with(|| {
                 let bytes = Buffers::uri(uri, beside).ok()?;
                 let kind = picture_kind(&bytes).or(image.mime_type.as_deref())?;
                 Some((self.file.view(bytes.iter().copied(), None), kind))

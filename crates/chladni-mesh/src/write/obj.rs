@@ -151,7 +151,8 @@ fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<Str
         .file_name()
         .map(|name| name.to_string_lossy().into_owned());
     let mut own = own.unwrap_or_else(|| "texture".into());
-    if Path::new(&own).extension().is_none() {
+    let ending = Path::new(&own).extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    if !["png", "jpg", "jpeg"].contains(&&*ending.to_ascii_lowercase()) {
         own.push_str(if bytes.starts_with(b"\x89PNG") { ".png" } else { ".jpg" });
     }
     let numbered = (1..MOST_NUMBERS).map(|i| format!("{stem}-{i}-{own}"));

@@ -1,7 +1,8 @@
 //! Binary little-endian PLY with coordinates as doubles.
 
 use crate::appearance::srgb_from_linear;
-use crate::{CornerUvs, TriMesh};
+use crate::read::ply::{Role, named_role};
+use crate::{Appearance, CornerUvs, TriMesh};
 
 /// The bytes of `mesh`. Texture coordinates go to the vertices where each has one, else to the
 /// corners of the faces; of the materials only the first texture's name is kept.
@@ -27,8 +28,8 @@ pub(crate) fn write(mesh: &TriMesh) -> Vec<u8> {
     if vertex_uvs.is_some() {
         header.push_str("property double s\nproperty double t\n");
     }
-    for attribute in &look.attributes {
-        header.push_str(&format!("property double {}\n", attribute.name));
+    for name in attribute_names(look, vertex_uvs.is_some()) {
+        header.push_str(&format!("property double {name}\n"));
     }
     let length = if wide { "uint" } else { "uchar" };
     header.push_str(&format!(
@@ -74,6 +75,25 @@ pub(crate) fn write(mesh: &TriMesh) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// The names of the attributes. One that would be read as a coordinate, a color or a texture coordinate, beside the mesh's
+/// own, begins with `_`.
+fn attribute_names(look: &Appearance, has_vertex_uvs: bool) -> impl Iterator<Item = String> {
+    let is_taken = move |name: &str| match named_role(name) {
+        Role::Position(_) => true,
+        Role::Color(_) => look.colors.is_some(),
+        Role::Uv(_) => has_vertex_uvs,
+        Role::Attribute(_) | Role::Other => false,
+    };
+    let is_attribute = move |name: &str| look.attributes.iter().any(|attribute| attribute.name == name);
+    look.attributes.iter().map(move |attribute| {
+        let mut name = attribute.name.clone();
+        while is_taken(&name) || (name != attribute.name && is_attribute(&name)) {
+            name.insert(0, '_');
+        }
+        name
+    })
 }
 
 /// One texture coordinate per vertex where all corners at a vertex agree.

@@ -1,5 +1,6 @@
 //! Materials of glTF, and their pictures.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -7,20 +8,27 @@ use chladni_task::percent_decoded;
 
 use super::Scene;
 use crate::read::Mended;
-use crate::read::beside::Beside;
+use crate::read::beside::{Beside, plain_uri};
 use crate::read::gltf_buffers::Buffers;
-use crate::read::gltf_json::Material as JsonMaterial;
+use crate::read::gltf_json::{Material as JsonMaterial, TextureSource};
 use crate::read::mtl::is_picture;
 use crate::{Material, Texture};
 
 /// The pictures read so far, by where they are from, since many images may share one.
-type Pictures<'a> = HashMap<Source<'a>, Arc<[u8]>>;
+struct Pictures<'a> {
+    known: HashMap<Source<'a>, Arc<[u8]>>,
+    /// How many bytes may still come from the buffers: overlapping views could ask for any amount of memory.
+    left: usize,
+}
 
 /// The bytes of an image.
 #[derive(PartialEq, Eq, Hash)]
 enum Source<'a> {
-    View(usize),
-    Uri(&'a str),
+    /// Where in memory a buffer view lies, and its length: many views may be of the same bytes.
+    View(*const u8, usize),
+    /// A view that is not there.
+    NoView(usize),
+    Uri(Cow<'a, str>),
 }
 
 /// The longest name of a picture that is kept, in characters: each material that shows it has the name, too.
@@ -28,7 +36,7 @@ const LONGEST_NAME: usize = 1000;
 
 impl<'a> Scene<'a> {
     pub(super) fn materials(&mut self, beside: &Beside<'_>) {
-        let mut pictures = HashMap::new();
+        let mut pictures = Pictures { known: HashMap::new(), left: self.buffers.length() };
         for material in &self.root.materials {
             let pbr = material.pbr_metallic_roughness.as_ref();
             let factor = pbr.and_then(|pbr| pbr.base_color_factor).unwrap_or([1.0; 4]);
@@ -46,7 +54,7 @@ impl<'a> Scene<'a> {
         beside: &Beside<'_>,
     ) -> Option<Texture> {
         let index = material.pbr_metallic_roughness.as_ref()?.base_color_texture.as_ref()?.index;
-        let source = self.root.textures.get(index).and_then(|texture| texture.source);
+        let source = self.root.textures.get(index).and_then(TextureSource::image);
         let Some((source, image)) = source.and_then(|source| Some((source, self.root.images.get(source)?)))
         else {
             let reason = "there is no such image".to_owned();
@@ -59,27 +67,34 @@ impl<'a> Scene<'a> {
             _ => format!("image {source}"),
         };
         let name: String = name.chars().take(LONGEST_NAME).collect();
-        let from = match image.buffer_view {
-            Some(view) => Source::View(view),
-            None => Source::Uri(image.uri.as_deref().unwrap_or_default()),
+        let uri = image.uri.as_deref().unwrap_or_default();
+        let view = image.buffer_view.map(|view| (view, self.buffers.view(view)));
+        let from = match &view {
+            Some((_, Ok((data, _)))) => Source::View(data.as_ptr(), data.len()),
+            Some((view, Err(_))) => Source::NoView(*view),
+            None => Source::Uri(plain_uri(uri)),
         };
-        if let Some(known) = pictures.get(&from) {
+        if let Some(known) = pictures.known.get(&from) {
             return Some(Texture { name, bytes: known.clone() });
         }
-        let bytes = match from {
-            Source::View(view) => {
-                self.buffers.view(view).map(|(data, _)| data.into()).map_err(|fault| fault.reason)
-            }
-            Source::Uri(uri) => Buffers::uri(uri, beside).map(Arc::from),
+        let picture: Result<Arc<[u8]>, String> = match view {
+            Some((_, view)) => view.map_err(|fault| fault.reason).and_then(|(data, _)| {
+                let left = pictures.left.checked_sub(checked(data)?.len());
+                pictures.left = left.ok_or("it shares its bytes with other pictures")?;
+                Ok(Arc::from(data))
+            }),
+            None => Buffers::uri(uri, beside).and_then(|bytes| checked(&bytes).map(Arc::from)),
         };
-        let picture = bytes.and_then(|bytes: Arc<[u8]>| {
-            if is_picture(&bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".to_owned()) }
-        });
         let bytes = picture.unwrap_or_else(|reason| {
             self.draft.mended.push(Mended::MissingFile(name.clone(), reason));
             Arc::default()
         });
-        pictures.insert(from, bytes.clone());
+        pictures.known.insert(from, bytes.clone());
         Some(Texture { name, bytes })
     }
+}
+
+/// `bytes` if they are a picture's.
+fn checked(bytes: &[u8]) -> Result<&[u8], String> {
+    if is_picture(bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".to_owned()) }
 }

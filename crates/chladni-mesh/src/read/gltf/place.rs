@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::Scene;
+use super::uv_transform::Affine;
 
 /// The vertices that the primitives of one placed mesh have brought so far.
 pub(super) struct Place {
@@ -13,8 +14,8 @@ pub(super) struct Place {
     ids: Option<Vec<f64>>,
     /// By the accessors of positions, colors and `_VERTEX`.
     known: HashMap<(usize, Option<usize>, usize), Range<u32>>,
-    /// By the vertices and the accessor of their texture coordinates.
-    uvs: HashMap<(Range<u32>, usize), Range<usize>>,
+    /// By the vertices, the accessor of their texture coordinates and where a material moves these.
+    uvs: HashMap<(Range<u32>, usize, Option<Affine>), Range<usize>>,
 }
 
 impl Place {
@@ -47,8 +48,13 @@ impl Place {
     }
 
     /// Where the texture coordinates of these vertices lie, if an earlier primitive has brought them.
-    pub fn known_uvs(&self, vertices: &Range<u32>, accessor: usize) -> Option<Range<usize>> {
-        self.uvs.get(&(vertices.clone(), accessor)).cloned()
+    pub fn known_uvs(
+        &self,
+        vertices: &Range<u32>,
+        accessor: usize,
+        transform: Option<Affine>,
+    ) -> Option<Range<usize>> {
+        self.uvs.get(&(vertices.clone(), accessor, transform)).cloned()
     }
 
     /// Remembers where the texture coordinates of `vertices` lie.
@@ -56,9 +62,10 @@ impl Place {
         &mut self,
         vertices: &Range<u32>,
         accessor: usize,
+        transform: Option<Affine>,
         points: Range<usize>,
     ) -> Range<usize> {
-        self.uvs.entry((vertices.clone(), accessor)).insert_entry(points).get().clone()
+        self.uvs.entry((vertices.clone(), accessor, transform)).insert_entry(points).get().clone()
     }
 
     /// The number of vertex `v` after [`rejoin`](Scene::rejoin).
