@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use chladni_match::{Landmark, MatchError, MatchReport, MatchSettings, Method, match_shapes};
+use chladni_match::{
+    Landmark, MatchError, MatchReport, MatchSettings, Method, has_same_vertices, match_shapes,
+};
 use chladni_mesh::{Frame, TriMesh, weld};
 use chladni_task::Task;
 
@@ -88,8 +90,7 @@ struct Way {
 
 impl Way {
     fn between(from: &TriMesh, to: &TriMesh, task: &Task) -> Result<Self, CaricatureError> {
-        let same = from.positions.len() == to.positions.len() && from.triangles == to.triangles;
-        let method = if same { Method::Same } else { Method::Fit };
+        let method = if has_same_vertices(from, to) { Method::Same } else { Method::Fit };
         let found = match_shapes(to, from, &MatchSettings { method, ..MatchSettings::default() }, task);
         task.check()?;
         let failed = |why: MatchError| CaricatureError::Carry(why.to_string());

@@ -152,12 +152,16 @@ impl Target {
 
     /// The base itself without its harmonics from `cutoff` on and without its residual; the
     /// constants of all its pieces count as one harmonic.
-    pub fn low_passed(base: Arc<Base>, cutoff: usize) -> Self {
+    ///
+    /// # Errors
+    /// A `cutoff` that is 0 or above K.
+    pub fn low_passed(base: Arc<Base>, cutoff: usize) -> Result<Self, CaricatureError> {
+        check_low_pass(cutoff, &base.basis)?;
         let cutoff = base.basis.harmonics_below(cutoff);
         let mut points = vec![[0.0; 3]; base.positions.len()];
         let spectrum = base.spectrum();
         base.basis.synthesize_each(&spectrum[..cutoff], &mut points, |_, low, p| *p = low);
-        Self { points, spectrum: OnceLock::new(), source: Source::LowPass(base, cutoff) }
+        Ok(Self { points, spectrum: OnceLock::new(), source: Source::LowPass(base, cutoff) })
     }
 
     /// x̃^r_k, K×3.
@@ -359,6 +363,15 @@ fn residual(basis: &Basis, signal: &[Vec3], spectrum: &[Vec3]) -> Vec<Vec3> {
     let mut out = signal.to_vec();
     basis.synthesize_each(spectrum, &mut out, |_, low, f| *f = sub(*f, low));
     out
+}
+
+/// A low-pass keeps between 1 and all of the harmonics.
+pub(crate) fn check_low_pass(k0: usize, basis: &Basis) -> Result<(), CaricatureError> {
+    if (1..=basis.harmonics()).contains(&k0) {
+        return Ok(());
+    }
+    let (what, range) = ("the number of harmonics that a low-pass keeps", "between 1 and those of the shape");
+    Err(CaricatureError::Range { what, value: k0 as f64, range })
 }
 
 pub(crate) fn check_count(what: &'static str, found: usize, basis: &Basis) -> Result<(), CaricatureError> {

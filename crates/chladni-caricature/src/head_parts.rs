@@ -3,7 +3,9 @@
 
 use chladni_match::{Match, MatchReport, MatchSettings, Scaling, Similarity, match_shapes};
 use chladni_mesh::TriMesh;
-use chladni_mesh::samples::{FitPoint, HEAD_PARTS, fitted_portrait, head_borders, head_part_within, sample};
+use chladni_mesh::samples::{
+    FitPoint, HEAD_PARTS, fitted_portrait, head_borders, head_part_within, head_parts, sample,
+};
 use chladni_mesh::surface::vec3::{length, sub};
 use chladni_mesh::surface::vertex_areas;
 use chladni_task::Task;
@@ -27,6 +29,15 @@ pub struct HeadParts {
 const NO_HEAD: f64 = 0.45;
 
 impl HeadParts {
+    /// Those of a sample head by its `name`, which is modeled of them: all are sure, and nothing is matched. `None` of
+    /// other samples.
+    pub fn known(name: &str, shape: &TriMesh) -> Option<Self> {
+        let part = head_parts(name, &shape.positions)?;
+        let confidence = vec![1.0; part.len()];
+        let report = MatchReport { coverage: 1.0, mean_confidence: 1.0, ..MatchReport::default() };
+        Some(Self { part, confidence, report })
+    }
+
     /// Matches `shape` with the sample template and goes on as [`HeadParts::of_match`]. If the shape is not a head, the
     /// report has warnings or a large distance, and confidence is low.
     ///
@@ -164,8 +175,6 @@ fn failed(why: impl Into<String>) -> CaricatureError {
 
 #[cfg(test)]
 mod tests {
-    use chladni_mesh::samples::head_parts;
-
     use super::*;
 
     /// Intersection over union of each part, over vertices.
@@ -182,6 +191,8 @@ mod tests {
     fn the_parts_of_a_head_of_character_are_found() {
         let head = sample("head").unwrap();
         let known = head_parts("head", &head.positions).unwrap();
+        assert_eq!(HeadParts::known("head", &head).unwrap().part, known);
+        assert!(HeadParts::known("octopus", &head).is_none());
         let found = HeadParts::of(&head, &Task::new()).unwrap();
         let overlaps = overlaps(&found.part, &known);
         let mean = overlaps.iter().sum::<f64>() / overlaps.len() as f64;

@@ -165,7 +165,7 @@ impl LayerMemo {
         let shape = scene.template.ok_or_else(|| missing("is not below this layer"))?;
         let inputs = (Same::from(shape), layer.template.clone());
         let make = || {
-            let own = own_target(&layer.template, shape).map(Arc::new);
+            let own = own_target(&layer.template, shape)?.map(Arc::new);
             own.ok_or_else(|| missing("needs a match"))
         };
         Ok(Some((self.own_target.get(inputs, make)?, false)))

@@ -4,6 +4,7 @@ use chladni_harmonics::Body;
 use chladni_match::Correspondence;
 
 use crate::CaricatureError;
+use crate::difference::check_low_pass;
 
 /// Each vertex ↔ itself with only the harmonics k < `k0` kept, where the constants of all pieces count as
 /// one: exaggerating a shape against its own smooth version brings out its detail. `file_positions` are the n
@@ -16,10 +17,7 @@ pub fn self_low_passed(
     file_positions: &[[f64; 3]],
     k0: usize,
 ) -> Result<Correspondence, CaricatureError> {
-    if k0 == 0 || k0 > body.basis.harmonics() {
-        let (what, range) = ("k0", "between 1 and the number of harmonics");
-        return Err(CaricatureError::Range { what, value: k0 as f64, range });
-    }
+    check_low_pass(k0, &body.basis)?;
     if file_positions.len() != body.operator_vertex.len() {
         let (found, expected) = (file_positions.len(), body.operator_vertex.len());
         return Err(CaricatureError::VertexCount { what: "the list of file positions", found, expected });

@@ -184,12 +184,15 @@ fn like_template(
 }
 
 /// The target of a template that is made from a shape of the stack itself: the layer's own, the original, or the result
-/// of a layer further down.
-pub(crate) fn own_target(template: &Template, shape: &Arc<Base>) -> Option<Target> {
-    match template {
+/// of a layer further down; `None` of other templates.
+///
+/// # Errors
+/// A low-pass that keeps more harmonics than there are.
+pub(crate) fn own_target(template: &Template, shape: &Arc<Base>) -> Result<Option<Target>, CaricatureError> {
+    Ok(match template {
         Template::Scaled(factor) => Some(Target::scaled(shape.clone(), *factor)),
-        Template::LowPass(k0) => Some(Target::low_passed(shape.clone(), *k0)),
+        Template::LowPass(k0) => Some(Target::low_passed(shape.clone(), *k0)?),
         Template::Original | Template::Layer(_) => Some(Target::scaled(shape.clone(), 1.0)),
         _ => None,
-    }
+    })
 }

@@ -67,6 +67,7 @@ struct LayerTable {
     template: String,
     #[serde(default = "default_model")]
     model: Model,
+    #[serde(default = "default_mu")]
     mu: f64,
     #[serde(default = "one")]
     strength: f64,
@@ -111,6 +112,9 @@ fn default_harmonics() -> usize {
 }
 fn default_model() -> Model {
     Model::Coordinate
+}
+fn default_mu() -> f64 {
+    -0.5
 }
 fn one() -> f64 {
     1.0

@@ -14,12 +14,33 @@ use crate::wavelength::{parse_wavelength, wavelengths};
 /// points it is constant. Gains run from 0 (drop) over 1 (as is) to [`MAX_GAIN`](Self::MAX_GAIN). It means the
 /// same whatever the number of harmonics, and the same on another mesh.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "Written")]
 pub struct ScaleCurve {
     /// (wavelength, gain) from broad to fine: wavelengths fall, none twice.
     pub points: Vec<[f64; 2]>,
     /// Φ_d, the gain of the residual.
     pub residual: f64,
+}
+
+/// A curve in a file, where either may be missing.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    points: Option<Vec<[f64; 2]>>,
+    residual: Option<f64>,
+}
+
+impl From<Written> for ScaleCurve {
+    fn from(written: Written) -> Self {
+        let points = written.points.unwrap_or_else(|| Self::default().points);
+        let residual = written.residual.unwrap_or_else(|| last_gain(&points));
+        Self { points, residual }
+    }
+}
+
+/// The gain of the finest point, which the residual has where nothing else is said.
+fn last_gain(points: &[[f64; 2]]) -> f64 {
+    points.last().map_or(1.0, |p| p[1])
 }
 
 impl Default for ScaleCurve {
@@ -201,7 +222,7 @@ impl std::str::FromStr for ScaleCurve {
             })?;
             curve.points.push([wavelength, number(gain)?]);
         }
-        curve.residual = residual.unwrap_or_else(|| curve.points.last().map_or(1.0, |p| p[1]));
+        curve.residual = residual.unwrap_or_else(|| last_gain(&curve.points));
         curve.validate()?;
         Ok(curve)
     }

@@ -152,7 +152,7 @@ impl Stack {
     /// not trusted.
     ///
     /// # Errors
-    /// A template that is not matched, or that is the result of a layer.
+    /// A template that is not matched, that is the result of a layer, or that keeps more harmonics than there are.
     pub fn difference(
         &self,
         template: &Template,
@@ -169,7 +169,7 @@ impl Stack {
                 Some(matched) => Some(matched.target(self.original.basis(), layer.infill)?),
                 None => None,
             },
-            None => own_target(template, &self.original),
+            None => own_target(template, &self.original)?,
         };
         let target = Arc::new(target.ok_or_else(|| refused("is not matched"))?);
         Difference::new(self.original.clone(), target).map(Arc::new)

@@ -75,6 +75,11 @@ fn the_same_triangles_carry_vertex_by_vertex_and_spheres_need_no_match() {
     let carried = project.carried(&mesh, &rescaled(mesh.clone()), &Task::new()).unwrap();
     assert_eq!(values(&carried.project), values(&project));
     assert_eq!(carried.project.layers()[0].1.matching, project.layers()[0].1.matching);
+    // In whatever order the file has the triangles.
+    let mut reversed = mesh.clone();
+    reversed.triangles.reverse();
+    let carried = project.carried(&mesh, &reversed, &Task::new()).unwrap();
+    assert_eq!(values(&carried.project), values(&project));
 
     let mut spheres = Project::new(ShapeSource::Sample("lump".into()), 32);
     let sphere = Sphere { center: [1.0, 0.0, 0.0], radius: 0.5 };

@@ -107,6 +107,21 @@ proptest! {
     }
 }
 
+#[test]
+fn keys_that_a_file_lacks_have_their_defaults() {
+    let layer = |more: &str| {
+        let head = "format_version = 4\n[shape]\nsource = \"sample:head\"\n";
+        let text = format!("{head}[[layer]]\nname = \"round\"\ntemplate = \"sphere\"\n{more}");
+        let (project, _) = Project::from_text(&text, Path::new("/p.chladni")).unwrap();
+        Layer::clone(&project.layers()[0].1)
+    };
+    assert_eq!(layer(""), Layer::new("round", Template::Sphere));
+    let points = layer("[layer.scale]\npoints = [[0.9, 1.0], [0.4, 0.25]]\n").curve;
+    assert_eq!(points, ScaleCurve { points: vec![[0.9, 1.0], [0.4, 0.25]], residual: 0.25 });
+    let residual = layer("[layer.scale]\nresidual = 0.5\n").curve;
+    assert_eq!(residual, ScaleCurve { residual: 0.5, ..ScaleCurve::default() });
+}
+
 /// A reference names a layer, wherever that is moved to, and nothing may make it point at the layer itself, above it, or
 /// at nothing.
 #[test]

@@ -116,8 +116,14 @@ pub fn same_connectivity(
     Ok(Correspondence::on_mesh(template, on_template, confidence, similarity))
 }
 
+/// Whether the vertices of two meshes belong together one by one, as the method `same` takes them: as many
+/// vertices, and the same triangles in any order.
+pub fn has_same_vertices(shape: &TriMesh, template: &TriMesh) -> bool {
+    shape.positions.len() == template.positions.len() && check_triangles(shape, template).is_ok()
+}
+
 /// Checks that both meshes have the same triangles: an equal number of vertices alone proves nothing.
-pub(crate) fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError> {
+fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError> {
     if shape.triangles == template.triangles {
         return Ok(());
     }

@@ -130,6 +130,7 @@ pub(crate) fn crossmap(
         });
     }
     let users = pins.len();
+    let unused = landmarks.len() - users;
     // If both surfaces are open, their largest holes are matched with each other.
     pins.extend(s.largest_hole.zip(t.largest_hole));
     let mut x = onto_sphere(&s, Side::Shape, task)?;
@@ -153,7 +154,14 @@ pub(crate) fn crossmap(
         })
         .collect();
     relax(&s, &domain, &pins, &mut x, &mut places, task)?;
-    assemble(shape, template, &s, &domain, &places, scale)
+    let mut map = assemble(shape, template, &s, &domain, &places, scale)?;
+    if unused > 0 {
+        map.warnings.push(format!(
+            "{unused} of {} landmarks lie outside the largest component of the shape or the template: they were not used",
+            landmarks.len()
+        ));
+    }
+    Ok(map)
 }
 
 /// Moves the image of each vertex toward the cotangent-weighted mean of its neighbors' images in space, by

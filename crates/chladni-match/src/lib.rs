@@ -64,7 +64,7 @@ mod transfer;
 mod unfold;
 
 pub use analytic::{Ellipsoid, onto_ellipsoid, self_scaled};
-pub use correspondence::{Correspondence, same_connectivity};
+pub use correspondence::{Correspondence, has_same_vertices, same_connectivity};
 pub use error::{MatchError, Side};
 pub use infill::{Infill, infilled};
 pub use landmarks::{Landmark, load_landmarks, read_landmarks, write_landmarks};

@@ -10,7 +10,7 @@ use crate::{Correspondence, MatchError, Side};
 
 /// Measures of the quality of a correspondence. Distances are shares of the diagonal of the shape's
 /// bounding box.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MatchReport {
     /// Median distance between the aligned template and the shape's vertices, after the similarity and
     /// before any bending: a measure of how different the two are.

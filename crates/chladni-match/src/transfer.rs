@@ -3,7 +3,7 @@
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
 
-use crate::correspondence::check_triangles;
+use crate::correspondence::has_same_vertices;
 use crate::infill::rest_off_surface;
 use crate::{Correspondence, MatchError, MatchReport, MatchSettings, Method, infilled, match_shapes};
 
@@ -67,8 +67,7 @@ fn difference(
     task: &Task,
 ) -> Result<Vec<[f64; 3]>, MatchError> {
     let less = |(x, r): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| r[i] - x[i]);
-    let vertices = neutral.positions.len();
-    if vertices == expression.positions.len() && check_triangles(neutral, expression).is_ok() {
+    if has_same_vertices(neutral, expression) {
         return Ok(neutral.positions.iter().zip(&expression.positions).map(less).collect());
     }
     // Landmarks, and vertices in the same order, are of the target and the neutral shape.

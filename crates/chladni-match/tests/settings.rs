@@ -103,6 +103,27 @@ fn a_size_that_is_kept_is_a_difference() {
     assert!(found.report.warnings.iter().any(|w| w.contains("1000.0 times smaller")), "{:?}", found.report);
 }
 
+#[test]
+fn a_map_says_how_many_landmarks_it_cannot_use() {
+    let template = lump(3);
+    let mut shape = template.clone();
+    let n = shape.positions.len() as u32;
+    let ball = samples::icosphere(1);
+    shape.positions.extend(ball.positions.iter().map(|p| [0.2 * p[0] + 3.0, 0.2 * p[1], 0.2 * p[2]]));
+    shape.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| n + v)));
+    let warnings = |vertices: &[u32]| {
+        let landmarks = vertices.iter().map(|v| Landmark { shape: *v, template: *v % n }).collect();
+        let settings = MatchSettings { method: Method::Map, landmarks, ..MatchSettings::default() };
+        match_shapes(&shape, &template, &settings, &Task::new()).unwrap().report.warnings
+    };
+    let says_so = |vertices: &[u32]| {
+        let warnings = warnings(vertices);
+        warnings.iter().any(|warning| warning.contains("1 of 5 landmarks lie outside"))
+    };
+    assert!(says_so(&[0, 100, 200, 400, n]));
+    assert!(!says_so(&[0, 100, 200, 400, 500]));
+}
+
 /// A head whose template lacks the lower third, where nothing has a counterpart.
 #[test]
 fn what_the_template_lacks_goes_on_as_its_surroundings_do() {

@@ -1,13 +1,19 @@
 //! A copy of unsaved work that outlives a crash.
 //!
 //! A running program keeps the copy in a folder of its own, and holds a lock beside it. The system releases the
-//! lock when the process dies, for whatever reason; a copy whose lock is free was left by a crash.
+//! lock when the process dies, for whatever reason; a copy whose lock is free was left by a crash. Where the file
+//! system has no locks, one that nobody wrote to for a minute was: there a program that is left alone for longer is taken
+//! for one that crashed, and a copy that is younger is offered when the next program begins.
 
 use std::fs::{File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use crate::{create_folder, write_atomic_private};
+
+/// A copy that was written to within this time is a running program's where there are no locks.
+const AT_WORK: Duration = Duration::from_secs(60);
 
 /// The copy of a running program; [`finish`](Self::finish) removes it. One that is merely dropped, as by a
 /// panic, stays.
@@ -29,10 +35,13 @@ impl RecoveryCopy {
         create_folder(folder)?;
         for attempt in 0..1000 {
             let copy = folder.join(format!("{kind}-{id}-{attempt}.{extension}"));
+            // An old copy waits to be recovered.
+            if copy.exists() {
+                continue;
+            }
             let lock = copy.with_extension("lock");
             let held = File::options().create(true).truncate(false).write(true).open(&lock)?;
-            // An old copy waits to be recovered; another program may hold the lock.
-            if !copy.exists() && held.try_lock().is_ok() {
+            if is_free(&held.try_lock()) {
                 return Ok(Self { copy, lock, _held: held });
             }
         }
@@ -73,11 +82,7 @@ impl RecoveryCopy {
             name.strip_prefix(kind).is_some_and(|rest| rest.starts_with('-'))
         };
         let ours = |path: &PathBuf| path.extension().is_some_and(|end| end == extension) && begins(path);
-        entries
-            .map(|e| e.path())
-            .filter(ours)
-            .filter(|copy| !is_running(&copy.with_extension("lock")))
-            .collect()
+        entries.map(|e| e.path()).filter(ours).filter(|copy| !is_running(copy)).collect()
     }
 
     /// Removes a copy that was [left behind](Self::left_behind): it was recovered, or it is not wanted.
@@ -87,10 +92,28 @@ impl RecoveryCopy {
     }
 }
 
-/// Whether somebody holds the lock at `path`.
-fn is_running(path: &Path) -> bool {
-    let lock = File::options().write(true).open(path);
-    lock.is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+/// Whether a lock that answers so can be taken: no other program holds it. One on a file system that has no locks is
+/// nobody's.
+fn is_free(answer: &Result<(), TryLockError>) -> bool {
+    !matches!(answer, Err(TryLockError::WouldBlock))
+}
+
+/// Whether the program of `copy` still runs.
+fn is_running(copy: &Path) -> bool {
+    let Ok(lock) = File::options().write(true).open(copy.with_extension("lock")) else { return false };
+    let written = copy.metadata().and_then(|copy| copy.modified());
+    // A copy of the future was written just now by a clock that is ahead.
+    let age = written.map_or(Duration::MAX, |written| written.elapsed().unwrap_or_default());
+    is_held(&lock.try_lock(), age)
+}
+
+/// Whether a program keeps the copy of this age whose lock answers so.
+fn is_held(answer: &Result<(), TryLockError>, age: Duration) -> bool {
+    match answer {
+        Ok(()) => false,
+        Err(TryLockError::WouldBlock) => true,
+        Err(TryLockError::Error(_)) => age < AT_WORK,
+    }
 }
 
 #[cfg(test)]
@@ -110,6 +133,25 @@ mod tests {
     }
 
     #[test]
+    fn a_folder_without_locks_keeps_copies_too() {
+        let without = || Err(TryLockError::Error(io::ErrorKind::Unsupported.into()));
+        assert!(is_free(&Ok(())) && is_free(&without()) && !is_free(&Err(TryLockError::WouldBlock)));
+        let (young, old) = (AT_WORK / 2, 2 * AT_WORK);
+        assert!(is_held(&without(), young) && !is_held(&without(), old));
+        assert!(is_held(&Err(TryLockError::WouldBlock), old) && !is_held(&Ok(()), young));
+    }
+
+    #[test]
+    fn a_copy_that_is_passed_over_gets_no_lock() {
+        let home = tempfile::tempdir().unwrap();
+        let old = home.path().join("show-7-0.toml");
+        std::fs::write(&old, "old").unwrap();
+        let copy = RecoveryCopy::start(home.path(), "show", "toml", 7).unwrap();
+        assert_eq!(copy.path(), home.path().join("show-7-1.toml"));
+        assert!(!old.with_extension("lock").exists());
+    }
+
+    #[test]
     fn what_a_crash_leaves_is_found_by_its_kind_and_what_runs_is_not() {
         let home = tempfile::tempdir().unwrap();
         let folder = home.path().join("recovery");
@@ -125,7 +167,7 @@ mod tests {
         let found = (0..1000).find_map(|_| {
             let found = Some(left("show")).filter(|found| !found.is_empty());
             found.or_else(|| {
-                std::thread::sleep(std::time::Duration::from_millis(2));
+                std::thread::sleep(Duration::from_millis(2));
                 None
             })
         });
