@@ -102,6 +102,33 @@ impl Parameter {
         self.row().0
     }
 
+    /// In a sentence, for tooltips and for the page of controls.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Decay => "How long a sound lingers in the shape",
+            Self::SideGain => "How much the difference of left and right counts",
+            Self::Bands => "Number of sound bands",
+            Self::Gain => "How strongly everything moves; 1 is calibrated to the shape",
+            Self::Calibration => "How far a full-scale sound moves the shape at gain 1",
+            Self::Limit => "The share of the shape's size that no part is to exceed",
+            Self::Detail => "Gain of everything finer than the last harmonic",
+            Self::NormalBlending => "0 is exact light, 1 the paper's softer look",
+            Self::TransitionBeats => "Beats that a change on stage takes",
+            Self::BeatsPerStep => "Beats between two favorites",
+            Self::TurnRad => "How far the beat turns the shape",
+            Self::LightSwingRad => "How far the beat moves the lights",
+            Self::LightPulse => "How much brighter the beat is",
+            Self::StereoMu => "How much middle and sides mix, while no dance has a µ of its own",
+            Self::Damping => "How soon the resonators come to rest; from 1 on they swing no more",
+            Self::TuningHz => "How often a second the broadest movement swings",
+            Self::Stretch => "How much faster finer movements are",
+            Self::Strike => "How hard a sound that begins strikes",
+            Self::Hold => "How far a sound that lasts holds the shape",
+            Self::Grains => "How many grains lie on the shape that is on stage",
+            Self::GrainSize => "Radius of a grain, as a share of the shape's size",
+        }
+    }
+
     /// The lowest and the highest value.
     pub fn range(self) -> (f32, f32) {
         (self.row().1, self.row().2)
@@ -236,6 +263,33 @@ impl Switch {
             Self::Camera => "camera",
         }
     }
+
+    /// In a sentence, for tooltips and for the page of controls.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::BeatTurns => "The beat turns the shape",
+            Self::BeatLights => "The beat moves the lights",
+            Self::BeatSteps => "The beat steps through the favorites on stage",
+            Self::FlipSides => "Left and right are exchanged",
+            Self::FlashLimit => "At most three flashes a second, for people with photosensitive epilepsy",
+            Self::FlashFields => {
+                "Limit flashes in a quarter of any third of the picture, too, for people who sit close. Bodies that \
+                 swing fast over a dark ground are darkened by it"
+            }
+            Self::LogBands => "Equal steps of pitch rather than of frequency",
+            Self::OwnMu => "Each dance has a µ of its own; else all have the one among the knobs",
+            Self::Resonate => "Sound strikes the shape; else the shape follows its level",
+            Self::Suggest => {
+                "Of two hundred children show those that differ most and are most like what you chose so far; else \
+                 whatever the paper's breeding gives"
+            }
+            Self::Sand => {
+                "Sand lies on the shape that is on stage and gathers where it does not move; form Modal and little \
+                 gain are best"
+            }
+            Self::Camera => "On stage the camera chooses its shots, bar by bar",
+        }
+    }
 }
 
 #[cfg(test)]
@@ -248,9 +302,11 @@ mod tests {
             assert_eq!(p as usize, i);
             let (low, high) = p.range();
             assert!((low..=high).contains(&p.initial()), "{}", p.name());
+            assert!(!p.about().is_empty(), "{}", p.name());
         }
         for (i, s) in Switch::ALL.into_iter().enumerate() {
             assert_eq!(s as usize, i);
+            assert!(!s.about().is_empty(), "{}", s.name());
         }
         assert!((Parameter::Bands.at_share(0.5) - 90.5).abs() < 0.1);
         assert_eq!(Parameter::TurnRad.at_share(0.5), 1.6);

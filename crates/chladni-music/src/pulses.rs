@@ -1,46 +1,71 @@
-//! Pulses that should be evenly spaced.
+//! Pulses at places that should be evenly spaced.
 
 use std::collections::VecDeque;
 
-/// Times of pulses that should be evenly spaced, and the straight line through the last of them.
+/// Places and times of pulses that should be evenly spaced, and the straight line through the last of them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pulses {
-    pub(crate) secs: VecDeque<f64>,
+    /// The place of each, in whole steps, and its time in seconds.
+    pulses: VecDeque<(f64, f64)>,
     /// At most this many are kept, and at least `least` are needed.
     most: usize,
     least: usize,
-    /// A longer gap begins anew.
+    /// A longer gap, for each step, begins anew.
     pub(crate) longest_gap_secs: f64,
 }
 
 impl Pulses {
     pub(crate) fn new(most: usize, least: usize, longest_gap_secs: f64) -> Self {
-        Self { secs: VecDeque::with_capacity(most), most, least, longest_gap_secs }
+        Self { pulses: VecDeque::with_capacity(most), most, least, longest_gap_secs }
     }
 
-    /// Takes one; true where it begins anew after a gap.
+    pub(crate) fn clear(&mut self) {
+        self.pulses.clear();
+    }
+
+    /// When the last one came.
+    pub(crate) fn last_secs(&self) -> Option<f64> {
+        self.pulses.back().map(|(_, secs)| *secs)
+    }
+
+    /// Takes the next one; true where it begins anew after a gap.
     pub(crate) fn add(&mut self, secs: f64) -> bool {
-        let gap = self.secs.back().map(|last| secs - last);
-        let anew = gap.is_some_and(|gap| !(0.0..=self.longest_gap_secs).contains(&gap));
+        self.add_after(1.0, 1.0, secs)
+    }
+
+    /// Takes one that comes `steps` after the last; `least_steps` say how long the gap may be. True where it begins
+    /// anew.
+    pub(crate) fn add_after(&mut self, steps: f64, least_steps: f64, secs: f64) -> bool {
+        let longest_gap_secs = least_steps * self.longest_gap_secs;
+        let gap_secs = self.last_secs().map(|last_secs| secs - last_secs);
+        let anew = gap_secs.is_some_and(|gap_secs| !(0.0..=longest_gap_secs).contains(&gap_secs));
         if anew {
-            self.secs.clear();
+            self.pulses.clear();
         }
-        if self.secs.len() == self.most {
-            self.secs.pop_front();
+        if self.pulses.len() == self.most {
+            self.pulses.pop_front();
         }
-        self.secs.push_back(secs);
+        let place = self.pulses.back().map_or(0.0, |(place, _)| place + steps);
+        self.pulses.push_back((place, secs));
         anew
     }
 
-    /// When the last pulse should have come, and the time between two: least squares.
+    /// Takes the last one again, at another time.
+    pub(crate) fn put_again(&mut self, at_secs: f64) {
+        if let Some((_, secs)) = self.pulses.back_mut() {
+            *secs = at_secs;
+        }
+    }
+
+    /// When the last pulse should have come, and the time of a step: least squares.
     pub(crate) fn line(&self) -> Option<(f64, f64)> {
-        let count = self.secs.len();
-        let last = *self.secs.back().filter(|_| count >= self.least.max(2))?;
-        // Numbered from the last one backward, so that nothing large is subtracted.
-        let at = |i: usize| (i as f64 - (count - 1) as f64, self.secs[i] - last);
+        let count = self.pulses.len();
+        let (last_place, last) = *self.pulses.back().filter(|_| count >= self.least.max(2))?;
+        // From the last one backward, so that nothing large is subtracted.
+        let pulses = || self.pulses.iter().map(|(place, secs)| (place - last_place, secs - last));
         let n = count as f64;
-        let (mean_x, mean_y) = (0..count).map(at).fold((0.0, 0.0), |(x, y), (i, t)| (x + i / n, y + t / n));
-        let (xx, xy) = (0..count).map(at).fold((0.0, 0.0), |(xx, xy), (i, t)| {
+        let (mean_x, mean_y) = pulses().fold((0.0, 0.0), |(x, y), (i, t)| (x + i / n, y + t / n));
+        let (xx, xy) = pulses().fold((0.0, 0.0), |(xx, xy), (i, t)| {
             (xx + (i - mean_x) * (i - mean_x), xy + (i - mean_x) * (t - mean_y))
         });
         let gap = xy / xx;

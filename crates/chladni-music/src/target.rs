@@ -160,9 +160,13 @@ impl Target {
         }
     }
 
-    /// A short description; empty for knobs and switches, whose names describe them.
+    /// A short description.
     pub fn about(self) -> &'static str {
-        self.row().map_or("", |row| row.3)
+        match self {
+            Self::Parameter(parameter) => parameter.about(),
+            Self::Switch(switch) => switch.about(),
+            _ => self.row().map_or("", |row| row.3),
+        }
     }
 
     fn row(self) -> Option<&'static Row> {
@@ -209,11 +213,13 @@ pub fn controls_page() -> String {
          All that can be learned in the drawer *Remote* or addressed over OSC ([stage](stage.md)). \
          `chladni controls` writes this page.\n",
     );
+    let begins = Parameters::default();
     let numbers = |target: Target| match target {
         Target::Parameter(parameter) => {
             let (low, high) = parameter.range();
-            format!("{low} to {high}")
+            format!("{low} to {high}; at first {}", begins.get(parameter))
         }
+        Target::Switch(switch) => format!("0 or 1; at first {}", u8::from(begins.is_on(switch))),
         Target::Harmonics => "how many; 0 is all".into(),
         Target::Form => FORMS.map(|(name, _)| name).join(", "),
         Target::Choir => CHOIRS.map(|(name, _)| name).join(", "),
@@ -245,8 +251,10 @@ pub fn controls_page() -> String {
         page += &format!("\n## {heading}\n{about}\n\n| OSC | value | what |\n|---|---|---|\n");
         for target in Target::all().filter(|target| target.kind() == kind) {
             let about = match target {
-                Target::Parameter(Parameter::StereoMu) => "of all dances: none has its own from then on",
-                _ if target.about().is_empty() => "see [music](music.md)",
+                // Turned from outside, it also switches off that each has its own.
+                Target::Parameter(Parameter::StereoMu) => {
+                    "How much middle and sides mix, of all dances: none has a µ of its own from then on"
+                }
                 _ => target.about(),
             };
             page += &format!("| `/chladni/{}` | {} | {about} |\n", target.name(), numbers(target));
@@ -276,5 +284,17 @@ mod tests {
             assert!(reached.is_some(), "{target:?}");
             assert!(controls_page().contains(&format!("`{address}`")));
         }
+    }
+
+    #[test]
+    fn the_page_says_of_each_control_itself() {
+        let page = controls_page();
+        assert!(!page.contains("see [music]"));
+        for target in Target::all().filter(|&target| target != Target::Parameter(Parameter::StereoMu)) {
+            assert!(!target.about().is_empty(), "{target:?}");
+            assert!(page.contains(&format!(" | {} |\n", target.about())), "{target:?}");
+        }
+        assert!(page.contains("| `/chladni/gain` | 0 to 20; at first 1 |"));
+        assert!(page.contains("| `/chladni/own-mu` | 0 or 1; at first 1 |"));
     }
 }

@@ -8,6 +8,10 @@ use crate::{BarLine, Beat};
 pub(crate) const QUARTERS_PER_BAR: f64 = 4.0;
 /// The slowest and the fastest tempo, in beats per minute.
 const TEMPI_BPM: std::ops::RangeInclusive<f64> = 20.0..=400.0;
+/// A beat that comes sooner after another one than at the fastest tempo is the same, heard twice.
+const SAME_BEAT_SECS: f64 = 60.0 / *TEMPI_BPM.end();
+/// Bars are missing where a gap is a whole number of them too long, but for this share of one.
+const BAR_TOLERANCE: f64 = 0.1;
 /// How often the tempo may be halved or doubled.
 const MOST_OCTAVES: i32 = 3;
 
@@ -34,6 +38,8 @@ impl Grid {
 pub struct Tempo {
     ticks: Pulses,
     beats: Pulses,
+    /// The place in its bar of the last beat, from 0, where that was said.
+    beat_place: Option<f64>,
     /// The position in the song, in quarters, at the last tick.
     position: f64,
     grid: Option<Grid>,
@@ -53,6 +59,7 @@ impl Default for Tempo {
         Self {
             ticks: Pulses::new(2 * TICKS_PER_QUARTER as usize, TICKS_PER_QUARTER as usize / 2, 0.5),
             beats: Pulses::new(8, 2, 2.0),
+            beat_place: None,
             // Until the position is known, the first tick is assumed to be a beat.
             position: -1.0 / TICKS_PER_QUARTER,
             grid: None,
@@ -88,7 +95,7 @@ impl Tempo {
                     grid.at_secs = at_secs;
                 }
                 self.runs = true;
-                self.ticks.secs.clear();
+                self.ticks.clear();
             }
             ClockMessage::Stop => self.stop(at_secs),
             ClockMessage::Position { quarters } => {
@@ -223,13 +230,13 @@ impl Tempo {
             self.position += f64::from(ticks) / TICKS_PER_QUARTER;
         }
         // A line through the ticks on both sides of the gap would be too flat.
-        self.ticks.secs.clear();
+        self.ticks.clear();
     }
 
     fn stop(&mut self, at_secs: f64) {
         if let Some(grid) = self.grid.filter(|_| self.runs) {
             // Stops at the tick that was heard last, or at the current count if there were no ticks.
-            let quarters = if self.ticks.secs.is_empty() { grid.at(at_secs) } else { self.position };
+            let quarters = if self.ticks.last_secs().is_none() { grid.at(at_secs) } else { self.position };
             self.grid = Some(Grid { quarters, at_secs, ..grid });
         }
         self.runs = false;
@@ -245,7 +252,7 @@ impl Tempo {
         if let Some(grid) = self.grid {
             self.grid = Some(Grid { quarters, at_secs: at_secs + gap_secs, ..grid });
         }
-        self.ticks.secs.clear();
+        self.ticks.clear();
         self.origin = (count - quarters * self.beats_per_quarter()).round();
         self.told_bar = None;
     }
@@ -258,16 +265,16 @@ impl Tempo {
     }
 
     fn beat(&mut self, in_bar: Option<u32>, at_secs: f64) {
-        self.beats.add(at_secs);
+        let place = in_bar.map(|beat| f64::from(beat.saturating_sub(1)).rem_euclid(QUARTERS_PER_BAR));
+        self.add_beat(place, at_secs);
         // The first beat of its song, or the nearest quarter if a clock is ticking.
         let quarters = self.place(at_secs).unwrap_or(0.0);
-        let place = f64::from(in_bar.unwrap_or(1).saturating_sub(1)).rem_euclid(QUARTERS_PER_BAR);
-        let whole = match in_bar {
-            Some(_) => ((quarters - place) / QUARTERS_PER_BAR).round() * QUARTERS_PER_BAR + place,
+        let whole = match place {
+            Some(place) => ((quarters - place) / QUARTERS_PER_BAR).round() * QUARTERS_PER_BAR + place,
             None => quarters.round(),
         };
         let moved = whole - quarters;
-        let ticks = self.ticks.secs.back().is_some_and(|last| at_secs - last <= self.ticks.longest_gap_secs);
+        let ticks = self.ticks.last_secs().is_some_and(|last| at_secs - last <= self.ticks.longest_gap_secs);
         let line = self.beats.line().filter(|(_, gap)| TEMPI_BPM.contains(&(60.0 / gap)) && !ticks);
         match (line, self.grid) {
             (Some((due_secs, gap_secs)), _) => {
@@ -281,6 +288,30 @@ impl Tempo {
         }
         // A move to another place in the bar must not step the beat.
         self.origin -= (moved * self.beats_per_quarter()).round();
+    }
+
+    /// Takes a beat into their line. One whose place in the bar is said, as that of the one before it was, comes as
+    /// many beats after it as that says: messages get lost, and some clocks send only bars.
+    fn add_beat(&mut self, place: Option<f64>, at_secs: f64) {
+        let before = self.beat_place;
+        let apart = place.zip(before).map(|(place, before)| (place - before).rem_euclid(QUARTERS_PER_BAR));
+        let gap_secs = self.beats.last_secs().map_or(f64::INFINITY, |last_secs| at_secs - last_secs);
+        if (0.0..SAME_BEAT_SECS).contains(&gap_secs) && apart.is_none_or(|apart| apart == 0.0) {
+            self.beat_place = place.or(before);
+            return self.beats.put_again(at_secs);
+        }
+        self.beat_place = place;
+        let Some(apart) = apart else {
+            self.beats.add(at_secs);
+            return;
+        };
+        let least = if apart > 0.0 { apart } else { QUARTERS_PER_BAR };
+        // Whole bars are missing, too, where the gap is that long at the tempo so far; any other gap is another tempo.
+        // Of bars alone, one missing each time cannot be distinguished from half the tempo: the tempo so far is kept.
+        let bars = self.grid.map_or(0.0, |grid| (gap_secs * grid.per_sec - least) / QUARTERS_PER_BAR);
+        let whole = bars.round();
+        let missing = if (bars - whole).abs() < BAR_TOLERANCE { whole.max(0.0) } else { 0.0 };
+        self.beats.add_after(least + missing * QUARTERS_PER_BAR, least, at_secs);
     }
 
     fn follow(&mut self, grid: Grid) {

@@ -41,7 +41,8 @@ impl Class {
 pub enum SymmetryMethod {
     /// By applying this mirror plane, which was found from the pairs and refined.
     Mirror(MirrorPlane),
-    /// Only by the paper's vote, because the shape has no mirror plane. The classes are rough.
+    /// Only by the paper's vote: the shape has no mirror plane, or none was to be looked for
+    /// ([`by_vote`](SymmetrySettings::by_vote)). The classes are rough.
     Vote,
 }
 

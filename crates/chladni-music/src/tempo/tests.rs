@@ -243,3 +243,67 @@ fn a_clock_that_was_stopped_goes_on_from_where_it_stood() {
     tempo.hear(ClockMessage::Continue, 20.0);
     assert!((tempo.at(20.01).count - still).abs() < 0.1);
 }
+
+/// Hears these beats of a bar, which come at these times in seconds.
+fn beats(said: impl IntoIterator<Item = (f64, u32)>) -> Tempo {
+    let mut tempo = Tempo::default();
+    for (secs, beat) in said {
+        tempo.hear(ClockMessage::Beat { in_bar: Some(beat) }, 10.0 + secs);
+    }
+    tempo
+}
+
+#[test]
+fn beats_that_come_twice_or_not_at_all_leave_tempo_and_place() {
+    let beat = |i: u32| (0.5 * f64::from(i), 1 + i % 4);
+    // Every bar begins with a message of its own, as it is sent here.
+    let doubled = (0..24).flat_map(|i| std::iter::repeat_n(beat(i), if i % 4 == 0 { 2 } else { 1 }));
+    let bars = (0..24).step_by(4).map(beat);
+    let one_lost = (0..24).filter(|i| *i != 21).map(beat);
+    let bar_lost = (0..24).step_by(4).filter(|i| *i != 12).map(beat);
+    for (name, mut tempo) in [
+        ("doubled", beats(doubled)),
+        ("bars alone", beats(bars)),
+        ("one lost", beats(one_lost)),
+        ("a bar lost", beats(bar_lost)),
+    ] {
+        let bpm = tempo.bpm().unwrap();
+        assert!((bpm - 120.0).abs() < 1.0, "{name}: {bpm}");
+        // Number 22 was the third of its bar.
+        assert_eq!(tempo.beat_in_bar(10.0 + 11.01), Some(3), "{name}");
+        let count = tempo.at(10.0 + 11.0).count;
+        assert!((count - count.round()).abs() < 0.02, "{name}: {count}");
+    }
+    // Also where the second message comes a little later, and does not say which beat it is.
+    let mut tempo = Tempo::default();
+    for i in 0..24 {
+        let at_secs = 0.5 * f64::from(i);
+        if i % 4 == 0 {
+            tempo.hear(ClockMessage::Beat { in_bar: Some(1) }, at_secs);
+        }
+        tempo.hear(ClockMessage::Beat { in_bar: None }, at_secs + 2e-3);
+    }
+    assert!((tempo.bpm().unwrap() - 120.0).abs() < 1.0, "{:?}", tempo.bpm());
+    assert_eq!(tempo.beat_in_bar(11.52), Some(4));
+}
+
+#[test]
+fn beats_of_a_bar_that_are_much_slower_are_followed() {
+    // All four beats, and bars alone.
+    for (every, [before_bpm, after_bpm]) in [(1, [180.0, 45.0]), (4, [120.0, 68.0])] {
+        let beat = |i: u32| {
+            let (before, after) = (f64::from(i.min(16)), f64::from(i.saturating_sub(16)));
+            (60.0 * (before / before_bpm + after / after_bpm), 1 + i % 4)
+        };
+        let bpm = beats((0..64).step_by(every).map(beat)).bpm().unwrap();
+        assert!((bpm - after_bpm).abs() < 0.1, "every {every}: {bpm}");
+    }
+}
+
+#[test]
+fn taps_that_are_much_slower_are_followed() {
+    let mut tempo = Tempo::default();
+    tempo.set(120.0, 0.0, 10.0);
+    (0..9).for_each(|i| tempo.hear(ClockMessage::Beat { in_bar: None }, 12.0 + 0.8 * f64::from(i)));
+    assert!((tempo.bpm().unwrap() - 75.0).abs() < 0.1, "{:?}", tempo.bpm());
+}

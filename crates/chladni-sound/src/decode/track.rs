@@ -127,7 +127,7 @@ pub(super) fn rewind(name: &str, source: &mut dyn MediaSource) -> Result<(), Sou
 /// The error for a file that begins with `start` and cannot be opened.
 pub(super) fn unrecognized(name: &str, start: &[u8], error: &CodecError) -> SoundError {
     let holds = |mark: &[u8]| start.windows(mark.len()).any(|window| window == mark);
-    for (mark, codec) in [(&b"OpusHead"[..], "Opus"), (b"Speex   ", "Speex"), (b"wvpk", "WavPack")] {
+    for (mark, codec) in [(&b"Speex   "[..], "Speex"), (b"wvpk", "WavPack")] {
         if holds(mark) {
             let codec = codec.to_owned();
             return SoundError::UnsupportedCodec { name: name.to_owned(), codec, advice: CONVERT };

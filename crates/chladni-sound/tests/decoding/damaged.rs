@@ -25,6 +25,21 @@ fn empty_files_say_so() {
 }
 
 #[test]
+fn a_damaged_opus_file_is_not_called_one_of_a_codec_that_is_missing() {
+    // The head of a stream without its checksum, and half of its tags.
+    let page = |kind: u8, number: u8, length: u8| {
+        let head = [b"OggS", &[0, kind][..], &[0; 8], &[1, 0, 0, 0], &[number, 0, 0, 0]].concat();
+        [&head[..], &[0; 4], &[1, length]].concat()
+    };
+    let head = b"OpusHead\x01\x02\x38\x01\x80\xbb\x00\x00\x00\x00\x00";
+    let (begun, tagged) = (page(2, 0, head.len() as u8), page(0, 1, 40));
+    let file = [&begun[..], head, &tagged[..], b"OpusTags\x10\x00\x00\x00half"].concat();
+    let error = read_bytes("x.opus", file).expect_err("there is no sound");
+    assert!(!error.to_string().contains("not supported"), "{error}");
+    assert!(error.to_string().contains("x.opus"), "{error}");
+}
+
+#[test]
 fn truncated_files_play_as_far_as_they_go() {
     for name in ["dubstep.wav", "dubstep.flac", "dubstep.mp3", "dubstep.ogg"] {
         let Some(path) = shared(&format!("audio/{name}")) else { return };
