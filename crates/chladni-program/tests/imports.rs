@@ -93,3 +93,22 @@ fn commands_and_window_meet_at_one_door() {
     never_names("cli", &["crate::studio", "egui", "eframe"]);
     never_names("studio", &["crate::cli", "crate::window", "clap"]);
 }
+
+#[test]
+fn unsafe_code_stands_only_in_the_files_that_the_rules_list() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut unsafe_files = Vec::new();
+    for path in files_below(crates.to_owned()) {
+        let file = path.strip_prefix(crates).unwrap().to_string_lossy().replace('\\', "/");
+        let is_shipped = file.contains("/src/") && file.ends_with(".rs");
+        if is_shipped && std::fs::read_to_string(&path).unwrap().contains("unsafe_code") {
+            unsafe_files.push(file);
+        }
+    }
+    unsafe_files.sort();
+    let rules = std::fs::read_to_string(crates.join("../CONTRIBUTING.md")).unwrap();
+    let is_file = |word: &&str| word.starts_with("chladni-") && word.ends_with(".rs");
+    let mut listed: Vec<&str> = rules.split('`').filter(is_file).collect();
+    listed.sort_unstable();
+    assert_eq!(unsafe_files, listed);
+}

@@ -374,6 +374,23 @@ fn a_show_hears_live_input_again_from_its_recording() {
     assert!(heard > 5.0 * live + 1000.0, "{live} before the recording, {heard} in it");
 }
 
+#[test]
+fn a_show_that_is_saved_while_its_recording_is_written_names_it() {
+    if !chladni_view::ffmpeg_is_there() {
+        return println!("skipped: no ffmpeg");
+    }
+    let mut evening = Evening::begin(20, "", "");
+    let film = evening.record();
+    (0..20).for_each(|_| evening.step(kick));
+    let path = evening._folder.path().join("set.toml");
+    evening.answers.add(&path);
+    control(&evening.window, "recording-end").click_accesskit();
+    evening.window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
+    wait(&mut evening.window, "the show", |_| path.exists());
+    let show = Show::load(&path).unwrap();
+    assert!(show.songs.iter().any(|song| film.ends_with(&song.path)), "{:?}", show.songs);
+}
+
 /// Tests draw the second window into the first.
 #[test]
 fn a_recording_has_the_size_of_the_stage_that_has_a_window_of_its_own() {

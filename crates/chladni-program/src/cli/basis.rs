@@ -34,7 +34,7 @@ pub struct Args {
     /// Print what was solved, how long it took and the certificate as JSON.
     #[arg(long)]
     json: bool,
-    /// Worker threads (all of the machine's by default). The result does not depend on it.
+    /// Worker threads (all of the machine's by default), at most 1024. The result does not depend on it.
     #[arg(long)]
     threads: Option<usize>,
     /// Memory in GB that the solve may take [default: what is free]. What does not fit is kept in --scratch.

@@ -64,9 +64,9 @@ pub struct Dance {
     /// How much of it, in seconds; all unless given.
     #[arg(long)]
     duration: Option<f64>,
-    /// Seed of all that is random: the reactions to the beat and, without preset and show,
-    /// a mapping bred from the gallery of this seed instead of the direct one.
-    #[arg(long)]
+    /// Seed of all that is random: the reactions to the beat and, without preset, a mapping bred from the
+    /// gallery of this seed instead of the direct one. A show has its own.
+    #[arg(long, conflicts_with = "show")]
     seed: Option<u64>,
     /// Dance as this preset says.
     #[arg(long, value_name = "P.toml", conflicts_with = "show")]
@@ -106,7 +106,9 @@ pub struct Dance {
     /// classes by the vote of the extrema, the filter form, linear bands and blended normals.
     #[arg(long)]
     paper: bool,
-    /// Lean back: dances, looks and strength change with the music, where sections and bars begin. A look that is given stays.
+    /// Lean back: dances, looks and strength change with the music, where sections and bars begin. A look that is given
+    /// stays, and so does what --form, --timbre, --choir, --mu, --paper and --set say; --gain is the strength around
+    /// which it changes.
     #[arg(long, conflicts_with_all = ["preset", "show", "gallery", "coefficients"])]
     autopilot: bool,
     /// Write times_secs and coefficients (frames×K×3, or frames×K for the modal form) here. Not with --resume, which

@@ -1,6 +1,6 @@
 //! The options that describe a caricature layer, shared by `caricature` and `project`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_caricature::{
     Layer, Model, Painted, Project, Region, RollOff, ScaleCurve, Smoothing, Template, parse_wavelength,
@@ -9,7 +9,8 @@ use chladni_caricature::{
 use chladni_harmonics::Laplacian;
 use chladni_match::{MatchSettings, Method, Scaling, load_landmarks};
 
-use crate::work::{Error, Subject};
+use super::Terminal;
+use crate::work::{Error, Subject, Watcher};
 
 /// How a layer exaggerates.
 #[derive(clap::Args, Clone, Debug)]
@@ -52,7 +53,7 @@ pub struct LayerOptions {
     #[arg(long)]
     rigid: bool,
     /// Seed of all that matching samples, and of the gallery.
-    #[arg(long, default_value_t = MatchSettings::default().seed)]
+    #[arg(long, value_parser = seed, default_value_t = MatchSettings::default().seed)]
     seed: u64,
     /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as
     /// hair, holes and the cut of a neck: 0, as it was found, to 1 [default: 1; 0 in paper mode].
@@ -63,6 +64,12 @@ pub struct LayerOptions {
 /// The scaling that `--rigid` asks for.
 pub fn scaling(rigid: bool) -> Scaling {
     if rigid { Scaling::Rigid } else { Scaling::Free }
+}
+
+/// Project files hold no larger whole numbers.
+fn seed(text: &str) -> Result<u64, Error> {
+    let number = text.parse::<u64>().ok().filter(|seed| i64::try_from(*seed).is_ok());
+    number.ok_or_else(|| Error::input(format_args!("must be a whole number from 0 to {}", i64::MAX)))
 }
 
 fn cutoff(text: &str) -> Result<f64, Error> {
@@ -87,6 +94,19 @@ pub fn method(text: &str) -> Result<Method, Error> {
         .map_err(|error| Error::input(error.to_string().replace("variant", "method")))
 }
 
+/// Checks that landmarks are not given to the method that takes vertices as they are.
+///
+/// # Errors
+/// [`Error::Input`] where they are.
+pub fn check_landmarks(method: Method, landmarks: Option<&Path>) -> Result<(), Error> {
+    match landmarks {
+        Some(_) if method == Method::Same => {
+            Err(Error::input("--landmarks lead a match, and none is looked for between the same vertices"))
+        }
+        _ => Ok(()),
+    }
+}
+
 impl LayerOptions {
     /// The seed of all that is random.
     pub fn seed(&self) -> u64 {
@@ -98,30 +118,62 @@ impl LayerOptions {
         self.matching == Some(Method::Same)
     }
 
-    /// Checks that no option for matching is given where `template` is no mesh, and so is not matched.
+    /// Checks that no option for matching is given where `template` is no mesh, and so is not matched, nor one that the
+    /// method does not use.
     ///
     /// # Errors
     /// [`Error::Input`] with the option's name.
     pub fn check_for(&self, template: Option<&Template>) -> Result<(), Error> {
         let given = self.matching.map(|_| "--match").or(self.landmarks.as_ref().map(|_| "--landmarks"));
-        match given.or(self.rigid.then_some("--rigid")) {
+        let given = given.or(self.rigid.then_some("--rigid")).or(self.infill.map(|_| "--infill"));
+        match given {
             Some(option) if !template.is_some_and(Template::is_mesh) => {
                 Err(Error::Input(format!("{option} is for a template that is a mesh")))
             }
-            _ => Ok(()),
+            _ => check_landmarks(self.matching.unwrap_or_default(), self.landmarks.as_deref()),
         }
     }
 
-    /// How a template mesh is matched with `subject`.
+    /// Checks that no option for the edge of a region is given where there is none, nor one that its edge does not have;
+    /// `paper` says whether that is sharp by default. A layer of a project may get its region later, in the window: there
+    /// [`check_clamp`](Self::check_clamp) is enough.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the option's name.
+    pub fn check_edge(&self, has_region: bool, paper: bool) -> Result<(), Error> {
+        let given = self.cutoff.map(|_| "--cutoff").or(self.roll_off.map(|_| "--roll-off"));
+        match given.or(self.no_clamp.then_some("--no-clamp")) {
+            Some(option) if !has_region => {
+                Err(Error::Input(format!("{option} is for the edge of a region, and none is given")))
+            }
+            _ => self.check_clamp(paper),
+        }
+    }
+
+    /// Checks that `--no-clamp` is given only for a sharp edge; `paper` says whether edges are sharp by default.
+    ///
+    /// # Errors
+    /// [`Error::Input`] with the option's name.
+    pub fn check_clamp(&self, paper: bool) -> Result<(), Error> {
+        let is_sharp = self.roll_off.map_or(paper, |roll_off| roll_off == RollOff::Sharp);
+        if self.no_clamp && !is_sharp {
+            return Err(Error::input("--no-clamp is for a sharp edge: give --roll-off sharp, too"));
+        }
+        Ok(())
+    }
+
+    /// How a template mesh is matched with `subject`; warns of landmarks that come to one vertex.
     ///
     /// # Errors
     /// Landmarks that cannot be read, or are not there.
-    pub fn matching(&self, subject: &Subject) -> Result<MatchSettings, Error> {
+    pub fn matching(&self, subject: &Subject, terminal: &Terminal) -> Result<MatchSettings, Error> {
         let mut matching =
             MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
-            matching.landmarks = subject.renumbered(load_landmarks(path)?)?;
+            let (landmarks, warning) = subject.renumbered(load_landmarks(path)?)?;
+            warning.into_iter().for_each(|warning| terminal.warn(warning));
+            matching.landmarks = landmarks;
         }
         Ok(matching)
     }
@@ -134,6 +186,7 @@ impl LayerOptions {
         painted: Painted,
         project: &Project,
         subject: &Subject,
+        terminal: &Terminal,
     ) -> Result<Layer, Error> {
         let paper = project.laplacian == Laplacian::Cotangent;
         let usual = if paper { Layer::paper(name, template) } else { Layer::new(name, template) };
@@ -144,7 +197,7 @@ impl LayerOptions {
             clamp: smoothing.clamp && !self.no_clamp,
         };
         let mu = self.mu.unwrap_or(if paper { self.model.paper_mu() } else { usual.mu });
-        let matching = self.matching(subject)?;
+        let matching = self.matching(subject, terminal)?;
         let curve = project.usual_curve(&usual.template, matching.method, mu);
         let layer = Layer {
             matching,

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::Terminal;
 use super::part_output::{COLORS, Colored, PartOutput, draw};
-use crate::work::{Error, Watcher, body};
+use crate::work::{Error, Subject, Watcher, body};
 
 /// A trunk in the picture, linear light.
 const TRUNK: [f32; 4] = [0.62, 0.66, 0.70, 1.0];
@@ -22,13 +22,14 @@ struct Printed {
     twin: Option<usize>,
 }
 
-/// Finds, writes, draws and prints the parts of `mesh`, which is called `name`, at `level`.
+/// Finds, writes, draws and prints the parts of `subject`, which is called `name`, at `level`.
 pub fn run(
     wanted: &PartOutput,
     level: f64,
-    (name, mesh): (&str, &TriMesh),
+    (name, subject): (&str, &Subject),
     terminal: &Terminal,
 ) -> Result<(), Error> {
+    let mesh = &*subject.mesh;
     let (body, _) = body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, terminal)?;
     let found = Limbs::of(&body, level);
     let search = MirrorSearch::of(&body.positions, &body.triangles);
@@ -38,7 +39,8 @@ pub fn run(
     let part_of = |vertex: &Option<u32>| vertex.and_then(|v| found.part.get(v as usize)).copied();
     if let Some(path) = &wanted.output {
         // −1 where no triangle uses the vertex.
-        let parts = body.operator_vertex.iter().map(|v| part_of(v).map_or(-1, i64::from));
+        let parts: Vec<i64> = body.operator_vertex.iter().map(|v| part_of(v).map_or(-1, i64::from)).collect();
+        let parts = subject.at_whole(&parts, -1);
         let written = write_npz(path, |npz| npz.array("part", &[parts.len() as u64], parts));
         written.map_err(|error| Error::unwritten(path, error))?;
     }

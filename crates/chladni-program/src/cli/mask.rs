@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::Painted;
-use chladni_mesh::ShapeSource;
+use chladni_mesh::{Format, ShapeSource};
 
 use super::Terminal;
 use super::region::RegionOptions;
@@ -33,6 +33,9 @@ impl MaskCommand {
     /// Writes it.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         mask::check(&self.output)?;
+        if self.as_colors && Format::of_path(&self.output) != Some(Format::Ply) {
+            return Err(Error::input("--as-colors is for a .ply: other meshes are gray anyway"));
+        }
         check_file(&self.output)?;
         let read = [Some(self.shape.as_path()), self.region.mask_file()];
         check_apart(&self.output, &read.into_iter().flatten().collect::<Vec<_>>())?;

@@ -17,7 +17,7 @@ use chladni_view::{Camera, ColorMap, PictureRequest, PictureShape, Scale, Style,
 use serde::Serialize;
 
 use super::Terminal;
-use super::layer_options::scaling;
+use super::layer_options::{check_landmarks, scaling};
 use crate::work::outputs::{check_arrays, check_no_texture, check_picture};
 use crate::work::{Error, Stance, Warning, Watcher, place_colors, source};
 
@@ -29,7 +29,8 @@ pub struct MatchShapes {
     /// The template: a mesh file or sample:NAME; none for ellipsoid, sphere and self.
     template: Option<PathBuf>,
     /// How: same (connectivity), icp, fit, map (through a sphere, led by landmarks), ellipsoid,
-    /// sphere, a given one (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c), self:scale=S, self:lowpass=K.
+    /// sphere, a given one (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=S,
+    /// self:lowpass=K.
     #[arg(long, default_value = "fit")]
     method: How,
     /// Pairs that belong together: `shape_vertex template_vertex` a line, from zero, # comments.
@@ -85,8 +86,8 @@ impl FromStr for How {
                 Some(("lowpass", k)) => Self::SelfLowPassed(k.parse().map_err(|_| number(k))?),
                 _ => {
                     return Err(Error::input(
-                        "expected same, icp, fit, map, ellipsoid, sphere, sphere:x,y,z,radius, self:scale=S or \
-                         self:lowpass=K",
+                        "expected same, icp, fit, map, ellipsoid, sphere, sphere:x,y,z,radius, \
+                         ellipsoid:x,y,z,a,b,c (and, turned, three angles), self:scale=S or self:lowpass=K",
                     ));
                 }
             },
@@ -138,6 +139,9 @@ impl MatchShapes {
         }
         if !matches!(self.method, How::Mesh(_)) && of_mesh {
             return Err(Error::input("this method takes neither a template, landmarks nor --rigid"));
+        }
+        if let How::Mesh(method) = self.method {
+            check_landmarks(method, self.landmarks.as_deref())?;
         }
         self.output.as_deref().map_or(Ok(()), check_arrays)?;
         self.render.as_deref().map_or(Ok(()), check_picture)

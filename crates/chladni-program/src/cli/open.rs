@@ -13,8 +13,8 @@ use crate::work::{Error, Watcher};
 /// Open the window, on files where some are given.
 #[derive(clap::Args, Default)]
 pub struct Open {
-    /// Meshes or a project, songs, a preset or a show; the first mesh is the shape, the next
-    /// ones are templates for it.
+    /// Meshes or a project, songs, folders of songs, lists of them (.m3u, .m3u8), a preset or a show; the first mesh is the
+    /// shape, the next ones are templates for it.
     files: Vec<PathBuf>,
     /// Listen to this live input, as the drawer Songs calls it; without a name, to the one that was chosen last.
     #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true)]

@@ -1,16 +1,17 @@
 //! `chladni parts MESH`: the named parts of a head, or, at a level, the limbs of any shape.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use chladni_caricature::{HEAD_PARTS, HeadParts};
 use chladni_harmonics::npz::write_npz;
-use chladni_mesh::TriMesh;
+use chladni_mesh::{ShapeSource, TriMesh};
 use serde::Serialize;
 
 use super::part_output::{COLORS, Colored, PartOutput, draw};
+use super::resolution::ResolutionOptions;
 use super::{Terminal, limbs};
 use crate::work::outputs::check_no_texture;
-use crate::work::{Error, Warning, Watcher, source};
+use crate::work::{Error, Subject, Warning, Watcher};
 
 /// Find the parts of a head (nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown and neck), or of any shape.
 #[derive(clap::Args)]
@@ -21,6 +22,8 @@ pub struct Parts {
     /// features).
     #[arg(long, value_name = "X", value_parser = level)]
     level: Option<f64>,
+    #[command(flatten)]
+    resolution: ResolutionOptions,
     #[command(flatten)]
     output: PartOutput,
 }
@@ -45,25 +48,27 @@ impl Parts {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let PartOutput { output, json, render } = &self.output;
         self.output.check()?;
-        let mesh = source::mesh(&self.mesh, terminal)?;
-        render.as_deref().map_or(Ok(()), |path| check_no_texture(path, &self.mesh, &mesh))?;
+        let shape = ShapeSource::named(&self.mesh);
+        let subject = Subject::open_at(self.resolution.wanted(), &shape, terminal)?;
+        render.as_deref().map_or(Ok(()), |path| check_no_texture(path, &self.mesh, subject.whole()))?;
         let name = self.mesh.display().to_string();
         if let Some(level) = self.level {
-            return limbs::run(&self.output, level, (&name, &mesh), terminal);
+            return limbs::run(&self.output, level, (&name, &subject), terminal);
         }
-        let found = found(&name, &mesh, terminal)?;
+        let mesh = &*subject.mesh;
+        let found = found(&name, mesh, terminal)?;
         if let Some(path) = output {
-            let n = found.part.len() as u64;
+            let n = subject.whole().positions.len() as u64;
             let written = write_npz(path, |npz| {
-                npz.array("part", &[n], found.part.iter().copied())?;
-                npz.array("confidence", &[n], found.confidence.iter().copied())
+                npz.array("part", &[n], subject.at_whole(&found.part, 0))?;
+                npz.array("confidence", &[n], subject.at_whole(&found.confidence, 0.0))
             });
             written.map_err(|error| Error::unwritten(path, error))?;
         }
         if let Some(path) = render {
             let color = |part: &u8| COLORS.get(usize::from(*part)).copied().unwrap_or([1.0; 4]);
             let colors = found.part.iter().map(color).collect();
-            draw(path, Colored { name: &name, mesh: &mesh, colors }, terminal)?;
+            draw(path, Colored { name: &name, mesh, colors }, terminal)?;
         }
         let parts: Vec<Printed> =
             HEAD_PARTS.iter().enumerate().map(|(i, name)| Printed::of(name, i, &found)).collect();
@@ -85,8 +90,13 @@ impl Printed {
     }
 }
 
-/// The parts of the head `mesh`, which is called `name`; warns where it hardly matches one.
+/// The parts of the head `mesh`, which is called `name`: those of a sample are known; warns where another hardly matches
+/// one.
 pub fn found(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<HeadParts, Error> {
+    let sample = ShapeSource::sample_name(Path::new(name));
+    if let Some(known) = sample.and_then(|sample| HeadParts::known(sample, mesh)) {
+        return Ok(known);
+    }
     let found = terminal.watch("finding the parts of the head", |task| HeadParts::of(mesh, task));
     let found = found.map_err(|error| Error::from(error).of(name))?;
     for warning in &found.report.warnings {

@@ -13,6 +13,7 @@ use super::Terminal;
 use super::ink::InkOptions;
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
+use crate::work::outputs::check_size;
 use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, dots, settled};
 
 /// Where the viewer of a picture stands, and how large the picture is.
@@ -74,7 +75,10 @@ fn angles(text: &str) -> Result<[f32; 2], Error> {
 fn pixels(text: &str) -> Result<[u32; 2], Error> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let within = |s: &[u32; 2]| s.iter().all(|s| (16..=16_384).contains(s));
-    parsed.filter(within).ok_or_else(|| Error::input("write it as WIDTHxHEIGHT in pixels, 16 to 16384 each"))
+    let wrong = || Error::input("write it as WIDTHxHEIGHT in pixels, 16 to 16384 each");
+    let [width, height] = parsed.filter(within).ok_or_else(wrong)?;
+    check_size(width, height)?;
+    Ok([width, height])
 }
 
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
@@ -226,7 +230,7 @@ fn before_and_after(
     let single =
         |positions: &[[f64; 3]]| -> Vec<[f32; 3]> { positions.iter().map(|p| p.map(|c| c as f32)).collect() };
     let (before, after) = (single(&body.positions), single(&evaluation.result.positions));
-    let own = OwnLook::of(name, &subject.mesh, body, watcher);
+    let own = OwnLook::of_subject(name, subject, body, watcher);
     let colors = match &own {
         Some(OwnLook::Colors(bytes)) => Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect()),
         _ => None::<Vec<[f32; 4]>>,

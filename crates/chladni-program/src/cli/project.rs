@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use chladni_caricature::{DEFAULT_HARMONICS, Layer, Painted, Project, Resolution, ShapeSource, Template};
 use chladni_harmonics::{Laplacian, Operator};
+use chladni_mesh::Orientation;
 use serde::Serialize;
 
 use super::Terminal;
@@ -129,6 +130,7 @@ impl AddLayer {
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.layer.check_for(Some(&self.template))?;
         let mut project = source::project(&self.project, terminal)?;
+        self.layer.check_clamp(project.laplacian == Laplacian::Cotangent)?;
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
         let shape = project.shape.to_string();
@@ -143,7 +145,7 @@ impl AddLayer {
         }
         let subject = Subject::of(&mut project, terminal)?;
         let painted = self.region.painted(&shape, &subject, terminal)?;
-        let layer = self.layer.layer(&name, self.template, painted, &project, &subject)?;
+        let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;
         project.save(&self.project).map_err(Error::unsaved)?;
         let layers = project.layers().len();
@@ -167,6 +169,10 @@ struct Shown {
     harmonics: usize,
     laplacian: Laplacian,
     keep_triangles: bool,
+    /// About how many vertices it is worked on with, 0 for always all; `None` where that is as usual.
+    proxy: Option<usize>,
+    /// How it stands, where that was set by hand.
+    stands: Option<Orientation>,
     layers: Vec<ShownLayer>,
 }
 
@@ -179,6 +185,8 @@ struct ShownLayer {
     strength: f64,
     enabled: bool,
     solo: bool,
+    /// Whether it is enabled, and soloed where any layer is.
+    acts: bool,
     /// `everywhere`, `spheres` or `painted`.
     region: &'static str,
     spheres: Vec<String>,
@@ -193,7 +201,7 @@ struct ShownLayer {
 }
 
 impl ShownLayer {
-    fn of(layer: &Layer) -> Self {
+    fn of(layer: &Layer, project: &Project) -> Self {
         let (region, spheres, painted_vertices) = match &layer.region.painted {
             Painted::Everywhere => ("everywhere", Vec::new(), None),
             Painted::Spheres(spheres) => ("spheres", spheres.iter().map(ToString::to_string).collect(), None),
@@ -210,6 +218,7 @@ impl ShownLayer {
             strength: layer.strength,
             enabled: layer.enabled,
             solo: layer.solo,
+            acts: project.acts(layer),
             region,
             spheres,
             painted_vertices,
@@ -232,20 +241,35 @@ impl Show {
             harmonics: project.harmonics,
             laplacian: project.laplacian,
             keep_triangles: project.keep_triangles,
-            layers: project.layers().iter().map(|(_, l)| ShownLayer::of(l)).collect(),
+            proxy: match &project.resolution {
+                Resolution::Usual => None,
+                Resolution::Whole => Some(0),
+                Resolution::Proxy(key) => Some(key.vertices),
+            },
+            stands: project.stands,
+            layers: project.layers().iter().map(|(_, l)| ShownLayer::of(l, &project)).collect(),
         };
         if self.json {
             return terminal.json(&shown);
         }
         let Shown { shape, harmonics, laplacian, .. } = &shown;
         let keeps = if shown.keep_triangles { ", keeps triangles" } else { "" };
-        terminal
-            .result(format_args!("{shape}, {harmonics} harmonics of the {laplacian} Laplacian{keeps}"))?;
+        let proxy = match shown.proxy {
+            None => String::new(),
+            Some(0) => ", all of its vertices".to_owned(),
+            Some(vertices) => format!(", about {vertices} of its vertices"),
+        };
+        let stands = shown.stands.map_or_else(String::new, |stands| format!(", {stands}"));
+        terminal.result(format_args!(
+            "{shape}, {harmonics} harmonics of the {laplacian} Laplacian{keeps}{proxy}{stands}"
+        ))?;
         for (i, layer) in shown.layers.iter().enumerate() {
-            let off = if layer.enabled { "" } else { ", off" };
+            let (off, solo) = (if layer.acts { "" } else { ", off" }, if layer.solo { ", solo" } else { "" });
             let ShownLayer { name, template, model, mu, region, .. } = layer;
-            terminal
-                .result(format_args!("{}. {name}: {template}, {model}, μ = {mu}, {region}{off}", i + 1))?;
+            terminal.result(format_args!(
+                "{}. {name}: {template}, {model}, μ = {mu}, {region}{solo}{off}",
+                i + 1
+            ))?;
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ pub struct RegionOptions {
     #[arg(long, value_name = "X,Y,Z,RADIUS", allow_hyphen_values = true)]
     region: Vec<Sphere>,
     /// Act only on this part of a head: nose, brow, eyes, mouth, chin, jaw, cheeks, ears, crown or neck, found by a match
-    /// with a head whose parts are known; may be repeated.
+    /// with a head of known parts (those of sample heads are known); may be repeated.
     #[arg(long, value_name = "NAME", conflicts_with = "region", value_parser = part)]
     part: Vec<String>,
     /// Act only on this part of any shape, by the number that `parts --level` prints; may be repeated, or several with

@@ -14,11 +14,17 @@ pub struct ResolutionOptions {
 }
 
 impl ResolutionOptions {
-    /// The resolution asked for; by default, all vertices if they are needed.
-    pub fn or_all(&self, are_needed: bool) -> Resolution {
+    /// The resolution asked for; by default, all vertices if `--match same` needs them.
+    ///
+    /// # Errors
+    /// [`Error::Input`] where fewer are asked for than are needed.
+    pub fn or_all(&self, are_needed: bool) -> Result<Resolution, Error> {
         match self.wanted() {
-            Resolution::Usual if are_needed => Resolution::Whole,
-            wanted => wanted,
+            Resolution::Usual if are_needed => Ok(Resolution::Whole),
+            Resolution::Proxy(_) if are_needed => {
+                Err(Error::input("--match same needs all vertices: leave out --proxy, or give 0"))
+            }
+            wanted => Ok(wanted),
         }
     }
 

@@ -3,13 +3,13 @@
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
-use chladni_sound::{FrontEnd, Level, Song, SpectrumAnalyzer, SpectrumSettings};
+use chladni_sound::{FrontEnd, Level, Song, SoundError, SpectrumAnalyzer, SpectrumSettings};
 use chladni_task::Task;
 use clap::Args;
 
 use super::Terminal;
 use crate::work::outputs::check_picture;
-use crate::work::{Error, Watcher, source};
+use crate::work::{Error, Warning, Watcher, source};
 
 /// Show the middle and side spectra of a song over time.
 #[derive(Args)]
@@ -38,13 +38,13 @@ pub struct Spectrum {
     /// Factor on the side.
     #[arg(long, default_value_t = 10.0)]
     side_gain: f32,
-    /// Amplitudes as they are in the file, instead of following its level.
+    /// Amplitudes as they are in the file, instead of following the level of the whole song.
     #[arg(long)]
     fixed_level: bool,
-    /// Where to begin, in seconds.
+    /// Where to begin, in seconds. The whole song is read for its level; not with --fixed-level.
     #[arg(long, default_value_t = 0.0)]
     start: f64,
-    /// How much to show, in seconds [default: all].
+    /// How much to show, in seconds [default: all]. The whole song is read for its level; not with --fixed-level.
     #[arg(long)]
     duration: Option<f64>,
 }
@@ -57,6 +57,9 @@ struct Frame {
     side: Vec<f64>,
 }
 
+/// Where a song is not read as a whole, it is read from this long before what is shown, so that levels settle, to this
+/// long after.
+const AROUND_SECS: f64 = 4.0;
 const JSON_FPS: f64 = 20.0;
 const PICTURE_COLUMNS: f64 = 1200.0;
 
@@ -64,9 +67,14 @@ impl Spectrum {
     /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
-        let song = source::song(&self.song, self.start, self.duration, terminal)?;
-        let fps = self.frames_a_second(song.duration_secs())?;
-        let moments = Moments { song: &song, fps, start_secs: self.start };
+        let (song, from_secs) = self.read(terminal)?;
+        let shown = source::frames_of(&song, self.start - from_secs, self.duration).ok_or_else(|| {
+            let ends_secs = from_secs + song.duration_secs();
+            Error::Input(format!("{}: ends after {ends_secs:.1} s: there is nothing to show", self.song))
+        })?;
+        let shown_secs = shown.len() as f64 / f64::from(song.rate_hz);
+        let fps = self.frames_a_second(shown_secs)?;
+        let moments = Moments { song: &song, from_secs, fps, start_secs: self.start, shown_secs };
         if self.render.is_some() {
             picture::check(moments.count(), self.bands)?;
         }
@@ -93,6 +101,26 @@ impl Spectrum {
         terminal.wrote(path)
     }
 
+    /// What is needed of the song, and where it begins in its file: all of it, whose level is followed, unless it is too
+    /// long or its level does not matter.
+    fn read(&self, watcher: &impl Watcher) -> Result<(Song, f64), Error> {
+        source::check_stretch(self.start, self.duration)?;
+        let from_secs = (self.start - AROUND_SECS).max(0.0);
+        let heard_secs = self.duration.map(|secs| self.start - from_secs + secs + AROUND_SECS);
+        let part = || source::song(&self.song, from_secs, heard_secs, watcher).map(|song| (song, from_secs));
+        if self.fixed_level {
+            return part();
+        }
+        match source::song(&self.song, 0.0, None, watcher) {
+            Err(Error::Sound(SoundError::TooLong { .. })) if heard_secs.is_some() || from_secs > 0.0 => {
+                let message = "is too long to be read as a whole: the level is that of the part";
+                watcher.warn(Warning::of(&self.song, message));
+                part()
+            }
+            song => Ok((song?, 0.0)),
+        }
+    }
+
     /// Frames per second of a song that lasts `secs`.
     fn frames_a_second(&self, secs: f64) -> Result<f64, Error> {
         match (self.fps, &self.render) {
@@ -104,20 +132,25 @@ impl Spectrum {
     }
 }
 
-/// Moments of a song; i is at i / fps.
+/// Moments of a song; i is i / fps after the first.
 struct Moments<'a> {
     song: &'a Song,
-    fps: f64,
     /// Where the song begins in its file.
+    from_secs: f64,
+    fps: f64,
+    /// When the first one is, in the file.
     start_secs: f64,
+    /// Within which they lie.
+    shown_secs: f64,
 }
 
 impl Moments<'_> {
     fn count(&self) -> u64 {
-        (self.song.duration_secs() * self.fps).ceil() as u64
+        (self.shown_secs * self.fps).ceil() as u64
     }
 
-    /// Gives `take` the frame of each moment, whose window is centered on it.
+    /// Gives `take` the frame of each moment, whose window is centered on it. All that is read before the first is heard,
+    /// too: levels depend on it.
     fn analyze(
         &self,
         analyzer: &mut SpectrumAnalyzer,
@@ -126,20 +159,19 @@ impl Moments<'_> {
     ) -> Result<(), Error> {
         let rate_hz = f64::from(self.song.rate_hz);
         let n = analyzer.window_frames();
-        let stage = task.stage("spectrum", self.count());
+        let before = ((self.start_secs - self.from_secs) * self.fps).floor() as i64;
+        let stage = task.stage("spectrum", before.unsigned_abs() + self.count());
         let (mut left, mut right) = (vec![0.0; n], vec![0.0; n]);
         let rounded = |bands: &[f32]| bands.iter().map(|&x| (f64::from(x) * 1e6).round() / 1e6).collect();
-        for i in 0..self.count() {
+        for i in -before..self.count() as i64 {
             task.check()?;
-            let time_secs = i as f64 / self.fps;
-            let center = (time_secs * rate_hz).round() as i64;
+            let time_secs = self.start_secs + i as f64 / self.fps;
+            let center = ((time_secs - self.from_secs) * rate_hz).round() as i64;
             self.song.window_ending_at(center + n as i64 / 2, &mut left, &mut right);
             let spectrum = analyzer.analyze(&left, &right, 1.0 / self.fps);
-            take(Frame {
-                time_secs: self.start_secs + time_secs,
-                mid: rounded(&spectrum.mid),
-                side: rounded(&spectrum.side),
-            })?;
+            if i >= 0 {
+                take(Frame { time_secs, mid: rounded(&spectrum.mid), side: rounded(&spectrum.side) })?;
+            }
             stage.advance(1);
         }
         Ok(())

@@ -89,6 +89,9 @@ impl SymmetryCommand {
                 "mirror plane with normal ({x:.4}, {y:.4}, {z:.4}), missed by {:.3} % of the bounding box",
                 100.0 * misfit
             )),
+            _ if self.paper => terminal.result(
+                "classes by the vote of the extrema alone, as in the paper (no mirror plane was looked for)",
+            ),
             _ => terminal.result("no mirror plane: classes by the vote of the extrema alone, which is rough"),
         }?;
         self.render.as_deref().map_or(Ok(()), |path| terminal.wrote(path))

@@ -6,7 +6,7 @@ use chladni_match::{MatchSettings, Method, load_landmarks, transfer};
 use chladni_mesh::{TriMesh, save_mesh};
 
 use super::Terminal;
-use super::layer_options::{method, scaling};
+use super::layer_options::{check_landmarks, method, scaling};
 use crate::work::outputs::{check_mesh, left_of_gltf};
 use crate::work::{Error, Warning, Watcher, source};
 
@@ -43,6 +43,7 @@ impl TransferCommand {
     /// Moves it and writes the result.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         check_mesh(&self.output, &[&self.neutral, &self.expression, &self.target])?;
+        check_landmarks(self.matching, self.landmarks.as_deref())?;
         if !self.amount.is_finite() {
             return Err(Error::input("the amount must be a finite number"));
         }

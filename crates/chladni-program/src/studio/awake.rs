@@ -19,6 +19,8 @@ const KEEPER: Option<(&str, &[&str])> = if cfg!(target_os = "linux") {
 pub struct Awake {
     keeper: Option<Child>,
     wanted: bool,
+    /// It was said that this cannot be done.
+    was_said: bool,
 }
 
 impl Awake {
@@ -31,8 +33,14 @@ impl Awake {
         if !on {
             return None;
         }
+        let why = self.begin()?;
+        (!std::mem::replace(&mut self.was_said, true)).then(|| format!("The screen may go to sleep: {why}."))
+    }
+
+    /// Starts the program; why it cannot be started.
+    fn begin(&mut self) -> Option<String> {
         let Some((program, arguments)) = KEEPER else {
-            return Some("The screen may go to sleep: this system has no program that prevents it.".into());
+            return Some("this system has no program that prevents it".into());
         };
         let silent = other_program(program, Needs::Desktop)
             .args(arguments)
@@ -45,7 +53,7 @@ impl Awake {
                 self.keeper = Some(keeper);
                 None
             }
-            Err(why) => Some(format!("The screen may go to sleep: {program}: {why}.")),
+            Err(why) => Some(format!("{program}: {why}")),
         }
     }
 

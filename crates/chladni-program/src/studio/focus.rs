@@ -1,7 +1,7 @@
 //! The keyboard focus: a ring around the focused control, which is scrolled into view.
 
 use egui::accesskit::{Action, ActionRequest, TreeId};
-use egui::{Event, Id, Key, Stroke, StrokeKind};
+use egui::{Event, Id, Key, Stroke, StrokeKind, ViewportId};
 
 use super::theme;
 
@@ -38,6 +38,9 @@ impl egui::Plugin for Ring {
     }
 
     fn on_end_pass(&mut self, ui: &mut egui::Ui) {
+        // In the next frame, Escape takes the focus away before anybody can ask for it.
+        let (is_in_text, kept) = (ui.ctx().text_edit_focused(), in_text(ui.ctx().viewport_id()));
+        ui.ctx().data_mut(|data| data.insert_temp(kept, is_in_text));
         let focused = ui.memory(|memory| memory.focused()).filter(|_| self.by_keys);
         let moved = std::mem::replace(&mut self.last, focused) != focused;
         let Some(control) = focused.and_then(|id| ui.ctx().read_response(id)) else { return };
@@ -62,6 +65,17 @@ impl egui::Plugin for Ring {
 pub fn install(ctx: &egui::Context) {
     theme::install(ctx);
     ctx.add_plugin(Ring::default());
+}
+
+/// Whether a text field, or a number that is being typed, had the focus at the end of the frame before.
+pub fn was_in_text(ctx: &egui::Context) -> bool {
+    let kept = in_text(ctx.viewport_id());
+    ctx.data(|data| data.get_temp(kept)).unwrap_or_default()
+}
+
+/// Where that is kept, for each window.
+fn in_text(window: ViewportId) -> Id {
+    Id::unique(("focus in text", window))
 }
 
 fn moves_the_focus(key: Key) -> bool {

@@ -3,13 +3,19 @@
 use super::shortcut::Shortcut;
 use super::{keys, theme};
 
-/// Mouse gestures in every 3D view.
-const MOUSE: [(&str, &str); 5] = [
+/// Keys of a 3D view that Tab has reached.
+const FOCUSED: [(&str, &str); 2] =
+    [("Arrows", "Turn the view that has the focus"), ("+ and −", "Nearer, farther, in that view")];
+
+/// Mouse gestures in every 3D view, and while a region is painted.
+const MOUSE: [(&str, &str); 7] = [
     ("Left drag", "Turn, or use the tool"),
     ("Middle or right drag", "Turn"),
     ("Alt and left drag", "Turn, while a tool is in use"),
     ("Shift with these", "Shift"),
     ("Wheel", "Zoom"),
+    ("Ctrl while painting", "Erase, or paint where Erase is on"),
+    ("Shift with a part", "Take it besides what is painted"),
 ];
 
 /// Lines of a column.
@@ -22,8 +28,9 @@ type Line = (String, &'static str);
 pub fn show(ctx: &egui::Context, open: &mut bool, room: &'static str, keys: &'static [Shortcut]) {
     let lines = |keys: &'static [Shortcut]| keys.iter().map(|key| (key.text(ctx), key.action));
     let gap = || std::iter::once((String::new(), ""));
-    let everywhere = lines(keys::window::ALL).chain(gap()).chain(lines(keys::view::ALL)).chain(gap());
-    let everywhere = everywhere.chain(MOUSE.map(|(how, action)| (how.to_owned(), action)));
+    let by_hand = |(how, action): (&str, &'static str)| (how.to_owned(), action);
+    let everywhere = lines(keys::window::ALL).chain(gap()).chain(lines(keys::view::ALL));
+    let everywhere = everywhere.chain(FOCUSED.map(by_hand)).chain(gap()).chain(MOUSE.map(by_hand));
     let mut columns: Vec<(&str, Vec<Line>)> = vec![("Window", everywhere.collect())];
     // A long group goes on in the next column, without another heading.
     let room_lines: Vec<Line> = lines(keys).collect();

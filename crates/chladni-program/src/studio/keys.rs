@@ -147,6 +147,15 @@ keys! {
     LEAVE = key Escape, "Leave the stage, or back to the gallery";
 }
 
+keys! {
+    /// While taps measure how late the picture is.
+    calibrating:
+    TAP_BY_SPACE = key Space, "Tap with each click, then with each flash";
+    TAP_BY_ENTER = key Enter, "Tap with each click, then with each flash";
+    TAP_BY_LETTER = key T, "Tap with each click, then with each flash";
+    LEAVE = key Escape, "Leave it as it was";
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,7 +163,7 @@ mod tests {
 
     #[test]
     fn no_key_does_two_things_in_one_place() {
-        for room in [start::ALL, caricature::ALL, breeding::ALL, music::ALL] {
+        for room in [start::ALL, caricature::ALL, breeding::ALL, music::ALL, calibrating::ALL] {
             let all = [window::ALL, view::ALL, room].concat();
             let mut seen = HashSet::new();
             for shortcut in all {
@@ -169,9 +178,8 @@ mod tests {
         let ctx = egui::Context::default();
         crate::studio::theme::install(&ctx);
         let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
-        for shortcut in
-            [window::ALL, start::ALL, view::ALL, caricature::ALL, breeding::ALL, music::ALL].concat()
-        {
+        let rooms = [start::ALL, caricature::ALL, breeding::ALL, music::ALL, calibrating::ALL];
+        for shortcut in [window::ALL, view::ALL].into_iter().chain(rooms).flatten() {
             let (text, font) = (shortcut.text(&ctx), egui::FontId::monospace(13.0));
             assert!(ctx.fonts_mut(|fonts| fonts.has_glyphs(&font, &text)), "{text}");
         }

@@ -210,8 +210,11 @@ impl Studio {
         let files: Vec<PathBuf> = files.iter().map(|path| from_anywhere(path)).collect();
         let meant = self.rooms.iter().position(|room| files.iter().any(|path| room.claims(path)));
         let index = meant.or(self.current).unwrap_or(0);
+        let at_start = self.current.is_none();
         self.current = Some(index);
-        self.with_room(ctx, index, |room, shared| room.open(&files, shared));
+        self.with_room(ctx, index, |room, shared| {
+            if at_start { room.open_anew(&files, shared) } else { room.open(&files, shared) }
+        });
     }
 
     fn with_room<R>(

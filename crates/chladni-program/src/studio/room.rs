@@ -32,7 +32,7 @@ pub trait Room {
     /// Takes files that were dropped on the window or chosen in a dialog.
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>);
 
-    /// Takes files that were chosen on the start screen, which begin something of their own.
+    /// Takes files that were chosen on the start screen or dropped there, which begin something of their own.
     fn open_anew(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         self.open(paths, shared);
     }

@@ -1,6 +1,8 @@
 //! A key and its action.
 
-use egui::{Key, KeyboardShortcut, Modifiers};
+use egui::{Event, InputState, Key, KeyboardShortcut, Modifiers};
+
+use super::focus;
 
 /// A key and its action, in the words of the window.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +31,7 @@ impl Shortcut {
     }
 
     /// Whether it was pressed in this frame, neither for the control that has the focus nor beneath a question; consumes
-    /// the key.
+    /// the key. Held down, it counts again only if it goes step by step.
     pub fn pressed(&self, ctx: &egui::Context) -> bool {
         !is_asked(ctx) && self.pressed_anywhere(ctx)
     }
@@ -42,7 +44,7 @@ impl Shortcut {
             // With Ctrl, a text field has undo, redo, the clipboard and the whole text.
             _ => ctx.text_edit_focused() && EDITING.contains(&key),
         };
-        !taken && ctx.input_mut(|input| input.consume_shortcut(&self.keys))
+        !taken && ctx.input_mut(|input| take(input, &self.keys))
     }
 
     /// Whether a key without modifiers is down, neither for the control that has the focus nor beneath a question.
@@ -78,6 +80,35 @@ impl Shortcut {
 /// Keys that edit text together with Ctrl.
 const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
 
+/// Keys that go on step by step while they are held down; every other key acts once.
+const STEPPING: [Key; 11] = [
+    Key::ArrowLeft,
+    Key::ArrowRight,
+    Key::ArrowUp,
+    Key::ArrowDown,
+    Key::Comma,
+    Key::Period,
+    Key::OpenBracket,
+    Key::CloseBracket,
+    Key::Plus,
+    Key::Minus,
+    // With Ctrl: back and forth.
+    Key::Z,
+];
+
+/// Takes the presses of `keys` out of the input; whether there was one that counts.
+fn take(input: &mut InputState, keys: &KeyboardShortcut) -> bool {
+    let steps = STEPPING.contains(&keys.logical_key);
+    let mut counts = false;
+    input.events.retain(|event| {
+        let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return true };
+        let is_it = *key == keys.logical_key && modifiers.matches_logically(keys.modifiers);
+        counts |= is_it && (steps || !*repeat);
+        !is_it
+    });
+    counts
+}
+
 /// Whether a question or a choice stands in front of everything else: it has the keys.
 fn is_asked(ctx: &egui::Context) -> bool {
     !ctx.memory(|memory| memory.is_above_modal_layer(egui::LayerId::background()))
@@ -90,5 +121,29 @@ fn is_taken(ctx: &egui::Context, key: Key) -> bool {
         key,
         Key::Space | Key::Enter | Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown
     );
-    ctx.text_edit_focused() || controls && ctx.egui_wants_keyboard_input()
+    // A field that Escape has just left had that key.
+    let in_text = ctx.text_edit_focused() || key == Key::Escape && focus::was_in_text(ctx);
+    in_text || controls && ctx.egui_wants_keyboard_input()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_that_is_held_down_acts_once_unless_it_goes_step_by_step() {
+        for (key, steps) in [(Key::Space, false), (Key::ArrowRight, true), (Key::OpenBracket, true)] {
+            let (ctx, shortcut) = (egui::Context::default(), Shortcut::key(key, "Act"));
+            let pressed = |pressed: bool| {
+                let modifiers = Modifiers::NONE;
+                let event = Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+                let input = egui::RawInput { events: vec![event], ..egui::RawInput::default() };
+                let mut acts = false;
+                let _ = ctx.run_ui(input, |ui| acts = shortcut.pressed(ui.ctx()));
+                acts
+            };
+            // The window tells by itself which presses are repeats.
+            assert_eq!([true, true, false, true].map(pressed), [true, steps, false, true], "{key:?}");
+        }
+    }
 }

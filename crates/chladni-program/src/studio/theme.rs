@@ -143,6 +143,30 @@ pub fn slider<N: egui::emath::Numeric>(
     egui::Slider::new(value, range).clamping(egui::SliderClamping::Edits)
 }
 
+/// Whether a number that `response` shows was edited in this frame. egui reads its text once more where it is only left, as by
+/// Tab: rounded as it was shown, and within the range, the number would change without an edit. An edit was taken in
+/// while it was typed.
+pub fn is_edited(response: &egui::Response) -> bool {
+    response.changed() && !is_only_left(response)
+}
+
+/// Whether a number was left in this frame, and nothing else happened to it.
+fn is_only_left(response: &egui::Response) -> bool {
+    use egui::accesskit::Action::{Decrement, Increment, ReplaceSelectedText, SetValue};
+    use egui::{Event, Key};
+
+    let edits = |event: &Event| match event {
+        Event::Key { key, pressed, .. } => *pressed && !matches!(key, Key::Tab | Key::Enter | Key::Escape),
+        Event::Text(_) | Event::Paste(_) | Event::Cut | Event::Ime(_) => true,
+        Event::AccessKitActionRequest(request) => {
+            matches!(request.action, SetValue | Increment | Decrement | ReplaceSelectedText)
+        }
+        _ => false,
+    };
+    let moved = response.dragged() || response.drag_stopped();
+    response.lost_focus() && !moved && !response.ctx.input(|input| input.events.iter().any(edits))
+}
+
 /// A slider whose value has a unit. With a suffix of egui's own the value's name would be "%", not that of its row.
 pub fn with_unit<'a>(slider: egui::Slider<'a>, decimals: usize, unit: &'static str) -> egui::Slider<'a> {
     slider

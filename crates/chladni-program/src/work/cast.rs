@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use chladni_caricature::Project;
 use chladni_harmonics::{Body, Laplacian};
-use chladni_mesh::{Orientation, ShapeSource, TriMesh};
+use chladni_mesh::{Orientation, ShapeSource};
 use chladni_synth::Term;
 
+use super::outputs::check_textures;
 use super::{Error, Stance, Subject, Watcher, body, formats, make, source};
 
 /// A mesh, and the project that it comes from where it is a caricature.
 pub struct Cast {
-    name: String,
+    shape: ShapeSource,
     subject: Subject,
     project: Option<Project>,
 }
@@ -26,20 +27,31 @@ impl Cast {
         if formats::is_project(path) {
             let mut project = source::project(path, watcher)?;
             let subject = Subject::of(&mut project, watcher)?;
-            return Ok(Self { name: project.shape.to_string(), subject, project: Some(project) });
+            return Ok(Self { shape: project.shape.clone(), subject, project: Some(project) });
         }
         let shape = ShapeSource::named(path);
-        Ok(Self { name: shape.to_string(), subject: Subject::open(&shape, watcher)?, project: None })
+        let subject = Subject::open(&shape, watcher)?;
+        Ok(Self { shape, subject, project: None })
     }
 
-    /// The mesh as in its file, or, where it is very large, fewer of its vertices.
-    pub fn mesh(&self) -> &Arc<TriMesh> {
-        &self.subject.mesh
+    /// The shape as it is worked on.
+    pub fn subject(&self) -> &Subject {
+        &self.subject
     }
 
     /// The files that its project names.
     pub fn files(&self) -> Vec<&Path> {
         self.project.as_ref().map_or_else(Vec::new, Project::files)
+    }
+
+    /// Checks that a file written to `path` replaces no texture of its shape or of its project's templates.
+    ///
+    /// # Errors
+    /// As [`check_textures`].
+    pub fn check_textures(&self, path: &Path) -> Result<(), Error> {
+        let layers = self.project.iter().flat_map(|project| project.layers());
+        let templates = layers.map(|(_, layer)| &layer.template);
+        check_textures(path, (&self.shape, self.subject.whole()), templates)
     }
 
     /// How its project says that it stands.
@@ -57,7 +69,7 @@ impl Cast {
     /// # Errors
     /// As [`Stance::of`].
     pub fn stands(&self, stance: Stance, watcher: &impl Watcher) -> Result<Orientation, Error> {
-        stance.of(&self.name, &self.subject.mesh, self.kept_stance(), None, watcher)
+        stance.of(&self.shape.to_string(), &self.subject.mesh, self.kept_stance(), None, watcher)
     }
 
     /// The body with this many harmonics, and the voices by name, each at full strength. A layer that cannot
@@ -72,8 +84,9 @@ impl Cast {
         forgiven: bool,
         watcher: &impl Watcher,
     ) -> Result<(Body, Vec<(String, Term)>), Error> {
+        let name = self.shape.to_string();
         let build =
-            |harmonics, laplacian| body::build(&self.name, &self.subject.mesh, harmonics, laplacian, watcher);
+            |harmonics, laplacian| body::build(&name, &self.subject.mesh, harmonics, laplacian, watcher);
         let (body, _) = build(harmonics, laplacian)?;
         let Some(project) = &self.project else { return Ok((body, Vec::new())) };
         // The layers are displacements: they do not depend on how many harmonics dance.

@@ -146,15 +146,15 @@ mod tests {
     fn generations_and_favorites_outlive_other_harmonics_but_not_another_template() {
         let (mesh, task) = (chladni_mesh::samples::icosphere(3), Task::new());
         let body = |k: usize| Arc::new(Body::build(&mesh, &BasisSettings::new(k), &task).unwrap());
-        let mut stack = Stack::new(body(20)).unwrap();
+        let mut stack = Stack::new(body(40)).unwrap();
         let mut first = Exhibition::open(None, &mesh, &mut stack, None, &Aside::new(&task)).unwrap();
         first.gallery.choose(2, true).unwrap();
         first.gallery.favor(3, true).unwrap();
         let bred = first.after(Step::Breed).unwrap();
-        let mut finer = stack.with_harmonics_of(body(40)).unwrap();
+        let mut finer = stack.with_harmonics_of(body(60)).unwrap();
         let again = Exhibition::open(Some(&bred), &mesh, &mut finer, None, &Aside::new(&task)).unwrap();
         assert_eq!(again.gallery, bred.gallery);
-        assert_eq!(again.sitter.body().basis.harmonics(), 40);
+        assert_eq!(again.sitter.body().basis.harmonics(), 60);
         let other = Some((Template::Sphere, MatchSettings::default()));
         let other = Exhibition::open(Some(&bred), &mesh, &mut finer, other, &Aside::new(&task)).unwrap();
         assert!(other.chosen().1 && other.gallery.favorites().is_empty());

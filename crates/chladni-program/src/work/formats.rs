@@ -1,6 +1,6 @@
 //! The files that the program opens, by their endings: the one list of them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::source::TUNE;
 
@@ -15,6 +15,14 @@ pub const TEXT: &str = "toml";
 
 /// Lists of songs.
 pub const LISTS: [&str; 2] = ["m3u", "m3u8"];
+
+/// Files that a mesh names and that are read with it, and pictures.
+const COMPANIONS: [&str; 2] = ["mtl", "bin"];
+const PICTURES: [&str; 11] =
+    ["png", "jpg", "jpeg", "webp", "ktx2", "bmp", "gif", "tga", "tif", "tiff", "hdr"];
+/// Masks that are no meshes, and landmarks.
+const ARRAYS: [&str; 2] = ["npy", "npz"];
+const LANDMARKS: &str = "txt";
 
 /// The kind of a file, by its ending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,10 +39,13 @@ pub enum Kind {
     Mesh,
 }
 
+fn ending(path: &Path) -> String {
+    path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase())
+}
+
 /// The kind of `path`, or of a sample by its name.
 pub fn kind(path: &Path) -> Kind {
-    let ending = path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
-    match ending.as_str() {
+    match ending(path).as_str() {
         PROJECT => Kind::Project,
         TEXT => Kind::Text,
         list if LISTS.contains(&list) => Kind::List,
@@ -49,6 +60,31 @@ pub fn is_project(path: &Path) -> bool {
     kind(path) == Kind::Project
 }
 
+/// The files among `paths` that are opened by themselves: where there is a mesh or a project, what lies beside it with its
+/// materials and textures is read by it.
+pub fn without_companions(paths: &[PathBuf]) -> Vec<PathBuf> {
+    let is_shape = |path: &PathBuf| is_project(path) || MESHES.contains(&ending(path).as_str());
+    let has_shape = paths.iter().any(is_shape);
+    let is_companion = |path: &PathBuf| {
+        let ending = ending(path);
+        COMPANIONS.contains(&ending.as_str()) || PICTURES.contains(&ending.as_str())
+    };
+    paths.iter().filter(|path| !has_shape || !is_companion(path)).cloned().collect()
+}
+
+/// Where a file is opened that is named as one that holds no shape; `None` where it may be a mesh.
+pub fn opened_elsewhere(path: &Path) -> Option<&'static str> {
+    match ending(path).as_str() {
+        named if COMPANIONS.contains(&named) => Some("is read with the mesh that names it: open that one"),
+        picture if PICTURES.contains(&picture) => {
+            Some("is a picture and no shape: a texture is read with the mesh that names it")
+        }
+        array if ARRAYS.contains(&array) => Some("is no shape: masks are opened under Region, Mask"),
+        LANDMARKS => Some("is no shape: landmarks are opened under Template, Landmarks"),
+        _ => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,5 +96,21 @@ mod tests {
         let kinds = ["a.CHLADNI", "a.toml", "a.Mp3", "a.obj", "a"].map(|name| kind(Path::new(name)));
         assert_eq!(kinds, [Kind::Project, Kind::Text, Kind::Song, Kind::Mesh, Kind::Mesh]);
         assert_eq!([TUNE, "sample:octopus"].map(|name| kind(Path::new(name))), [Kind::Song, Kind::Mesh]);
+    }
+
+    #[test]
+    fn what_lies_beside_a_mesh_is_not_opened_by_itself() {
+        let opened = |names: &[&str]| {
+            let paths: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+            let opened = without_companions(&paths).into_iter();
+            opened.map(|path| path.to_string_lossy().into_owned()).collect::<Vec<_>>()
+        };
+        assert_eq!(opened(&["a.mtl", "a.OBJ", "a.png", "b.xyz"]), ["a.OBJ", "b.xyz"]);
+        assert_eq!(opened(&["a.bin", "a.chladni", "a.KTX2"]), ["a.chladni"]);
+        assert_eq!(opened(&["a.png", "a.mtl"]), ["a.png", "a.mtl"]);
+        let is_shape = |name: &str| opened_elsewhere(Path::new(name)).is_none();
+        assert!(MESHES.iter().chain([&PROJECT]).all(|ending| is_shape(&format!("a.{ending}"))));
+        assert!(["a", "a.xyz", "sample:octopus"].into_iter().all(is_shape));
+        assert!(!["a.png", "a.npy", "a.TXT", "a.mtl"].into_iter().any(is_shape));
     }
 }

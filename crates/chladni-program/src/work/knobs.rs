@@ -24,120 +24,75 @@ pub const FORMS: [(Form, &str, &str); 3] = [
 pub const CHOIRS: [(Choir, &str); 3] =
     [(Choir::All, "All"), (Choir::Symmetric, "Symmetric"), (Choir::Antisymmetric, "Antisymmetric")];
 
-/// A knob, its name and what it does.
-pub type Knob = (Parameter, &'static str, &'static str);
+/// A knob and its name; [`Parameter::about`] says what it does.
+pub type Knob = (Parameter, &'static str);
 
 /// All knobs, in groups that have names.
 pub const KNOBS: &[(&str, &[Knob])] = &[
     (
         "Movement",
         &[
-            (Parameter::Gain, "Gain", "How strongly everything moves; 1 is calibrated to the shape"),
-            (Parameter::Calibration, "Calibration", "How far a full-scale sound moves the shape at gain 1"),
-            (Parameter::Limit, "Limit", "The share of the shape's size that no part is to exceed"),
-            (Parameter::Detail, "Fine detail", "Gain of everything finer than the last harmonic"),
-            (Parameter::NormalBlending, "Normal blending", "0 is exact light, 1 the paper's softer look"),
-            (
-                Parameter::StereoMu,
-                "µ of all",
-                "How much middle and sides mix, while no dance has a µ of its own",
-            ),
+            (Parameter::Gain, "Gain"),
+            (Parameter::Calibration, "Calibration"),
+            (Parameter::Limit, "Limit"),
+            (Parameter::Detail, "Fine detail"),
+            (Parameter::NormalBlending, "Normal blending"),
+            (Parameter::StereoMu, "µ of all"),
         ],
     ),
     (
         "Resonators",
         &[
-            (Parameter::Damping, "Damping", "How soon they come to rest; from 1 on they swing no more"),
-            (Parameter::TuningHz, "Tuning", "How often a second the broadest movement swings"),
-            (Parameter::Stretch, "Stretch", "How much faster finer movements are"),
-            (Parameter::Strike, "Strike", "How hard a sound that begins strikes"),
-            (Parameter::Hold, "Hold", "How far a sound that lasts holds the shape"),
+            (Parameter::Damping, "Damping"),
+            (Parameter::TuningHz, "Tuning"),
+            (Parameter::Stretch, "Stretch"),
+            (Parameter::Strike, "Strike"),
+            (Parameter::Hold, "Hold"),
         ],
     ),
     (
         "Sound",
-        &[
-            (Parameter::Decay, "Decay", "How long a sound lingers in the shape"),
-            (Parameter::SideGain, "Side gain", "How much the difference of left and right counts"),
-            (Parameter::Bands, "Bands", "Number of sound bands"),
-        ],
+        &[(Parameter::Decay, "Decay"), (Parameter::SideGain, "Side gain"), (Parameter::Bands, "Bands")],
     ),
-    (
-        "Sand",
-        &[
-            (Parameter::Grains, "Grains", "How many grains lie on the shape that is on stage"),
-            (Parameter::GrainSize, "Grain size", "Radius of a grain, as a share of the shape's size"),
-        ],
-    ),
+    ("Sand", &[(Parameter::Grains, "Grains"), (Parameter::GrainSize, "Grain size")]),
     (
         "Stage",
         &[
-            (Parameter::TransitionBeats, "Transition", "Beats that a change on stage takes"),
-            (Parameter::BeatsPerStep, "Step", "Beats between two favorites"),
-            (Parameter::TurnRad, "Turn", "How far the beat turns the shape"),
-            (Parameter::LightSwingRad, "Light swing", "How far the beat moves the lights"),
-            (Parameter::LightPulse, "Light pulse", "How much brighter the beat is"),
+            (Parameter::TransitionBeats, "Transition"),
+            (Parameter::BeatsPerStep, "Step"),
+            (Parameter::TurnRad, "Turn"),
+            (Parameter::LightSwingRad, "Light swing"),
+            (Parameter::LightPulse, "Light pulse"),
         ],
     ),
 ];
 
-/// A switch, its name and what it does.
-pub type Choice = (Switch, &'static str, &'static str);
+/// A switch and its name; [`Switch::about`] says what it does.
+pub type Choice = (Switch, &'static str);
 
 /// All switches, in groups that have names.
 pub const SWITCHES: &[(&str, &[Choice])] = &[
     (
         "On the beat",
         &[
-            (Switch::BeatTurns, "Turn the shape", "The beat turns the shape"),
-            (Switch::BeatLights, "Move the lights", "The beat moves the lights"),
-            (Switch::BeatSteps, "Next favorite", "The beat steps through the favorites on stage"),
-            (Switch::Camera, "Choose shots", "On stage the camera chooses its shots, bar by bar"),
+            (Switch::BeatTurns, "Turn the shape"),
+            (Switch::BeatLights, "Move the lights"),
+            (Switch::BeatSteps, "Next favorite"),
+            (Switch::Camera, "Choose shots"),
         ],
     ),
     (
         "Hearing",
         &[
-            (Switch::LogBands, "Bands by pitch", "Equal steps of pitch rather than of frequency"),
-            (Switch::FlipSides, "Exchange sides", "Left and right are exchanged"),
-            (Switch::Resonate, "Resonate", "Sound strikes the shape; else the shape follows its level"),
-            (Switch::OwnMu, "Each its own µ", "Else all dances have the one among the knobs"),
+            (Switch::LogBands, "Bands by pitch"),
+            (Switch::FlipSides, "Exchange sides"),
+            (Switch::Resonate, "Resonate"),
+            (Switch::OwnMu, "Each its own µ"),
         ],
     ),
-    (
-        "Breeding",
-        &[(
-            Switch::Suggest,
-            "Suggest",
-            "Of two hundred children show those that differ most and are most like what you chose so far; else \
-             whatever the paper's breeding gives",
-        )],
-    ),
-    (
-        "Experiment",
-        &[(
-            Switch::Sand,
-            "Sand",
-            "Sand lies on the shape that is on stage and gathers where it does not move; form Modal and little \
-             gain are best",
-        )],
-    ),
-    (
-        "Safety",
-        &[
-            (
-                Switch::FlashLimit,
-                "Limit flashes",
-                "At most three flashes a second, for people with photosensitive epilepsy",
-            ),
-            (
-                Switch::FlashFields,
-                "In any field of view",
-                "Limit them in a quarter of any third of the picture, too, for people who sit close. Bodies that swing fast \
-                 over a dark ground are darkened by it",
-            ),
-        ],
-    ),
+    ("Breeding", &[(Switch::Suggest, "Suggest")]),
+    ("Experiment", &[(Switch::Sand, "Sand")]),
+    ("Safety", &[(Switch::FlashLimit, "Limit flashes"), (Switch::FlashFields, "In any field of view")]),
 ];
 
 /// How the value of a knob is shown: times `factor`, with `decimals` and a unit, which may be empty.

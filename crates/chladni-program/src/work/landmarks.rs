@@ -101,7 +101,7 @@ impl Picks {
         landmarks: &[Landmark],
     ) -> Result<Option<Vec<Landmark>>, Error> {
         let mut landmarks = landmarks.to_vec();
-        match gesture {
+        let touched = match gesture {
             Gesture::Hold(index, vertex) => {
                 self.held = Some((which, index, vertex));
                 return Ok(None);
@@ -112,12 +112,14 @@ impl Picks {
                 if std::mem::replace(which.end_mut(landmark), vertex) == vertex {
                     return Ok(None);
                 }
+                (which == Which::Shape).then_some(index)
             }
             Gesture::Remove(index) => {
                 if index >= landmarks.len() {
                     return Ok(None);
                 }
                 landmarks.remove(index);
+                None
             }
             Gesture::Pick(vertex) => {
                 let landmark = match (self.pending.take(), which) {
@@ -129,11 +131,13 @@ impl Picks {
                     }
                 };
                 landmarks.push(landmark);
+                Some(landmarks.len() - 1)
             }
-        }
-        let mut vertices: Vec<u32> = landmarks.iter().map(|landmark| landmark.shape).collect();
-        vertices.sort_unstable();
-        if vertices.windows(2).any(|pair| pair[0] == pair[1]) {
+        };
+        // An older project may hold two in one place already: they can be moved apart or removed.
+        if let Some(touched) = touched.and_then(|index| landmarks.get(index))
+            && landmarks.iter().filter(|landmark| landmark.shape == touched.shape).count() > 1
+        {
             return Err(Error::input("That vertex of the shape has a landmark already."));
         }
         Ok(Some(landmarks))
@@ -394,5 +398,10 @@ mod tests {
         assert_eq!(act(Which::Shape, Gesture::Drop, &[first]).unwrap(), Some(vec![moved]));
         assert_eq!(act(Which::Shape, Gesture::Remove(0), &[moved]).unwrap(), Some(Vec::new()));
         assert_eq!(act(Which::Shape, Gesture::Remove(1), &[moved]).unwrap(), None);
+        // Two that are in one place can be moved apart.
+        let twice = [first, first];
+        assert_eq!(act(Which::Shape, Gesture::Hold(0, 4), &twice).unwrap(), None);
+        assert_eq!(act(Which::Shape, Gesture::Drop, &twice).unwrap(), Some(vec![moved, first]));
+        assert_eq!(act(Which::Shape, Gesture::Remove(1), &twice).unwrap(), Some(vec![first]));
     }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use chladni_caricature::Painted;
 use chladni_harmonics::npz::{npy_of, npz_of, numbers_in, read_numbers};
+use chladni_mesh::surface::places;
 use chladni_mesh::{
     Attribute, Format, Loaded, Mended, ShapeSource, TriMesh, nothing_beside, read_named_mesh, save_mesh,
     weld, write_mesh,
@@ -115,16 +116,22 @@ fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Paint
     Ok(match &subject.proxy {
         None => Painted::of_file(values.into_iter().map(|x| x as f32), &operator_vertex),
         Some(proxy) => {
-            let chosen =
-                proxy.whole_vertex().iter().map(|v| values.get(*v as usize).map_or(0.0, |x| *x as f32));
+            // Vertices in one place take the largest of theirs, as without a proxy.
+            let place = places(&whole.positions);
+            let mut largest = vec![0.0_f32; vertices];
+            for (value, first) in values.into_iter().zip(&place) {
+                let own = &mut largest[*first as usize];
+                *own = own.max(value as f32);
+            }
+            let chosen = proxy.whole_vertex().iter().map(|v| largest[place[*v as usize] as usize]);
             Painted::of_file(chosen, &operator_vertex)
         }
     })
 }
 
 /// Writes χ01 of a shape to `path`: an array, an archive with the array `mask`, a PLY with the attribute `mask`, or, as OBJ
-/// and GLB, and as PLY where `as_colors`, a mesh whose vertices are gray, from black (0) to white (1). 0 where no triangle
-/// uses a vertex.
+/// and GLB, and as PLY where `as_colors`, a mesh without materials whose vertices are gray, from black (0) to white (1). 0
+/// where no triangle uses a vertex.
 ///
 /// # Errors
 /// [`Error::Input`] for another ending, or a region that was painted on another number of vertices;
@@ -186,6 +193,10 @@ fn mesh_with(values: Vec<f32>, subject: &Subject, format: Format, as_colors: boo
     let mut mesh = TriMesh::clone(subject.whole());
     if as_colors || format != Format::Ply {
         mesh.set_gray(&values, format);
+        // Viewers would multiply the gray with their pictures, and an OBJ in memory has no library.
+        mesh.appearance.materials.clear();
+        mesh.appearance.face_materials.clear();
+        mesh.appearance.uvs = None;
     } else {
         mesh.appearance.attributes.retain(|attribute| attribute.name != MASK);
         mesh.appearance.attributes.push(Attribute { name: MASK.into(), values });
@@ -208,7 +219,11 @@ pub fn check(path: &Path) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_mesh::samples::sample;
+    use chladni_caricature::{Project, ProxyKey, Resolution};
+    use chladni_mesh::samples::{icosphere, sample};
+    use chladni_task::Task;
+
+    use crate::work::Aside;
 
     #[test]
     fn masks_come_back_from_every_kind_of_file() {
@@ -248,6 +263,39 @@ mod tests {
         assert!(why("a.npz", "weight").to_string().contains("no array \"weight\""));
         let odd = write(&folder.path().join("a.stl"), &painted, &mesh, false);
         assert!(odd.unwrap_err().to_string().contains("ends in one of"));
+    }
+
+    #[test]
+    fn a_gray_mesh_has_no_materials() {
+        let mut mesh = icosphere(1);
+        let count = mesh.triangles.len();
+        mesh.appearance.materials = vec![chladni_mesh::Material::named("skin")];
+        mesh.appearance.face_materials = vec![Some(0); count];
+        let painted = Painted::Vertices(vec![0.5; mesh.positions.len()].into());
+        let subject = Subject::from(mesh);
+        let (bytes, _) = to_bytes("obj", &painted, &subject).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        assert!(!text.contains("mtllib") && !text.contains("usemtl"), "{text}");
+        let mesh = mesh_with(vec![0.5; 42], &subject, Format::Glb, false);
+        assert!(mesh.appearance.materials.is_empty() && mesh.appearance.colors.is_some());
+    }
+
+    #[test]
+    fn vertices_in_one_place_take_the_largest_value_on_a_proxy_too() {
+        // Every vertex twice; only the second of each is masked.
+        let mut mesh = icosphere(3);
+        let n = mesh.positions.len();
+        mesh.positions.extend(mesh.positions.clone());
+        mesh.triangles.iter_mut().step_by(2).flatten().for_each(|v| *v += n as u32);
+        let mut project = Project::new(ShapeSource::Sample("ball".into()), 4);
+        project.resolution = Resolution::Proxy(ProxyKey { vertices: 200, fingerprint: None });
+        let task = Task::new();
+        let subject = Subject::of_mesh(mesh, &mut project, &Aside::new(&task)).unwrap();
+        let values = (0..2 * n).map(|v| if v < n { 0.0 } else { 1.0 }).collect();
+        let Painted::Vertices(painted) = painted(values, subject.whole(), &subject).unwrap() else {
+            panic!()
+        };
+        assert!(subject.proxy.is_some() && painted.iter().all(|x| *x == 1.0));
     }
 
     #[test]

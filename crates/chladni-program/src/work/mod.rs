@@ -25,6 +25,7 @@ pub mod formats;
 mod frame_guard;
 mod hearing;
 mod heat;
+mod held;
 mod ink;
 pub mod knobs;
 mod lag;
@@ -102,7 +103,7 @@ pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_si
 pub use subject::Subject;
 pub use swelling::{Swelling, swollen_at};
 pub use symmetry_figure::figure_markers;
-pub use template::{matched, matched_with, template_mesh};
+pub use template::{is_namesake, matched, matched_with, template_mesh};
 pub use template_name::template_name;
 pub use theatre::{
     FIRST_VIEW, OWN_COLORS, Staged, Staging, Wardrobe, along, blur, cautions, chooses_shots, dots,

@@ -3,12 +3,27 @@
 
 use std::path::Path;
 
-use chladni_mesh::{Format, Material, Texture, TriMesh};
+use chladni_caricature::Template;
+use chladni_mesh::{Format, Material, ShapeSource, Texture, TriMesh};
 use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
 
 use super::{Error, Warning};
+
+/// Pixels that a picture has at most: a drawing in ink takes some twenty bytes of memory for each.
+const MOST_PIXELS: u64 = 64 << 20;
+
+/// Checks that a picture of this size is not too large for memory.
+///
+/// # Errors
+/// [`Error::Input`] with its size.
+pub fn check_size(width: u32, height: u32) -> Result<(), Error> {
+    if u64::from(width) * u64::from(height) <= MOST_PIXELS {
+        return Ok(());
+    }
+    Err(Error::Input(format!("{width} × {height} pixels are more than 64 megapixels: take a smaller size")))
+}
 
 /// Checks that a file can be written at `path`.
 ///
@@ -26,6 +41,11 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
     if !folder.is_dir() {
         return refused("its folder does not exist");
     }
+    check_writable(folder, path)
+}
+
+/// Checks that files can be written into the folder, as `path` needs.
+fn check_writable(folder: &Path, path: &Path) -> Result<(), Error> {
     tempfile::tempfile_in(folder).map(drop).map_err(|error| Error::unwritten(path, error.kind().to_string()))
 }
 
@@ -35,7 +55,7 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
 /// As [`check_file`] does, and [`Error::Input`] for a file.
 pub fn check_folder(path: &Path) -> Result<(), Error> {
     if path.is_dir() {
-        check_file(&path.join("new"))
+        check_writable(path, path)
     } else if path.exists() {
         Err(Error::Input(format!("{}: is a file; the name of a folder is needed", path.display())))
     } else {
@@ -150,6 +170,28 @@ pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(),
     Ok(())
 }
 
+/// Checks that the picture or film at `path` replaces no texture of a shape or of the meshes among `templates`.
+///
+/// # Errors
+/// [`Error::Input`], with the path.
+pub fn check_textures<'a>(
+    path: &Path,
+    (shape, mesh): (&ShapeSource, &TriMesh),
+    templates: impl Iterator<Item = &'a Template>,
+) -> Result<(), Error> {
+    if !path.is_file() {
+        return Ok(());
+    }
+    shape.file().map_or(Ok(()), |file| check_no_texture(path, file, mesh))?;
+    for file in templates.filter_map(Template::file) {
+        // One that cannot be read is reported by its layer.
+        if let Ok(loaded) = ShapeSource::named(file).load(None) {
+            check_no_texture(path, file, &loaded.mesh)?;
+        }
+    }
+    Ok(())
+}
+
 /// A warning where the mesh of the file `source` is written anew to `path`, both glTF: only an export of layers keeps all
 /// else that such a file holds.
 pub fn left_of_gltf(source: &Path, path: &Path) -> Option<Warning> {
@@ -198,4 +240,18 @@ fn check_named(path: &Path, what: &str, endings: &[&str]) -> Result<(), Error> {
         return Err(Error::Input(format!("{}: {what} in .{listed}", path.display())));
     }
     check_file(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_has_64_megapixels_at_most() {
+        for [width, height] in [[16_384, 4096], [4096, 16_384], [8192, 8192], [16, 16]] {
+            assert!(check_size(width, height).is_ok(), "{width} × {height}");
+        }
+        let why = check_size(16_384, 4097).unwrap_err().to_string();
+        assert!(why.contains("16384 × 4097") && why.contains("64 megapixels"), "{why}");
+    }
 }

@@ -1,10 +1,11 @@
 //! A shape's own colors: per vertex, or an image.
 
 use chladni_harmonics::Body;
-use chladni_mesh::TriMesh;
+use chladni_mesh::surface::places;
+use chladni_mesh::{Material, Proxy, Texture, TriMesh, linear_from_srgb, srgb_from_linear};
 use chladni_view::{Device, Paint, Picture, Skin, Topology, VertexPaint, ViewError};
 
-use super::{Warning, Watcher};
+use super::{Subject, Warning, Watcher};
 
 /// How the file says that the shape looks.
 #[derive(Debug)]
@@ -24,30 +25,32 @@ impl OwnLook {
     /// The look of `mesh`, which is called `name` and from which `body` was built; `None` where the file has
     /// none. Warns of parts that cannot be shown.
     pub fn of(name: &str, mesh: &TriMesh, body: &Body, watcher: &impl Watcher) -> Option<Self> {
-        let textures = mesh.appearance.materials.iter().filter(|m| m.base_color_texture.is_some()).count();
-        if let (Some(texture), Some(uvs)) = (mesh.base_color_texture(), mesh.triangle_uvs())
-            && !texture.bytes.is_empty()
-        {
-            if textures > 1 {
-                let message = format!("has {textures} textures; the view shows the first, exports keep all");
-                watcher.warn(Warning::of(name, message));
-            }
-            match Picture::decode(&texture.bytes) {
-                Ok(picture) => return Some(Self::Image { corner_uvs: uvs.concat(), picture }),
-                Err(error) => {
-                    let message = format!("the texture {} cannot be shown: {error}", texture.name);
-                    watcher.warn(Warning::of(name, message));
-                }
-            }
+        if let Some((uvs, picture)) = texture(name, mesh, watcher) {
+            return Some(Self::Image { corner_uvs: uvs.concat(), picture });
         }
-        let colors = mesh.appearance.colors.as_ref()?;
+        Some(Self::at_vertices(mesh.appearance.colors.as_deref()?, body))
+    }
+
+    /// The same of a shape as it is worked on. A proxy has no texture: its vertices have the colors that the whole
+    /// shape's has there.
+    pub fn of_subject(name: &str, subject: &Subject, body: &Body, watcher: &impl Watcher) -> Option<Self> {
+        if let Some(proxy) = &subject.proxy
+            && let Some((uvs, picture)) = texture(name, proxy.whole(), watcher)
+        {
+            return Some(Self::at_vertices(&sampled(proxy, &uvs, &picture), body));
+        }
+        Self::of(name, &subject.mesh, body, watcher)
+    }
+
+    /// The `colors` of a file's vertices.
+    fn at_vertices(colors: &[[f32; 4]], body: &Body) -> Self {
         let mut bytes = vec![[255; 4]; body.positions.len()];
         for (color, vertex) in colors.iter().zip(&body.operator_vertex) {
             if let Some(at) = vertex.and_then(|vertex| bytes.get_mut(vertex as usize)) {
                 *at = color.map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8);
             }
         }
-        Some(Self::Colors(bytes))
+        Self::Colors(bytes)
     }
 
     /// The `triangles` of a shape of so many vertices on a device, with their places in its image where it has one.
@@ -67,6 +70,90 @@ impl OwnLook {
             _ => Topology::new(device, vertices, triangles),
         }
     }
+}
+
+/// The image of `mesh`, which is called `name`, and where the corners of its triangles lie on it. Warns of parts that
+/// cannot be shown.
+fn texture(name: &str, mesh: &TriMesh, watcher: &impl Watcher) -> Option<(Vec<[[f32; 2]; 3]>, Picture)> {
+    let with_texture = |material| Some((material, read_texture(material)?));
+    let (material, texture) = mesh.appearance.materials.iter().find_map(with_texture)?;
+    let uvs = mesh.triangle_uvs()?;
+    let textures = mesh.appearance.materials.iter().filter(|m| m.base_color_texture.is_some()).count();
+    if textures > 1 {
+        let message = format!("has {textures} textures; the view shows the first, exports keep all");
+        watcher.warn(Warning::of(name, message));
+    }
+    let (bare, faces) = (faces_without_texture(mesh), mesh.face_count());
+    if bare > 0 {
+        let message =
+            format!("{bare} of {faces} faces have no texture; the view draws the first over them, too");
+        watcher.warn(Warning::of(name, message));
+    }
+    match Picture::decode(&texture.bytes) {
+        Ok(picture) => Some((uvs, tinted(picture, material.base_color))),
+        Err(error) => {
+            let message = format!("the texture {} cannot be shown: {error}", texture.name);
+            watcher.warn(Warning::of(name, message));
+            None
+        }
+    }
+}
+
+/// The texture of a material, if its file was read.
+fn read_texture(material: &Material) -> Option<&Texture> {
+    material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
+}
+
+/// The number of faces whose material has no texture, in a mesh whose faces have materials.
+fn faces_without_texture(mesh: &TriMesh) -> usize {
+    let look = &mesh.appearance;
+    let material = |index: &Option<u32>| look.materials.get((*index)? as usize);
+    let is_bare = |index: &&Option<u32>| material(index).is_none_or(|m| m.base_color_texture.is_none());
+    look.face_materials.iter().filter(is_bare).count()
+}
+
+/// `picture` times the color of its material, in linear light. Black, which some programs write beside a picture, changes
+/// nothing.
+fn tinted(mut picture: Picture, [r, g, b, _]: [f32; 4]) -> Picture {
+    let color = [r, g, b];
+    if color == [1.0; 3] || color == [0.0; 3] {
+        return picture;
+    }
+    let shades = color.map(|factor| {
+        std::array::from_fn::<u8, 256, _>(|byte| {
+            let linear = linear_from_srgb(byte as f64 / 255.0) * f64::from(factor);
+            (srgb_from_linear(linear) * 255.0).round() as u8
+        })
+    });
+    for pixel in picture.rgba.as_chunks_mut::<4>().0 {
+        for (channel, shades) in pixel.iter_mut().zip(&shades) {
+            *channel = shades[usize::from(*channel)];
+        }
+    }
+    picture
+}
+
+/// The linear-light color of `picture` at each vertex of `proxy`; `uvs` are those of the whole shape's triangles.
+fn sampled(proxy: &Proxy, uvs: &[[[f32; 2]; 3]], picture: &Picture) -> Vec<[f32; 4]> {
+    let whole = proxy.whole();
+    // No triangle need use the one of several vertices in a place that is the proxy's.
+    let place = places(&whole.positions);
+    let mut uv_of = vec![[0.0; 2]; place.len()];
+    for (vertex, uv) in whole.triangles.as_flattened().iter().zip(uvs.as_flattened()) {
+        uv_of[place[*vertex as usize] as usize] = *uv;
+    }
+    let at = |vertex: &u32| pixel_at(picture, uv_of[place[*vertex as usize] as usize]);
+    proxy.whole_vertex().iter().map(at).collect()
+}
+
+/// The linear-light color at `(u, v)`, v upward; beyond its edges the picture is repeated.
+fn pixel_at(picture: &Picture, uv: [f32; 2]) -> [f32; 4] {
+    let [u, v] = uv.map(|x| if (0.0..=1.0).contains(&x) { x } else { x.rem_euclid(1.0) });
+    let index = |share: f32, side: u32| ((share * side as f32) as u32).min(side.saturating_sub(1));
+    let pixel = picture.pixel(index(u, picture.width), index(1.0 - v, picture.height));
+    let [r, g, b, alpha] = pixel.unwrap_or([255; 4]).map(|byte| f32::from(byte) / 255.0);
+    let [r, g, b] = [r, g, b].map(|channel| linear_from_srgb(f64::from(channel)) as f32);
+    [r, g, b, alpha]
 }
 
 /// A shape's own colors on the device that draws it.
@@ -109,8 +196,9 @@ impl OwnPaint {
 mod tests {
     use super::super::Aside;
     use super::*;
+    use chladni_caricature::{Project, ProxyKey, Resolution, ShapeSource};
     use chladni_harmonics::BasisSettings;
-    use chladni_mesh::{Material, Texture, samples};
+    use chladni_mesh::{CornerUvs, samples};
     use chladni_task::Task;
 
     #[test]
@@ -132,11 +220,69 @@ mod tests {
 
         let texture = Texture { name: "skin.png".into(), bytes: (*b"no picture").into() };
         let corners = vec![0; 3 * mesh.triangles.len()];
-        mesh.appearance.uvs = Some(chladni_mesh::CornerUvs { points: vec![[0.5, 0.5]], corners });
+        mesh.appearance.uvs = Some(CornerUvs { points: vec![[0.5, 0.5]], corners });
         mesh.appearance.materials =
             vec![Material { base_color_texture: Some(texture), ..Material::named("skin") }];
         assert!(matches!(OwnLook::of("shape", &mesh, &body, &aside), Some(OwnLook::Colors(_))));
         let warnings = aside.warnings();
         assert!(warnings.len() == 1 && warnings[0].to_string().contains("skin.png"), "{warnings:?}");
+    }
+
+    #[test]
+    fn a_texture_has_its_materials_color_and_faces_without_one_are_told() {
+        let mut mesh = samples::icosphere(1);
+        let body = Body::build(&mesh, &BasisSettings::new(4), &Task::new()).unwrap();
+        let skin = Picture { width: 2, height: 1, rgba: vec![255, 188, 0, 255, 0, 0, 255, 128] };
+        let texture = |bytes: Vec<u8>| Some(Texture { name: "skin.png".into(), bytes: bytes.into() });
+        let material = |base_color, base_color_texture| Material {
+            base_color,
+            base_color_texture,
+            ..Material::named("skin")
+        };
+        let corners = vec![0; 3 * mesh.triangles.len()];
+        mesh.appearance.uvs = Some(CornerUvs { points: vec![[0.5, 0.5]], corners });
+        // One whose file was not read, one that is shown, and one without.
+        mesh.appearance.materials = vec![
+            material([1.0; 4], texture(Vec::new())),
+            material([1.0, 0.5, 0.0, 0.25], texture(skin.to_png().unwrap())),
+            material([0.0, 1.0, 0.0, 1.0], None),
+        ];
+        let mut face_materials = vec![Some(1); mesh.triangles.len()];
+        face_materials[3..8].copy_from_slice(&[Some(2), Some(2), None, Some(0), Some(2)]);
+        mesh.appearance.face_materials = face_materials;
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let Some(OwnLook::Image { picture, .. }) = OwnLook::of("ball", &mesh, &body, &aside) else {
+            panic!()
+        };
+        assert_eq!(picture.rgba, [255, 137, 0, 255, 0, 0, 0, 128]);
+        let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+        assert!(said.iter().any(|said| said.contains("4 of 80 faces have no texture")), "{said:?}");
+    }
+
+    #[test]
+    fn the_vertices_of_a_proxy_have_the_colors_of_the_whole_shapes_texture() {
+        let mut mesh = samples::icosphere(3);
+        let half = |p: &[f64; 3]| [if p[0] < 0.0 { 0.25 } else { 0.75 }, 0.5];
+        let points = mesh.positions.iter().map(half).collect();
+        mesh.appearance.uvs = Some(CornerUvs { points, corners: mesh.triangles.as_flattened().to_vec() });
+        let skin = Picture { width: 2, height: 1, rgba: vec![255, 0, 0, 255, 0, 0, 255, 255] };
+        let texture = Texture { name: "skin.png".into(), bytes: skin.to_png().unwrap().into() };
+        mesh.appearance.materials =
+            vec![Material { base_color_texture: Some(texture), ..Material::named("skin") }];
+        let mut project = Project::new(ShapeSource::Sample("ball".into()), 4);
+        project.resolution = Resolution::Proxy(ProxyKey { vertices: 200, fingerprint: None });
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let subject = Subject::of_mesh(mesh, &mut project, &aside).unwrap();
+        let body = Body::build(&subject.mesh, &BasisSettings::new(4), &task).unwrap();
+        let Some(OwnLook::Colors(colors)) = OwnLook::of_subject("ball", &subject, &body, &aside) else {
+            panic!()
+        };
+        assert!(subject.proxy.is_some() && colors.len() == body.positions.len());
+        for (place, vertex) in subject.mesh.positions.iter().zip(&body.operator_vertex) {
+            let expected = if place[0] < 0.0 { [255, 0, 0, 255] } else { [0, 0, 255, 255] };
+            assert_eq!(colors[vertex.unwrap() as usize], expected);
+        }
     }
 }

@@ -7,6 +7,7 @@ use chladni_music::{
 use chladni_view::Look;
 
 use super::Error;
+use super::held::leave_out;
 
 /// The dances while nobody chooses.
 pub struct Programme {
@@ -19,8 +20,10 @@ pub struct Programme {
     /// Bars up to then were heard.
     heard_secs: f64,
     turns: usize,
-    /// In which all dance, whatever their presets say.
+    /// In which all dance, whatever their presets say, unless a form is held.
     form: Option<Form>,
+    /// Changes that stay, whatever the presets say.
+    held: Vec<Action>,
     /// Where the knobs of a dance stood when it began, and the generation that was seen.
     before: (Settings, usize),
 }
@@ -60,6 +63,7 @@ impl Programme {
             heard_secs: at_secs,
             turns: 0,
             form: None,
+            held: Vec::new(),
             before: (instrument.parameters().of_a_dance(), instrument.gallery().current()),
         })
     }
@@ -72,6 +76,11 @@ impl Programme {
     /// In the look that there is, where that was chosen.
     pub fn keeping_look(self, keeps: bool) -> Self {
         Self { looks: if keeps { Vec::new() } else { self.looks }, ..self }
+    }
+
+    /// With what these changes set in all dances, whatever their presets say; a gain is still changed in each turn.
+    pub fn keeping(self, held: Vec<Action>) -> Self {
+        Self { held, ..self }
     }
 
     /// Bars up to then were heard.
@@ -136,10 +145,14 @@ impl Programme {
     fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
         self.turns += 1;
         let item = instrument.gallery().items().len().saturating_sub(1 + self.turns % 2);
-        let preset = self.dances.get(turn.dance).cloned();
+        let mut preset = self.dances.get(turn.dance).cloned();
+        if let Some(preset) = &mut preset {
+            self.held.iter().for_each(|change| leave_out(change, &mut preset.settings));
+        }
         let (low, high) = Parameter::Gain.range();
         let value = (self.gain * turn.gain).clamp(low, high);
-        let form = self.form.map(|form| Action::SetForm { form });
+        let is_held = self.held.iter().any(|change| matches!(change, Action::SetForm { .. }));
+        let form = self.form.filter(|_| !is_held).map(|form| Action::SetForm { form });
         // The show's own look suits the body, so the first turn has that; but not a sheet without its sand.
         let keeps_look = self.autopilot.is_at_first() && self.form.is_none();
         let look = self.looks.get(turn.look).filter(|_| !keeps_look);
@@ -156,7 +169,7 @@ impl Programme {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_music::{GalleryShape, Moment};
+    use chladni_music::{Choir, GalleryShape, Moment, Switch, Timbre};
 
     #[test]
     fn whatever_dances_on_a_sheet_leaves_its_plane() {
@@ -168,6 +181,40 @@ mod tests {
                 instrument.apply(Moment { at_secs: f64::from(i), at_beat: 0.0 }, action).unwrap();
             }
             assert_eq!(instrument.parameters().form, Form::Modal);
+        }
+    }
+
+    #[test]
+    fn what_is_held_stays_whatever_dances() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        for is_flat in [false, true] {
+            let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+            let mut held = vec![
+                Action::SetForm { form: Form::Filter },
+                Action::SetChoir { choir: Choir::Symmetric },
+                Action::Set { parameter: Parameter::Decay, value: 0.123 },
+                Action::Switch { switch: Switch::OwnMu, on: false },
+                Action::Set { parameter: Parameter::StereoMu, value: 0.25 },
+            ];
+            held.extend(Action::for_timbre(&Timbre::NAMED[0].1));
+            for action in held.clone() {
+                instrument.apply(Moment::default(), action).unwrap();
+            }
+            let before = instrument.parameters().clone();
+            let programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
+            let mut programme = programme.on_sheet(is_flat).keeping(held.clone());
+            for i in 0..20 {
+                for action in programme.step(f64::from(i), true, &instrument) {
+                    instrument.apply(Moment { at_secs: f64::from(i), at_beat: 0.0 }, action).unwrap();
+                }
+                // Doing them again changes nothing.
+                let parameters = instrument.parameters().clone();
+                for action in held.clone() {
+                    instrument.apply(Moment::default(), action).unwrap();
+                }
+                assert_eq!(*instrument.parameters(), parameters, "turn {i}");
+                assert_eq!((parameters.form, parameters.choir), (before.form, before.choir));
+            }
         }
     }
 

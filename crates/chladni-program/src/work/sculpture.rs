@@ -94,6 +94,12 @@ pub fn settled(stack: &mut Stack, project: &Project, watcher: &impl Watcher) -> 
     Ok(stack.evaluate(project))
 }
 
+/// Takes the materials out of a mesh beside which no library can be written; whether it had any.
+fn leave_out_materials(mesh: &mut TriMesh) -> bool {
+    mesh.appearance.face_materials.clear();
+    !std::mem::take(&mut mesh.appearance.materials).is_empty()
+}
+
 /// The least and the largest coordinates.
 fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
     [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| {
@@ -130,7 +136,11 @@ impl Sculpture {
         if format == Format::Glb {
             return Ok(self.glb(file)?);
         }
-        Ok((write_mesh(&self.result(), format)?, None))
+        let mut result = self.result();
+        let warning = (format == Format::Obj && leave_out_materials(&mut result)).then(|| {
+            Warning::Plain("an OBJ alone has neither materials nor pictures: save GLB for these".to_owned())
+        });
+        Ok((write_mesh(&result, format)?, warning))
     }
 
     /// All of the shape, moved by the body's displacements.
@@ -185,5 +195,29 @@ impl Sculpture {
             }
         }
         Ok((write_glb(whole, &targets)?, warning))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Aside;
+    use super::*;
+    use chladni_harmonics::BasisSettings;
+    use chladni_mesh::{Material, samples::icosphere};
+
+    #[test]
+    fn an_obj_in_memory_names_no_library() {
+        let mut mesh = icosphere(1);
+        mesh.appearance.materials = vec![Material::named("skin")];
+        mesh.appearance.face_materials = vec![Some(0); mesh.triangles.len()];
+        let task = Task::new();
+        let body = Arc::new(Body::build(&mesh, &BasisSettings::new(4), &task).unwrap());
+        let project = Project::new(ShapeSource::Sample("ball".into()), 4);
+        let made = make(mesh, body, &project, false, &Aside::new(&task)).unwrap();
+        let (bytes, warning) = made.sculpture.to_bytes(Format::Obj, None).unwrap();
+        let text = String::from_utf8(bytes).unwrap();
+        assert!(!text.contains("mtllib") && !text.contains("usemtl") && text.contains("\nf "));
+        assert!(warning.unwrap().to_string().contains("save GLB"));
+        assert_eq!(made.sculpture.to_bytes(Format::Ply, None).unwrap().1, None);
     }
 }

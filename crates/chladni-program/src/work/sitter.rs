@@ -41,7 +41,8 @@ pub fn sitter(
         None => limbs(stack, watcher)?,
     };
     templates.push((Template::Ellipsoid, usual()));
-    templates.extend(SMOOTH.map(|harmonics| (Template::LowPass(harmonics), usual())));
+    let all = stack.body().basis.harmonics();
+    add_smooth(&mut templates, all);
     for (template, matching) in &templates {
         let request = MatchRequest { template: template.clone(), matching: matching.clone() };
         let own = !template.is_mesh()
@@ -54,6 +55,15 @@ pub fn sitter(
         stack.install(request, Ok(found));
     }
     Ok(Sitter::new(stack, &templates, parts)?)
+}
+
+/// Adds the shape made smooth, of whose harmonics there are `all`: each only once, as few harmonics make all alike.
+fn add_smooth(templates: &mut Vec<(Template, MatchSettings)>, all: usize) {
+    for smooth in SMOOTH.map(|harmonics| Template::LowPass(harmonics.min(all))) {
+        if templates.iter().all(|(known, _)| *known != smooth) {
+            templates.push((smooth, MatchSettings::default()));
+        }
+    }
 }
 
 /// The named parts of the head `mesh`, its match with the plain head, and the plain head; `None` if `mesh` is not a
@@ -132,6 +142,19 @@ mod tests {
 
     use super::*;
     use crate::work::{Aside, Parts};
+
+    #[test]
+    fn a_shape_made_smooth_is_one_template_where_it_has_few_harmonics() {
+        let kept = |given: &[usize], all: usize| -> Vec<Template> {
+            let given = given.iter().map(|harmonics| Template::LowPass(*harmonics));
+            let mut templates: Vec<_> = given.map(|smooth| (smooth, MatchSettings::default())).collect();
+            add_smooth(&mut templates, all);
+            templates.into_iter().map(|(template, _)| template).collect()
+        };
+        assert_eq!(kept(&[], 5), [5].map(Template::LowPass));
+        assert_eq!(kept(&[], 96), [8, 30].map(Template::LowPass));
+        assert_eq!(kept(&[8], 20), [8, 20].map(Template::LowPass));
+    }
 
     /// The number that `parts --level` prints, from 0, and --limb takes.
     #[test]

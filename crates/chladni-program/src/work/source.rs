@@ -1,6 +1,7 @@
 //! Shapes and songs by the names that users give them: a path, or `sample:NAME`.
 
 use std::fmt::Display;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::Project;
@@ -91,11 +92,7 @@ pub fn song(
     duration_secs: Option<f64>,
     watcher: &impl Watcher,
 ) -> Result<Song, Error> {
-    if !(start_secs.is_finite() && start_secs >= 0.0)
-        || duration_secs.is_some_and(|d| !(d.is_finite() && d > 0.0))
-    {
-        return Err(Error::input("start must not be negative and the duration must be positive"));
-    }
+    check_stretch(start_secs, duration_secs)?;
     if let Some(sample) = ShapeSource::sample_name(Path::new(name)) {
         if name != TUNE {
             return Err(Error::Input(format!("there is no sample {sample}: tune is a song")));
@@ -111,17 +108,34 @@ pub fn song(
     Ok(song?)
 }
 
-fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<Song, Error> {
+/// Whether a song may have such a stretch.
+///
+/// # Errors
+/// [`Error::Input`] where none has.
+pub fn check_stretch(start_secs: f64, duration_secs: Option<f64>) -> Result<(), Error> {
+    if !(start_secs.is_finite() && start_secs >= 0.0)
+        || duration_secs.is_some_and(|d| !(d.is_finite() && d > 0.0))
+    {
+        return Err(Error::input("start must not be negative and the duration must be positive"));
+    }
+    Ok(())
+}
+
+/// The frames of a stretch of `song`; `None` where there are none.
+pub fn frames_of(song: &Song, start_secs: f64, duration_secs: Option<f64>) -> Option<Range<usize>> {
     let frames = |secs: f64| (secs * f64::from(song.rate_hz)).round() as usize;
     let first = frames(start_secs).min(song.frames());
     let last = duration_secs.map_or(song.frames(), |d| first.saturating_add(frames(d)).min(song.frames()));
-    if first == last {
-        return Err(Error::Input(format!("the song ends after {:.1} s", song.duration_secs())));
-    }
+    (first < last).then_some(first..last)
+}
+
+fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<Song, Error> {
+    let ends = || Error::Input(format!("the song ends after {:.1} s", song.duration_secs()));
+    let frames = frames_of(&song, start_secs, duration_secs).ok_or_else(ends)?;
     Ok(Song {
         rate_hz: song.rate_hz,
-        left: song.left[first..last].to_vec(),
-        right: song.right[first..last].to_vec(),
+        left: song.left[frames.clone()].to_vec(),
+        right: song.right[frames].to_vec(),
     })
 }
 

@@ -47,9 +47,14 @@ const fn point(
 }
 
 impl StartingPoint {
-    /// A layer of `project` against it, to be put on top.
-    pub fn layer(&self, project: &Project) -> Layer {
-        project.new_layer(format!("{} {}", self.name, project.layers().len() + 1), (self.template)())
+    /// A layer of `project` against it, to be put on top, where the shape has `most` harmonics: a small shape has fewer
+    /// than the project asks for.
+    pub fn layer(&self, project: &Project, most: usize) -> Layer {
+        let template = match (self.template)() {
+            Template::LowPass(harmonics) => Template::LowPass(harmonics.min(most)),
+            other => other,
+        };
+        project.new_layer(format!("{} {}", self.name, project.layers().len() + 1), template)
     }
 }
 
@@ -77,6 +82,15 @@ pub fn layer_against(project: &Project, path: PathBuf) -> Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_smooth_template_keeps_no_more_harmonics_than_the_shape_has() {
+        let project = Project::new(ShapeSource::Sample("head".into()), 96);
+        let own = STARTING_POINTS.iter().find(|point| point.id == "own-detail").unwrap();
+        for (most, kept) in [(12, 12), (96, 20)] {
+            assert_eq!(own.layer(&project, most).template, Template::LowPass(kept));
+        }
+    }
 
     #[test]
     fn a_sample_is_a_template_wherever_a_file_is() {

@@ -41,7 +41,19 @@ impl Subject {
     /// # Errors
     /// As [`source::shape`].
     pub fn open(shape: &ShapeSource, watcher: &impl Watcher) -> Result<Self, Error> {
-        Ok(Self::at(&mut Resolution::Usual, shape, source::shape(shape, watcher)?, watcher)?.0)
+        Self::open_at(Resolution::Usual, shape, watcher)
+    }
+
+    /// The same as finely as `resolution` says.
+    ///
+    /// # Errors
+    /// As [`source::shape`]; [`Error::Input`] where a proxy that is asked for cannot be made.
+    pub fn open_at(
+        mut resolution: Resolution,
+        shape: &ShapeSource,
+        watcher: &impl Watcher,
+    ) -> Result<Self, Error> {
+        Ok(Self::at(&mut resolution, shape, source::shape(shape, watcher)?, watcher)?.0)
     }
 
     /// The shape of `project`. Where it is very large, its resolution is decided then and kept in the project.
@@ -82,16 +94,25 @@ impl Subject {
         Ok(Self::decided(mesh, project, false, watcher)?.0)
     }
 
-    /// As the project says, which is decided then: whole where it `needs_all` vertices or matches them one by one. And
-    /// whether it is another proxy than the project's.
+    /// As the project says, which is decided then: whole where it `needs_all` vertices or matches them one by one, from a
+    /// proxy, too, unless regions or landmarks are of that proxy. And whether it is another proxy than the project's.
     fn decided(
         mesh: TriMesh,
         project: &mut Project,
         needs_all: bool,
         watcher: &impl Watcher,
     ) -> Result<(Self, bool), Error> {
-        let needs_all = needs_all || project.layers().iter().any(|(_, layer)| layer.matches_vertices());
-        if project.resolution == Resolution::Usual && needs_all && is_large(&mesh) {
+        let matches = project.layers().iter().any(|(_, layer)| layer.matches_vertices());
+        let becomes_whole = match project.resolution {
+            Resolution::Usual => (needs_all || matches) && is_large(&mesh),
+            Resolution::Proxy(_) => matches && !needs_all,
+            Resolution::Whole => false,
+        };
+        if becomes_whole {
+            if matches!(project.resolution, Resolution::Proxy(_)) {
+                let message = "a layer matches vertex by vertex: all vertices are taken";
+                watcher.warn(Warning::of(&project.shape, message));
+            }
             project.resolution = Resolution::Whole;
         }
         Self::at(&mut project.resolution, &project.shape, mesh, watcher)
@@ -142,19 +163,30 @@ impl Subject {
     }
 
     /// `landmarks` whose shape's ends are numbers of its file, with those of [`mesh`](Self::mesh) instead: of the
-    /// nearest vertices.
+    /// nearest vertices. Of those that come to one vertex the first is kept, with a warning.
     ///
     /// # Errors
     /// [`Error::Input`] for a vertex that is not there.
-    pub fn renumbered(&self, landmarks: Vec<Landmark>) -> Result<Vec<Landmark>, Error> {
-        let Some(proxy) = &self.proxy else { return Ok(landmarks) };
-        let of = |landmark: Landmark| match proxy.nearest(landmark.shape) {
-            Some(shape) => Ok(Landmark { shape, ..landmark }),
-            None => {
-                Err(Error::input(format_args!("the shape has no vertex {} to be a landmark", landmark.shape)))
+    pub fn renumbered(&self, landmarks: Vec<Landmark>) -> Result<(Vec<Landmark>, Option<Warning>), Error> {
+        let Some(proxy) = &self.proxy else { return Ok((landmarks, None)) };
+        let all = landmarks.len();
+        let mut kept: Vec<Landmark> = Vec::with_capacity(all);
+        for landmark in landmarks {
+            let Some(shape) = proxy.nearest(landmark.shape) else {
+                let vertex = landmark.shape;
+                return Err(Error::input(format_args!("the shape has no vertex {vertex} to be a landmark")));
+            };
+            if kept.iter().all(|known| known.shape != shape) {
+                kept.push(Landmark { shape, ..landmark });
             }
-        };
-        landmarks.into_iter().map(of).collect()
+        }
+        let lost = all - kept.len();
+        let warning = (lost > 0).then(|| {
+            Warning::Plain(format!(
+                "{lost} of {all} landmarks are left out: among the vertices that are worked on, theirs has one already"
+            ))
+        });
+        Ok((kept, warning))
     }
 
     /// The other way round: `landmarks` with the numbers of the shape's file.
@@ -162,6 +194,14 @@ impl Subject {
         let whole = self.proxy.as_ref().map(|proxy| proxy.whole_vertex());
         let of = |shape: u32| whole.and_then(|whole| whole.get(shape as usize)).copied().unwrap_or(shape);
         landmarks.iter().map(|landmark| Landmark { shape: of(landmark.shape), ..*landmark }).collect()
+    }
+
+    /// What the vertices of [`mesh`](Self::mesh) have, such as the numbers of parts, at those of the whole shape: of
+    /// the nearest; `none` where no triangle uses a vertex.
+    pub fn at_whole<T: Copy>(&self, values: &[T], none: T) -> Vec<T> {
+        let Some(proxy) = &self.proxy else { return values.to_vec() };
+        let of = |v| proxy.nearest(v).and_then(|v| values.get(v as usize)).copied().unwrap_or(none);
+        (0..proxy.whole().positions.len() as u32).map(of).collect()
     }
 
     /// The shape with all that its file holds.
@@ -195,7 +235,7 @@ fn fingerprint(proxy: &Proxy) -> String {
 
 #[cfg(test)]
 mod tests {
-    use chladni_caricature::{Layer, Template};
+    use chladni_caricature::{Layer, Painted, Template};
     use chladni_match::Method;
     use chladni_mesh::samples::icosphere;
     use chladni_task::Task;
@@ -228,6 +268,21 @@ mod tests {
         let whole =
             Subject::of_mesh(TriMesh::clone(large.whole()), &mut registered, &Aside::new(&task)).unwrap();
         assert!(whole.proxy.is_none() && registered.resolution == Resolution::Whole);
+        // Also where a proxy was chosen before; but regions that were painted on it belong to it.
+        for is_painted in [false, true] {
+            registered.resolution = Resolution::Proxy(ProxyKey { vertices: 1000, fingerprint: None });
+            if is_painted {
+                let mut layer = Layer::new("painted", Template::Sphere);
+                layer.region.painted = Painted::Vertices(vec![1.0_f32; 1000].into());
+                registered.push(layer).unwrap();
+            }
+            let aside = Aside::new(&task);
+            let opened = Subject::of_mesh(icosphere(4), &mut registered, &aside).unwrap();
+            assert_eq!(opened.proxy.is_some(), is_painted);
+            let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+            let says_so = said.iter().any(|warning| warning.contains("all vertices are taken"));
+            assert_eq!(says_so, !is_painted, "{said:?}");
+        }
         let mark = |shape| Landmark { shape, template: 7 };
         // Landmarks belong to the shape that they were set on, not to one that they will be carried to.
         for (is_its_own, expected) in [(true, 655_362), (false, PROXY_VERTICES)] {
@@ -243,11 +298,19 @@ mod tests {
             assert_eq!(subject.mesh.positions.len(), expected);
         }
         let chosen = large.proxy.as_ref().unwrap().whole_vertex()[5];
-        assert_eq!(large.renumbered(vec![mark(chosen)]).unwrap(), [mark(5)]);
+        assert_eq!(large.renumbered(vec![mark(chosen)]).unwrap(), (vec![mark(5)], None));
+        // One that the proxy lacks, and the one that takes its place.
+        let proxy = large.proxy.as_ref().unwrap();
+        let beside = (0..655_362).find(|v| !proxy.whole_vertex().contains(v)).unwrap();
+        let nearest = proxy.nearest(beside).unwrap();
+        let both = vec![mark(beside), mark(proxy.whole_vertex()[nearest as usize])];
+        let (kept, warning) = large.renumbered(both).unwrap();
+        assert_eq!(kept, [mark(nearest)]);
+        assert!(warning.unwrap().to_string().contains("1 of 2 landmarks"));
         assert_eq!(large.numbered_in_file(&[mark(5)]), [mark(chosen)]);
         assert_eq!(small.numbered_in_file(&[mark(5)]), [mark(5)]);
         assert!(large.renumbered(vec![mark(700_000)]).is_err());
-        assert_eq!(small.renumbered(vec![mark(700_000)]).unwrap(), [mark(700_000)]);
+        assert_eq!(small.renumbered(vec![mark(700_000)]).unwrap(), (vec![mark(700_000)], None));
     }
 
     #[test]

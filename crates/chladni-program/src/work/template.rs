@@ -3,6 +3,7 @@
 use chladni_caricature::{CaricatureError, MatchRequest, Matched, Template};
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
+use chladni_task::read_file;
 
 use super::{Error, Warning, Watcher, source};
 
@@ -12,6 +13,17 @@ use super::{Error, Warning, Watcher, source};
 /// As [`source::shape`] does.
 pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Option<TriMesh>, Error> {
     template.mesh().map(|source| source::shape(&source, watcher)).transpose()
+}
+
+/// Whether `next` is another mesh of the same file name than `template`, rather than the same file moved: the one before is
+/// still there, and differs.
+pub fn is_namesake(template: &Template, next: &Template) -> bool {
+    let (Some(one), Some(two)) = (template.file(), next.file()) else { return false };
+    let differ = || {
+        let [size, other] = [one.metadata().ok()?.len(), two.metadata().ok()?.len()];
+        Some(size != other || read_file(one, size).ok()? != read_file(two, size).ok()?)
+    };
+    one.file_name() == two.file_name() && differ().unwrap_or(false)
 }
 
 /// Matches the shape `mesh`, which `body` was built from, as `request` says, and warns of faults

@@ -182,6 +182,30 @@ fn a_batch_gives_every_mesh_a_file_of_its_own_and_replaces_none() {
 }
 
 #[test]
+fn a_batch_whose_results_cannot_be_written_fails_with_code_1() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni --harmonics 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    std::fs::create_dir_all(desk.path("out/a.obj/new")).unwrap();
+    std::fs::create_dir(desk.path("many")).unwrap();
+    save_mesh(&lump(1.0), &desk.path("many/a.obj")).unwrap();
+    let failed = |out: &str| {
+        let run = desk.run(&format!("caricature --recipe p.chladni --batch many -o {out}"));
+        assert_eq!(run.status.code(), Some(1));
+        String::from_utf8(run.stderr).unwrap()
+    };
+    let said = failed("out");
+    assert!(said.contains("1 of 1 shapes failed"), "{said}");
+    // A folder that takes no files is found before the work.
+    if cfg!(target_os = "linux") {
+        let said = failed("/proc");
+        assert!(said.contains("/proc") && !said.contains("shapes failed"), "{said}");
+    }
+    // A folder in it that is called new is in nobody's way.
+    desk.ok("caricature --recipe p.chladni --batch many -o out/a.obj");
+}
+
+#[test]
 fn pieces_of_a_batch_are_all_of_it_and_what_is_there_stays() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o p.chladni --harmonics 16");
@@ -235,7 +259,33 @@ fn bad_arguments_are_told_apart() {
         ("caricature shape.obj ellipsoid -o out.obj --scale-curve 0:9", "scale curve"),
         ("caricature shape.obj ellipsoid -o out.obj --scale-curve 0:1,0.4:2,1:0", "percent of the size"),
         ("caricature shape.obj ellipsoid -o out.obj --cutoff 0", "cut-off"),
-        ("caricature shape.obj ellipsoid -o out.obj --infill 2", "the infill"),
+        ("caricature shape.obj shape.obj -o out.obj --infill 2", "the infill"),
+        (
+            "caricature shape.obj ellipsoid -o out.obj --infill 0.5",
+            "--infill is for a template that is a mesh",
+        ),
+        ("caricature shape.obj ellipsoid -o out.obj --cutoff 40", "--cutoff is for the edge of a region"),
+        (
+            "caricature shape.obj ellipsoid -o out.obj --roll-off sharp",
+            "--roll-off is for the edge of a region",
+        ),
+        ("caricature shape.obj ellipsoid -o out.obj --no-clamp", "--no-clamp is for the edge of a region"),
+        ("caricature shape.obj ellipsoid -o out.obj --region 13,0,0,2 --no-clamp", "--roll-off sharp, too"),
+        ("project add-layer good.chladni --template sphere --no-clamp", "--roll-off sharp, too"),
+        ("caricature shape.obj shape.obj --match same --landmarks marks.txt -o out.obj", "--landmarks lead"),
+        ("match shape.obj shape.obj --method same --landmarks marks.txt", "--landmarks lead"),
+        (
+            "transfer shape.obj shape.obj shape.obj --match same --landmarks marks.txt -o out.obj",
+            "--landmarks lead",
+        ),
+        ("mask shape.obj --curved bumps --as-colors -o out.npy", "--as-colors is for a .ply"),
+        ("mask shape.obj --curved bumps --as-colors -o out.glb", "--as-colors is for a .ply"),
+        ("caricature shape.obj --gallery --keep-triangles -o out.png", "--variant N or --surprise"),
+        ("caricature shape.obj self:lowpass=99 -k 16 -o out.obj", "a low-pass keeps is 99"),
+        (
+            "project add-layer good.chladni --template sphere --seed 9223372036854775808",
+            "from 0 to 9223372036854775807",
+        ),
         ("caricature shape.obj sphere:0,0,0 -o out.obj", "sphere:x,y,z,radius"),
         ("caricature shape.obj --gallery --lock model -o out.png", "--choose"),
         ("caricature shape.obj --gallery --surprise --lock model -o out.obj", "--lock"),
@@ -261,9 +311,11 @@ fn bad_arguments_are_told_apart() {
         ("basis shape.obj --engine slepc --ranks 4 --groups 3", "3 equal groups"),
         ("basis shape.obj --engine slepc --hosts absent.txt", "absent.txt"),
         ("basis shape.obj --engine slepc --threads 2", "--threads is for"),
+        ("basis shape.obj -k 9 --threads 1025", "1025 threads: at most 1024 are possible"),
         ("basis shape.obj -o nowhere/b.npz", "its folder does not exist"),
         ("basis shape.obj -o b.npz --operator ./b.npz", "two results"),
         ("match shape.obj shape.obj --method sphere", "neither a template"),
+        ("match shape.obj shape.obj --method nearest", "ellipsoid:x,y,z,a,b,c"),
         ("match shape.obj shape.obj --render out.jpg", ".png"),
         ("spectrum sample:tune --render out.jpg", ".png"),
         ("spectrum sample:tune --fps 1000 --bands 4096 --render out.png", "pixels is too large"),
@@ -311,6 +363,14 @@ fn a_shape_with_few_vertices_dances_with_the_harmonics_it_has() {
     let dance = desk.run("dance few.obj sample:tune --coefficients c.npz --duration 0.1");
     let message = String::from_utf8(dance.stderr).unwrap();
     assert!(dance.status.success() && message.contains("12 harmonics instead of 512"), "{message}");
+}
+
+#[test]
+fn symmetry_in_paper_mode_says_that_no_mirror_plane_was_looked_for() {
+    let desk = Desk::new();
+    let said = desk.ok("symmetry shape.obj --paper -k 12");
+    assert!(said.contains("no mirror plane was looked for"), "{said}");
+    assert!(!desk.ok("symmetry shape.obj -k 12").contains("looked for"));
 }
 
 #[test]

@@ -8,7 +8,7 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     desk.ok("project new shape.obj -o p.chladni --harmonics 48");
     let nose = "--model normal --mu -0.8 --name nose --region 12,0,0,2";
     desk.ok(&format!("project add-layer p.chladni --template ellipsoid {nose}"));
-    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0 --seed 3 --infill 0.5";
+    let detail = "--mu -2 --scale-curve 200%:0,90%:2,45%:1,d:0 --seed 3";
     desk.ok(&format!("project add-layer p.chladni --template self:lowpass=12 {detail}"));
     let shown = desk.ok("project show p.chladni --json");
     let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
@@ -18,7 +18,7 @@ fn a_project_is_made_shown_and_exported_with_a_slider_per_layer() {
     assert_eq!(shown["layers"][1]["scale_curve"]["points"][1], serde_json::json!([0.9, 2.0]));
     let matching = &shown["layers"][1]["match"];
     assert_eq!((&matching["scaling"], &matching["seed"]), (&"free".into(), &3.into()));
-    assert_eq!((&shown["layers"][0]["infill"], &shown["layers"][1]["infill"]), (&1.0.into(), &0.5.into()));
+    assert_eq!(shown["layers"][0]["infill"], 1.0);
     assert!(desk.ok("project show p.chladni").contains("2. self:lowpass=12"));
 
     desk.ok("caricature --recipe p.chladni -o out.glb");
@@ -115,15 +115,17 @@ fn options_for_matching_are_for_templates_that_are_meshes() {
         ("ellipsoid --match same", "--match"),
         ("self:lowpass=8 --rigid", "--rigid"),
         ("sphere --landmarks marks.txt", "--landmarks"),
+        ("self:scale=0.9 --infill 0.5", "--infill"),
     ] {
         let said = desk.refused(&format!("project add-layer p.chladni --template {options}"));
         assert!(said.contains(&format!("{option} is for a template that is a mesh")), "{options}: {said}");
         assert_eq!(std::fs::read(desk.path("p.chladni")).unwrap(), before, "{options}");
     }
-    desk.ok("project add-layer p.chladni --template shape.obj --match same --rigid");
+    desk.ok("project add-layer p.chladni --template shape.obj --match same --rigid --infill 0.5");
     let shown = desk.ok("project show p.chladni --json");
     let shown: serde_json::Value = serde_json::from_str(&shown).unwrap();
     assert_eq!(shown["layers"][0]["match"]["scaling"], "rigid");
+    assert_eq!(shown["layers"][0]["infill"], 0.5);
 }
 
 #[test]
@@ -147,6 +149,31 @@ fn a_project_remembers_which_way_is_up() {
     assert_eq!(chladni_caricature::Project::load(&desk.path("b.chladni")).unwrap().stands, None);
     std::fs::write(desk.path("c.chladni"), text.replace("up z, front -y", "up z, front z")).unwrap();
     assert!(desk.refused("project show c.chladni").contains("is no direction"));
+}
+
+#[test]
+fn a_project_shows_which_layers_act_and_how_its_shape_is_taken() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni -k 8 --proxy 200 --up z --front -y");
+    for template in ["sphere", "ellipsoid", "self:original"] {
+        desk.ok(&format!("project add-layer p.chladni --template {template}"));
+    }
+    let path = desk.path("p.chladni");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let [head, first, second, third] = text.splitn(4, "[[layer]]").collect::<Vec<_>>()[..] else { panic!() };
+    let soloed = |layer: &str| layer.replace("solo = false", "solo = true");
+    let off = soloed(third).replace("enabled = true", "enabled = false");
+    std::fs::write(&path, [head, first, &soloed(second), &off].join("[[layer]]")).unwrap();
+    let shown = desk.ok("project show p.chladni");
+    let lines: Vec<&str> = shown.lines().collect();
+    assert!(lines[0].ends_with(", about 200 of its vertices, up z, front -y"), "{shown}");
+    for (line, ending) in lines[1..].iter().zip(["everywhere, off", "everywhere, solo", ", solo, off"]) {
+        assert!(line.ends_with(ending), "{shown}");
+    }
+    let shown: serde_json::Value = serde_json::from_str(&desk.ok("project show p.chladni --json")).unwrap();
+    assert_eq!((&shown["proxy"], &shown["stands"]), (&200.into(), &"up z, front -y".into()));
+    let acts: Vec<bool> = (0..3).map(|i| shown["layers"][i]["acts"].as_bool().unwrap()).collect();
+    assert_eq!(acts, [false, true, false]);
 }
 
 #[test]

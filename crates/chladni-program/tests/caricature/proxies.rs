@@ -53,6 +53,16 @@ fn the_sliders_of_a_glb_add_up_to_the_result() {
 }
 
 #[test]
+fn a_dance_as_a_glb_has_only_the_proxy_and_says_so() {
+    let desk = desk();
+    desk.ok("project new large.ply -o p.chladni -k 24 --proxy 1500");
+    let dance = desk.run("dance p.chladni sample:tune -k 24 --duration 1 -o dance.glb");
+    let message = String::from_utf8(dance.stderr).unwrap();
+    assert!(dance.status.success() && message.contains("only the vertices that are worked on"), "{message}");
+    assert!(desk.mesh("dance.glb").positions.len() < 10_000);
+}
+
+#[test]
 fn a_project_keeps_its_proxy_and_is_refused_where_its_regions_belong_to_another() {
     let desk = desk();
     desk.ok("project new large.ply -o p.chladni -k 24 --proxy 1500");
@@ -77,6 +87,44 @@ fn a_project_keeps_its_proxy_and_is_refused_where_its_regions_belong_to_another(
     // Another shape takes the layers over, whole.
     desk.ok("caricature shape.obj --recipe p.chladni -o other.ply");
     assert_eq!(desk.mesh("other.ply").positions.len(), desk.mesh("shape.obj").positions.len());
+}
+
+#[test]
+fn a_match_vertex_by_vertex_takes_all_of_them_from_a_proxy_too() {
+    let desk = desk();
+    desk.ok("project new large.ply -o p.chladni -k 24 --proxy 1500");
+    let path = desk.path("p.chladni");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let layer =
+        "[[layer]]\nname = \"same\"\ntemplate = \"large.ply\"\nmu = 0.5\n[layer.match]\nmethod = \"same\"\n";
+    std::fs::write(&path, format!("{}\n{layer}", text.replace("layer = []\n", ""))).unwrap();
+    let output = desk.run("caricature --recipe p.chladni -o out.ply");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("all vertices are taken"), "{said}");
+    let said = desk.refused("caricature large.ply large.ply --match same --proxy 1500 -o out.ply");
+    assert!(said.contains("--match same needs all vertices"), "{said}");
+}
+
+#[test]
+fn limbs_are_counted_on_the_proxy_on_which_they_are_taken() {
+    let desk = Desk::new();
+    desk.ok("parts sample:octopus --level 0.3 --proxy 1500 -o parts.npz");
+    let parts = archive::array(&desk.path("parts.npz"), "part").unwrap().values;
+    assert_eq!(parts.len(), samples::sample("octopus").unwrap().positions.len());
+    for limb in 0..2_u32 {
+        let project = format!("{limb}.chladni");
+        desk.ok(&format!("project new sample:octopus -k 8 --proxy 1500 -o {project}"));
+        desk.ok(&format!("project add-layer {project} --template sphere --limb {limb} --level 0.3"));
+        desk.ok(&format!("mask {project} -o mask.npz"));
+        let mask = archive::array(&desk.path("mask.npz"), "mask").unwrap().values;
+        // A mask is mixed across a triangle, a part is that of its nearest corner: they agree where all corners do, but
+        // also differ where an obtuse corner is nearest and has no weight.
+        let belongs = |part: f64| if part == f64::from(limb) { 1.0 } else { 0.0 };
+        let sure = || parts.iter().zip(&mask).filter(|(_, x)| (**x).min(1.0 - **x).abs() < 1e-6);
+        let apart = sure().filter(|(part, x)| (belongs(**part) - **x).abs() > 0.5).count();
+        assert!(apart * 500 < parts.len(), "{limb}: {apart} of {}", parts.len());
+        assert!(sure().count() * 2 > parts.len() && sure().any(|(part, _)| belongs(*part) > 0.5));
+    }
 }
 
 #[test]

@@ -7,6 +7,12 @@ fn a_part_of_a_head_is_a_region() {
     let desk = Desk::new();
     let parts = desk.ok("parts sample:head --json -o parts.npz");
     assert!(parts.contains("\"nose\"") && parts.contains("confidence"), "{parts}");
+    // The sample is modeled of them.
+    let head = samples::sample("head").unwrap();
+    let known = samples::head_parts("head", &head.positions).unwrap();
+    let found = archive::array(&desk.path("parts.npz"), "part").unwrap().values;
+    let known: Vec<f64> = known.into_iter().map(f64::from).collect();
+    assert_eq!(found, known);
     desk.ok("caricature sample:head ellipsoid -k 48 --part nose -o nose.ply");
     let (before, after) = (samples::sample("head").unwrap().positions, desk.mesh("nose.ply").positions);
     let moved = |v: usize| (0..3).map(|i| (after[v][i] - before[v][i]).powi(2)).sum::<f64>().sqrt();

@@ -288,6 +288,41 @@ fn a_reader_who_has_had_enough_stops_nothing() {
     assert!(out.exists());
 }
 
+#[test]
+fn a_part_of_a_spectrum_is_that_of_the_whole_song() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("softer.wav");
+    // After three seconds 20 dB softer.
+    let mut song = chladni_sound::sample_tune();
+    let loud = 3 * song.rate_hz as usize;
+    for side in [&mut song.left, &mut song.right] {
+        side.iter_mut().skip(loud).for_each(|sample| *sample *= 0.1);
+    }
+    chladni_sound::write_wav(&path, &song, chladni_sound::WavSample::Float32).unwrap();
+    let frames = |more: &[&str]| {
+        let spectrum = ["--quiet", "spectrum", text(&path), "--json", "--bands", "24"];
+        let json = Run::of(&[&spectrum[..], more].concat()).succeeded().json();
+        json["frames"].as_array().unwrap().clone()
+    };
+    let (whole, part) = (frames(&[]), frames(&["--start", "16", "--duration", "2"]));
+    assert_eq!(part.len(), 40);
+    let mut loudest = 0.0f64;
+    // Twenty frames a second.
+    for (whole, part) in whole[320..].iter().zip(&part) {
+        assert_eq!(whole["time_secs"], part["time_secs"]);
+        for side in ["mid", "side"] {
+            let numbers = |frame: &serde_json::Value| -> Vec<f64> {
+                frame[side].as_array().unwrap().iter().map(|level| level.as_f64().unwrap()).collect()
+            };
+            for (whole, part) in numbers(whole).into_iter().zip(numbers(part)) {
+                assert!((whole - part).abs() < 1e-3, "{whole} and {part}");
+                loudest = loudest.max(part);
+            }
+        }
+    }
+    assert!(loudest > 0.1, "{loudest}");
+}
+
 fn vertex_lines(path: &Path) -> Vec<String> {
     std::fs::read_to_string(path)
         .unwrap()

@@ -1,5 +1,8 @@
 //! Bad arguments and damaged files: each is refused in one line.
 
+use std::path::Path;
+
+use chladni_program::cli;
 use chladni_testdata::shared;
 
 use super::{OCTAHEDRON, Run, files_below, text};
@@ -29,6 +32,17 @@ fn bad_arguments_end_with_code_2() {
     let silent = folder.path().join("not-there.wav");
     Run::of(&["dance", text(&good), text(&silent), "--frames", text(folder.path()), "-k", "4"])
         .refused("not-there.wav");
+}
+
+#[test]
+fn the_fuzzer_starts_from_command_lines_that_are_understood() {
+    let seeds = files_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/seeds/arguments"));
+    assert!(!seeds.is_empty());
+    for path in seeds {
+        let line = std::fs::read_to_string(&path).unwrap();
+        let understood = cli::understand(std::iter::once("chladni").chain(line.lines()));
+        assert!(understood.is_ok(), "{}: {understood:?}", path.display());
+    }
 }
 
 #[test]
@@ -86,6 +100,7 @@ fn wrong_arguments_are_told_in_one_line() {
         (&["open", "-o", "set.txt"], "set.txt"),
         (&["open", "song.wav", "-o", "set.mp4", "--format", "y4m"], "--format"),
         (&["open", "song.wav", "-o", "-", "--measure", "3"], "standard output"),
+        (&["dance", "--show", "a.toml", "--seed", "2", "-o", "a.gif"], "--seed"),
     ] {
         let run = Run::of(arguments);
         run.refused(part);

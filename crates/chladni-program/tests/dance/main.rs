@@ -74,6 +74,10 @@ fn a_dance_becomes_a_glb_with_its_sound_beside_it() {
     assert!(text.contains(r#""offset"]"#));
     let sound = Song::open(&folder.path().join("dance.wav")).unwrap();
     assert!((sound.duration_secs() - 1.0).abs() < 0.01, "{}", sound.duration_secs());
+    // An animation without its sound was not finished.
+    std::fs::remove_file(folder.path().join("dance.wav")).unwrap();
+    assert_eq!(dance(&["--targets", "5", "--resume"]), 0);
+    assert!(folder.path().join("dance.wav").is_file());
     // The sound would replace the song.
     let song = folder.path().join("dance.wav");
     let before = std::fs::read(&song).unwrap();
@@ -89,7 +93,9 @@ fn no_file_of_a_film_replaces_one_that_it_reads() {
     save_mesh(&samples::sample("octopus").unwrap(), &path("hero.glb")).unwrap();
     std::fs::create_dir(path("film")).unwrap();
     write_wav(&path("film/sound.wav"), &chladni_sound::sample_tune(), WavSample::Int16).unwrap();
-    image::RgbaImage::new(4, 4).save(path("wall.png")).unwrap();
+    for picture in ["wall.png", "film/frame-00000.png"] {
+        image::RgbaImage::new(4, 4).save(path(picture)).unwrap();
+    }
     let project = chladni_caricature::Project::new(chladni_mesh::ShapeSource::File(path("hero.glb")), 24);
     project.save(&path("hero.chladni")).unwrap();
     let before = bytes_below(folder.path());
@@ -109,6 +115,7 @@ fn no_file_of_a_film_replaces_one_that_it_reads() {
     refused(octopus, "film/sound.wav", &["--frames", "film"]);
     refused(octopus, "film/sound.wav", &["--coefficients", "film/sound.wav"]);
     refused(octopus, tune, &["--picture", "wall.png", "-o", "wall.png"]);
+    refused(octopus, tune, &["--picture", "film/frame-00000.png", "--frames", "film"]);
     refused(octopus, tune, &["-o", "twice.glb", "--coefficients", "./twice.glb"]);
     // Nor is there any work for what cannot be written.
     refused(octopus, tune, &["--frames", "wall.png"]);
@@ -440,6 +447,11 @@ fn knobs_switches_and_choices_are_set_by_their_names() {
     assert_ne!(plain, moved("decay.npz", &["--form", "filter", "--set", "decay=0.9"]));
     let few = moved("few.npz", &["--form", "filter", "--set", "harmonics=4"]);
     assert!(few.chunks(3).enumerate().all(|(i, c)| i % 24 < 4 || c == [0.0; 3]));
+    // One µ for all is heard by either name.
+    let by_name = moved("by-name.npz", &["--form", "filter", "--set", "stereo-mu=1"]);
+    assert_eq!(by_name, moved("mu.npz", &["--form", "filter", "--mu", "1"]));
+    let own = ["--form", "filter", "--set", "own-mu=on", "--set", "stereo-mu=1"];
+    assert_ne!(by_name, moved("own.npz", &own));
     for bad in ["volume=1", "decay", "form=7"] {
         let out = folder.path().join("bad.npz");
         let rest = ["--set", bad, "--coefficients", out.to_str().unwrap()];

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
+use chladni_caricature::{Layer, Project, ShapeSource, Template};
 use chladni_music::Looks;
 use chladni_view::Picture;
 
@@ -82,6 +83,23 @@ fn a_film_shows_the_colors_and_the_texture_that_a_shape_brings() {
         let of_look = picture(&mesh, &[]);
         assert_eq!([seen(&of_look, is_red).0, seen(&of_look, is_blue).0], [0, 0]);
         assert_eq!(picture(&mesh, &["--palette", "own", "--allow-flashes"]).rgba, own.rgba);
+    }
+}
+
+#[test]
+fn no_film_replaces_a_texture_of_the_shape_or_of_a_template() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, skin) = (textured(folder.path()), folder.path().join("skin.png"));
+    let project = folder.path().join("like.chladni");
+    let mut like = Project::new(ShapeSource::Sample("octopus".into()), 16);
+    like.push(Layer::new("like", Template::File(mesh.clone()))).unwrap();
+    like.save(&project).unwrap();
+    let before = std::fs::read(&skin).unwrap();
+    for body in [&mesh, &project] {
+        let [body, out] = [body, &skin].map(|path| path.to_str().unwrap());
+        let dance = ["dance", body, "sample:tune", "-k", "16", "--duration", "0.03", "--size", "64x64"];
+        assert_eq!(run(&[&dance[..], &["--draw", "cpu", "-o", out]].concat()), 2, "{body}");
+        assert!(std::fs::read(&skin).unwrap() == before, "{body}");
     }
 }
 

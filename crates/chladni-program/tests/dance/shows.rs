@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use chladni_music::{
-    Action, Form, GalleryShape, Instrument, LoggedAction, Moment, Parameter, Settings, Switch,
+    Action, FileRef, Form, GalleryShape, Instrument, LoggedAction, Moment, Parameter, Settings, SongRef,
+    Stretch, Switch,
 };
+use chladni_sound::{Song, WavSample, write_wav};
 
 use crate::looks::show;
 use crate::{array, ball, run};
@@ -45,6 +47,52 @@ fn options_hold_throughout_a_show() {
         assert_ne!(danced(&change, &[]), plain, "{change:?} changes nothing");
         assert_eq!(danced(&change, &option), danced(&[], &option), "{option:?}");
     }
+}
+
+/// A song of `secs` that clicks every `gap_secs`.
+fn clicks(path: &Path, secs: usize, gap_secs: f64) {
+    let rate_hz = 22_050;
+    let mut left = vec![0.0f32; secs * rate_hz as usize];
+    let step = (gap_secs * f64::from(rate_hz)) as usize;
+    left.iter_mut().step_by(step).for_each(|sample| *sample = 0.9);
+    write_wav(path, &Song { rate_hz, right: left.clone(), left }, WavSample::Int16).unwrap();
+}
+
+#[test]
+fn a_film_that_begins_in_a_later_song_has_the_beats_of_the_whole_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    ball(Path::new(&path("ball.obj")));
+    clicks(Path::new(&path("first.wav")), 6, 0.5);
+    clicks(Path::new(&path("second.wav")), 9, 0.6);
+    let song = |name: &str| SongRef::of(FileRef { path: name.to_owned(), blake3: None });
+    let first = Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
+    let at = |at_secs, action| LoggedAction { moment: Moment { at_secs, at_beat: 0.0 }, action };
+    let show = chladni_music::Show {
+        songs: ["first.wav", "second.wav"].map(song).to_vec(),
+        heard: vec![first, Stretch { at_secs: 5.0, song: Some(1), ..first }],
+        duration_secs: Some(13.0),
+        actions: vec![
+            at(0.0, Action::Favorite { item: 0, on: true }),
+            at(0.0, Action::Favorite { item: 3, on: true }),
+            at(0.0, Action::Switch { switch: Switch::BeatSteps, on: true }),
+            at(0.0, Action::Set { parameter: Parameter::BeatsPerStep, value: 4.0 }),
+            at(3.0, Action::PerformFavorites { first: 0 }),
+        ],
+        ..show("ember", None)
+    };
+    let (file, npz) = (path("a.show.toml"), path("a.npz"));
+    show.save(Path::new(&file)).unwrap();
+    // A power of two, at which the times of both films are the same to the last bit.
+    let dance = ["dance", "--show", &file, "--coefficients", &npz, "-k", "16", "--fps", "8"];
+    let danced = |more: &[&str]| {
+        assert_eq!(run(&[&dance[..], more].concat()), 0, "{more:?}");
+        array(Path::new(&npz), "coefficients").1
+    };
+    let (whole, part) = (danced(&[]), danced(&["--start", "11"]));
+    assert_eq!(whole.len() / 13, part.len() / 2);
+    assert!(part.iter().any(|c| *c != 0.0));
+    assert!(part == whole[whole.len() - part.len()..], "other dances than those of the whole film");
 }
 
 #[test]

@@ -102,6 +102,11 @@ impl Person {
         self.wait(&format!("the end of “{text}”"), |window| !driving::shows(window, text));
     }
 
+    /// Drops files on the window, all at once.
+    pub fn drop_files(&mut self, paths: &[PathBuf]) {
+        driving::drop_files(&mut self.0, paths);
+    }
+
     /// Clicks the control that is known as `id`.
     pub fn click(&mut self, id: &str) {
         driving::control(&self.0, id).click();

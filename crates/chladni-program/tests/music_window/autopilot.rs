@@ -85,25 +85,6 @@ fn it_takes_over_eight_seconds_after_the_last_touch_and_obeys_its_keys() {
     assert_eq!(count(|action| matches!(action, Action::Perform { .. })), 4);
 }
 
-/// A file as a desktop hands it over.
-#[derive(Debug)]
-struct Dropped(std::path::PathBuf);
-
-impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        std::fs::read(&self.0).map_err(|why| why.to_string())
-    }
-}
-
-fn drop_file(window: &mut Window, path: std::path::PathBuf) {
-    window.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
-    window.run_steps(2);
-}
-
 #[test]
 fn it_goes_on_with_another_shape_and_ends_with_another_show() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +100,7 @@ fn it_goes_on_with_another_shape_and_ends_with_another_show() {
     window.run_steps(3);
     let leans = |window: &Window| !shows(window, "12 items");
     assert!(leans(&window));
-    drop_file(&mut window, path("round.obj"));
+    drop_files(&mut window, &[path("round.obj")]);
     wait(&mut window, "the other shape", |w| !shows(w, "Opening"));
     window.run_steps(5);
     assert!(leans(&window), "the autopilot left the stage with the shape");
@@ -129,7 +110,7 @@ fn it_goes_on_with_another_shape_and_ends_with_another_show() {
     assert!(!leans(&window));
     window.key_press(Key::A);
     window.run_steps(3);
-    drop_file(&mut window, path("other.toml"));
+    drop_files(&mut window, &[path("other.toml")]);
     wait(&mut window, "the other show", |w| shows(w, "6 items"));
     window.run_steps(5);
     assert!(shows(&window, "6 items"), "the autopilot went on in another show");
@@ -166,7 +147,7 @@ fn a_preset_that_is_taken_meanwhile_keeps_its_form_and_knobs() {
     let (mut window, answers) = with_its_key(folder.path());
     press(&mut window, Key::A);
     assert!(!shows(&window, "12 items"));
-    drop_file(&mut window, path);
+    drop_files(&mut window, &[path]);
     window.run_steps(3);
     assert!(!shows(&window, "12 items"), "the stage was left");
     press(&mut window, Key::Escape);

@@ -52,6 +52,9 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
     wait(&mut window, "the song", playing);
     control(&window, "calibrate").click_accesskit();
     wait(&mut window, "the clicks again", |w| shows(w, "with each click"));
+    window.key_press(Key::F1);
+    wait(&mut window, "the keys that tap", |w| shows(w, "Tap with each click, then with each flash"));
+    window.key_press(Key::F1);
     window.key_press(Key::Escape);
     wait(&mut window, "the window as it was", |w| !is_there(w, "calibrate/tap"));
     // Elsewhere nobody taps: the clicks end, and the song goes on.

@@ -220,6 +220,72 @@ fn a_show_is_opened_once_it_is_known_what_becomes_of_unsaved_favorites() {
 }
 
 #[test]
+fn the_dance_goes_on_while_the_place_of_a_show_is_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let trace = Trace::default();
+    let (mut window, answers) = recorded(folder.path(), &trace);
+    std::fs::write(path("six.toml"), "format_version = 1\nseed = 3\nsize = 6\n").unwrap();
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    window.run_steps(2);
+    answers.add(path("six.toml"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the question", |w| shows(w, "Save before opening another?"));
+    answers.add(path("evening.toml"));
+    answers.hesitate(true);
+    click(&mut window, "save-first");
+    let before = trace.borrow().len();
+    window.run_steps(10);
+    assert!(trace.borrow().len() >= before + 10, "the window waits");
+    assert!(is_there(&window, "dance/12") && !shows(&window, "Save before opening another?"));
+    answers.hesitate(false);
+    wait(&mut window, "the show", |w| shows(w, "6 items"));
+    assert!(path("evening.toml").exists());
+}
+
+#[test]
+fn songs_of_a_long_list_that_are_out_of_sight_are_not_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let [ball, _] = ball_and_song(folder.path());
+    let second = vec![0.0; 44_100];
+    let silence = Song { rate_hz: 44_100, left: second.clone(), right: second };
+    let mut files = vec![ball];
+    for song in 1..=40 {
+        files.push(path(&format!("{song:02}.wav")));
+        write_wav(&files[song], &silence, WavSample::Int16).unwrap();
+    }
+    let mut window = enter(Opening { folders: folders(folder.path()), files, ..Opening::default() });
+    click(&mut window, "drawer/songs");
+    assert!(is_there(&window, "song-remove/1") && !is_there(&window, "song-remove/40"));
+    control(&window, "song/40").scroll_to_me();
+    wait(&mut window, "the last song", |w| is_there(w, "song-remove/40"));
+    assert!(!is_there(&window, "song-remove/1"));
+}
+
+#[test]
+fn songs_that_are_added_come_at_the_end_of_what_plays() {
+    let folder = tempfile::tempdir().unwrap();
+    let [ball, song] = ball_and_song(folder.path());
+    let second = folder.path().join("second.wav");
+    std::fs::copy(&song, &second).unwrap();
+    let answers = Answers::default();
+    let chooser = Box::new(answers.clone());
+    let files = vec![ball, song];
+    let mut window = enter(Opening { folders: folders(folder.path()), files, chooser, ..Opening::default() });
+    click(&mut window, "drawer/songs");
+    wait(&mut window, "its song", |w| is_there(w, "song/1") && is_chosen(w, "song/1"));
+    // However long this takes, no song ends.
+    click(&mut window, "repeat/song");
+    answers.add(second);
+    click(&mut window, "songs-add");
+    wait(&mut window, "the second song", |w| is_there(w, "song/2"));
+    window.run_steps(20);
+    assert!(is_chosen(&window, "song/1") && !is_chosen(&window, "song/2"));
+}
+
+#[test]
 fn songs_that_are_opened_with_a_show_come_behind_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);

@@ -230,3 +230,32 @@ fn a_film_that_ends_while_the_start_screen_is_there_is_announced() {
     ask_to_close(&mut window);
     assert!(!shows(&window, "is not finished"));
 }
+
+#[test]
+fn the_form_of_a_film_that_cannot_be_stays_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let (answers, files) = (Answers::default(), ball_and_song(folder.path()).to_vec());
+    let chooser = Box::new(answers.clone());
+    let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
+    answers.add(folder.path().join("film.gif"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    click(&mut window, "fps/60");
+    click(&mut window, "film-begin");
+    wait(&mut window, "the reason", |w| shows(w, "at most 50 frames"));
+    assert!(is_there(&window, "film-begin"));
+}
+
+#[test]
+fn what_is_on_stage_is_filmed_by_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ball_and_song(folder.path()).to_vec();
+    let mut window = enter(Opening { folders: folders(folder.path()), files, ..Opening::default() });
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::S);
+    window.run_steps(3);
+    assert!(!is_there(&window, "dance/3"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    assert!(is_there(&window, "film-begin"));
+}

@@ -1,5 +1,7 @@
 //! The room in the hands of a controller.
 
+use chladni_music::Action;
+
 use super::clocks::packet;
 use super::*;
 
@@ -119,6 +121,34 @@ fn gallery_look_and_stage_obey() {
 }
 
 #[test]
+fn a_look_chosen_by_hand_takes_the_place_of_the_autopilots() {
+    let answers = Answers::default();
+    let mut desk = Desk::begin(&answers);
+    desk.touch("autopilot", 1.0);
+    desk.until("the stage", |w| !shows(w, "12 items"));
+    // The first dance has the look of the show; the second one stays, whatever the song does.
+    desk.touch("stay", 1.0);
+    desk.touch("next", 1.0);
+    desk.send(&named("/chladni/material", "clay"));
+    desk.until_settings_say(&["material = \"clay\""]);
+    desk.touch("autopilot", 1.0);
+    desk.until("the gallery", |w| shows(w, "12 items"));
+    let file = desk.settings.with_file_name("leant.toml");
+    answers.add(&file);
+    desk.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("the show", |_| file.exists());
+    let show = Show::load(&file).unwrap();
+    let looks: Vec<&str> = show.actions.iter().filter_map(|line| look_of(&line.action)).collect();
+    let [of_autopilot, ""] = looks[..] else { panic!("{looks:?}") };
+    let seen = show.looks.unwrap();
+    assert_eq!((seen.look.as_str(), seen.material.as_str()), (of_autopilot, "clay"));
+}
+
+fn look_of(action: &Action) -> Option<&str> {
+    if let Action::SetLook { look } = action { Some(look) } else { None }
+}
+
+#[test]
 fn songs_input_clock_and_recording_obey() {
     let answers = Answers::default();
     let mut desk = Desk::begin(&answers);
@@ -171,6 +201,7 @@ fn bindings_are_learned_with_a_number_and_go_to_another_machine() {
     let file = desk.settings.with_file_name("desk.toml");
     answers.add(&file);
     click(&mut desk.window, "bindings-export");
+    desk.until("the file", |_| file.exists());
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.contains("/pad/1") && text.contains("song"), "{text}");
     std::fs::write(&file, text.replace("/pad/1", "/pad/9")).unwrap();
@@ -185,7 +216,7 @@ fn bindings_are_learned_with_a_number_and_go_to_another_machine() {
     std::fs::write(&file, "format_version = 99\n").unwrap();
     answers.add(&file);
     click(&mut desk.window, "bindings-import");
-    assert!(shows(&desk.window, "99"));
+    desk.until("the refusal", |w| shows(w, "99"));
 }
 
 /// The window goes on while somebody floods it.

@@ -119,3 +119,50 @@ fn breeding_goes_on_while_the_show_has_a_window_of_its_own() {
     }
     assert!(shows(&window, "12 items") && !shows(&window, "On stage"));
 }
+
+#[test]
+fn a_dance_has_one_name_on_stage_in_the_gallery_and_on_the_shelf() {
+    let (mut window, _folder) = enter_with("own_window = true\n");
+    for dance in ["dance/3", "dance/4"] {
+        click(&mut window, dance);
+    }
+    control(&window, "breed").click_accesskit();
+    window.run_steps(4);
+    press_on(&mut window, "dance/3", Key::F);
+    press_on(&mut window, "dance/3", Key::S);
+    window.run_steps(10);
+    assert!(shows(&window, "Dance 3, on stage"));
+    assert!(window.query_all_by_label("Dance 3").next().is_some(), "in the bar");
+    // The second window may lie over it.
+    control(&window, "drawer/shelf").click_accesskit();
+    window.run_steps(4);
+    assert!(shows(&window, "Keep on the shelf: Dance 3"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(4);
+    assert!(shows(&window, "Keep on the shelf: 3 of generation 2"));
+}
+
+/// Escape in a text field leaves the field, and then what is closer than the stage.
+#[test]
+fn escape_ends_the_show_only_where_nothing_is_to_be_left_before() {
+    let (mut window, _folder) = enter_with("own_window = true\n");
+    press_on(&mut window, "dance/2", Key::S);
+    window.run_steps(10);
+    control(&window, "drawer/shelf").click_accesskit();
+    window.run_steps(4);
+    control(&window, "shelf/search").focus();
+    window.run_steps(2);
+    control(&window, "shelf/search").type_text("sea");
+    window.key_press(Key::Escape);
+    window.run_steps(4);
+    assert!(shows(&window, "On stage"), "the field had the key");
+
+    press_on(&mut window, "dance/5", Key::E);
+    assert!(is_there(&window, "back-to-gallery"));
+    window.key_press(Key::Escape);
+    window.run_steps(4);
+    assert!(shows(&window, "On stage") && !is_there(&window, "back-to-gallery"), "the close-up was left");
+    window.key_press(Key::Escape);
+    window.run_steps(4);
+    assert!(!shows(&window, "On stage"));
+}

@@ -88,6 +88,44 @@ fn from_two_meshes_to_sliders_in_another_program() {
     assert!((share(carried) / share(painted) - 1.0).abs() < 0.3, "{} {}", share(carried), share(painted));
 }
 
+#[test]
+fn an_export_in_ink_offers_no_background_and_none_replaces_a_texture() {
+    use std::fmt::Write;
+
+    let desk = Desk::new();
+    let mesh = load_mesh(&desk.path("shape.obj")).unwrap().mesh;
+    let mut text = String::from("mtllib skin.mtl\nusemtl skin\n");
+    for [x, y, z] in &mesh.positions {
+        writeln!(text, "v {x} {y} {z}\nvt 0.5 0.5").unwrap();
+    }
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|v| v + 1);
+        writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}").unwrap();
+    }
+    std::fs::write(desk.path("textured.obj"), text).unwrap();
+    std::fs::write(desk.path("skin.mtl"), "newmtl skin\nmap_Kd skin.png\n").unwrap();
+    let skin = chladni_view::Picture::filled(2, 2, [200, 90, 60, 255]).to_png().unwrap();
+    std::fs::write(desk.path("skin.png"), &skin).unwrap();
+
+    let mut person = desk.sit_down(&["textured.obj"]);
+    person.wait_to_see("Layers");
+    person.press_with(CTRL, Key::E);
+    person.click("export/png");
+    assert!(person.sees("As here"));
+    desk.answers.add(desk.path("skin.png"));
+    person.click("export-begin");
+    person.wait_to_see("is read, too");
+    assert!(std::fs::read(desk.path("skin.png")).unwrap() == skin);
+
+    person.press(Key::P);
+    person.press_with(CTRL, Key::E);
+    for kind in ["export/gif", "export/png"] {
+        person.click(kind);
+        assert!(!person.sees("As here"), "{kind}");
+        assert_eq!(crate::driving::is_there(&person.0, "length"), kind == "export/gif");
+    }
+}
+
 /// Begins a film of the turning shape that takes far longer than a few frames of the window.
 fn film(person: &mut Person, to: std::path::PathBuf, desk: &Desk) {
     person.press_with(CTRL, Key::E);

@@ -91,6 +91,61 @@ fn what_is_chosen_on_the_start_screen_is_opened_and_becomes_no_layer() {
 }
 
 #[test]
+fn a_mesh_that_is_dropped_on_the_start_screen_is_a_shape() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("642 vertices");
+    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Chladni").click();
+    person.0.run_steps(3);
+    save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
+    person.drop_files(&[desk.path("finer.obj")]);
+    person.wait_to_see("2\u{202f}562 vertices");
+    assert!(!person.sees("Layer "));
+}
+
+#[test]
+fn what_lies_beside_a_mesh_is_read_with_it_and_no_layer() {
+    let desk = Desk::new();
+    let obj = std::fs::read_to_string(desk.path("shape.obj")).unwrap();
+    std::fs::write(desk.path("head.obj"), format!("mtllib head.mtl\n{obj}")).unwrap();
+    std::fs::write(desk.path("head.mtl"), "newmtl skin\nKd 1 0 0\n").unwrap();
+    std::fs::write(desk.path("mask.npy"), "numbers").unwrap();
+    let skin = chladni_view::Picture::filled(2, 2, [200, 90, 60, 255]).to_png().unwrap();
+    std::fs::write(desk.path("head.png"), skin).unwrap();
+    let mut person = desk.sit_down(&[]);
+    person.drop_files(&["head.mtl", "head.obj", "head.png"].map(|name| desk.path(name)));
+    person.wait_to_see("642 vertices");
+    assert!(!person.sees("Layer "));
+    person.drop_files(&["template.obj", "template.mtl"].map(|name| desk.path(name)));
+    person.wait_to_see("Layer template");
+    person.drop_files(&[desk.path("mask.npy")]);
+    person.wait_to_see("masks are opened under Region, Mask");
+    assert!(!person.sees("Layer mask") && person.sees("642 vertices"));
+    eframe::App::on_exit(person.0.state_mut());
+    let kept = chladni_program::studio::Settings::load(&desk.path("settings.toml")).unwrap();
+    assert_eq!(kept.recent, [desk.path("head.obj")]);
+}
+
+#[test]
+fn a_project_whose_mesh_has_moved_opens_together_with_it() {
+    let desk = Desk::new();
+    let project = desk.path("p.chladni");
+    Project::new(ShapeSource::File(desk.path("shape.obj")), HARMONICS).save(&project).unwrap();
+    std::fs::create_dir(desk.path("elsewhere")).unwrap();
+    let moved = desk.path("elsewhere/shape.obj");
+    std::fs::rename(desk.path("shape.obj"), &moved).unwrap();
+    let mut person = desk.sit_down(&[]);
+    person.drop_files(std::slice::from_ref(&project));
+    person.wait_to_see("drop the project together with its mesh");
+    person.drop_files(&[moved.clone(), project.clone()]);
+    person.wait_to_see("642 vertices");
+    assert!(!person.sees("Layer "));
+    // Where it is now is worth being saved.
+    person.press_with(CTRL, Key::S);
+    assert_eq!(Project::load(&project).unwrap().shape, ShapeSource::File(moved));
+}
+
+#[test]
 fn keys_do_nothing_beneath_a_question() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);

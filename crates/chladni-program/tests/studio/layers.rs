@@ -62,6 +62,9 @@ fn landmarks_are_picked_moved_removed_saved_and_read() {
     assert_ne!(changed[0].shape, picked[0].shape);
     assert_eq!((changed[0].template, &changed[1..]), (picked[0].template, &picked[2..]));
 
+    desk.answers.add(desk.path("landmarks 1.2"));
+    person.click("landmarks-save");
+    assert!(desk.path("landmarks 1.2.txt").exists() && !desk.path("landmarks 1.2").exists());
     desk.answers.add(desk.path("landmarks.txt"));
     person.click("landmarks-save");
     let text = std::fs::read_to_string(desk.path("landmarks.txt")).unwrap();
@@ -110,6 +113,50 @@ fn picking_ends_where_another_shape_takes_the_place_of_the_one_picked_on() {
     assert!(!person.sees("Landmarks on the shape"), "the old shape is still picked on");
     person.press(Key::L);
     person.wait_to_see("Landmarks on the shape");
+}
+
+#[test]
+fn what_is_typed_moves_no_camera_of_the_landmarks() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    person.press(Key::L);
+    person.wait_until_gone("Reading the template");
+    let side = person.place_of("landmarks/shape");
+    person.0.hover_at(side.center());
+    person.0.run_steps(20);
+    let seen = |person: &mut Person| {
+        let picture = person.0.render().unwrap();
+        let (at, size) = (side.min + vec2(0.0, 40.0), side.size() - vec2(0.0, 80.0));
+        image::imageops::crop_imm(&picture, at.x as u32, at.y as u32, size.x as u32, size.y as u32).to_image()
+    };
+    // Pixels; edges may still be refined.
+    let differing = |a: &image::RgbaImage, b: &image::RgbaImage| {
+        a.pixels().zip(b.pixels()).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 24)).count()
+    };
+    let fitted = seen(&mut person);
+    person.0.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        source: egui::MouseWheelSource::Wheel,
+        delta: vec2(0.0, -400.0),
+        phase: egui::TouchPhase::Move,
+        modifiers: Modifiers::NONE,
+    });
+    person.0.run_steps(20);
+    person.press(Key::F2);
+    person.0.run_steps(2);
+    let zoomed = seen(&mut person);
+    let far = differing(&zoomed, &fitted);
+    assert!(far > 3000, "{far}");
+    person.press(Key::F);
+    person.press(Key::Home);
+    assert!(differing(&seen(&mut person), &zoomed) < 500);
+    person.press(Key::Enter);
+    person.press(Key::F);
+    person.0.run_steps(2);
+    person.screenshot("studio-landmarks-fitted.png");
+    let near = differing(&seen(&mut person), &fitted);
+    assert!(near < 500, "{near}");
 }
 
 #[test]
@@ -407,11 +454,15 @@ fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
     person.click("mask/save");
     person.wait_to_see("would be replaced");
     assert!(std::fs::read(desk.path("shape.obj")).unwrap() == shape);
+    desk.answers.add(desk.path("bumps 1.2"));
+    person.click("mask");
+    person.click("mask/save");
+    person.wait_to_see("bumps 1.2.npy");
     desk.answers.add(desk.path("bumps.ply"));
     person.click("mask");
     person.screenshot("studio-mask.png");
     person.click("mask/save");
-    person.wait_to_see("Wrote");
+    person.wait_to_see("bumps.ply");
     person.press_with(CTRL, Key::Z);
     assert_eq!(painted(&desk, &mut person), Painted::Everywhere);
     desk.answers.add(desk.path("bumps.ply"));

@@ -88,6 +88,7 @@ fn the_keyboard_alone_reaches_every_control() {
     person.wait_to_see("Softness");
     person.press(Key::F1);
     person.wait_to_see("Keyboard and mouse");
+    assert!(person.sees("Turn the view that has the focus"));
     person.press(Key::Escape);
     person.wait_until_gone("Keyboard and mouse");
 }

@@ -30,27 +30,11 @@ fn fill(person: &mut Person, id: &str, text: &str) {
     person.0.run_steps(2);
 }
 
-/// A file as a desktop hands it over.
-#[derive(Debug)]
-struct Dropped(std::path::PathBuf);
-
-impl egui::DroppedFile for Dropped {
-    fn path(&self) -> &std::path::Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        std::fs::read(&self.0).map_err(|why| why.to_string())
-    }
-}
-
 #[test]
 fn a_mesh_that_is_dropped_while_the_shape_still_opens_is_its_template() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
-    let dropped = Dropped(desk.path("template.obj"));
-    person.0.input_mut().dropped_files.push(std::sync::Arc::new(dropped));
-    person.0.run_steps(2);
+    person.drop_files(&[desk.path("template.obj")]);
     person.wait_to_see("Covered");
     let layers = saved(&desk, &mut person);
     assert!(layers[0].template.is_mesh() && layers.len() == 1, "{layers:?}");

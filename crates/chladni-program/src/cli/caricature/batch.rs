@@ -9,7 +9,7 @@ use chladni_mesh::{Format, ShapeSource};
 
 use super::{Caricature, one};
 use crate::cli::Terminal;
-use crate::work::outputs::{check_apart, mesh_format};
+use crate::work::outputs::{check_apart, check_folder, mesh_format};
 use crate::work::{Error, Subject, Warning, Watcher};
 
 impl Caricature {
@@ -25,11 +25,13 @@ impl Caricature {
         let piece = self.piece.map_or(0..shapes.len() as u64, |piece| piece.range(shapes.len() as u64));
         let piece = piece.start as usize..piece.end as usize;
         let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
+        let folders = [Some(results), self.render.as_ref()].into_iter().flatten();
+        folders.clone().try_for_each(|folder| check_folder(nearest_there(folder)))?;
         let from = Subject::of(&mut project, terminal)?.mesh;
-        for out in [Some(results), self.render.as_ref()].into_iter().flatten() {
-            chladni_task::create_folder(out).map_err(|error| Error::unwritten(out, error))?;
+        for folder in folders {
+            chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
         }
-        let (mut failed, mut kept) = (0, 0);
+        let (mut failed, mut kept, mut is_of_input) = (0, 0, true);
         for (shape, (output, render)) in shapes.iter().zip(planned) {
             terminal.task().check()?;
             if self.resume && output.is_file() && render.as_ref().is_none_or(|render| render.is_file()) {
@@ -44,6 +46,7 @@ impl Caricature {
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(failure) => {
                     failed += 1;
+                    is_of_input &= failure.is_of_input();
                     match failure.to_string() {
                         message if message.starts_with(&name) => terminal.warn(Warning::Plain(message)),
                         message => terminal.warn(Warning::of(&name, message)),
@@ -54,9 +57,11 @@ impl Caricature {
         if kept > 0 {
             terminal.note(format_args!("{kept} of {} results were there already", shapes.len()));
         }
+        let message = format!("{failed} of {} shapes failed", shapes.len());
         match failed {
             0 => Ok(()),
-            _ => Err(Error::input(format_args!("{failed} of {} shapes failed", shapes.len()))),
+            _ if is_of_input => Err(Error::Input(message)),
+            _ => Err(Error::other(message)),
         }
     }
 
@@ -105,6 +110,11 @@ impl Caricature {
         }
         Ok(planned)
     }
+}
+
+/// The folder at `path`, or the nearest above it that is there.
+fn nearest_there(path: &Path) -> &Path {
+    path.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."))
 }
 
 /// `STEM.EXTENSION` in `folder`; the stem may hold dots.

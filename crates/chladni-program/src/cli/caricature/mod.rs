@@ -21,7 +21,7 @@ use super::resolution::ResolutionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::{check_distinct, check_film, check_mesh, check_no_texture, check_picture};
+use crate::work::outputs::{check_distinct, check_film, check_mesh, check_picture, check_textures};
 use crate::work::{Error, Made, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source};
 
 /// Exaggerate what makes a shape differ from a template.
@@ -116,6 +116,7 @@ impl Caricature {
     /// Checks that no option is without effect.
     fn check_options(&self) -> Result<(), Error> {
         self.layer.check_for(self.template.as_ref())?;
+        self.layer.check_edge(self.region.is_given(), self.paper)?;
         let in_ink = self.render.as_deref().is_some_and(|path| self.ink.wanted(path));
         if in_ink && !self.sheet.show.iter().all(|panel| panel.is_plain()) {
             return Err(Error::input(
@@ -123,6 +124,11 @@ impl Caricature {
             ));
         }
         let draws_sheet = self.gallery.gallery && !self.gallery.is_single();
+        if draws_sheet && self.keep_triangles {
+            return Err(Error::input(
+                "--keep-triangles is for one of the gallery as a mesh: --variant N or --surprise",
+            ));
+        }
         if !draws_sheet
             && self.render.is_none()
             && self.turntable.turntable.is_none()
@@ -172,10 +178,11 @@ impl Caricature {
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
         project.keep_triangles = self.keep_triangles;
-        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices());
+        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
         let subject = Subject::of(&mut project, terminal)?;
         let painted = self.region.painted(shape, &subject, terminal)?;
-        let layer = self.layer.layer("caricature", template.clone(), painted, &project, &subject)?;
+        let layer =
+            self.layer.layer("caricature", template.clone(), painted, &project, &subject, terminal)?;
         project.push(layer)?;
         let pictures = self.pictures(self.render.as_deref());
         let source = project.shape.clone();
@@ -208,16 +215,18 @@ impl Caricature {
         let (harmonics, laplacian) = (self.harmonics.unwrap_or(DEFAULT_HARMONICS), laplacian(self.paper));
         let mut project = Project::new(shape.parse()?, harmonics);
         (project.laplacian, project.keep_triangles) = (laplacian, self.keep_triangles);
-        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices());
+        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
         let subject = Subject::of(&mut project, terminal)?;
         let mesh = &subject.mesh;
         check_textures(output, (&project.shape, subject.whole()), self.template.iter())?;
         let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
-        let given =
-            self.template.clone().map(|template| Ok::<_, Error>((template, self.layer.matching(&subject)?)));
-        let sitter = sitter(mesh, &mut stack, given.transpose()?, terminal)?;
+        let given = match &self.template {
+            Some(template) => Some((template.clone(), self.layer.matching(&subject, terminal)?)),
+            None => None,
+        };
+        let sitter = sitter(mesh, &mut stack, given, terminal)?;
         if self.gallery.is_single() {
             for layer in self.gallery.single(&sitter, self.layer.seed(), terminal)? {
                 project.push(layer)?;
@@ -311,25 +320,6 @@ fn finish(
         terminal.wrote(path)?;
     }
     save(&made.sculpture, is_last)
-}
-
-/// Checks that the picture or film at `path` replaces no texture of a shape or of the meshes among `templates`.
-fn check_textures<'a>(
-    path: &Path,
-    (shape, mesh): (&ShapeSource, &TriMesh),
-    templates: impl Iterator<Item = &'a Template>,
-) -> Result<(), Error> {
-    if !path.is_file() {
-        return Ok(());
-    }
-    shape.file().map_or(Ok(()), |file| check_no_texture(path, file, mesh))?;
-    for file in templates.filter_map(Template::file) {
-        // One that cannot be read is reported by its layer.
-        if let Ok(loaded) = ShapeSource::named(file).load(None) {
-            check_no_texture(path, file, &loaded.mesh)?;
-        }
-    }
-    Ok(())
 }
 
 /// Prints for every acting layer how far it moves the shape and how many triangles it folds.

@@ -1,7 +1,7 @@
 //! Changes that arguments make to an instrument before it is heard: form, ringing, choir, and any knob or switch by
 //! name.
 
-use chladni_music::{Action, PAPER_MODE, Parameter, Parameters, Switch, Timbre, setting};
+use chladni_music::{Action, PAPER_MODE, Parameter, Parameters, Switch, Timbre, preceding, setting};
 
 use super::Dance;
 use crate::work::Error;
@@ -25,10 +25,19 @@ impl Dance {
             changes.push(Action::Switch { switch: Switch::OwnMu, on: false });
             changes.push(turned("--mu", Parameter::StereoMu, value)?);
         }
-        for text in &self.set {
-            changes.push(set(text).map_err(|why| Error::Input(format!("--set {text}: {why}")))?);
-        }
+        changes.extend(self.sets()?);
         Ok(changes)
+    }
+
+    /// The actions that `--set` asks for. The µ of the knob takes the place of those of the dances, as over OSC, unless
+    /// it is said which of them is heard.
+    fn sets(&self) -> Result<Vec<Action>, Error> {
+        let read = |text: &String| set(text).map_err(|why| Error::Input(format!("--set {text}: {why}")));
+        let sets: Vec<Action> = self.set.iter().map(read).collect::<Result<_, _>>()?;
+        let is_said = sets.iter().any(|set| matches!(set, Action::Switch { switch: Switch::OwnMu, .. }));
+        let first = Parameters::default();
+        let before = |action: &Action| preceding(action, &first).filter(|_| !is_said);
+        Ok(sets.into_iter().flat_map(|set| before(&set).into_iter().chain([set])).collect())
     }
 }
 

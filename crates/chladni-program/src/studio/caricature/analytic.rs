@@ -13,7 +13,7 @@ use crate::work::template_name;
 
 /// The initial numbers of the scaled and the smoothed template.
 const SCALED: Template = Template::Scaled(0.9);
-const SMOOTHED: Template = Template::LowPass(20);
+const SMOOTHED_HARMONICS: usize = 20;
 
 /// Draws the controls of `template`, if it has any.
 pub fn show(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
@@ -61,10 +61,11 @@ fn below(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits
 
 /// The shape of the layers below, scaled down or smoothed: the paper magnifies all against either.
 fn itself(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edits: &mut Edits) {
+    let smoothed = Template::LowPass(SMOOTHED_HARMONICS.min(session.stack.body().basis.harmonics()));
     ui.horizontal(|ui| {
         for (choice, name, tip) in [
             (SCALED, "scaled", "Against itself scaled down: all that is there grows"),
-            (SMOOTHED, "smoothed", "Against itself without its detail: the detail grows"),
+            (smoothed, "smoothed", "Against itself without its detail: the detail grows"),
         ] {
             let chosen = std::mem::discriminant(&choice) == std::mem::discriminant(template);
             let button = ui.selectable_label(chosen, theme::capitalized(name)).on_hover_text(tip);
@@ -83,7 +84,7 @@ fn itself(ui: &mut Ui, session: &Session, id: LayerId, template: &Template, edit
         Template::LowPass(mut k0) => {
             let basis = &session.stack.body().basis;
             theme::row(ui, "Low-pass", "How many of its broadest harmonics the smooth version keeps", |ui| {
-                let most = basis.harmonics().max(2);
+                let most = basis.harmonics().max(1);
                 let slider = ui.add(theme::slider(&mut k0, 1..=most).logarithmic(true));
                 edits.drag(id, &slider, || Property::Template(Template::LowPass(k0)));
             });

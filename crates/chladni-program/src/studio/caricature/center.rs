@@ -31,8 +31,12 @@ impl CaricatureRoom {
             }
             self.export.progress(ui);
             self.toolbar(ui, shared);
-            if let Some(preview) = &mut self.preview {
-                if let Err(why) = preview.show(ui, self.look, shared) {
+            // What is open is about to be replaced: no edit may be lost in between.
+            if self.loading.is_some() {
+                // A lost device takes the preview with it.
+                if let Some(preview) = &mut self.preview
+                    && let Err(why) = preview.show(ui, self.look, shared)
+                {
                     shared.notices.failed(why);
                 }
                 return;
@@ -147,6 +151,9 @@ fn show_stage(
     let takes_wholes = brush.limbs.active || brush.lasso.active;
     let radius = if takes_wholes { 0.005 } else { f64::from(brush.radius) };
     let surface = session.stack.surface();
+    if !(brush.active && brush.lasso.active) {
+        brush.lasso.let_go();
+    }
     let held = Brush { radius, hardness: f64::from(brush.hardness), mirror };
     let in_hand = brush.active.then_some(BrushInHand { brush: held, surface });
     let StageResponse { response, presses, figure } = stage.show(ui, rect, look, in_hand)?;

@@ -2,6 +2,8 @@
 
 use chladni_caricature::{Action, LayerId, Property};
 
+use crate::studio::theme;
+
 /// One request to the engine.
 #[derive(Clone, Debug)]
 pub enum Edit {
@@ -37,7 +39,7 @@ impl Edits {
 
     /// A property that follows a slider: live while `response` drags, one step in the history, as a click is, too.
     pub fn drag(&mut self, layer: LayerId, response: &egui::Response, to: impl FnOnce() -> Property) {
-        if response.changed() && !is_only_left(response) {
+        if theme::is_edited(response) {
             self.0.push(Edit::Live(Action::Set { layer, to: to() }));
         }
         let clicked = response.clicked() || response.secondary_clicked();
@@ -60,22 +62,4 @@ impl Edits {
     pub fn take(&mut self) -> Vec<Edit> {
         std::mem::take(&mut self.0)
     }
-}
-
-/// Whether a number was left in this frame, and nothing else happened to it. egui reads its text once more then: rounded as
-/// it was shown, and within the range, the number would change without an edit. An edit was taken in while it was typed.
-fn is_only_left(response: &egui::Response) -> bool {
-    use egui::accesskit::Action::{Decrement, Increment, ReplaceSelectedText, SetValue};
-    use egui::{Event, Key};
-
-    let edits = |event: &Event| match event {
-        Event::Key { key, pressed, .. } => *pressed && !matches!(key, Key::Tab | Key::Enter | Key::Escape),
-        Event::Text(_) | Event::Paste(_) | Event::Cut | Event::Ime(_) => true,
-        Event::AccessKitActionRequest(request) => {
-            matches!(request.action, SetValue | Increment | Decrement | ReplaceSelectedText)
-        }
-        _ => false,
-    };
-    let moved = response.dragged() || response.drag_stopped();
-    response.lost_focus() && !moved && !response.ctx.input(|input| input.events.iter().any(edits))
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use chladni_caricature::Template;
 use chladni_mesh::Format;
 use chladni_task::write_atomic;
 use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
@@ -11,12 +12,17 @@ use super::CaricatureRoom;
 use super::center::update_stage;
 use super::files::ask_where_to_save;
 use super::overlay::backdrop;
+use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::outputs::check_apart;
+use crate::work::outputs::{check_apart, check_size, check_textures};
 use crate::work::{Error, Warning};
+
+/// The most frames a second that are offered, and those that a GIF can show.
+const MOST_FPS: u32 = 60;
+const GIF_MOST_FPS: u32 = 50;
 
 /// The note while layers wait for matches.
 const STILL_WORKING: &str =
@@ -144,7 +150,8 @@ impl CaricatureRoom {
         if !self.export.open {
             return;
         }
-        let (begin, dismissed) = theme::modal(ui.ctx(), "Export", 470.0, |ui| self.export.choices(ui));
+        let ink = self.look.ink;
+        let (begin, dismissed) = theme::modal(ui.ctx(), "Export", 470.0, |ui| self.export.choices(ui, ink));
         if begin {
             self.begin_export(ui, shared);
         } else if dismissed {
@@ -157,13 +164,19 @@ impl CaricatureRoom {
         if session.is_working() {
             return shared.notices.warn(STILL_WORKING);
         }
-        let extension = self.export.what.extension();
+        let Export { what, size: [width, height], secs, .. } = self.export;
+        if !matches!(what, What::Mesh(_))
+            && let Err(why) = check_size(width, height)
+        {
+            return shared.notices.failed(why);
+        }
+        let extension = what.extension();
         let suggested = session.beside_named("caricature", extension);
-        let (kind, endings) = (extension.to_uppercase(), self.export.what.endings());
+        let (kind, endings) = (extension.to_uppercase(), what.endings());
         let fits = |path: &Path| {
             path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
         };
-        let asked = ask_where_to_save(shared.chooser, (&kind, extension), fits, &suggested);
+        let asked = ask_where_to_save(shared.chooser, &[(&kind, &[extension])], fits, &suggested);
         let Some(path) = asked else { return };
         if let Err(why) = check_apart(&path, &session.project().files()) {
             return shared.notices.failed(why);
@@ -182,9 +195,9 @@ impl CaricatureRoom {
             let name = session.project().layer(id).map_or_else(String::new, |layer| layer.name.clone());
             shared.notices.warn(format!("Written without the layer {name}, whose match has failed."));
         }
-        let Export { what, size: [width, height], secs, fps, .. } = self.export;
         let label = format!("Writing {}", path.file_name().unwrap_or_default().to_string_lossy());
         let shot = stage.shot(self.look, self.export.background(ui));
+        let spares_textures = sparing_textures(session);
         let job = match (what, shot) {
             (What::Mesh(_), _) => {
                 let sculpture = session.sculpture();
@@ -194,6 +207,7 @@ impl CaricatureRoom {
             }
             (_, Err(error)) => return shared.notices.failed(error),
             (What::Picture, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
+                spares_textures(&path)?;
                 let png = shot.picture(width, height).and_then(|picture| Ok(picture.to_png()?));
                 let png = png.map_err(|error| error.of(path.display()))?;
                 task.check()?;
@@ -201,6 +215,7 @@ impl CaricatureRoom {
                 Ok((path, None))
             }),
             (What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
+                spares_textures(&path)?;
                 let drawing = shot.drawing(width, height).map_err(|error| error.of(path.display()))?;
                 task.check()?;
                 write_atomic(&path, drawing.to_svg().as_bytes())
@@ -208,10 +223,11 @@ impl CaricatureRoom {
                 Ok((path, None))
             }),
             (What::Mp4 | What::Gif, Ok(shot)) => {
-                let rate = FrameRate::per_second(fps);
+                let rate = FrameRate::per_second(self.export.fps());
                 let settings =
                     FilmSettings { width, height, rate, frames: rate.frames_in(secs), first: 0, audio: None };
                 Job::start(label, &shared.ctx, move |task| {
+                    spares_textures(&path)?;
                     let made = shot.turntable(&path, settings, task);
                     made.map_err(|error| Error::from(error).of(path.display()))?;
                     Ok((path, None))
@@ -271,8 +287,8 @@ impl Export {
         }
     }
 
-    /// Draws the choices; true when the person goes ahead.
-    fn choices(&mut self, ui: &mut Ui) -> bool {
+    /// Draws the choices for a shape that is shown in `ink` or not; true when the person goes ahead.
+    fn choices(&mut self, ui: &mut Ui, ink: bool) -> bool {
         let weak = theme::palette(ui).weak;
         let ffmpeg = *self.ffmpeg.get_or_insert_with(ffmpeg_is_there);
         egui::Grid::new("export").num_columns(2).spacing([theme::GAP_LARGE, theme::GAP]).show(ui, |ui| {
@@ -294,7 +310,7 @@ impl Export {
                 ui.end_row();
             }
             if !matches!(self.what, What::Mesh(_)) {
-                self.picture_choices(ui, weak);
+                self.picture_choices(ui, weak, ink);
             }
         });
         ui.add_space(theme::GAP);
@@ -316,7 +332,7 @@ impl Export {
         begin
     }
 
-    fn picture_choices(&mut self, ui: &mut Ui, weak: egui::Color32) {
+    fn picture_choices(&mut self, ui: &mut Ui, weak: egui::Color32, ink: bool) {
         ui.label(RichText::new("Size").color(weak));
         ui.horizontal(|ui| {
             let [width, height] = &mut self.size;
@@ -343,9 +359,16 @@ impl Export {
             usual.response.author_id("sizes");
         });
         ui.end_row();
-        if self.what == What::Drawing {
-            return;
+        // Ink is drawn on paper.
+        if self.what != What::Drawing && !ink {
+            self.background_choice(ui, weak);
         }
+        if matches!(self.what, What::Mp4 | What::Gif) {
+            self.length_choice(ui, weak);
+        }
+    }
+
+    fn background_choice(&mut self, ui: &mut Ui, weak: egui::Color32) {
         ui.label(RichText::new("Background").color(weak));
         ui.horizontal_wrapped(|ui| {
             let picture = self.what == What::Picture;
@@ -363,23 +386,62 @@ impl Export {
             }
         });
         ui.end_row();
-        if self.what == What::Picture {
-            return;
-        }
+    }
+
+    /// Frames a second; another kind of film keeps the choice.
+    fn fps(&self) -> u32 {
+        self.fps.min(self.most_fps())
+    }
+
+    fn most_fps(&self) -> u32 {
+        if self.what == What::Gif { GIF_MOST_FPS } else { MOST_FPS }
+    }
+
+    fn length_choice(&mut self, ui: &mut Ui, weak: egui::Color32) {
         ui.label(RichText::new("Length").color(weak));
         ui.horizontal(|ui| {
             let length = DragValue::new(&mut self.secs).range(0.5..=120.0).speed(0.1).suffix(" s");
             ui.add(length).accessible_name("Length").author_id("length");
             ui.label("at");
-            let fps = DragValue::new(&mut self.fps).range(1..=60).suffix(" frames/s");
-            ui.add(fps).accessible_name("Frames a second").author_id("fps");
+            let mut fps = self.fps();
+            let field = DragValue::new(&mut fps).range(1..=self.most_fps()).suffix(" frames/s");
+            if ui.add(field).accessible_name("Frames a second").author_id("fps").changed() {
+                self.fps = fps;
+            }
         });
         ui.end_row();
     }
+}
+
+/// Checks, beside the window, that a picture replaces no texture of the meshes that `session` reads.
+fn sparing_textures(session: &Session) -> impl Fn(&Path) -> Result<(), Error> + Send + use<> {
+    let project = session.project();
+    let (shape, subject) = (project.shape.clone(), session.subject.clone());
+    let templates: Vec<Template> = project.layers().iter().map(|(_, layer)| layer.template.clone()).collect();
+    move |path| check_textures(path, (&shape, subject.whole()), templates.iter())
 }
 
 /// A name for a file made from `path`, such as `igea-caricature.glb`.
 pub fn named_after(path: &Path, addition: &str, extension: &str) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-{addition}.{extension}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gif_is_offered_no_more_frames_than_it_can_show() {
+        let ctx = egui::Context::default();
+        theme::install(&ctx);
+        let mut export = Export { fps: MOST_FPS, ffmpeg: Some(true), ..Export::default() };
+        for (what, fps) in [(What::Mp4, MOST_FPS), (What::Gif, GIF_MOST_FPS)] {
+            export.what = what;
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                export.choices(ui, false);
+            });
+            assert_eq!((export.fps(), export.fps), (fps, MOST_FPS));
+        }
+    }
 }

@@ -14,29 +14,31 @@ use super::autosave::Autosave;
 use super::edits::Edit;
 use super::evaluating::on_own_threads;
 use super::loading::{self, Candidate};
+use super::moved;
 use super::preview::Preview;
 use super::session::Session;
 use super::shot::{Pose, Shot};
 use super::single;
-use crate::studio::choose::Chooser;
+use crate::studio::choose::{Chooser, FileKind};
 use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::unsaved::{Answer, Question};
-use crate::work::formats::{MESHES, PROJECT, is_project};
+use crate::work::formats::{MESHES, PROJECT, is_project, opened_elsewhere, without_companions};
 use crate::work::{Error, layer_against};
 
-/// Asks where to save a file of one kind, called `kind`. Its name gets the ending unless it `fits` already: `igea 1.2` has
-/// an extension, but not ours.
+/// Asks where to save a file of any of `kinds`. Its name gets the first one's ending unless it `fits` already: `igea 1.2`
+/// has an extension, but not ours.
 pub(super) fn ask_where_to_save(
     chooser: &mut dyn Chooser,
-    (kind, ending): (&str, &str),
+    kinds: &[FileKind<'_>],
     fits: impl Fn(&Path) -> bool,
     suggested: &Path,
 ) -> Option<PathBuf> {
+    let ending = kinds.first()?.1.first()?;
     let mut suggested = suggested.to_owned();
     let mut choose = |suggested: &Path| {
-        let chosen = chooser.save(&[(kind, &[ending])], suggested)?;
+        let chosen = chooser.save(kinds, suggested)?;
         if fits(&chosen) {
             return Some((chosen, false));
         }
@@ -61,11 +63,15 @@ impl CaricatureRoom {
         self.open_together(&paths, true, shared);
     }
 
-    /// Opens the project among `paths`, or else the first mesh where a `new_shape` is wanted; the
-    /// other meshes become layers.
-    pub(super) fn open_together(&mut self, paths: &[PathBuf], new_shape: bool, shared: &mut Shared<'_>) {
+    /// Opens the project among `paths`, or else the first mesh as the shape, where it is to be opened `anew`; the other
+    /// meshes become layers.
+    pub(super) fn open_together(&mut self, paths: &[PathBuf], anew: bool, shared: &mut Shared<'_>) {
+        let paths = self.shapes_among(paths, shared);
+        // A single mesh is compared with the shape that is open, or will be.
+        let has_shape = self.session.is_some() || self.loading.is_some() || self.candidate.is_some();
+        let new_shape = anew || !has_shape || paths.len() > 1;
         let (projects, mut meshes): (Vec<PathBuf>, Vec<PathBuf>) =
-            paths.iter().cloned().partition(|path| is_project(path));
+            paths.into_iter().partition(|path| is_project(path));
         if let [first, _, ..] = &projects[..] {
             let name = first.display();
             shared.notices.warn(format!("One project is open at a time: of these, {name} is opened."));
@@ -78,12 +84,33 @@ impl CaricatureRoom {
         }
     }
 
+    /// The meshes and projects among `paths`; of other files, it says where they are opened.
+    fn shapes_among(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) -> Vec<PathBuf> {
+        let mut shapes = without_companions(paths);
+        let mut others = Vec::new();
+        shapes.retain(|path| {
+            let elsewhere = opened_elsewhere(path);
+            others.extend(elsewhere.map(|why| format!("{}: {why}", path.display())));
+            elsewhere.is_none()
+        });
+        for why in others {
+            if shapes.is_empty() {
+                self.refuse(Error::Input(why), shared);
+            } else {
+                shared.notices.warn(why);
+            }
+        }
+        shapes
+    }
+
     /// Opens a mesh as a new shape, or a project, and makes a layer against each of `templates`.
-    fn load(&mut self, path: &Path, templates: Vec<PathBuf>, shared: &mut Shared<'_>) {
+    fn load(&mut self, path: &Path, mut templates: Vec<PathBuf>, shared: &mut Shared<'_>) {
         let candidate = if is_project(path) {
-            match Project::load(path) {
-                Ok(project) => Candidate { path: Some(path.to_owned()), ..Candidate::new(project) },
-                Err(error) => return self.refuse(error.into(), shared),
+            match moved::open(path, &mut templates) {
+                Ok((project, found_moved)) => {
+                    Candidate { path: Some(path.to_owned()), found_moved, ..Candidate::new(project) }
+                }
+                Err(why) => return self.refuse(why, shared),
             }
         } else if let Some(name) = ShapeSource::sample_name(path) {
             return self.start(Candidate { templates, ..sample(name, shared) }, shared);
@@ -91,7 +118,6 @@ impl CaricatureRoom {
             let shape = ShapeSource::File(path.to_owned());
             Candidate::new(Project::new(shape, shared.settings.harmonics))
         };
-        shared.settings.remember(path);
         self.start(Candidate { templates, ..candidate }, shared);
     }
 
@@ -171,8 +197,8 @@ impl CaricatureRoom {
         let Some(session) = &mut self.session else { return true };
         let known = session.path.clone().filter(|_| !ask);
         let suggested = session.beside(PROJECT);
-        let kind = ("Chladni project", PROJECT);
-        let chosen = known.or_else(|| ask_where_to_save(shared.chooser, kind, is_project, &suggested));
+        let kinds: &[FileKind<'_>] = &[("Chladni project", &[PROJECT])];
+        let chosen = known.or_else(|| ask_where_to_save(shared.chooser, kinds, is_project, &suggested));
         let Some(path) = chosen else { return false };
         match save_to(session, &path) {
             Ok(()) => {
@@ -206,8 +232,9 @@ impl CaricatureRoom {
         shared.pictures.keep(&shared.ctx, path, move || {
             let result = on_own_threads(|| stack.evaluate(&project)).ok()?.result;
             let pose = (single(&result.positions), single(result.normals()));
-            camera.fit(pose.0.iter().copied(), width as f32 / height as f32, 0.9);
-            Shot { camera, poses: vec![pose], ..empty }.picture(width, height).ok()
+            let aspect = width as f32 / height as f32;
+            camera.fit(pose.0.iter().copied(), aspect, 0.9);
+            Shot { camera, aspect, poses: vec![pose], ..empty }.picture(width, height).ok()
         });
     }
 

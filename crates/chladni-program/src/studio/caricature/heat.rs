@@ -9,6 +9,8 @@ use crate::work::{Coating, Quantity, Seen, coating, with_pointed};
 #[derive(Debug)]
 pub struct Heat {
     quantity: Quantity,
+    /// The one that was chosen for longer than a look.
+    chosen: Quantity,
     harmonic: usize,
     map: ColorMap,
     painting: Option<Painting>,
@@ -30,6 +32,7 @@ impl Default for Heat {
     fn default() -> Self {
         Self {
             quantity: Quantity::None,
+            chosen: Quantity::None,
             harmonic: 1,
             map: ColorMap::Viridis,
             painting: None,
@@ -48,6 +51,7 @@ impl Heat {
     /// A shape was opened, with or without colors of its own.
     pub fn start(&mut self, own_look: bool) {
         self.quantity = if own_look { Quantity::Own } else { Quantity::None };
+        self.chosen = self.quantity;
         self.stale = true;
     }
 
@@ -59,13 +63,17 @@ impl Heat {
     /// Shows something else.
     pub fn choose(&mut self, quantity: Quantity, harmonic: usize, map: ColorMap) {
         self.stale |= (quantity, harmonic, map) != (self.quantity, self.harmonic, self.map);
+        if quantity != self.quantity {
+            self.chosen = quantity;
+        }
         (self.quantity, self.harmonic, self.map) = (quantity, harmonic, map);
     }
 
-    /// Shows `quantity`, or the material if it is shown already.
+    /// Has a look at `quantity`, or, where it is shown already, shows what was chosen before.
     pub fn toggle(&mut self, quantity: Quantity) {
-        let next = if self.quantity == quantity { Quantity::None } else { quantity };
-        self.choose(next, self.harmonic, self.map);
+        let before = if self.chosen == quantity { Quantity::None } else { self.chosen };
+        self.quantity = if self.quantity == quantity { before } else { quantity };
+        self.stale = true;
     }
 
     /// The color map for magnitudes.
@@ -114,5 +122,28 @@ impl Heat {
             }),
             other => other,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_look_at_folds_leaves_a_shape_its_own_colors() {
+        let mut heat = Heat::default();
+        heat.start(true);
+        // The bar says each frame what is shown.
+        let mut look_at = |quantity: Quantity| {
+            heat.toggle(quantity);
+            heat.choose(heat.quantity, heat.harmonic, heat.map);
+            heat.quantity
+        };
+        assert_eq!(look_at(Quantity::Folds), Quantity::Folds);
+        assert_eq!(look_at(Quantity::Confidence), Quantity::Confidence);
+        assert_eq!(look_at(Quantity::Confidence), Quantity::Own);
+        heat.choose(Quantity::Folds, 1, ColorMap::Viridis);
+        heat.toggle(Quantity::Folds);
+        assert_eq!(heat.quantity, Quantity::None);
     }
 }

@@ -26,11 +26,19 @@ impl LassoTool {
         );
     }
 
+    /// Forgets a line that is not finished: the next drag begins another.
+    pub fn let_go(&mut self) {
+        self.line.clear();
+    }
+
     /// Follows a drag on the shape and draws its line; returns the line once the button is released.
     pub fn follow(&mut self, ui: &Ui, response: &egui::Response) -> Option<Vec<Pos2>> {
         let primary = egui::PointerButton::Primary;
-        if ui.input(|input| input.modifiers.alt) {
-            return None; // Alt and drag turns the view.
+        let drawing = response.dragged_by(primary) || response.drag_stopped_by(primary);
+        // Alt and drag turns the view; the release may come while Alt is down.
+        if !drawing || ui.input(|input| input.modifiers.alt) {
+            self.let_go();
+            return None;
         }
         if response.drag_started_by(primary) {
             self.line.clear();
@@ -38,7 +46,7 @@ impl LassoTool {
         }
         if response.dragged_by(primary)
             && let Some(at) = response.interact_pointer_pos()
-            && self.line.last().is_none_or(|last| last.distance(at) >= STEP)
+            && self.line.last().is_some_and(|last| last.distance(at) >= STEP)
         {
             self.line.push(at);
         }
@@ -72,6 +80,42 @@ pub fn encloses(line: &[Pos2], point: Pos2) -> bool {
 mod tests {
     use super::*;
     use egui::pos2;
+
+    #[test]
+    fn a_line_whose_release_alt_takes_is_gone() {
+        let (ctx, mut lasso) = (egui::Context::default(), LassoTool::default());
+        let mut step = |mut events: Vec<egui::Event>, modifiers: egui::Modifiers| {
+            let (mut line, mut left) = (None, 0);
+            events.insert(0, egui::Event::ModifiersChanged(modifiers));
+            let input = egui::RawInput { events, ..egui::RawInput::default() };
+            let _ = ctx.run_ui(input, |ui| {
+                let size = egui::vec2(300.0, 300.0);
+                let response = ui.allocate_response(size, egui::Sense::click_and_drag());
+                line = lasso.follow(ui, &response);
+                left = lasso.line.len();
+            });
+            (line, left)
+        };
+        let (none, alt) = (egui::Modifiers::NONE, egui::Modifiers::ALT);
+        let moved = |x: f32, y: f32| vec![egui::Event::PointerMoved(pos2(x, y))];
+        let button = |pressed: bool, modifiers: egui::Modifiers| {
+            let (pos, button) = (pos2(150.0, 150.0), egui::PointerButton::Primary);
+            vec![egui::Event::PointerButton { pos, button, pressed, modifiers }]
+        };
+        for with_alt in [false, true] {
+            step(moved(150.0, 150.0), none);
+            step(button(true, none), none);
+            for (x, y) in [(170.0, 150.0), (190.0, 180.0), (150.0, 190.0)] {
+                step(moved(x, y), none);
+            }
+            let drawn = step(moved(140.0, 170.0), none).1;
+            assert!(drawn > 3, "{drawn} points");
+            let release = if with_alt { alt } else { none };
+            let (line, left) = step(button(false, release), release);
+            assert_eq!((line.is_some(), left), (!with_alt, 0));
+            assert_eq!(step(moved(150.0, 150.0), none), (None, 0));
+        }
+    }
 
     #[test]
     fn a_line_encloses_its_inside_and_not_its_bays() {

@@ -4,6 +4,7 @@ use chladni_caricature::{Action, Layer, LayerId, Project, Property};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
+use super::session::Session;
 use super::thumbnails::Thumbnails;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
@@ -27,16 +28,17 @@ impl LayerList {
     pub fn show(
         &mut self,
         ui: &mut Ui,
-        project: &Project,
+        session: &Session,
         pictures: &Thumbnails,
         failed: &[LayerId],
         selected: &mut Option<LayerId>,
         edits: &mut Edits,
     ) {
+        let project = session.project();
         ui.horizontal(|ui| {
             theme::heading(ui, "Layers");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                self.stack_buttons(ui, project, *selected, edits);
+                self.stack_buttons(ui, session, *selected, edits);
             });
         });
         if project.layers().is_empty() {
@@ -195,10 +197,11 @@ impl LayerList {
     fn stack_buttons(
         &mut self,
         ui: &mut Ui,
-        project: &Project,
+        session: &Session,
         selected: Option<LayerId>,
         edits: &mut Edits,
     ) {
+        let (project, harmonics) = (session.project(), session.stack.body().basis.harmonics());
         if let Some(layer) = selected {
             if icon_button(ui, Icon::Trash2, &DELETE.tooltip(ui.ctx())).clicked() {
                 edits.once(Action::Remove(layer));
@@ -217,7 +220,7 @@ impl LayerList {
             for point in STARTING_POINTS {
                 let button = ui.button(point.name).author_id(format!("template/{}", point.id));
                 if button.on_hover_text(point.tip).clicked() {
-                    let layer = Box::new(point.layer(project));
+                    let layer = Box::new(point.layer(project, harmonics));
                     edits.once(Action::Add { index: project.layers().len(), layer });
                     ui.close();
                 }

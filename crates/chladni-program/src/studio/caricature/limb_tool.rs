@@ -182,7 +182,7 @@ mod tests {
         let start = std::time::Instant::now();
         let mut seen: Vec<Limbs> = Vec::new();
         while seen.is_empty() || known.is_searching() {
-            assert!(start.elapsed().as_secs() < 60, "the search never ended");
+            assert!(start.elapsed() < chladni_testdata::HANGS, "the search never ended");
             let found = known.of(&body, 1.0, &ctx).unwrap();
             seen.extend(found.map(|limbs| (*limbs).clone()).filter(|limbs| seen.last() != Some(limbs)));
             std::thread::sleep(std::time::Duration::from_millis(2));

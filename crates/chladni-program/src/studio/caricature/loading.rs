@@ -24,12 +24,15 @@ pub struct Candidate {
     pub made_on: Option<Arc<TriMesh>>,
     /// Meshes that become layers of it as soon as it is open.
     pub templates: Vec<PathBuf>,
+    /// Meshes of it were found elsewhere than its file says.
+    pub found_moved: bool,
 }
 
 impl Candidate {
     /// A project that is not in a file yet.
     pub fn new(project: Project) -> Self {
-        Self { project, path: None, recovered: None, made_on: None, templates: Vec::new() }
+        let (path, recovered, made_on) = (None, None, None);
+        Self { project, path, recovered, made_on, templates: Vec::new(), found_moved: false }
     }
 }
 
@@ -60,7 +63,7 @@ pub fn load(
     read: &Sender<(Arc<TriMesh>, Orientation)>,
     task: &Task,
 ) -> Result<Loaded, Error> {
-    let Candidate { mut project, path, recovered, made_on, .. } = candidate;
+    let Candidate { mut project, path, recovered, made_on, found_moved, .. } = candidate;
     let aside = Aside::new(task);
     let name = project.shape.to_string();
     let subject = match made_on {
@@ -75,7 +78,7 @@ pub fn load(
     let stands = Estimate::of(mesh, known, task)?;
     // There may be no receiver any more.
     let _ = read.send((Arc::clone(mesh), project.stands.unwrap_or(stands.orientation)));
-    let new = recovered.is_some() || made_on.is_some();
+    let new = recovered.is_some() || made_on.is_some() || found_moved;
     if let Some(from) = made_on {
         let carried = project.carried(&from, mesh, task)?;
         for message in carried.report.into_iter().flat_map(|report| report.warnings) {
@@ -84,7 +87,7 @@ pub fn load(
         project = carried.project;
     }
     let (body, _) = body::build(&name, mesh, project.harmonics, project.laplacian, &aside)?;
-    let look = OwnLook::of(&name, mesh, &body, &aside);
+    let look = OwnLook::of_subject(&name, &subject, &body, &aside);
     let stack = Stack::new(Arc::new(body))?;
     if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
         stack.brush_preparation()();

@@ -1,7 +1,7 @@
 //! The match panel: which template the selected layer uses, how well it fits, and how to help it.
 
 use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Matched, Project, Property, Template};
-use chladni_match::{Method, Scaling};
+use chladni_match::{MatchSettings, Method, Scaling};
 use egui::{RichText, Ui};
 
 use super::analytic;
@@ -16,7 +16,7 @@ use crate::studio::job;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::formats::MESHES;
-use crate::work::template_name;
+use crate::work::{is_namesake, template_name};
 
 /// Draws the panel for the selected layer.
 ///
@@ -121,7 +121,11 @@ fn method(ui: &mut Ui, session: &Session, id: LayerId, edits: &mut Edits) {
     let choice = egui::ComboBox::from_id_salt("method").selected_text(chosen).show_ui(ui, |ui| {
         for method in [Method::Fit, Method::Icp, Method::Map, Method::Same] {
             let (name, tip) = describe(method);
-            ui.selectable_value(&mut matching.method, method, name).on_hover_text(tip);
+            let is_possible = method != Method::Same || session.subject.proxy.is_none();
+            let choice = ui.add_enabled_ui(is_possible, |ui| {
+                ui.selectable_value(&mut matching.method, method, name).on_hover_text(tip)
+            });
+            choice.inner.on_disabled_hover_text(NEEDS_ALL);
         }
     });
     choice.response.accessible_name("How to match");
@@ -136,6 +140,10 @@ fn method(ui: &mut Ui, session: &Session, id: LayerId, edits: &mut Edits) {
         edits.set(id, Property::Matching(matching));
     }
 }
+
+/// Why vertices are not matched one by one.
+const NEEDS_ALL: &str = "The shape is worked on with a part of its vertices, and this needs all: begin anew with \
+                         chladni project new --proxy 0";
 
 fn describe(method: Method) -> (&'static str, &'static str) {
     match method {
@@ -184,10 +192,51 @@ fn percent(share: f64) -> String {
 
 /// Gives a layer another template, and says what becomes of its landmarks.
 fn replace(layer: &Layer, id: LayerId, template: Template, edits: &mut Edits, shared: &mut Shared<'_>) {
-    if !layer.matching.landmarks.is_empty() && layer.template.loses_landmarks_to(&template) {
+    let steps = replacement(layer, template);
+    if steps.len() > 1 {
         shared
             .notices
             .warn("The landmarks belonged to the template before and are gone: pick new ones, or undo.");
     }
-    edits.once(Action::Set { layer: id, to: Property::Template(template) });
+    edits.together(steps.into_iter().map(|to| Action::Set { layer: id, to }).collect());
+}
+
+/// The changes that give a layer another template: without the landmarks that it has, where they belong to the mesh before.
+fn replacement(layer: &Layer, template: Template) -> Vec<Property> {
+    let has_landmarks = !layer.matching.landmarks.is_empty();
+    let goes = layer.template.loses_landmarks_to(&template);
+    let bare = (has_landmarks && (goes || is_namesake(&layer.template, &template)))
+        .then(|| Property::Matching(MatchSettings { landmarks: Vec::new(), ..layer.matching.clone() }));
+    bare.into_iter().chain([Property::Template(template)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_match::Landmark;
+    use chladni_mesh::{samples, save_mesh};
+
+    #[test]
+    fn landmarks_stay_with_a_file_that_was_moved_and_not_with_another_of_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for (place, detail) in [("a", 1), ("b", 2), ("copy", 1)] {
+            std::fs::create_dir(at(place)).unwrap();
+            save_mesh(&samples::icosphere(detail), &at(place).join("head.ply")).unwrap();
+        }
+        let mut layer = Layer::new("head", Template::File(at("a").join("head.ply")));
+        let landmark = |vertex: u32| Landmark { shape: vertex, template: vertex };
+        layer.matching.landmarks = (0..3).map(landmark).collect();
+        let left = |place: &str| {
+            let mut project = Project::new(chladni_caricature::ShapeSource::Sample("head".into()), 8);
+            let id = project.push(layer.clone()).unwrap();
+            for to in replacement(&layer, Template::File(at(place).join("head.ply"))) {
+                project.apply(&Action::Set { layer: id, to }, None).unwrap();
+            }
+            project.layer(id).unwrap().matching.landmarks.len()
+        };
+        assert_eq!((left("b"), left("copy")), (0, 3));
+        std::fs::remove_file(at("a").join("head.ply")).unwrap();
+        assert_eq!(left("b"), 3, "it was moved there");
+    }
 }

@@ -25,6 +25,7 @@ mod loading;
 mod look;
 mod mask_menu;
 mod matches;
+mod moved;
 mod named_parts;
 mod overlay;
 mod preview;
@@ -37,7 +38,7 @@ mod stage;
 mod thumbnails;
 mod toolbar;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -157,10 +158,7 @@ impl Room for CaricatureRoom {
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
-        // A single mesh is compared with the shape that is open, or will be.
-        let has_shape = self.session.is_some() || self.loading.is_some() || self.candidate.is_some();
-        let new_shape = !has_shape || paths.len() > 1;
-        self.open_together(paths, new_shape, shared);
+        self.open_together(paths, false, shared);
     }
 
     fn open_anew(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
@@ -290,6 +288,7 @@ impl CaricatureRoom {
         }
         let recovered = loaded.recovered.take();
         let look = loaded.look.take();
+        let opened = loaded.path.as_deref().or(loaded.project.shape.file()).map(Path::to_owned);
         let session = Session::new(loaded);
         let body = session.stack.body();
         let positions = single(&body.positions);
@@ -308,6 +307,9 @@ impl CaricatureRoom {
         }
         self.adopting = recovered;
         shared.notices.outdate_errors();
+        if let Some(path) = opened {
+            shared.settings.remember(&path);
+        }
         self.picture_new_shape(shared);
         Ok(())
     }
@@ -321,7 +323,7 @@ impl CaricatureRoom {
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let mut selected = session.selected;
                 let failed = session.failed_layers();
-                self.layers.show(ui, session.project(), &self.thumbnails, &failed, &mut selected, edits);
+                self.layers.show(ui, session, &self.thumbnails, &failed, &mut selected, edits);
                 if selected != session.selected {
                     session.selected = selected;
                     self.stale = true;

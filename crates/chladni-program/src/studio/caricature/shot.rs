@@ -57,6 +57,8 @@ pub struct Shot {
     pub coat: Coat,
     /// The viewer's camera.
     pub camera: Camera,
+    /// Width by height of the view that the camera fills; a narrower picture shows as much from side to side.
+    pub aspect: f32,
     /// Material, light, edges.
     pub look: Portrayal,
     /// The background.
@@ -70,7 +72,7 @@ impl Shot {
             return Ok(self.drawing(width, height)?.to_picture());
         }
         let canvas = Canvas::new(&self.device, width, height)?;
-        self.draw(&mut Renderer::new(&self.device), &canvas, &self.upload()?, self.camera)?;
+        self.draw(&mut Renderer::new(&self.device), &canvas, &self.upload()?, self.seen_in(width, height))?;
         Ok(canvas.read(&self.device)?)
     }
 
@@ -78,8 +80,9 @@ impl Shot {
     pub fn drawing(&self, width: u32, height: u32) -> Result<Drawing, Error> {
         let ink = &self.look.pen.ink;
         let mut drawing = Drawing::new(width, height, ink)?;
+        let camera = self.seen_in(width, height);
         for (plate, cell) in self.plates()?.iter().zip(self.cells(width, height)) {
-            drawing.add(plate, ink, &self.camera, cell);
+            drawing.add(plate, ink, &camera, cell);
         }
         Ok(drawing)
     }
@@ -128,6 +131,15 @@ impl Shot {
         Ok(buffers)
     }
 
+    /// The viewer's camera, with a wider angle where the picture's cells are narrower than the view: the angle is that from
+    /// bottom to top, and from side to side all stays in sight.
+    fn seen_in(&self, width: u32, height: u32) -> Camera {
+        let narrowest = self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+        let wider = (self.aspect / narrowest).max(1.0);
+        let fov_y_rad = 2.0 * ((0.5 * self.camera.fov_y_rad).tan() * wider).atan();
+        if wider > 1.0 { Camera { fov_y_rad, ..self.camera } } else { self.camera }
+    }
+
     fn cells(&self, width: u32, height: u32) -> Vec<Rect> {
         let (rows, columns) = layout::rows_and_columns(width, height, self.poses.len(), 0.8);
         layout::grid(Rect::of_size(width, height), rows, columns, 0, self.poses.len())
@@ -167,8 +179,8 @@ mod tests {
         let poses = vec![(positions.clone(), positions)];
         let triangles = mesh.triangles.into();
         let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
-        let moved = Vec::new();
-        Some(Shot { device, topology, triangles, poses, moved, coat, camera, look, background })
+        let (moved, aspect) = (Vec::new(), 4.0 / 3.0);
+        Some(Shot { device, topology, triangles, poses, moved, coat, camera, aspect, look, background })
     }
 
     #[test]
@@ -178,6 +190,29 @@ mod tests {
         assert_eq!(picture.pixel(0, 0).unwrap()[3], 0);
         assert_eq!(picture.pixel(80, 60).unwrap()[3], 255);
         assert!(shot.picture(0, 120).is_err());
+    }
+
+    #[test]
+    fn a_picture_narrower_than_the_view_shows_as_much_from_side_to_side() {
+        let Some(mut shot) = shot() else { return };
+        for (positions, _) in &mut shot.poses {
+            positions.iter_mut().for_each(|p| p[0] *= 3.0);
+        }
+        shot.aspect = 2.0;
+        shot.camera.fit(shot.poses[0].0.iter().copied(), shot.aspect, 0.9);
+        for ink in [false, true] {
+            shot.look.ink = ink;
+            let is_shape = |picture: &Picture, x: u32| {
+                let paper = picture.pixel(0, 0);
+                (0..picture.height).any(|y| picture.pixel(x, y) != paper)
+            };
+            for (width, height) in [(200, 200), (100, 200), (200, 100)] {
+                let picture = shot.picture(width, height).unwrap();
+                let [left, inner, right] = [0, width / 10, width - 1].map(|x| is_shape(&picture, x));
+                assert!(!left && !right, "{width} × {height}: cut off");
+                assert!(inner, "{width} × {height}: far away");
+            }
+        }
     }
 
     #[test]

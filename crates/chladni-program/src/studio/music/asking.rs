@@ -6,6 +6,7 @@ use chladni_music::ItemId;
 
 use super::MusicRoom;
 use super::film::Filming;
+use super::lineage;
 use super::shows::write_show;
 use super::wish::Then;
 use crate::studio::choose::FileKind;
@@ -13,6 +14,9 @@ use crate::studio::file_window::Request;
 use crate::studio::room::{Room, Shared};
 use crate::work::formats::{LISTS, MESHES, PROJECT, SONGS, TEXT};
 use crate::work::{Error, FILMS, PANORAMAS, PICTURES};
+
+/// Files of bindings.
+const BINDINGS: FileKind<'static> = ("Bindings", &[TEXT]);
 
 impl MusicRoom {
     /// Opens a dialog; the dance goes on meanwhile.
@@ -38,12 +42,14 @@ impl MusicRoom {
             Then::Film => Filming::where_to(),
             Then::Record => Request::save(&[("Films", &["mp4"])], Path::new("set.mp4")),
             Then::SavePreset(_) => text("dance.toml"),
-            Then::SaveShow => text("show.toml"),
+            Then::SaveShow | Then::SaveShowFirst => text("show.toml"),
             Then::Picture => {
                 let kinds: Vec<&str> = PICTURES.into_iter().chain(FILMS).collect();
                 Request::open(&[("Pictures and films", &kinds)])
             }
             Then::Panorama => Request::open(&[("Panoramas", &PANORAMAS)]),
+            Then::ExportBindings => Request::save(&[BINDINGS], Path::new("bindings.toml")),
+            Then::ImportBindings => Request::open(&[BINDINGS]),
         }
     }
 
@@ -64,17 +70,29 @@ impl MusicRoom {
         shared: &mut Shared<'_>,
     ) -> Result<(), Error> {
         match then {
-            Then::Open | Then::AddSongs => self.open(files, shared),
+            Then::Open => self.open(files, shared),
+            Then::AddSongs => self.append_songs(files, shared),
             Then::Film => self.film_to(first, shared)?,
             Then::Record => self.record_to(first, None, shared)?,
             Then::SavePreset(item) => self.save_preset(item, first, shared)?,
-            Then::SaveShow => {
+            Then::SaveShow | Then::SaveShowFirst => {
                 if let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) {
                     write_show(first, concert, listening, &self.names, shared)?;
+                }
+                if then == Then::SaveShowFirst {
+                    self.replace(shared);
                 }
             }
             Then::Picture => shared.settings.music.picture = first.to_string_lossy().into_owned(),
             Then::Panorama => shared.settings.music.panorama = first.to_string_lossy().into_owned(),
+            Then::ExportBindings => {
+                self.drawers.remote.export(first)?;
+                shared.notices.done(format!("Wrote {}", first.display()));
+            }
+            Then::ImportBindings => {
+                let count = self.drawers.remote.import(first)?;
+                shared.notices.done(format!("{count} bindings of {}", first.display()));
+            }
         }
         Ok(())
     }
@@ -84,7 +102,9 @@ impl MusicRoom {
             return Ok(());
         };
         let Some(item) = instrument.item(item) else { return Ok(()) };
-        instrument.preset(item, Vec::new()).save(path).map_err(Error::unsaved)?;
+        let mut preset = instrument.preset(item, Vec::new());
+        preset.name = lineage::called(instrument, item);
+        preset.save(path).map_err(Error::unsaved)?;
         shared.notices.done(format!("Saved {}", path.display()));
         Ok(())
     }

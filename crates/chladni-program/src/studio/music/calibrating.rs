@@ -10,6 +10,7 @@ use super::MusicRoom;
 use super::listening::Listening;
 use super::preferences::Preferences;
 use crate::studio::author_id::AuthorId;
+use crate::studio::keys::calibrating::{TAP_BY_ENTER, TAP_BY_LETTER, TAP_BY_SPACE};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::Error;
@@ -20,7 +21,8 @@ const CLICKS: usize = 16;
 /// After a change from clicks to flashes, taps still follow the clicks.
 const REST_SECS: f64 = 1.5;
 /// Keys that tap.
-const KEYS: [Key; 3] = [Key::Space, Key::Enter, Key::T];
+const KEYS: [Key; 3] =
+    [TAP_BY_SPACE.keys.logical_key, TAP_BY_ENTER.keys.logical_key, TAP_BY_LETTER.keys.logical_key];
 /// Points of the area for words at the lower edge.
 const WORDS: f32 = 150.0;
 
@@ -200,9 +202,12 @@ fn buttons(ui: &mut Ui, usable: bool) -> Option<Choice> {
 }
 
 impl MusicRoom {
-    /// Lets a person tap.
+    /// Lets a person tap, or no longer.
     pub(super) fn calibrate(&mut self, shared: &mut Shared<'_>) {
-        let Some(listening) = self.listening.as_mut().filter(|_| self.calibrating.is_none()) else { return };
+        if self.calibrating.is_some() {
+            return self.end_calibrating();
+        }
+        let Some(listening) = &mut self.listening else { return };
         match Calibrating::begin(listening, &shared.settings.music) {
             Ok(calibrating) => self.calibrating = Some(calibrating),
             Err(why) => shared.notices.failed(why),
@@ -217,7 +222,7 @@ impl MusicRoom {
         let ctx = &shared.ctx;
         ctx.request_repaint();
         if let Some(concert) = &mut self.concert {
-            concert.flashes = calibrating.flashes();
+            (concert.calibrates, concert.flashes) = (true, calibrating.flashes());
         }
         let whole = ctx.content_rect();
         let area = egui::Area::new(Id::unique("calibrating")).order(Order::Foreground).fixed_pos(whole.min);
@@ -246,13 +251,13 @@ impl MusicRoom {
             listening.player().play();
         }
         if let Some(concert) = &mut self.concert {
-            concert.flashes = false;
+            (concert.calibrates, concert.flashes) = (false, false);
         }
     }
 }
 
 /// How many keys that tap were pressed; they are taken out.
-fn taken(input: &mut egui::InputState) -> usize {
+pub fn taken(input: &mut egui::InputState) -> usize {
     let mut taps = 0;
     input.events.retain(|event| {
         let Event::Key { key, pressed: true, repeat, .. } = event else { return true };

@@ -1,5 +1,6 @@
 //! The drawer at the right of the room, and its content.
 
+use chladni_music::{Action, Looks};
 use egui::{RichText, ScrollArea, Ui};
 
 use super::concert::Concert;
@@ -80,9 +81,24 @@ impl Drawers {
                 self.shelf.show(ui, instrument, shared.notices, wishes);
             }
             Drawer::Look => {
+                // A look that a hand chooses takes the place of the autopilot's.
+                let of_show = shared.settings.music.looks();
+                let seen = look::seen(instrument, of_show.clone());
+                shared.settings.music.look_like(&seen);
                 look::show(ui, shared, concert.has_own_colors(), &mut self.adjusts, wishes);
+                let now = shared.settings.music.looks();
+                let files = |looks: Looks| Looks {
+                    picture: now.picture.clone(),
+                    panorama: now.panorama.clone(),
+                    ..looks
+                };
+                if now == files(seen) {
+                    shared.settings.music.look_like(&files(of_show));
+                } else if instrument.look().is_some() {
+                    wishes.push(Wish::Do(Action::SetLook { look: String::new() }));
+                }
             }
-            Drawer::Remote => self.remote.show(ui, shared, listening),
+            Drawer::Remote => self.remote.show(ui, shared, listening, wishes),
             Drawer::Body => {
                 voices::show(ui, instrument, concert.voice_names(), wishes);
                 symmetry(ui, concert, wishes);

@@ -79,8 +79,17 @@ pub struct Scene {
     pub song: Option<usize>,
     /// The content of the middle of the room.
     pub view: View,
+    /// Something is on stage.
+    pub on_stage: bool,
     /// How many favorites there are.
     pub favorites: usize,
+}
+
+impl Scene {
+    /// Whether nothing but the gallery dances now.
+    fn is_gallery(&self) -> bool {
+        !matches!(self.view, View::CloseUp(_)) && !self.on_stage && self.favorites == 0
+    }
 }
 
 impl Filming {
@@ -135,9 +144,12 @@ impl Filming {
 
     /// Begins the film of the form.
     pub fn begin(&mut self, scene: Scene, path: &Path, ctx: &egui::Context) -> Result<(), Error> {
-        let Some(form) = self.form.clone() else { return Ok(()) };
+        let form = self.form.clone();
+        let form = form.ok_or_else(|| Error::input("No film is made: its form was closed meanwhile."))?;
         let path = path.to_owned();
         let film = form.film(scene, path.clone())?;
+        // The form stays where it has to be corrected.
+        film.check()?;
         self.form = None;
         let label = format!("Filming {}", path.file_name().unwrap_or_default().to_string_lossy());
         self.running = Some(Job::start(label, ctx, move |task| {
@@ -199,7 +211,8 @@ impl Form {
             (
                 What::AsItIs,
                 "What dances now",
-                "This song from its beginning, with the dance of a close-up, else the favorites in turn, else the gallery",
+                "This song from its beginning, with the dance of a close-up, else what is on stage, else the favorites in \
+                 turn, else the gallery",
             ),
             (What::TheShow, all.as_str(), "With every song, pause and leap, as it was seen"),
         ] {
@@ -279,7 +292,11 @@ impl Form {
             What::AsItIs => {
                 let song = scene.song.and_then(|number| scene.songs.get(number).cloned());
                 let song = song.ok_or_else(|| Error::input("Live input cannot be filmed: choose a song."))?;
-                let show = as_it_is(scene.show, scene.view, scene.favorites);
+                if output.animation.is_some() && scene.is_gallery() {
+                    let why = "A GLB holds one dance: put one on stage, or make it a favorite.";
+                    return Err(Error::input(why));
+                }
+                let show = as_it_is(scene.show, scene.view, scene.on_stage, scene.favorites);
                 Film::of_show(show, scene.body, vec![song], output)
             }
         };
@@ -293,19 +310,25 @@ impl Form {
 }
 
 /// The show that begins where this one stands now, and lasts for one song.
-fn as_it_is(mut show: Show, view: View, favorites: usize) -> Show {
+fn as_it_is(mut show: Show, view: View, on_stage: bool, favorites: usize) -> Show {
     for line in &mut show.actions {
         line.moment = Moment::default();
     }
     let mut now = |action| show.actions.push(LoggedAction { moment: Moment::default(), action });
     match view {
         View::CloseUp(item) => now(Action::Perform { item }),
+        _ if on_stage => {}
         _ if favorites > 0 => {
             // In turn, even if the beat was not set to step.
             now(Action::Switch { switch: Switch::BeatSteps, on: true });
             now(Action::PerformFavorites { first: 0 });
         }
         _ => {}
+    }
+    // What left the stage long ago does not come back to fade out.
+    if let Some(last) = show.actions.iter().rposition(|line| line.action.opens_stage()) {
+        let leave = LoggedAction { moment: Moment::default(), action: Action::LeaveStage };
+        show.actions.insert(last, leave);
     }
     show.unheard()
 }
@@ -328,6 +351,7 @@ mod tests {
                 songs: vec![("sample:tune".into(), BeatReading::default())],
                 song: Some(0),
                 view: View::Gallery,
+                on_stage: false,
                 favorites: 0,
             };
             form.film(scene, PathBuf::from("film.gif")).unwrap()
@@ -352,11 +376,88 @@ mod tests {
             let moment = Moment { at_secs: secs, at_beat: 2.0 * secs };
             instrument.apply(moment, Action::Favorite { item, on: true }).unwrap();
         }
-        let show = as_it_is(Show::of(&instrument), View::Gallery, 3);
+        let show = as_it_is(Show::of(&instrument), View::Gallery, false, 3);
         let filmed = show.replay(shape).unwrap();
         let step = f64::from(Parameter::BeatsPerStep.initial());
         let seen: Vec<_> = (0..4).map(|i| filmed.scene((f64::from(i) + 0.9) * step).unwrap().to).collect();
         let favorites: Vec<_> = instrument.favorites().iter().map(|item| item.id).collect();
         assert_eq!(seen, [favorites[0], favorites[1], favorites[2], favorites[0]]);
+    }
+
+    #[test]
+    fn a_film_begins_with_what_dances_now_alone() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+        for (i, secs) in [(0, 2.0), (1, 9.0), (2, 16.0)] {
+            let moment = Moment { at_secs: secs, at_beat: 2.0 * secs };
+            instrument.apply(moment, Action::Favorite { item: 5 - i, on: true }).unwrap();
+            instrument.apply(moment, Action::Perform { item: i }).unwrap();
+        }
+        let first = |view, favorites| {
+            let show = as_it_is(Show::of(&instrument), view, favorites == 0, favorites);
+            show.replay(shape.clone()).unwrap().scene(0.0).unwrap()
+        };
+        let items = instrument.gallery().items();
+        for (view, favorites, dances) in [
+            (View::Gallery, 0, items[2].id),
+            (View::CloseUp(4), 0, items[4].id),
+            (View::Gallery, 3, instrument.favorites()[0].id),
+        ] {
+            let scene = first(view, favorites);
+            assert_eq!((scene.from, scene.to), (dances, dances), "{view:?}");
+        }
+    }
+
+    #[test]
+    fn a_close_up_is_filmed_before_the_stage_and_the_stage_before_favorites() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+        let moment = Moment { at_secs: 2.0, at_beat: 4.0 };
+        instrument.apply(moment, Action::Favorite { item: 1, on: true }).unwrap();
+        instrument.apply(moment, Action::Perform { item: 4 }).unwrap();
+        let seen = |view, on_stage| {
+            let show = as_it_is(Show::of(&instrument), view, on_stage, 1);
+            show.replay(shape.clone()).unwrap().scene(8.0).unwrap().to
+        };
+        let items = instrument.gallery().items();
+        assert_eq!(seen(View::CloseUp(2), true), items[2].id);
+        assert_eq!(seen(View::Gallery, true), items[4].id);
+        assert_eq!(seen(View::Gallery, false), items[1].id);
+    }
+
+    #[test]
+    fn a_film_whose_form_was_closed_is_refused_in_words() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let scene = Scene {
+            show: Show::of(&Instrument::new(1, 6, shape).unwrap()),
+            body: "sample:ring".into(),
+            songs: Vec::new(),
+            song: None,
+            view: View::Gallery,
+            on_stage: false,
+            favorites: 0,
+        };
+        let begun = Filming::default().begin(scene, Path::new("film.gif"), &egui::Context::default());
+        assert!(begun.unwrap_err().to_string().contains("form was closed"));
+    }
+
+    #[test]
+    fn a_gallery_is_no_dance_for_a_glb() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let film = |view, on_stage, favorites| {
+            let scene = Scene {
+                show: Show::of(&Instrument::new(1, 6, shape.clone()).unwrap()),
+                body: "sample:ring".into(),
+                songs: vec![("sample:tune".into(), BeatReading::default())],
+                song: Some(0),
+                view,
+                on_stage,
+                favorites,
+            };
+            Form::FIRST.film(scene, PathBuf::from("dance.glb"))
+        };
+        assert!(film(View::Gallery, false, 0).is_err());
+        assert!(film(View::Gallery, true, 0).is_ok() && film(View::Gallery, false, 1).is_ok());
+        assert!(film(View::CloseUp(3), false, 0).is_ok());
     }
 }

@@ -32,7 +32,7 @@ pub fn overlay(
     let items = instrument.gallery().items();
     for (index, (cell, item)) in cells.iter().zip(items).enumerate() {
         let response = ui.interact(*cell, ui.scope_id().with(("dance", index)), Sense::click());
-        let title = title(item, index);
+        let title = lineage::called(instrument, item);
         let next = instrument.next_on_stage().map(|(id, _)| id);
         let standing = [(on_stage, "on stage"), (next, "next")];
         let standing = standing.into_iter().find(|(id, _)| *id == Some(item.id)).map(|(_, text)| text);
@@ -60,10 +60,6 @@ pub fn overlay(
         marks(ui, *cell, instrument, index, is_marked, wishes);
     }
     (hovered, focused)
-}
-
-fn title(item: &GalleryItem, index: usize) -> String {
-    if item.name.is_empty() { format!("Dance {}", index + 1) } else { item.name.clone() }
 }
 
 fn frame(ui: &Ui, cell: Rect, item: &GalleryItem, title: &str, marked: bool) {

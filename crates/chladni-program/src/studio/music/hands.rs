@@ -7,6 +7,7 @@ use chladni_view::{Background, Lights, Look, Material, Palette};
 use super::MusicRoom;
 use super::concert::Concert;
 use super::listening::Listening;
+use super::look;
 use super::remote::NUDGE_SECS;
 use super::shelf::Shelf;
 use super::wish::Wish;
@@ -17,6 +18,7 @@ use crate::work::OWN_COLORS;
 pub struct Stand<'a> {
     pub concert: &'a Concert,
     pub listening: &'a Listening,
+    /// Those that are seen.
     pub looks: Looks,
     /// How soft is what is not in focus, in [0, 1].
     pub blur: f32,
@@ -91,7 +93,7 @@ impl Stand<'_> {
             Target::Repeat => is(REPEAT.iter().position(|repeat| *repeat == self.listening.repeat())),
             Target::Live => share(self.listening.live().is_some()),
             Target::FollowClock => share(self.follows_clock),
-            Target::Record => share(self.concert.outgoing.recorder.is_some()),
+            Target::Record => share(self.concert.outgoing.is_recording()),
             Target::Preset => {
                 let preset = self.shelf.presets().nth((number? as usize).checked_sub(1)?)?;
                 share(self.taken.playing(self.concert) == Some(preset.name.as_str()))
@@ -177,6 +179,7 @@ impl MusicRoom {
                 true
             }
             (Target::Blur, Which::Level(share)) => {
+                take_look(concert, shared);
                 shared.settings.music.blur_percent = Some((100.0 * share).round() as u8);
                 true
             }
@@ -206,7 +209,7 @@ impl MusicRoom {
             (
                 Target::Look | Target::Palette | Target::Material | Target::Lights | Target::Background,
                 which,
-            ) => choose_look(target, which, shared),
+            ) => choose_look(target, which, concert, shared),
             (target, which) => match dance(target, which, concert) {
                 Some(wish) => {
                     wishes.push(wish);
@@ -263,12 +266,26 @@ fn call_shot(which: &Which, listening: &mut Listening) -> bool {
     shot.is_some() || auto
 }
 
+/// Makes the autopilot's look the show's own, where there is one: a hand changes what is seen. At once, as another request of
+/// this frame may change the look, too.
+fn take_look(concert: &mut Concert, shared: &mut Shared<'_>) {
+    let (instrument, music) = (concert.instrument(), &mut shared.settings.music);
+    if instrument.look().is_some() {
+        music.look_like(&look::seen(instrument, music.looks()));
+        if let Err(why) = concert.act(Action::SetLook { look: String::new() }) {
+            shared.notices.failed(why);
+        }
+    }
+}
+
 /// Chooses a look, or a part of one; false where there is none of that name or number.
-fn choose_look(target: Target, which: &Which, shared: &mut Shared<'_>) -> bool {
-    let (mut looks, names) = (shared.settings.music.looks(), names(target));
+fn choose_look(target: Target, which: &Which, concert: &mut Concert, shared: &mut Shared<'_>) -> bool {
+    let mut looks = look::seen(concert.instrument(), shared.settings.music.looks());
+    let names = names(target);
     let now = chosen(target, &looks).and_then(|now| names.iter().position(|name| name == now));
     let Some(name) = pick(&names, now, which).and_then(|at| names.get(at)) else { return false };
     let name = (*name).to_owned();
+    take_look(concert, shared);
     match target {
         Target::Look => {
             shared.settings.music.put_on(name);

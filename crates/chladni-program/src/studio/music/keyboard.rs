@@ -5,6 +5,7 @@ use chladni_music::{Action, Cue, Target, preceding};
 use super::MusicRoom;
 use super::hands::Stand;
 use super::listening::Listening;
+use super::look;
 use super::remote::{Asked, NUDGE_SECS, Now};
 use super::view::View;
 use super::wish::{Then, Wish};
@@ -16,6 +17,7 @@ use crate::studio::keys::music::{
 };
 use crate::studio::room::Shared;
 use crate::studio::shortcut::Shortcut;
+use crate::work::look_on_stage;
 
 /// To the left, to the right, above, below.
 const MARKS: [Shortcut; 4] = [MARK_LEFT, MARK_RIGHT, MARK_ABOVE, MARK_BELOW];
@@ -69,12 +71,16 @@ impl MusicRoom {
         }
         if concert.on_stage() {
             when(&mut wishes, HOLD, Wish::Hold);
-            when(&mut wishes, LEAVE, Wish::Do(Action::LeaveStage));
+            // Beside a stage with a window of its own, a close-up is left first.
+            let is_closer = self.apart && concert.view() != View::Gallery;
+            let leave = if is_closer { Wish::Show(View::Gallery) } else { Wish::Do(Action::LeaveStage) };
+            when(&mut wishes, LEAVE, leave);
             when(&mut wishes, GO, Wish::Do(Action::Go));
             for (key, target) in [(BLACKOUT, Target::Blackout), (FREEZE, Target::Freeze)] {
                 when(&mut wishes, key, Wish::Press(target));
             }
         }
+        when(&mut wishes, FILM, Wish::Film);
         if concert.on_stage() && !self.apart {
             when(&mut wishes, MARK_LEFT, Wish::StepFavorite(false));
             when(&mut wishes, MARK_RIGHT, Wish::StepFavorite(true));
@@ -82,7 +88,6 @@ impl MusicRoom {
         }
         when(&mut wishes, OPEN, Wish::Choose(Then::Open));
         when(&mut wishes, SAVE, Wish::Choose(Then::SaveShow));
-        when(&mut wishes, FILM, Wish::Film);
         when(&mut wishes, BREED, Wish::Do(Action::Breed));
         let gallery = concert.instrument().gallery();
         // With Shift first: the key without it would answer, too.
@@ -125,8 +130,8 @@ impl MusicRoom {
         let stand = Stand {
             concert,
             listening,
-            looks: music.looks(),
-            blur: music.look().finish.blur,
+            looks: look::seen(concert.instrument(), music.looks()),
+            blur: look_on_stage(concert.instrument(), music.look()).finish.blur,
             follows_clock: music.follows_clock,
             shelf: &self.drawers.shelf,
             taken: &self.taken,

@@ -21,18 +21,18 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, voices: bool, wishes: &mut Vec
     group(ui, "Timbre", |ui| timbre(ui, parameters, wishes));
     for (name, rows) in KNOBS {
         group(ui, name, |ui| {
-            for (parameter, name, tip) in *rows {
+            for (parameter, name) in *rows {
                 let idle = idle(parameters, *parameter, voices);
-                knob(ui, instrument, *parameter, (name, tip), idle, wishes);
+                knob(ui, instrument, *parameter, name, idle, wishes);
             }
         });
     }
     for (name, switches) in SWITCHES {
         group(ui, name, |ui| {
-            for (switch, name, tip) in *switches {
+            for (switch, name) in *switches {
                 let mut on = parameters.is_on(*switch);
                 let check = theme::checkbox(ui, &mut on, name).author_id(switch.name());
-                if check.on_hover_text(*tip).changed() {
+                if check.on_hover_text(switch.about()).changed() {
                     wishes.push(Wish::Do(Action::Switch { switch: *switch, on }));
                 }
                 if *switch == Switch::Sand {
@@ -120,10 +120,11 @@ fn knob(
     ui: &mut Ui,
     instrument: &Instrument,
     parameter: Parameter,
-    (name, tip): (&str, &str),
+    name: &str,
     idle: Option<&'static str>,
     wishes: &mut Vec<Wish>,
 ) {
+    let tip = parameter.about();
     let mut value = instrument.parameters().get(parameter);
     let (low, high) = parameter.range();
     let slider = theme::slider(&mut value, low..=high).logarithmic(by_factors(parameter));
@@ -136,7 +137,7 @@ fn knob(
         .author_id(parameter.name())
         .on_hover_text(tip)
         .on_disabled_hover_text(idle.unwrap_or_default());
-    if slider.changed() {
+    if theme::is_edited(&slider) {
         wishes.push(Wish::Do(Action::Set { parameter, value }));
     }
     if let Some(why) = idle {

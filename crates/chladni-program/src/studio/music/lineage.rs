@@ -7,6 +7,16 @@ use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
 use crate::studio::theme;
 
+/// "Squid", "Dance 3" where it is in the generation that is shown, or else "3 of generation 2".
+pub fn called(instrument: &Instrument, item: &GalleryItem) -> String {
+    let gallery = instrument.gallery();
+    match gallery.items().iter().position(|shown| shown.id == item.id) {
+        Some(place) if item.name.is_empty() => format!("Dance {}", place + 1),
+        None if item.name.is_empty() && gallery.born(item.id).is_none() => "Dance of another gallery".into(),
+        _ => name(gallery, item.id, &item.name),
+    }
+}
+
 /// A menu called `label` of an item and its ancestors, newest first; a click goes to the generation of one.
 pub fn menu(ui: &mut Ui, label: &str, instrument: &Instrument, item: &GalleryItem, wishes: &mut Vec<Wish>) {
     let button = ui.menu_button(label, |ui| {

@@ -1,7 +1,6 @@
 //! Preparing shapes and caricatures to dance.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::Orientation;
@@ -54,7 +53,7 @@ pub struct Ready {
 pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let aside = Aside::new(task);
     let cast = Cast::open(path, &aside)?;
-    let mesh = Arc::clone(cast.mesh());
+    let subject = cast.subject().clone();
     let stands = cast.stands(Stance::default(), &aside)?;
     let harmonics = cast.harmonics().map_or(means.harmonics, |own| own.min(means.harmonics));
     let (body, voices) = cast.prepare(harmonics, Laplacian::Delaunay, true, &aside)?;
@@ -64,7 +63,7 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     );
     let dancing = Dancing::new(&body, symmetry?, &stands)?;
     let name = path.to_string_lossy();
-    let own = OwnLook::of(&name, &mesh, &body, &aside);
+    let own = OwnLook::of_subject(&name, &subject, &body, &aside);
     let opening_view = opening_view(&name);
     Ok(Ready { dancing, stands, opening_view, voices, details, own, warnings: aside.warnings() })
 }

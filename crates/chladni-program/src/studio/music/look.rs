@@ -1,5 +1,6 @@
 //! The look of the dance, and the screen that the stage appears on.
 
+use chladni_music::{Instrument, Looks};
 use chladni_view::film::{HAS_SYPHON, video_devices};
 use chladni_view::{Background, Lights, Look, Material, Palette};
 use egui::{RichText, Ui};
@@ -12,6 +13,15 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::OWN_COLORS;
+
+/// The names of the look that is seen: that of the dance on stage in place of the show's, as
+/// [`look_on_stage`](crate::work::look_on_stage) puts it there. Pictures around the stage, and a shape's own colors, stay.
+pub fn seen(instrument: &Instrument, of_show: Looks) -> Looks {
+    let Some(look) = instrument.look().filter(|look| Look::named(look).is_some()) else { return of_show };
+    let Looks { picture, panorama, palette, .. } = of_show;
+    let palette = if palette == OWN_COLORS { palette } else { String::new() };
+    Looks { look: look.to_owned(), palette, picture, panorama, ..Looks::default() }
+}
 
 /// Draws the drawer.
 pub fn show(
@@ -201,4 +211,32 @@ fn choose(ui: &mut Ui, id: &str, chosen: &mut String, names: &[&str]) {
     };
     theme::group(ui, &heading, |ui| ui.horizontal_wrapped(choices));
     ui.add_space(theme::GAP);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_music::{Action, GalleryShape, Moment};
+
+    #[test]
+    fn the_look_of_the_dance_on_stage_is_the_one_that_is_seen() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let of_show = Looks {
+            look: "aurora".into(),
+            material: "clay".into(),
+            picture: "wall.png".into(),
+            ..Looks::default()
+        };
+        assert_eq!(seen(&instrument, of_show.clone()), of_show);
+        let put_on = |instrument: &mut Instrument, look: &str| {
+            instrument.apply(Moment::default(), Action::SetLook { look: look.into() }).unwrap();
+        };
+        put_on(&mut instrument, "ember");
+        let ember = Looks { look: "ember".into(), picture: "wall.png".into(), ..Looks::default() };
+        assert_eq!(seen(&instrument, of_show.clone()), ember);
+        // One of a later version is not seen.
+        put_on(&mut instrument, "no such look");
+        assert_eq!(seen(&instrument, of_show.clone()), of_show);
+    }
 }

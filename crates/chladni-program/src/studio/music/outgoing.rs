@@ -53,6 +53,11 @@ impl Outgoing {
         (self.recorder, self.since_secs, self.last) = (Some(recorder), now_secs, None);
     }
 
+    /// The set is being recorded: a recording whose file is still being written is not.
+    pub fn is_recording(&self) -> bool {
+        self.recorder.as_ref().is_some_and(|recorder| !recorder.ends())
+    }
+
     /// Another show begins: what was recorded is not heard in it.
     pub fn change_show(&mut self) {
         self.recorded.clear();

@@ -84,7 +84,13 @@ impl Recorder {
 
     /// How long it is, and how many pictures were left out.
     pub fn progress(&self, now_secs: f64) -> (f64, u64) {
-        (self.at_secs(now_secs), self.film.left_out())
+        let secs = if self.ends { self.duration_secs } else { self.at_secs(now_secs) };
+        (secs, self.film.left_out())
+    }
+
+    /// Nothing more comes; its file is still being written.
+    pub fn ends(&self) -> bool {
+        self.ends
     }
 
     fn at_secs(&self, now_secs: f64) -> f64 {
@@ -148,10 +154,10 @@ impl Recorder {
         self.spans_shows = true;
     }
 
-    /// The set as it can be heard again, once it has ended; `None` if it never began, or has more than one show.
+    /// The set as it can be heard again; `None` until it ends, if it never began, or has more than one show.
     pub fn set(&self) -> Option<RecordedSet> {
         let (path, duration_secs) = (self.path.clone(), self.duration_secs);
-        let at_secs = self.show_secs.filter(|_| !self.spans_shows)?;
+        let at_secs = self.show_secs.filter(|_| self.ends && !self.spans_shows)?;
         Some(RecordedSet { path, at_secs, duration_secs })
     }
 
@@ -215,7 +221,13 @@ mod tests {
             recorder.picture(now_secs, gray());
         }
         assert!((recorder.progress(16.0).0 - 1.0).abs() < 1e-9);
+        recorder.follow_show(16.0, 8.0);
+        assert_eq!(recorder.set(), None);
         recorder.finish(16.0);
+        // While its file is written it grows no longer, and the show knows it.
+        assert!((recorder.progress(20.0).0 - 1.0).abs() < 1e-9);
+        let set = recorder.set().unwrap();
+        assert!((set.at_secs - 7.0).abs() < 1e-9 && (set.duration_secs - 1.0).abs() < 1e-9, "{set:?}");
         let frames = loop {
             if let Some(ended) = recorder.ended() {
                 break ended.unwrap();

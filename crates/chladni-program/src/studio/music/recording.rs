@@ -13,24 +13,40 @@ use crate::studio::room::Shared;
 use crate::work::Error;
 use crate::work::outputs::check_apart;
 
+const STILL_WRITTEN: &str = "The last recording is still being written: try again when it is there.";
+
 impl MusicRoom {
     /// Asks where to record the set; or ends a recording.
     pub(super) fn record(&mut self, shared: &mut Shared<'_>) {
-        let now_secs = shared.ctx.input(|input| input.time);
-        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
-        if concert.outgoing.recorder.is_some() {
-            listening.keep_sound(false);
-            let device = concert.device().clone();
-            if let Err(why) = concert.outgoing.end_recording(&device, now_secs, &mut concert.song_title) {
-                shared.notices.failed(why);
+        let (Some(concert), Some(_)) = (&self.concert, &self.listening) else { return };
+        match concert.outgoing.recorder.as_ref().map(Recorder::ends) {
+            Some(true) => return shared.notices.warn(STILL_WRITTEN),
+            Some(false) => {
+                self.end_recording(shared);
+                return;
             }
-            return;
+            None => {}
         }
         if !ffmpeg_is_there() {
             shared.notices.failed(ViewError::NoFfmpeg);
             return;
         }
         self.ask_for(Then::Record, shared);
+    }
+
+    /// Ends the recording; its file appears a little later. False where there is none.
+    pub(super) fn end_recording(&mut self, shared: &mut Shared<'_>) -> bool {
+        let now_secs = shared.ctx.input(|input| input.time);
+        let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return false };
+        if !concert.outgoing.is_recording() {
+            return false;
+        }
+        listening.keep_sound(false);
+        let device = concert.device().clone();
+        if let Err(why) = concert.outgoing.end_recording(&device, now_secs, &mut concert.song_title) {
+            shared.notices.failed(why);
+        }
+        true
     }
 
     /// Sends the set where the window was opened to send it, once there is a picture.
@@ -59,8 +75,9 @@ impl MusicRoom {
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
             return Ok(());
         };
-        if concert.outgoing.recorder.is_some() {
-            return Err(Error::input("The set is being recorded already."));
+        if let Some(recorder) = &concert.outgoing.recorder {
+            let why = if recorder.ends() { STILL_WRITTEN } else { "The set is being recorded already." };
+            return Err(Error::input(why));
         }
         let music = &shared.settings.music;
         let around = [&music.picture, &music.panorama].map(Path::new);

@@ -9,7 +9,8 @@ use super::concert::Concert;
 use super::curtain::Curtain;
 use super::film::Scene;
 use super::listening::Listening;
-use super::shows::{songs_of, the_show};
+use super::shows::{songs_of, songs_of_list, the_show};
+use super::view::View;
 use super::wish::{Then, Wish};
 use super::{meters, show_bar, transport};
 use crate::studio::author_id::AuthorId;
@@ -40,7 +41,7 @@ impl Room for MusicRoom {
     }
 
     fn shortcuts(&self) -> &'static [Shortcut] {
-        keys::music::ALL
+        if self.calibrating.is_some() { keys::calibrating::ALL } else { keys::music::ALL }
     }
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
@@ -174,18 +175,16 @@ impl Room for MusicRoom {
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
         let mut songs = Vec::new();
-        for path in paths {
+        for path in &formats::without_companions(paths) {
             match formats::kind(path) {
-                _ if playlist::is_list(path) => match playlist::songs_of(path) {
-                    Ok(found) => {
-                        songs.extend(found.songs);
-                        found.warning.into_iter().for_each(|warning| shared.notices.warn(warning));
-                    }
-                    Err(why) => shared.notices.failed(why),
-                },
+                _ if playlist::is_list(path) => songs.extend(songs_of_list(path, shared)),
                 Kind::Text => self.waiting.push(path.clone()),
                 Kind::Song => songs.push(path.clone()),
                 Kind::Project | Kind::Mesh | Kind::List => {
+                    if let Some(why) = formats::opened_elsewhere(path) {
+                        shared.notices.warn(format!("{}: {why}", path.display()));
+                        continue;
+                    }
                     if let Some((show, _)) = self.coming.take() {
                         let show = show.display();
                         shared.notices.warn(format!("{show} was not opened: another shape was chosen."));
@@ -214,7 +213,7 @@ impl MusicRoom {
         self.drawers.remote.forget_touches();
         let Some(concert) = &mut self.concert else { return };
         concert.come_back();
-        if concert.outgoing.recorder.is_some() {
+        if concert.outgoing.is_recording() {
             shared.notices.warn("The recording stood still while another room was open.");
         }
     }
@@ -240,10 +239,10 @@ impl MusicRoom {
         }
     }
 
-    /// The screen stays on while the autopilot plays, and the stage fills the one that was chosen for it.
+    /// The screen stays on while something is on stage or recorded, and the stage fills the one that was chosen for it.
     fn keep_the_screen(&mut self, on_stage: bool, shared: &mut Shared<'_>) {
-        let piloted = self.concert.as_ref().is_some_and(Concert::is_piloted);
-        if let Some(why) = self.awake.keep(piloted) {
+        let plays = |concert: &Concert| concert.on_stage() || concert.outgoing.recorder.is_some();
+        if let Some(why) = self.awake.keep(self.concert.as_ref().is_some_and(plays)) {
             shared.notices.warn(why);
         }
         let names = || shared.screen.monitors();
@@ -320,7 +319,9 @@ impl MusicRoom {
                 show,
                 body: self.names.dancing.to_string_lossy().into_owned(),
                 song: listening.song_number(),
-                view: concert.view(),
+                // A close-up behind the stage is not seen.
+                view: if self.hides_the_window() { View::Gallery } else { concert.view() },
+                on_stage: concert.on_stage(),
                 favorites: concert.instrument().favorites().len(),
             };
             self.filming.begin(scene, path, &shared.ctx)?;

@@ -6,6 +6,7 @@ use chladni_music::{Action, Instrument, ItemId, Mapping, Preset, repertoire};
 use egui::{RichText, Sense, Stroke, TextEdit, Ui, vec2};
 
 use super::curve;
+use super::lineage;
 use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
@@ -101,7 +102,7 @@ impl Shelf {
         favorites(ui, instrument, wishes);
         ui.add_space(theme::GAP);
         let search = TextEdit::singleline(&mut self.search).hint_text("Search names and tags");
-        ui.add(search.desired_width(f32::INFINITY));
+        ui.add(search.desired_width(f32::INFINITY)).author_id("shelf/search");
         let wanted: Vec<String> = self.search.to_lowercase().split_whitespace().map(str::to_owned).collect();
         let is_wanted = |preset: &Preset| {
             let text = format!("{} {}", preset.name, preset.tags.join(" ")).to_lowercase();
@@ -195,7 +196,7 @@ fn favorites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
         weak(ui, "None yet: point at a dance and press F.");
     }
     for (index, item) in instrument.favorites().iter().enumerate() {
-        let name = if item.name.is_empty() { format!("Dance {}", item.id + 1) } else { item.name.clone() };
+        let name = lineage::called(instrument, item);
         ui.horizontal(|ui| {
             thumbnail(ui, &item.genome);
             ui.label(&name);

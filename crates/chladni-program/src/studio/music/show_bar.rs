@@ -4,6 +4,7 @@ use chladni_music::{Action, Instrument, ItemId, Target};
 use egui::{RichText, Ui};
 
 use super::concert::Concert;
+use super::lineage;
 use super::wish::Wish;
 use crate::studio::author_id::AuthorId;
 use crate::studio::keys::music::{BLACKOUT, FREEZE, GO, LEAVE, NEXT_UP};
@@ -57,8 +58,5 @@ pub fn show(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
 
 /// A dance's name.
 fn name(instrument: &Instrument, id: ItemId) -> String {
-    match instrument.item(id) {
-        Some(item) if !item.name.is_empty() => item.name.clone(),
-        _ => format!("Dance {}", id + 1),
-    }
+    instrument.item(id).map_or_else(String::new, |item| lineage::called(instrument, item))
 }

@@ -8,12 +8,16 @@ use chladni_music::{
 
 use super::concert::Concert;
 use super::listening::{Listening, ShowSong};
+use super::recorder::Recorder;
 use super::view::View;
+use super::wish::Then;
 use super::{MusicRoom, Names};
 use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
-use crate::work::{Error, cautions, refer, refer_looks, resolve, resolve_looks};
+use crate::work::{Error, cautions, playlist, refer, refer_looks, resolve, resolve_looks};
+
+const NO_PLAYER: &str = "There is no player for these songs.";
 
 /// The most harmonics that dance live.
 pub const MOST_HARMONICS: usize = 512;
@@ -40,9 +44,7 @@ impl MusicRoom {
 
     /// Adds songs that were opened, once no show is to come that would replace them.
     pub(super) fn add_songs(&mut self, shared: &mut Shared<'_>) {
-        let waits = !self.waiting.is_empty() && !self.refused;
-        let show_comes = waits || self.replacing.is_some() || self.coming.is_some();
-        if show_comes || self.late_songs.is_empty() {
+        if self.show_comes() || self.late_songs.is_empty() {
             return;
         }
         let songs = std::mem::take(&mut self.late_songs);
@@ -55,8 +57,40 @@ impl MusicRoom {
                 listening.add(songs);
                 self.leaning.begin(&shared.ctx);
             }
-            None => shared.notices.warn("There is no player for these songs."),
+            None => shared.notices.warn(NO_PLAYER),
         }
+    }
+
+    /// Adds songs, and those of lists, at the end of the list. What is heard goes on, unless it is the sample tune.
+    pub(super) fn append_songs(&mut self, files: &[PathBuf], shared: &mut Shared<'_>) {
+        let mut songs = Vec::new();
+        for file in files {
+            if playlist::is_list(file) {
+                songs.extend(songs_of_list(file, shared));
+            } else {
+                songs.push(file.clone());
+            }
+            shared.settings.remember(file);
+        }
+        if self.show_comes() {
+            return self.late_songs.extend(songs);
+        }
+        match self.listening(shared) {
+            Some(listening) if listening.has_only_the_tune() && listening.live().is_none() => {
+                listening.add(songs);
+                self.leaning.begin(&shared.ctx);
+            }
+            Some(listening) => {
+                listening.append(songs);
+            }
+            None => shared.notices.warn(NO_PLAYER),
+        }
+    }
+
+    /// Whether a show was opened whose songs are still to come.
+    fn show_comes(&self) -> bool {
+        let waits = !self.waiting.is_empty() && !self.refused;
+        waits || self.replacing.is_some() || self.coming.is_some()
     }
 
     /// Opens a show, once it was asked about unsaved dances.
@@ -70,25 +104,39 @@ impl MusicRoom {
 
     /// Asks what to do with unsaved dances when a show is opened.
     pub(super) fn ask_to_replace(&mut self, shared: &mut Shared<'_>) {
-        let Some((path, show)) = self.replacing.take() else { return };
+        // A person is being asked where to save.
+        if self.replacing.is_none() || self.asking == Some(Then::SaveShowFirst) {
+            return;
+        }
         let unsaved: Vec<String> = self.unsaved_show().into_iter().collect();
         match Question::OPENING.ask(&shared.ctx, &unsaved) {
-            None => self.replacing = Some((path, show)),
-            Some(Answer::Save) if !self.save_dances(shared) => self.replacing = Some((path, show)),
-            Some(Answer::Save | Answer::Discard) => self.begin_show(path, show, shared),
-            Some(Answer::Stay) => {}
+            None => {}
+            Some(Answer::Save) => self.ask_for(Then::SaveShowFirst, shared),
+            Some(Answer::Discard) => self.replace(shared),
+            Some(Answer::Stay) => self.replacing = None,
         }
     }
 
-    /// Saves the show where it has unsaved work; false where it was not saved.
+    /// Opens the show that has waited for what becomes of unsaved dances.
+    pub(super) fn replace(&mut self, shared: &mut Shared<'_>) {
+        if let Some((path, show)) = self.replacing.take() {
+            self.begin_show(path, show, shared);
+        }
+    }
+
+    /// Saves the show where it has unsaved work, before the window closes; false where it was not saved.
     pub(super) fn save_dances(&mut self, shared: &mut Shared<'_>) -> bool {
-        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
-        if !concert.has_unsaved_work() {
+        if self.listening.is_none() || !self.concert.as_ref().is_some_and(Concert::has_unsaved_work) {
             return true;
         }
         let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
             return false;
         };
+        // The show hears live input again from it.
+        if self.end_recording(shared) {
+            shared.notices.warn("The recording was ended, so that the show can name it.");
+        }
+        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
         let saved = write_show(&path, concert, listening, &self.names, shared);
         saved.map_err(|why| shared.notices.failed(why)).is_ok()
     }
@@ -167,6 +215,20 @@ impl MusicRoom {
     }
 }
 
+/// The songs of a list; none where it cannot be read.
+pub fn songs_of_list(path: &Path, shared: &mut Shared<'_>) -> Vec<PathBuf> {
+    match playlist::songs_of(path) {
+        Ok(found) => {
+            found.warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+            found.songs
+        }
+        Err(why) => {
+            shared.notices.failed(why);
+            Vec::new()
+        }
+    }
+}
+
 /// Whether a text that is neither a valid preset nor a valid show was probably meant as a show.
 fn is_like_a_show(path: &Path) -> bool {
     let text = std::fs::read_to_string(path).unwrap_or_default();
@@ -213,11 +275,15 @@ pub fn the_show(
     let mut songs: Vec<SongRef> = songs.iter().map(song).collect();
     // What came in live is heard again from the recordings of the set.
     let mut heard = heard;
-    for set in &concert.outgoing.recorded {
+    let being_written = concert.outgoing.recorder.as_ref().and_then(Recorder::set);
+    let written = concert.outgoing.recorded.iter().map(|set| (set, true));
+    for (set, is_written) in written.chain(being_written.iter().map(|set| (set, false))) {
         let of_set = Recording { song: songs.len(), at_secs: set.at_secs, duration_secs: set.duration_secs };
         let again = heard_again(&heard, of_set);
         if again != heard {
-            songs.push(SongRef::of(refer(&set.path)));
+            let file = refer(&set.path);
+            // Whatever lies in the place of one that is being written is not that recording.
+            songs.push(SongRef::of(if is_written { file } else { FileRef { blake3: None, ..file } }));
             heard = again;
         }
     }

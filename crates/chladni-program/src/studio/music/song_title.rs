@@ -30,7 +30,8 @@ impl SongTitle {
     /// Takes in the song at this time of the window, and whether it is to be named.
     pub fn follow(&mut self, listening: &Listening, now_secs: f64, is_shown: bool) {
         self.is_hidden = !is_shown;
-        let text = listening.source_name();
+        // A live input is no song.
+        let text = if listening.live().is_some() { String::new() } else { listening.source_name() };
         if self.caption.text != text {
             (self.since_secs, self.number) = (now_secs, self.number + 1);
             (self.caption, self.cover) = (Caption::new(text, None), None);
@@ -60,14 +61,14 @@ impl SongTitle {
 
     /// Draws it over a picture in which it was seen so; another song has another title.
     pub fn lay(&mut self, picture: &mut Picture, seen: SeenTitle) {
-        if seen.number == self.number {
+        if seen.number == self.number && !self.caption.text.is_empty() {
             self.caption.lay(picture, seen.opacity);
         }
     }
 
     /// Draws it over the stage, which fills `screen`, as opaque as this.
     pub fn show(&self, ui: &Ui, screen: Rect, opacity: f32) {
-        if opacity <= 0.0 {
+        if opacity <= 0.0 || self.caption.text.is_empty() {
             return;
         }
         let [size, left, bottom] = TITLE;
@@ -91,6 +92,21 @@ mod tests {
 
     fn titled() -> SongTitle {
         SongTitle { caption: Caption::new("A song".into(), None), ..SongTitle::default() }
+    }
+
+    #[test]
+    fn a_live_input_has_no_title() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let mut title = SongTitle::default();
+        title.follow(&listening, 1.0, true);
+        assert!(!title.caption.text.is_empty());
+        let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
+        listening.listen_on(capture, "Built-in microphone".into());
+        title.follow(&listening, 2.0, true);
+        assert_eq!(title.caption.text, "");
+        let mut picture = Picture::filled(320, 180, [0, 0, 0, 255]);
+        title.lay(&mut picture, title.seen(1.0));
+        assert!(picture.rgba.chunks(4).all(|p| p[0] == 0));
     }
 
     #[test]

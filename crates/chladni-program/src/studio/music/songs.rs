@@ -1,10 +1,10 @@
 //! The playlist, and the live inputs to listen to instead.
 
 use chladni_sound::{
-    CaptureKind, CaptureSource, LONGEST_CROSSFADE_SECS, OutputDevice, PlayerState, Repeat, capture_sources,
-    output_devices,
+    CaptureKind, CaptureSource, LONGEST_CROSSFADE_SECS, OutputDevice, PlayerState, PlayerStatus, Repeat,
+    capture_sources, output_devices,
 };
-use egui::{RichText, Ui, vec2};
+use egui::{RichText, Sense, TextStyle, TextWrapMode, Ui, pos2, vec2};
 
 use super::listening::{Listening, MOST_GAIN_DB};
 use super::meters;
@@ -18,8 +18,9 @@ use crate::studio::theme;
 
 /// Width of the word before the volume.
 const VOLUME: f32 = 64.0;
-/// The side of a cover before a song.
+/// The side of a cover before a song, and the height of its row.
 const COVER: f32 = 26.0;
+const ROW: f32 = 28.0;
 
 /// Input and output devices, as last listed by the system.
 type Found = (Vec<CaptureSource>, Vec<OutputDevice>);
@@ -82,7 +83,8 @@ fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences:
     let mut volume = listening.volume();
     let tip = "How loud the songs are; the shapes dance the same";
     let slider = theme::slider(&mut volume, 0.0..=1.0).fixed_decimals(2);
-    if theme::wide_row(ui, VOLUME, "Volume", tip, |ui| ui.add(slider)).on_hover_text(tip).changed() {
+    let slider = theme::wide_row(ui, VOLUME, "Volume", tip, |ui| ui.add(slider)).on_hover_text(tip);
+    if theme::is_edited(&slider) {
         listening.set_volume(volume);
         preferences.volume = volume;
     }
@@ -90,7 +92,8 @@ fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences:
     let tip =
         "How long the end of a song is heard under the beginning of the next; without one there is no gap";
     let slider = theme::with_unit(theme::slider(&mut fade_secs, 0.0..=LONGEST_CROSSFADE_SECS), 1, "s");
-    if theme::wide_row(ui, VOLUME, "Crossfade", tip, |ui| ui.add(slider)).on_hover_text(tip).changed() {
+    let slider = theme::wide_row(ui, VOLUME, "Crossfade", tip, |ui| ui.add(slider)).on_hover_text(tip);
+    if theme::is_edited(&slider) {
         listening.set_song_fade_secs(fade_secs);
         preferences.song_fade_secs = fade_secs;
     }
@@ -147,28 +150,10 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
     let status = listening.player().status();
     let (mut play, mut remove) = (None, None);
     for song in 0..listening.songs().len() {
-        ui.horizontal(|ui| {
-            let heard = song == status.song && listening.live().is_none();
-            let mark = match (heard, status.state) {
-                (true, PlayerState::Playing) => Icon::Volume2,
-                (true, _) => Icon::Pause,
-                (false, _) => Icon::Music,
-            };
-            let name = icon::label(mark, &listening.name_of(song));
-            if let Some(cover) = listening.cover_of(song) {
-                ui.add(egui::Image::new(&cover.texture).fit_to_exact_size(vec2(COVER, COVER)));
-            }
-            let row = row(ui, ui.available_width() - 38.0, heard, name);
-            if row.author_id(format!("song/{}", song + 1)).clicked() {
-                play = Some(song);
-            }
-            let out = ui.small_button(icon::text(Icon::X));
-            let out = out.accessible_name(format!("Remove {}", listening.name_of(song)));
-            let out = out.author_id(format!("song-remove/{}", song + 1));
-            if out.on_hover_text("Take it out of the list").clicked() {
-                remove = Some(song);
-            }
-        });
+        // Rows out of sight have fewer controls, and those that follow keep their names all the same.
+        let (chosen, out) = ui.push_id(("song", song), |ui| song_row(ui, listening, &status, song)).inner;
+        play = play.or(chosen.then_some(song));
+        remove = remove.or(out.then_some(song));
     }
     if let Some(song) = play {
         listening.select(song);
@@ -197,6 +182,44 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
     });
     let tip = "Songs, folders and M3U lists can be dropped anywhere on the window.";
     ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+}
+
+/// A song of the list; whether it is to be played, and whether it is to be taken out.
+fn song_row(ui: &mut Ui, listening: &Listening, status: &PlayerStatus, song: usize) -> (bool, bool) {
+    let heard = song == status.song && listening.live().is_none();
+    let name = listening.name_of(song);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, heard, &name));
+    let response = response.author_id(format!("song/{}", song + 1));
+    // A long list is mostly out of sight.
+    if !ui.is_rect_visible(rect) {
+        return (response.clicked(), false);
+    }
+    let visuals = ui.style().interact_selectable(&response, heard);
+    if heard || response.hovered() || response.has_focus() {
+        ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);
+    }
+    let layout = egui::Layout::right_to_left(egui::Align::Center);
+    let inside = egui::UiBuilder::new().id_salt(("song", song)).max_rect(rect.shrink2(vec2(4.0, 0.0)));
+    let mut row = ui.new_child(inside.layout(layout));
+    let out = row.small_button(icon::text(Icon::X)).accessible_name(format!("Remove {name}"));
+    let out = out.author_id(format!("song-remove/{}", song + 1)).on_hover_text("Take it out of the list");
+    row.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        if let Some(cover) = listening.cover_of(song) {
+            ui.add(egui::Image::new(&cover.texture).fit_to_exact_size(vec2(COVER, COVER)));
+        }
+        let mark = match (heard, status.state) {
+            (true, PlayerState::Playing) => Icon::Volume2,
+            (true, _) => Icon::Pause,
+            (false, _) => Icon::Music,
+        };
+        let width = ui.available_width();
+        let text = egui::WidgetText::from(icon::label(mark, &name));
+        let text = text.into_galley(ui, Some(TextWrapMode::Truncate), width, TextStyle::Button);
+        let at = pos2(ui.cursor().left(), rect.center().y - 0.5 * text.size().y);
+        ui.painter().galley(at, text, visuals.text_color());
+    });
+    (response.clicked(), out.clicked())
 }
 
 fn live(
@@ -252,14 +275,19 @@ fn live(
 /// How strongly live input is heard.
 fn strength(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preferences) {
     let tip = "How much louder live input is made; the meter shows it";
-    let slider = theme::slider(&mut preferences.live_gain_db, -MOST_GAIN_DB..=MOST_GAIN_DB);
+    let mut gain_db = preferences.live_gain_db;
+    let slider = theme::slider(&mut gain_db, -MOST_GAIN_DB..=MOST_GAIN_DB);
     let slider = theme::with_unit(slider, 1, "dB");
     let gain = theme::wide_row(ui, VOLUME, "Gain", tip, |ui| ui.add(slider)).author_id("live-gain");
     let tip = "What is soft looks soft: 0 dB moves the shapes fully. Otherwise the level is followed, and soft sound moves \
                them, too";
     let fixed = theme::checkbox(ui, &mut preferences.live_fixed_level, "Fixed level");
     let fixed = fixed.author_id("live-fixed-level").on_hover_text(tip);
-    if gain.changed() || fixed.changed() {
+    let louder = theme::is_edited(&gain);
+    if louder {
+        preferences.live_gain_db = gain_db;
+    }
+    if louder || fixed.changed() {
         listening.set_input(preferences.input());
     }
 }

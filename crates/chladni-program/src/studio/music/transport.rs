@@ -41,6 +41,12 @@ pub fn show(ui: &mut Ui, listening: &mut Listening, concert: &Concert, wishes: &
 fn recording(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let Some(recorder) = &concert.outgoing.recorder else { return };
     let (secs, left_out) = recorder.progress(ui.input(|input| input.time));
+    if recorder.ends() {
+        let saving = egui::Button::new(icon::label(Icon::Circle, "Saving …"));
+        let saving = ui.add_enabled(false, saving).author_id("recording-saving");
+        saving.on_disabled_hover_text(format!("The recording of {} is being written", clock(secs)));
+        return;
+    }
     let text = RichText::new(icon::label(Icon::Circle, &clock(secs))).color(theme::palette(ui).error);
     let tip = match left_out {
         0 => "Recording: end it".to_owned(),
@@ -84,7 +90,7 @@ fn files(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
             (
                 "record",
                 Icon::Circle,
-                if concert.outgoing.recorder.is_some() { "End the recording" } else { "Record the set …" },
+                if concert.outgoing.is_recording() { "End the recording" } else { "Record the set …" },
                 "Picture and sound as they are played now, to an MP4".into(),
                 Wish::Record,
             ),

@@ -34,8 +34,11 @@ fn settings_of(ui: &mut Ui, name: &str, settings: &mut VoiceSettings) {
     if let Driver::Band { from, to } = &mut settings.driver {
         band(ui, from, to);
     }
-    let gain = theme::slider(&mut settings.gain, -4.0..=4.0).fixed_decimals(2).text("gain");
-    ui.add(gain).on_hover_text("1 is the layer as it was made; below 0 is its opposite");
+    let mut gain = settings.gain;
+    let slider = ui.add(theme::slider(&mut gain, -4.0..=4.0).fixed_decimals(2).text("gain"));
+    if theme::is_edited(&slider.on_hover_text("1 is the layer as it was made; below 0 is its opposite")) {
+        settings.gain = gain;
+    }
 }
 
 fn driver(ui: &mut Ui, driver: &mut Driver) {

@@ -17,7 +17,7 @@ pub enum Wish {
     Choose(Then),
     /// Record the set as it is played, or end that.
     Record,
-    /// Let a person tap, to find how much later the picture is seen than the sound is heard.
+    /// Let a person tap, to find how much later the picture is seen than the sound is heard; or no longer.
     Calibrate,
     /// Ask for a film of the dance.
     Film,
@@ -59,8 +59,14 @@ pub enum Then {
     SavePreset(ItemId),
     /// The show is saved.
     SaveShow,
+    /// The show is saved, and makes room for the one that waits.
+    SaveShowFirst,
     /// The background is this picture or film.
     Picture,
     /// The light is that of this panorama.
     Panorama,
+    /// All bindings of controllers are written there.
+    ExportBindings,
+    /// The bindings of a file are added.
+    ImportBindings,
 }

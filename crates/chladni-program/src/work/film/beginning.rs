@@ -2,10 +2,11 @@
 
 use chladni_music::{
     Action, BreedingError, Dancer, GALLERY_SIZES, GalleryShape, Instrument, LoggedAction, Mapping, Moment,
-    MusicError, Parameter, Preset, SAND_MODE, Settings, Show, experiment,
+    MusicError, Parameter, Preset, SAND_MODE, Show, experiment,
 };
 
 use crate::work::Error;
+use crate::work::held::leave_out;
 
 /// A show that is repeated, or else a preset, a gallery or one dance of it.
 #[derive(Clone, Debug, Default)]
@@ -25,7 +26,7 @@ pub struct Beginning {
     pub sand: Option<bool>,
     /// Whether the looks that came on stage in a show are left out, and the film's own is used throughout.
     pub keeps_look: bool,
-    /// Done before anything else; whatever would change the same in a show is left out.
+    /// Done before anything else; whatever would change the same in a show, or in the autopilot's dances, is left out.
     pub changes: Vec<Action>,
 }
 
@@ -93,18 +94,6 @@ fn hold(change: &Action, script: &mut Vec<LoggedAction>) {
         if let Action::Take { preset, .. } = &mut line.action {
             leave_out(change, &mut preset.settings);
         }
-    }
-}
-
-/// Leaves out of settings what `change` sets.
-fn leave_out(change: &Action, settings: &mut Settings) {
-    match change {
-        Action::SetForm { .. } => settings.form = None,
-        Action::SetChoir { .. } => settings.choir = None,
-        Action::SetHarmonics { .. } => settings.harmonics = None,
-        Action::Set { parameter, .. } => settings.knobs.retain(|knob, _| knob != parameter),
-        Action::Switch { switch, .. } => settings.switches.retain(|known, _| known != switch),
-        _ => {}
     }
 }
 

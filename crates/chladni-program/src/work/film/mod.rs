@@ -182,7 +182,10 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
 
 impl Film {
     /// Checks, before any work, that it can be made. Files that a caricature names are known once it is open.
-    fn check(&self) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// The first thing that stands in its way, as the input's fault.
+    pub fn check(&self) -> Result<(), Error> {
         self.output.check()?;
         self.stance.check()?;
         self.beginning.check()?;

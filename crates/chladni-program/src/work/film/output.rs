@@ -11,7 +11,7 @@ use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 use super::performance::Means;
 use super::{preset_in, sound_beside, sound_in};
 use crate::work::outputs::{check_apart, check_arrays, check_distinct, check_file, check_film, check_folder};
-use crate::work::{Error, Piece};
+use crate::work::{Cast, Error, Piece};
 
 /// Morph targets of an animation unless said.
 pub const TARGETS: usize = 48;
@@ -108,10 +108,12 @@ impl Output {
         self.film.as_deref().filter(|_| self.is_folder)
     }
 
-    /// The one file of the film or the animation, where it is there already and is to stay.
+    /// The one file of the film or the animation, where it is there already and is to stay. An animation without the
+    /// sound beside it was not finished.
     pub fn kept(&self) -> Option<&Path> {
-        let film = self.film.as_deref().filter(|_| !self.is_folder);
-        film.or(self.animation.as_deref()).filter(|path| self.resume && path.is_file())
+        let film = self.film.as_deref().filter(|path| !self.is_folder && path.is_file());
+        let is_whole = |path: &&Path| path.is_file() && sound_beside(path).is_file();
+        film.or_else(|| self.animation.as_deref().filter(is_whole)).filter(|_| self.resume)
     }
 
     /// Which of `total` frames have to be made; none if all exist already.
@@ -185,11 +187,18 @@ impl Output {
 
     /// Checks that none of its files replaces one of `inputs`.
     pub(super) fn check_apart(&self, inputs: &[&Path]) -> Result<(), Error> {
-        self.files().iter().try_for_each(|file| check_apart(file, inputs))
+        self.files().iter().try_for_each(|file| check_apart(file, inputs))?;
+        let Some(folder) = self.folder() else { return Ok(()) };
+        let mut frames = inputs.iter().filter(|input| is_frame_of(folder, input));
+        frames.try_for_each(|frame| check_apart(frame, inputs))
     }
 
-    /// The files that are written, presets for as many items as a gallery may have. Pictures in a folder have names of
-    /// their own.
+    /// Checks that none of its files replaces a texture of `cast`.
+    pub(super) fn check_textures(&self, cast: &Cast) -> Result<(), Error> {
+        self.files().iter().try_for_each(|file| cast.check_textures(file))
+    }
+
+    /// The files that are written, presets for as many items as a gallery may have; without the pictures in a folder.
     fn files(&self) -> Vec<PathBuf> {
         let film = self.film.clone().filter(|_| !self.is_folder);
         let beside = self.animation.as_deref().map(sound_beside);
@@ -199,4 +208,14 @@ impl Output {
         let presets = self.presets.iter().flat_map(|folder| (0..items).map(|item| preset_in(folder, item)));
         files.into_iter().flatten().chain(presets).collect()
     }
+}
+
+/// Whether `file` lies in `folder` and has the name of a frame there.
+fn is_frame_of(folder: &Path, file: &Path) -> bool {
+    let number = |file: &Path| {
+        let name = file.file_name()?.to_str()?;
+        name.strip_prefix("frame-")?.strip_suffix(".png")?.parse::<u64>().ok()
+    };
+    let (Ok(folder), Ok(file)) = (folder.canonicalize(), file.canonicalize()) else { return false };
+    number(&file).is_some_and(|number| frame_path(&folder, number) == file)
 }

@@ -23,6 +23,10 @@ use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::earlier_frames;
 use crate::work::{Cast, Error, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat};
 
+/// Said of a dance that becomes a GLB: as detail turns, the whole shape's displacements are no sums of targets.
+const ONLY_THE_PROXY: &str = "the GLB of a dance has only the vertices that are worked on, without textures \
+                              (a project made with --proxy 0 dances with all)";
+
 /// All that is needed before the first frame.
 pub(super) struct Prepared {
     mesh: Arc<TriMesh>,
@@ -41,14 +45,18 @@ impl Prepared {
         let reading = Instant::now();
         let cast = Cast::open(Path::new(&wanted.body), watcher)?;
         wanted.output.check_apart(&cast.files())?;
+        wanted.output.check_textures(&cast)?;
+        if wanted.output.animation.is_some() && cast.subject().proxy.is_some() {
+            watcher.warn(Warning::of(&wanted.body, ONLY_THE_PROXY));
+        }
         // The orientation decides which half hears the left channel, so it is needed even without pictures.
         let stands = cast.stands(wanted.stance, watcher)?;
         let range = (wanted.start_secs, wanted.duration_secs);
         let heard = std::mem::take(&mut wanted.heard);
-        let mut songs = Songs::open(&wanted.songs, heard, wanted.show_secs, range, watcher)?;
+        let mut songs = Songs::open(&wanted.songs, heard, wanted.show_secs, range, &wanted.clock, watcher)?;
         seconds.reading = reading.elapsed().as_secs_f64();
         let preparing = Instant::now();
-        let mesh = Arc::clone(cast.mesh());
+        let subject = cast.subject().clone();
         let (body, voices) = cast.prepare(wanted.harmonics, laplacian(wanted.paper), false, watcher)?;
         let symmetry = watcher.watch("finding the mirror", |task| classes(&body, wanted.paper, task))?;
         let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &stands)?;
@@ -59,6 +67,7 @@ impl Prepared {
 
         let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
         let keeps_look = wanted.beginning.keeps_look;
+        let held = wanted.beginning.changes.clone();
         let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;
         let box_diagonal = dancer.box_diagonal;
         let voices = voices.into_iter().map(|(_, term)| term).collect();
@@ -71,7 +80,7 @@ impl Prepared {
         let mut performance =
             Performance::new((&body, stands), ensemble, hearing, begun, stretches, start_secs, rate)?;
         if wanted.look.own_colors {
-            let own = OwnLook::of(&wanted.body, &mesh, &body, watcher);
+            let own = OwnLook::of_subject(&wanted.body, &subject, &body, watcher);
             if own.is_none() {
                 let message = "has no colors of its own: those of the look are shown";
                 watcher.warn(Warning::of(&wanted.body, message));
@@ -86,7 +95,7 @@ impl Prepared {
         }
         if wanted.autopilot {
             // Each song has its own dances, in every film of it.
-            performance.pilot(keeps_look, songs.draw())?;
+            performance.pilot(keeps_look, held, songs.draw())?;
         }
         if wanted.output.titles {
             performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), start_secs));
@@ -94,7 +103,7 @@ impl Prepared {
         if wanted.output.shows_rest {
             performance.show_rest();
         }
-        Ok(Self { mesh, body, box_diagonal, songs, performance })
+        Ok(Self { mesh: subject.mesh, body, box_diagonal, songs, performance })
     }
 
     /// Draws `range` into a file or a pipe.

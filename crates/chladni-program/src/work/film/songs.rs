@@ -2,19 +2,22 @@
 
 use std::sync::Arc;
 
-use chladni_music::{BeatReading, Stretch};
-use chladni_sound::{Beats, SEAM_SECS, Song, StereoResampler, crossfade_gain, track_beats};
+use chladni_music::{BeatReading, ClockTrack, Stretch};
+use chladni_sound::{Beats, SEAM_SECS, Song, SoundError, StereoResampler, crossfade_gain, track_beats};
 
 use crate::work::sand::BEFORE_SECS;
-use crate::work::{Error, Hearing, KnownSong, Watcher, read_beats, source};
+use crate::work::{Error, Hearing, KnownSong, Warning, Watcher, read_beats, source};
 
 /// Sampling rate of a film's sound without any song.
 const SILENT_RATE_HZ: u32 = 44_100;
 
 /// All songs of a show that its film needs.
 pub struct Songs {
-    /// By their numbers; none of those that are not heard.
+    /// By their numbers; none of those that are not heard. Of those that are over before the film begins only the
+    /// beats are known.
     songs: Vec<Option<KnownSong>>,
+    /// Numbers and names of songs that are over before the film begins, whose beats it still counts.
+    over: Vec<(usize, String)>,
     readings: Vec<BeatReading>,
     heard: Vec<Stretch>,
     start_secs: f64,
@@ -22,7 +25,8 @@ pub struct Songs {
 }
 
 impl Songs {
-    /// Reads those that are heard in `range`: where the film begins, and how much of the show is filmed.
+    /// Reads those that are heard in `range`: where the film begins, and how much of the show is filmed. Beats are those
+    /// of `clock` while it was followed.
     ///
     /// # Errors
     /// The first song that cannot be read, with its name.
@@ -31,6 +35,7 @@ impl Songs {
         mut heard: Vec<Stretch>,
         show_secs: Option<f64>,
         range: (f64, Option<f64>),
+        clock: &ClockTrack,
         watcher: &impl Watcher,
     ) -> Result<Self, Error> {
         if heard.is_empty() {
@@ -61,6 +66,9 @@ impl Songs {
             };
             songs.push(song);
         }
+        let counted = counted_before(start_secs, &heard, clock);
+        let over = (0..).zip(names).filter(|(song, _)| counted.contains(song) && !numbers.contains(song));
+        let over = over.map(|(song, (name, _))| (song, name.clone())).collect();
         let last = heard.last().copied();
         let length = |song: usize| songs.get(song)?.as_ref().map(|known| known.song.duration_secs());
         let last_song_secs = last.and_then(|last| Some(last.at_secs + length(last.song?)? - last.song_secs));
@@ -70,7 +78,7 @@ impl Songs {
             return Err(Error::Input(format!("what is heard ends after {show_secs:.1} s")));
         }
         let readings = names.iter().map(|(_, reading)| *reading).collect();
-        Ok(Self { songs, readings, heard, start_secs, film_secs })
+        Ok(Self { songs, over, readings, heard, start_secs, film_secs })
     }
 
     /// How long the film is.
@@ -90,15 +98,41 @@ impl Songs {
         &self.heard
     }
 
-    /// Finds the beats of each.
+    /// Finds the beats of each, and of those that are over before the film begins.
     ///
     /// # Errors
-    /// Cancelled; a song whose rate no beat can be tracked at.
+    /// Cancelled; a song that is heard whose rate no beat can be tracked at.
     pub fn track_beats(&mut self, watcher: &impl Watcher) -> Result<(), Error> {
         for (known, reading) in self.songs.iter_mut().zip(&self.readings) {
             let Some(known) = known else { continue };
             let beats = watcher.watch("tracking the beat", |task| track_beats(&known.song, task));
             known.beats = Some(read_beats(&beats?, *reading));
+        }
+        self.count_those_over(watcher)
+    }
+
+    /// Finds the beats of the songs that are over before the film, one after the other, since their samples are many. One
+    /// that cannot be read any more is not counted, with a warning: nothing else of it is in the film.
+    ///
+    /// # Errors
+    /// Cancelled.
+    fn count_those_over(&mut self, watcher: &impl Watcher) -> Result<(), Error> {
+        for (number, name) in &self.over {
+            let beats = match beats_of(name, watcher) {
+                Ok(beats) => beats,
+                Err(Error::Cancelled) => return Err(Error::Cancelled),
+                // Of a song that is too long, the window did not count the beats as a whole either.
+                Err(Error::Sound(SoundError::TooLong { .. })) => continue,
+                Err(error) => {
+                    watcher.warn(Warning::Plain(format!("{error}: its beats are not counted")));
+                    continue;
+                }
+            };
+            let mut known = KnownSong::of_loudness(Arc::default(), 0.0);
+            known.beats = self.readings.get(*number).map(|reading| read_beats(&beats, *reading));
+            if let Some(place) = self.songs.get_mut(*number) {
+                *place = Some(known);
+            }
         }
         Ok(())
     }
@@ -125,14 +159,16 @@ impl Songs {
     /// # Errors
     /// A song that cannot be resampled to that rate.
     pub fn sound(&self) -> Result<Song, Error> {
-        let rate_hz = self.songs.iter().flatten().map(|known| known.song.rate_hz).max();
+        let audible = |known: &&KnownSong| known.song.frames() > 0;
+        let rate_hz = self.songs.iter().flatten().filter(audible).map(|known| known.song.rate_hz).max();
         let rate_hz = rate_hz.unwrap_or(SILENT_RATE_HZ);
         let frames = |secs: f64| (secs * f64::from(rate_hz)).round() as usize;
         let silence = vec![0.0; frames(self.film_secs)];
         let mut sound = Song { rate_hz, left: silence.clone(), right: silence };
         let mut resampled: Vec<Option<Arc<Song>>> = Vec::new();
         for known in &self.songs {
-            resampled.push(known.as_ref().map(|known| at_rate(&known.song, rate_hz)).transpose()?);
+            let known = known.as_ref().filter(audible);
+            resampled.push(known.map(|known| at_rate(&known.song, rate_hz)).transpose()?);
         }
         let ends = self.heard.iter().skip(1).map(|next| (next.at_secs, next.crossfade_secs));
         for (stretch, (end_secs, fade_out_secs)) in self.heard.iter().zip(ends.chain([(f64::INFINITY, 0.0)]))
@@ -189,6 +225,25 @@ impl Songs {
     }
 }
 
+/// The beats of the song that is called `name`.
+fn beats_of(name: &str, watcher: &impl Watcher) -> Result<Beats, Error> {
+    let song = source::song(name, 0.0, None, watcher)?;
+    let beats = watcher.watch("tracking the beat", |task| track_beats(&song, task));
+    beats.map_err(|error| Error::from(error).of(name))
+}
+
+/// The songs of the stretches before `start_secs` whose beats count, in a pause, too, where the count goes on from that
+/// place in the song: those in which not all beats are of `clock`.
+fn counted_before(start_secs: f64, heard: &[Stretch], clock: &ClockTrack) -> Vec<usize> {
+    let ends = heard.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
+    let begun = heard.iter().zip(ends).filter(|(stretch, _)| stretch.at_secs < start_secs);
+    let counted = begun.filter(|(stretch, end_secs)| {
+        let since_secs = clock.followed_since(end_secs.min(start_secs));
+        since_secs.is_none_or(|since_secs| since_secs > stretch.at_secs)
+    });
+    counted.filter_map(|(stretch, _)| stretch.song).collect()
+}
+
 /// Whether a stretch goes on with the song where the one before it ends, but for less than `off_secs`.
 fn follows(next: &Stretch, before: &Stretch, off_secs: f64) -> bool {
     let is_near = (before.song_secs_at(next.at_secs) - next.song_secs).abs() < off_secs;
@@ -229,10 +284,8 @@ mod tests {
         let first =
             Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
         let second = Stretch { at_secs: 3.0, song: Some(1), song_secs: 1.0, crossfade_secs: 2.0, ..first };
-        Songs::open(&names, vec![first, second], None, range, &Aside::new(&Task::new()))
-            .unwrap()
-            .sound()
-            .unwrap()
+        let (heard, clock) = (vec![first, second], ClockTrack::default());
+        Songs::open(&names, heard, None, range, &clock, &Aside::new(&Task::new())).unwrap().sound().unwrap()
     }
 
     #[test]
@@ -264,7 +317,8 @@ mod tests {
             (path.to_str().unwrap().to_owned(), BeatReading::default())
         });
         let names: Vec<_> = names.collect();
-        Songs::open(&names, heard.to_vec(), Some(1.0), (0.0, None), &Aside::new(&Task::new()))
+        let (range, clock) = ((0.0, None), ClockTrack::default());
+        Songs::open(&names, heard.to_vec(), Some(1.0), range, &clock, &Aside::new(&Task::new()))
             .unwrap()
             .sound()
             .unwrap()
@@ -272,6 +326,30 @@ mod tests {
 
     fn stretch(at_secs: f64, song: usize, song_secs: f64, playing: bool) -> Stretch {
         Stretch { at_secs, song: Some(song), song_secs, playing, crossfade_secs: 0.0 }
+    }
+
+    #[test]
+    fn a_song_that_is_over_and_cannot_be_read_is_not_counted() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let song = Song { rate_hz: 8_000, left: vec![0.5; 8_000], right: vec![0.5; 8_000] };
+        for name in ["over.wav", "heard.wav"] {
+            let path = folder.path().join(name);
+            chladni_sound::write_wav(&path, &song, chladni_sound::WavSample::Float32).unwrap();
+        }
+        let names = ["gone.wav", "over.wav", "heard.wav"].map(|name| (path(name), BeatReading::default()));
+        let heard = [0, 1, 2].map(|number: usize| stretch(number as f64, number, 0.0, true));
+        let (start_secs, clock, task) = (BEFORE_SECS + 3.0, ClockTrack::default(), Task::new());
+        let (range, show_secs) = ((start_secs, None), Some(start_secs + 1.0));
+        let aside = Aside::new(&task);
+        let mut songs = Songs::open(&names, heard.to_vec(), show_secs, range, &clock, &aside).unwrap();
+        songs.track_beats(&aside).unwrap();
+        let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+        assert!(said.len() == 1 && said[0].contains("gone.wav"), "{said:?}");
+        assert!(said[0].ends_with("its beats are not counted"), "{said:?}");
+        assert_eq!([0, 1, 2].map(|number: usize| songs.songs[number].is_some()), [false, true, true]);
+        task.cancel();
+        assert!(songs.count_those_over(&Aside::new(&task)).unwrap_err().is_cancelled());
     }
 
     #[test]

@@ -108,8 +108,12 @@ impl GalleryView {
                     (self.shown, self.wall) = (Some(shown), self.wall.take().map(Wall::emptied));
                     self.before = None;
                 }
-                // The gallery on screen stays.
-                Err(why) if self.shown.is_some() => shared.notices.failed(why),
+                // The gallery on screen stays; a step that was cancelled needs no words.
+                Err(why) if self.shown.is_some() => {
+                    if !why.is_cancelled() {
+                        shared.notices.failed(why);
+                    }
+                }
                 Err(why) => return Err(why),
             }
         }
@@ -213,7 +217,7 @@ impl GalleryView {
 
     fn start(&mut self, step: Step, ctx: &egui::Context) {
         let Some(shown) = self.shown.clone() else { return };
-        let work = move |_: &Task| Ok(Brought { shown: shown.after(step)?, stack: None });
+        let work = move |task: &Task| after(shown, step, task);
         self.work = Some(Job::start("Breeding", ctx, work));
     }
 
@@ -274,6 +278,13 @@ impl GalleryView {
     }
 }
 
+/// The gallery after a step, unless that was cancelled meanwhile.
+fn after(shown: Exhibition, step: Step, task: &Task) -> Result<Brought, Error> {
+    let shown = shown.after(step)?;
+    task.check()?;
+    Ok(Brought { shown, stack: None })
+}
+
 /// The one that is marked once the keys for it were heard.
 fn marked_next(ctx: &egui::Context, mut marked: usize, columns: usize, count: usize) -> usize {
     let step = |right: isize, down: isize| right + down * columns as isize;
@@ -293,4 +304,21 @@ fn marked_next(ctx: &egui::Context, mut marked: usize, columns: usize, count: us
 /// Adds the layers of a caricature on top, as one step of the history.
 fn take(layers: Vec<Layer>, session: &Session, edits: &mut Edits) {
     edits.together(hung(session.project(), layers));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_harmonics::BasisSettings;
+
+    #[test]
+    fn a_step_that_was_cancelled_brings_nothing() {
+        let (mesh, task) = (chladni_mesh::samples::icosphere(3), Task::new());
+        let body = Body::build(&mesh, &BasisSettings::new(20), &task).unwrap();
+        let mut stack = Stack::new(Arc::new(body)).unwrap();
+        let shown = Exhibition::open(None, &mesh, &mut stack, None, &Aside::new(&task)).unwrap();
+        assert!(after(shown.clone(), Step::Restart(2), &task).is_ok());
+        task.cancel();
+        assert!(after(shown, Step::Restart(2), &task).is_err_and(|why| why.is_cancelled()));
+    }
 }

@@ -1,10 +1,13 @@
 //! The list of landmarks in the match panel, and their text file.
 
+use std::path::Path;
+
 use chladni_caricature::{LayerId, Property};
 use chladni_match::{MatchSettings, load_landmarks, write_landmarks};
 use egui::{RichText, Ui};
 
 use super::super::edits::Edits;
+use super::super::files::ask_where_to_save;
 use super::super::layers::icon_button;
 use super::super::session::Session;
 use super::color;
@@ -14,6 +17,7 @@ use crate::studio::keys::caricature::LANDMARKS;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::Error;
+use crate::work::outputs::check_apart;
 
 /// Draws the landmarks of `layer`; `picking` is toggled by its button.
 pub fn show_list(
@@ -78,12 +82,19 @@ fn load(session: &Session, shared: &mut Shared<'_>) -> Option<Vec<chladni_match:
     let path = shared.chooser.open(&[("Landmarks", &["txt"])])?;
     let read = load_landmarks(&path).map_err(Error::from);
     let landmarks = read.and_then(|landmarks| session.subject.renumbered(landmarks));
-    landmarks.map_err(|error| shared.notices.failed(error)).ok()
+    let (landmarks, warning) = landmarks.map_err(|error| shared.notices.failed(error)).ok()?;
+    warning.into_iter().for_each(|warning| shared.notices.warn(warning));
+    Some(landmarks)
 }
 
 fn save(session: &Session, settings: &MatchSettings, shared: &mut Shared<'_>) {
     let suggested = session.beside_named("landmarks", "txt");
-    let Some(path) = shared.chooser.save(&[("Landmarks", &["txt"])], &suggested) else { return };
+    let is_text = |path: &Path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("txt"));
+    let asked = ask_where_to_save(shared.chooser, &[("Landmarks", &["txt"])], is_text, &suggested);
+    let Some(path) = asked else { return };
+    if let Err(why) = check_apart(&path, &session.project().files()) {
+        return shared.notices.failed(why);
+    }
     let text = write_landmarks(&session.subject.numbered_in_file(&settings.landmarks));
     match chladni_task::write_atomic(&path, text.as_bytes()) {
         Ok(()) => shared.notices.done(format!("Saved {}", path.display())),

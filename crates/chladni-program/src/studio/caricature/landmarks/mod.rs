@@ -20,6 +20,7 @@ use super::overlay::{backdrop, mark_place};
 use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
+use crate::studio::keys::{self, caricature::FIT};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
@@ -201,10 +202,11 @@ impl Picking {
         let held = self.picks.held(which);
         let side = self.side(which)?;
         side.fit(cell.aspect());
-        let home = ui.input(|input| input.key_pressed(egui::Key::Home) || input.key_pressed(egui::Key::F))
-            && response.hovered();
+        let ctx = ui.ctx();
+        let home = response.hovered() && (FIT.pressed(ctx) || keys::view::FIT.pressed(ctx));
         if home {
             side.refit();
+            side.fit(cell.aspect());
         }
         let pixel = |at: Pos2| viewport::to_pixels(ui, whole, at);
         let under = |side: &Side, at: Pos2| {

@@ -154,6 +154,7 @@ impl Session {
     /// Does one thing; true where the document has changed.
     fn take_up(&mut self, edit: &Edit) -> Result<bool, Error> {
         let (next, surface) = (self.project().next_id(), Arc::clone(self.stack.surface()));
+        let place = self.project().layers().iter().position(|(id, _)| Some(*id) == self.selected);
         match edit {
             Edit::Once(action) => self.history.apply(action, Some(&surface)),
             Edit::Live(action) => self.history.apply_live(action, Some(&surface)),
@@ -165,8 +166,16 @@ impl Session {
         }?;
         match edit {
             Edit::Once(Action::Add { .. } | Action::Duplicate(_)) => self.selected = Some(next),
-            // The topmost of those that were added.
-            Edit::Together(_) => self.selected = self.project().layers().last().map(|(id, _)| *id),
+            Edit::Once(Action::Remove(id)) if self.selected == Some(*id) => {
+                // The one that was above, or the topmost.
+                let layers = self.project().layers();
+                let next = place.and_then(|place| layers.get(place)).or(layers.last());
+                self.selected = next.map(|(id, _)| *id);
+            }
+            Edit::Together(actions) if actions.iter().any(|a| matches!(a, Action::Add { .. })) => {
+                // The topmost of those that were added.
+                self.selected = self.project().layers().last().map(|(id, _)| *id);
+            }
             _ => {}
         }
         Ok(true)
@@ -345,6 +354,23 @@ mod tests {
         session.learn(&other);
         session.catch_up(&ctx).unwrap();
         assert_eq!(session.shown.evaluation.layers[0].state, LayerState::Acts);
+    }
+
+    #[test]
+    fn the_layer_above_is_selected_where_the_selected_one_goes_and_no_other_where_several_things_change() {
+        let mut project = Project::new(ShapeSource::Sample("head".into()), 8);
+        let ids: Vec<LayerId> =
+            (1..4).map(|i| project.push(Layer::new(i.to_string(), Template::Scaled(0.5))).unwrap()).collect();
+        let mut session = Session::new(load(Candidate::new(project), &channel().0, &Task::new()).unwrap());
+        session.selected = Some(ids[0]);
+        let to = chladni_caricature::Property::Mu(0.5);
+        session.apply(vec![Edit::Together(vec![Action::Set { layer: ids[1], to }])]).unwrap();
+        assert_eq!(session.selected, Some(ids[0]));
+        for left in [&ids[1..], &ids[2..]] {
+            session.apply(vec![Edit::Once(Action::Remove(session.selected.unwrap()))]).unwrap();
+            assert_eq!(session.selected, Some(left[0]));
+            assert!(session.project().layers().iter().map(|(id, _)| id).eq(left));
+        }
     }
 
     #[test]

@@ -191,7 +191,7 @@ mod tests {
                 if shown.is_some_and(|(.., depth)| *depth == wanted) {
                     return Arc::clone(&stage.plates[0].1);
                 }
-                assert!(start.elapsed().as_secs() < 60, "{wanted:?} was never drawn");
+                assert!(start.elapsed() < chladni_testdata::HANGS, "{wanted:?} was never drawn");
                 std::thread::sleep(std::time::Duration::from_millis(5));
             }
         };

@@ -48,6 +48,8 @@ pub struct Stage {
     viewport: Viewport,
     /// The viewer's camera; survives changes of the shape.
     pub camera: Camera,
+    /// Width by height of a figure's cell.
+    aspect: f32,
     topology: Topology,
     buffers: ItemBuffers,
     values: VertexPaint,
@@ -103,6 +105,7 @@ impl Stage {
         let mut stage = Self {
             viewport,
             camera: Camera::looking(View::ThreeQuarter),
+            aspect: 1.0,
             topology,
             buffers,
             values,
@@ -256,7 +259,8 @@ impl Stage {
         let (figures, cells) = self.arranged(ui, rect, look.show);
         if let Some(cell) = cells.first() {
             let resting = !ui.input(|input| input.pointer.any_down());
-            self.frame(figures, cell.aspect(), resting);
+            self.aspect = cell.aspect();
+            self.frame(figures, self.aspect, resting);
         }
         let free = brush.is_none();
         let before = self.camera;

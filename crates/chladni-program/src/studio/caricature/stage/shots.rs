@@ -36,6 +36,7 @@ impl Stage {
             moved,
             coat,
             camera: self.camera,
+            aspect: self.aspect,
             look,
             background,
         })
@@ -52,6 +53,7 @@ impl Stage {
             moved: Vec::new(),
             coat,
             camera: self.camera,
+            aspect: self.aspect,
             look: Portrayal::default(),
             background,
         }

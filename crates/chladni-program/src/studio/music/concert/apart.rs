@@ -4,6 +4,7 @@ use chladni_music::{Bands, Beat, Ensemble, Framing, Instrument, Target, calibrat
 use chladni_synth::Item;
 use egui::{Color32, ViewportBuilder, ViewportCommand, ViewportId};
 
+use super::super::calibrating::taken;
 use super::super::place::{Change, Place};
 use super::super::preferences::Screen;
 use super::super::stillness;
@@ -110,6 +111,9 @@ impl Concert {
         let shown = ctx.show_viewport_immediate(window(), builder, |ui, _| -> Result<(), Error> {
             let rect = viewport::whole_pixels(ui);
             ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+            if self.calibrates {
+                taps(ui.ctx(), wishes);
+            }
             keys(ui.ctx(), wishes);
             let projection = shared.settings.music.projection;
             if self.house.frozen && self.pane.shown.is_some() {
@@ -135,6 +139,18 @@ impl Concert {
     }
 }
 
+/// Passes on taps to clicks and flashes, and Escape, which leaves them.
+fn taps(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
+    // Drawn into the first window, it has the pointer of that.
+    let is_own = ctx.viewport_id() != ViewportId::ROOT;
+    let pressed = is_own && ctx.input(|input| input.pointer.primary_pressed());
+    let taps = ctx.input_mut(taken) + usize::from(pressed);
+    wishes.extend((0..taps).map(|_| Wish::Press(Target::Tap)));
+    if LEAVE.pressed(ctx) {
+        wishes.push(Wish::Calibrate);
+    }
+}
+
 /// Handles keys in the second window; closing it leaves the stage.
 fn keys(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
     use chladni_music::Action;
@@ -151,5 +167,33 @@ fn keys(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
         if key.pressed(ctx) {
             wishes.push(wish);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Event, Key, Modifiers};
+
+    #[test]
+    fn taps_in_the_second_window_are_passed_on_and_escape_leaves_them() {
+        let key = |key, repeat| {
+            let modifiers = Modifiers::NONE;
+            Event::Key { key, physical_key: None, pressed: true, repeat, modifiers }
+        };
+        let input = |events| egui::RawInput { events, ..egui::RawInput::default() };
+        let (ctx, mut wishes) = (egui::Context::default(), Vec::new());
+        let events = vec![key(Key::Space, false), key(Key::T, false), key(Key::Escape, false)];
+        let _ = ctx.run_ui(input(events), |ui| {
+            taps(ui.ctx(), &mut wishes);
+            keys(ui.ctx(), &mut wishes);
+        });
+        let [Wish::Press(Target::Tap), Wish::Press(Target::Tap), Wish::Calibrate] = &wishes[..] else {
+            panic!("{wishes:?}")
+        };
+        // Held down.
+        wishes.clear();
+        let _ = ctx.run_ui(input(vec![key(Key::Space, true)]), |ui| taps(ui.ctx(), &mut wishes));
+        assert!(wishes.is_empty(), "{wishes:?}");
     }
 }

@@ -77,7 +77,9 @@ pub struct Concert {
     pub adjusts: bool,
     /// The other receivers of the stage's pictures.
     pub outgoing: Outgoing,
-    /// The second window shows the flashes to which a person taps.
+    /// A person taps to clicks and flashes, also in the second window.
+    pub calibrates: bool,
+    /// The second window shows the flashes.
     pub flashes: bool,
     moving: bool,
     /// The pane that is drawn shows the stage.
@@ -141,6 +143,7 @@ impl Concert {
             house: House::default(),
             adjusts: false,
             outgoing: Outgoing::default(),
+            calibrates: false,
             flashes: false,
             moving: true,
             draws_stage: false,
@@ -307,7 +310,7 @@ impl Concert {
         self.outgoing.change_show();
         self.mark_saved();
         self.view = View::Gallery;
-        self.viewpoint = show.viewpoint;
+        (self.viewpoint, self.hand) = (show.viewpoint, Hand::default());
         Ok(())
     }
 

@@ -132,6 +132,7 @@ impl Concert {
 
     fn show_harmonics(&mut self, ui: &mut Ui, whole: egui::Rect, first: usize) -> Result<(), Error> {
         let response = ui.allocate_rect(whole, egui::Sense::click_and_drag());
+        self.hand.let_go(&mut self.viewpoint);
         navigate(ui, &response, &mut self.viewpoint, 1.0);
         let camera = camera_at(&self.viewpoint, self.staging.stands());
         if self.pane.shown.is_some() {
@@ -233,12 +234,15 @@ impl Concert {
         (area, cells): (Rect, &[Rect]),
     ) -> Option<Framing> {
         let cells_high = cells.first().map_or(1.0, |cell| area.height as f32 / cell.height.max(1) as f32);
+        let chosen = frame.shows_stage().then(|| frame.framing(&self.instrument, listening)).flatten();
+        match chosen {
+            None if frame.shows_stage() => self.hand.keep(),
+            None => self.hand.let_go(&mut self.viewpoint),
+            Some(_) => {}
+        }
         let before = self.viewpoint;
         navigate(ui, response, &mut self.viewpoint, cells_high);
-        if !frame.shows_stage() {
-            return None;
-        }
-        let chosen = frame.framing(&self.instrument, listening)?;
+        let chosen = chosen?;
         Some(self.hand.over(self.seconds, (before, touches(ui)), &mut self.viewpoint, chosen))
     }
 

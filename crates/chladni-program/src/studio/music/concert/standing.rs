@@ -116,6 +116,18 @@ impl Hand {
         self.shown
     }
 
+    /// The camera no longer chooses here: whatever the hand has moved is where it was before.
+    pub fn let_go(&mut self, viewpoint: &mut Viewpoint) {
+        if let Some(hold) = self.hold.take() {
+            *viewpoint = hold.home;
+        }
+    }
+
+    /// The camera no longer chooses on stage: the view stays as the hand has moved it.
+    pub fn keep(&mut self) {
+        self.hold = None;
+    }
+
     fn is_returning(&self, now_secs: f64) -> bool {
         self.hold.is_some_and(|hold| now_secs - hold.at_secs > LET_GO_SECS)
     }
@@ -137,6 +149,22 @@ fn between(from: Viewpoint, to: Viewpoint, share: f32) -> Viewpoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_hand_that_left_the_stage_moves_nothing_later() {
+        let (home, mut hand) = (Viewpoint::default(), Hand::default());
+        let mut viewpoint = Viewpoint { yaw_rad: 1.0, ..home };
+        hand.over(2.0, (home, true), &mut viewpoint, Framing::default());
+        hand.let_go(&mut viewpoint);
+        assert_eq!(viewpoint, home);
+        // Of the gallery.
+        let mut turned = Viewpoint { yaw_rad: 0.5, ..home };
+        hand.let_go(&mut turned);
+        hand.over(4.0, (turned, false), &mut turned.clone(), Framing::default());
+        let mut staged = turned;
+        hand.over(20.0, (turned, false), &mut staged, Framing::default());
+        assert_eq!(staged, turned);
+    }
 
     #[test]
     fn a_hand_stops_the_camera_and_it_comes_back_without_a_jump() {

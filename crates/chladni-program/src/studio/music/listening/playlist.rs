@@ -14,10 +14,13 @@ impl Listening {
         &self.songs
     }
 
-    /// Adds songs at the end of the list and plays the first of them; the sample tune goes, unless it is named among them.
+    /// Adds songs at the end of the list and plays the first of them; the sample tune goes where it is all that there was.
     pub fn add(&mut self, songs: Vec<PathBuf>) {
         if songs.is_empty() {
             return;
+        }
+        if self.has_only_the_tune() {
+            self.songs.clear();
         }
         let first = self.append(songs);
         // A window that is opened with songs and a live input goes on looking for that.
@@ -25,14 +28,18 @@ impl Listening {
         self.player.select(first);
     }
 
-    /// The same, but what is heard goes on. Returns the number of the first.
+    /// Adds songs at the end of the list; what is heard goes on. Returns the number of the first.
     pub fn append(&mut self, songs: Vec<PathBuf>) -> usize {
-        self.songs.retain(|song| *song != self.tune);
         let first = self.songs.len();
         let file = |song: PathBuf| if song == Path::new(TUNE) { self.tune.clone() } else { song };
         self.songs.extend(songs.into_iter().map(file));
         self.player.set_songs(self.songs.clone());
         first
+    }
+
+    /// Whether nobody has chosen a song yet.
+    pub fn has_only_the_tune(&self) -> bool {
+        self.songs == [self.tune.clone()]
     }
 
     /// Puts the songs in an order by chance; the one that is heard comes first, and goes on.
@@ -191,7 +198,7 @@ impl Listening {
 mod tests {
     use std::collections::HashSet;
 
-    use chladni_music::Parameters;
+    use chladni_music::{BeatReading, ClockTrack, Moment, Parameters};
 
     use super::*;
 
@@ -228,6 +235,15 @@ mod tests {
         let mut listening = listening();
         listening.add(vec![PathBuf::from("gone.flac"), PathBuf::from(TUNE)]);
         assert_eq!(listening.songs, [PathBuf::from("gone.flac"), listening.tune.clone()]);
+    }
+
+    #[test]
+    fn the_sample_tune_of_a_show_stays_before_songs_that_follow() {
+        let mut listening = listening();
+        let tune = ShowSong::new(TUNE.into(), BeatReading::default());
+        listening.go_on(vec![tune], &[], ClockTrack::default(), Moment::default());
+        assert_eq!(listening.append(vec!["after.flac".into()]), 1);
+        assert_eq!(listening.songs, [listening.tune.clone(), "after.flac".into()]);
     }
 
     #[test]

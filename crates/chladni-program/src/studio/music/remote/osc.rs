@@ -150,7 +150,7 @@ mod tests {
         let packet = encoder::encode(&message("/1/fader1", vec![OscType::Float(0.75)])).unwrap();
         let mut got = Vec::new();
         // Loopback may drop packets under load; a controller would be moved on, too.
-        for _ in 0..100 {
+        for _ in 0..10_000 {
             sender.send_to(b"no osc at all", to).unwrap();
             sender.send_to(&[b'/'; 4000], to).unwrap();
             sender.send_to(&packet, to).unwrap();

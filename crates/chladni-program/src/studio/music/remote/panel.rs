@@ -7,6 +7,7 @@ use egui::{RichText, Ui};
 
 use super::super::listening::Listening;
 use super::super::preferences::Preferences;
+use super::super::wish::{Then, Wish};
 use super::{Midi, Remote};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
@@ -17,13 +18,18 @@ use crate::work::knobs;
 
 /// The port that is offered first: TouchOSC's.
 const USUAL_PORT: u16 = 8000;
-/// The file of bindings, and how large it may be.
-const FILES: (&str, &[&str]) = ("Bindings", &["toml"]);
+/// How large a file of bindings may be.
 const MOST_BYTES: u64 = 1 << 20;
 
 impl Remote {
     /// Draws the drawer.
-    pub fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>, listening: &mut Listening) {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        shared: &mut Shared<'_>,
+        listening: &mut Listening,
+        wishes: &mut Vec<Wish>,
+    ) {
         let preferences = &mut shared.settings.music;
         self.devices(ui);
         ui.add_space(theme::GAP);
@@ -36,7 +42,7 @@ impl Remote {
             ui,
             "Click Learn, then move a knob, a fader or a pad. A number takes one dance, preset or song.",
         );
-        self.files(ui, shared);
+        files(ui, wishes);
         for (kind, heading) in [
             (Kind::Level, "Levels"),
             (Kind::Switch, "Switches"),
@@ -51,36 +57,14 @@ impl Remote {
         }
     }
 
-    /// Bindings as a file, for another machine.
-    fn files(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
-        ui.horizontal(|ui| {
-            let export = ui.button("Export …").author_id("bindings-export");
-            if export.on_hover_text("All bindings as a file").clicked()
-                && let Some(path) = shared.chooser.save(&[FILES], Path::new("bindings.toml"))
-            {
-                match self.export(&path) {
-                    Ok(()) => shared.notices.done(format!("Wrote {}", path.display())),
-                    Err(why) => shared.notices.failed(why),
-                }
-            }
-            let import = ui.button("Import …").author_id("bindings-import");
-            if import.on_hover_text("Those of a file, beside what there is").clicked()
-                && let Some(path) = shared.chooser.open(&[FILES])
-            {
-                match self.import(&path) {
-                    Ok(count) => shared.notices.done(format!("{count} bindings of {}", path.display())),
-                    Err(why) => shared.notices.failed(why),
-                }
-            }
-        });
-    }
-
-    fn export(&self, path: &Path) -> Result<(), Error> {
+    /// Writes all bindings into a file.
+    pub fn export(&self, path: &Path) -> Result<(), Error> {
         let text = self.bindings.to_text()?;
         chladni_task::write_atomic(path, text.as_bytes()).map_err(|why| Error::unwritten(path, why))
     }
 
-    fn import(&mut self, path: &Path) -> Result<usize, Error> {
+    /// Adds the bindings of a file; returns how many it has.
+    pub fn import(&mut self, path: &Path) -> Result<usize, Error> {
         let text = chladni_task::read_text_file(path, MOST_BYTES)
             .map_err(|why| Error::Input(format!("{}: {why}", path.display())))?;
         self.bindings.import(&text).map_err(|why| Error::from(why).of(path.display()))
@@ -161,6 +145,20 @@ impl Remote {
     }
 }
 
+/// Bindings as a file, for another machine.
+fn files(ui: &mut Ui, wishes: &mut Vec<Wish>) {
+    ui.horizontal(|ui| {
+        for (name, id, tip, then) in [
+            ("Export …", "bindings-export", "All bindings as a file", Then::ExportBindings),
+            ("Import …", "bindings-import", "Those of a file, beside what there is", Then::ImportBindings),
+        ] {
+            if ui.button(name).author_id(id).on_hover_text(tip).clicked() {
+                wishes.push(Wish::Choose(then));
+            }
+        }
+    });
+}
+
 fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
     ui.horizontal(|ui| {
         let name = name(target);
@@ -185,8 +183,10 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
                 bindings.learn((!waits).then_some((target, None)));
             }
             if waits && numbered {
+                // Without a number, a press takes this one.
+                let unnumbered = if target.kind() == Kind::Dance { "marked" } else { "next" };
                 let which = egui::DragValue::new(number).range(0..=999).custom_formatter(|number, _| {
-                    if number < 1.0 { "next".into() } else { format!("{number:.0}") }
+                    if number < 1.0 { unnumbered.into() } else { format!("{number:.0}") }
                 });
                 if ui.add(which).labelled_by(label.id).changed() {
                     bindings.learn(Some((target, Some(*number).filter(|number| *number > 0))));
