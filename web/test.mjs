@@ -24,7 +24,7 @@ const rooms = {
   shows: [shows.shows, shows.flashes, shows.films],
   returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
   haste: [haste.shapes, haste.songs, haste.films, haste.beginnings, haste.layers, haste.projects],
-  films: [shows.wholeFilms, shows.stoppedFilms],
+  films: [shows.wholeFilms, shows.stoppedFilms, shows.brokenFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],
   tools: [tools.laptop, tools.phone],

@@ -1,7 +1,7 @@
 // The caricature room: it shows a sitting, and passes on what a person does. All that deforms is in the module.
 import { Sitting, needs_of_project, samples, starting_points } from "./chladni_web.js";
 import { ask, giveUp, obsolete } from "./work.js";
-import { attempt, base, busy, label, of, on, options, report, say } from "./page.js";
+import { attempt, attemptOf, base, busy, label, of, on, options, report, say } from "./page.js";
 import { scale, show as showPicture, stir } from "./picture.js";
 import * as chosen from "./chosen.js";
 import * as exports from "./exports.js";
@@ -69,7 +69,7 @@ const room = {
     if (!sitting) return;
     sitting.draw_by_processor();
     // What lay on the card is gone: the gallery, and the shapes with landmarks.
-    wall.leave();
+    if (wall.isOpen()) wall.leave();
     refresh();
   },
 };
@@ -92,7 +92,7 @@ function mayReplace() {
 }
 
 /** Opens a shape with its project and the meshes that `came` with that, or with a first layer against one of the starting
- * points. */
+ * points. Its harmonics and matches come later. */
 async function openShape(name, bytes, project, first, came = []) {
   if (!mayReplace()) return;
   say(`${label(name)}…`);
@@ -113,7 +113,7 @@ async function openShape(name, bytes, project, first, came = []) {
   if (first !== undefined) { sitting.begin(first); sitting.mark_saved(); }
   hold("turn");
   refresh();
-  await Promise.all([solve(mine), match()]);
+  attemptOf(label(name), () => Promise.all([solve(mine), match()]));
 }
 
 /** Has a worker solve for the harmonics of the shape. */
@@ -209,6 +209,15 @@ function keep(name, bytes) {
   return state.layers.some(({ template }) => base(template) === name);
 }
 
+/** Takes landmarks from the layers that are compared with this file, which is another one now: they are vertices of
+ * the one before. Gives whether there were any. */
+function dropLandmarks(name) {
+  const marked = state.layers.filter(({ template, landmarks }) => base(template) === name && landmarks.length);
+  for (const { id } of marked) { sitting.select(id); sitting.open_landmarks(""); }
+  if (marked.length && state.selected !== null) sitting.select(state.selected);
+  return marked.length > 0;
+}
+
 /** Opens the text of a project, once its shape is there. What it names of the meshes `beside` it, by their names, it takes
  * out of them; they come before others of their names. */
 export async function openProject(name, bytes, beside = new Map()) {
@@ -230,20 +239,25 @@ export async function openProject(name, bytes, beside = new Map()) {
 /** A mesh was brought: the shape of a project that waits, a template that a layer or such a project waits for, or, as the
  * user says, one of both. */
 export async function takeMesh(name, bytes) {
+  const isNew = !files.has(name);
   const isOther = keep(name, bytes);
+  const without = isOther && dropLandmarks(name) ? ", without their landmarks" : "";
+  const matchAnew = () => { attemptOf(name, changed); };
   if (waiting?.shape === name) {
     await openProject(waiting.name, waiting.bytes);
     // Where the shape has stayed, its layers are matched anew.
-    return isOther ? changed() : undefined;
+    return isOther ? matchAnew() : undefined;
   }
   const wanting = state?.layers.filter((layer) => layer.state === "failed" && base(layer.template) === name) ?? [];
   for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
-  if (isOther) say(`${name} is another file now: the layers that are compared with it are matched anew.`);
-  if (wanting.length || isOther) return changed();
+  if (isOther) say(`${name} is another file now: the layers that are compared with it are matched anew${without}.`);
+  if (wanting.length || isOther) return matchAnew();
   if (waitsFor(name)) return say(`${name} is kept for ${waiting.name}, which is made on ${waiting.shape}: bring that mesh, too.`, false, 600);
+  // Its turn among the matches has not come.
+  if (isNew && state?.layers.some((layer) => base(layer.template) === name)) return say(`${name} is kept for the layers that are compared with it.`);
   switch (sitting ? await whichOf(name) : "shape") {
     case "shape": return openShape(name, bytes);
-    case "template": sitting.compare(name); return changed();
+    case "template": sitting.compare(name); return matchAnew();
     default: return undefined;
   }
 }
@@ -419,7 +433,7 @@ export const tool = {
       if (event.button === 2) sitting.remove_landmark_near(x, y, scale()); else sitting.pick_landmark(x, y);
       return changed();
     }
-    if (held !== "parts" || !state.layers.length) return undefined;
+    if (held !== "parts" || event.button !== 0 || !state.layers.length) return undefined;
     sitting.point(x, y);
     sitting.take_part(event.shiftKey || of("add-part").checked, event.ctrlKey);
     return refresh();
@@ -514,7 +528,7 @@ export function listen() {
   for (const id of ["ink", "tones"]) of(id).addEventListener("change", () => { of("tones-row").hidden = !of("ink").checked; if (of("ink").checked) hold("turn"); refresh(); });
   of("wanted-harmonics").addEventListener("change", () => act({ set_harmonics: Math.round(Number(of("wanted-harmonics").value)) || state.wanted_harmonics }));
   const saved = () => { isOfFile = true; refresh(); };
-  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, saved, changed, act, set, slide };
+  const caricature = { sitting: () => sitting, shape: () => shape, stem, refresh, saved, changed, act, set, slide, isInInk };
   chosen.listen(caricature);
   exports.listen(caricature);
   scaleCurve.listen(caricature);

@@ -89,6 +89,14 @@ export class EncodedFilm {
   async end() {
     await Promise.all([this.painter.flush(), this.singer?.flush()]);
     if (this.failed) throw this.failed;
+    return this.file();
+  }
+
+  /** Whether a picture is encoded by now. */
+  get hasPictures() { return !!this.picturesAs; }
+
+  /** What is encoded by now, as a file. */
+  file() {
     const { width, height, framerate, codec } = this.config;
     const { description, colorSpace = {} } = this.picturesAs;
     const colors = Object.entries(COLORS).map(([name, known]) => known[colorSpace[name]] ?? 1);

@@ -12,7 +12,7 @@ const size = () => sizeOf(LONGEST);
 /** A picture as it is seen: drawn in ink or not. */
 async function savePicture() {
   const name = `${room.stem()}-caricature.png`;
-  if (!of("ink").checked) return save(name, room.sitting().export_picture(...size()), "image/png");
+  if (!room.isInInk()) return save(name, room.sitting().export_picture(...size()), "image/png");
   save(name, await drawn("png"), "image/png");
 }
 

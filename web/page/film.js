@@ -6,6 +6,8 @@ const KINDS = ["video/mp4;codecs=avc1.42E01F,mp4a.40.2", "video/webm;codecs=vp8,
 const BITS_PER_SECOND = 8_000_000;
 /** Pixels of the longer side at most: encoders of phones take no more. */
 const LONGEST = 1920;
+/** Milliseconds in which a recorder that has failed gives its last piece. */
+const LAST_PIECE_MS = 1000;
 
 /** The file name's ending for what is recorded. */
 const ending = (kind) => (kind.startsWith("video/mp4") ? "mp4" : "webm");
@@ -28,6 +30,7 @@ export class LiveFilm {
     this.recorder.ondataavailable = ({ data }) => { if (data.size) this.pieces.push(data); };
     this.failed = new Promise((_, fail) => { this.recorder.onerror = ({ error }) => fail(error ?? new Error("The film could not be recorded.")); });
     this.failed.catch(() => {});
+    this.ended = new Promise((done) => { this.recorder.onstop = done; });
     this.began = performance.now();
     this.recorder.start(1000);
   }
@@ -36,9 +39,20 @@ export class LiveFilm {
 
   /** The whole film, once it has ended. */
   async end() {
-    const ended = new Promise((done) => { this.recorder.onstop = done; });
     this.recorder.stop();
-    await Promise.race([ended, this.failed]);
+    await Promise.race([this.ended, this.failed]);
+    return this.recorded();
+  }
+
+  /** As much of it as there is, where it has failed: the last piece comes after the error. */
+  async rest() {
+    if (this.recorder.state !== "inactive") this.recorder.stop();
+    await Promise.race([this.ended, new Promise((done) => setTimeout(done, LAST_PIECE_MS))]);
+    return this.recorded();
+  }
+
+  /** As much of it as there is by now. */
+  recorded() {
     const { mimeType } = this.recorder;
     return { film: new Blob(this.pieces, { type: mimeType }), ending: ending(mimeType) };
   }

@@ -46,6 +46,8 @@ export function hands(places, room) {
   };
   const move = (event) => {
     if (!viewer()) return;
+    // A menu of the browser has taken its release.
+    if (event.pointerType === "mouse" && !event.buttons) end(event);
     if (!down.has(event.pointerId)) {
       if (event.target === places[0]) tool()?.hover(...at(event));
       return;

@@ -23,15 +23,22 @@ function figure(sitting) {
   return { positions: sitting.positions(), corners: sitting.corners() };
 }
 
+/** Asks the worker for a drawing. Where that fails it may have ended, and the figure with it. */
+async function asks(sitting, request) {
+  try { return await ask({ ...figure(sitting), ...request }, undefined, NAME); } catch (error) {
+    known = {};
+    throw error;
+  }
+}
+
 async function draw(sitting, scene, asked) {
   drawing = true;
   try {
-    const { pixels } = await ask({ work: "ink", ...figure(sitting), ...asked }, undefined, NAME);
+    const { pixels } = await asks(sitting, { work: "ink", ...asked });
     const image = new ImageData(new Uint8ClampedArray(pixels.buffer), asked.width, asked.height);
     shown = { scene, shade: asked.shade, image };
     isNew = true;
   } catch (error) {
-    known = {};
     // Not again before something changes.
     shown = { ...shown, scene, shade: true };
     if (error.name !== "AbortError") say(error.message ?? String(error), true);
@@ -64,6 +71,6 @@ export function again(forget) {
 /** The drawing as a file: `png` or `svg`. */
 export async function inkFile(sitting, format, tones, width, height) {
   const viewer = sitting.viewer_of_export(width, height);
-  const { file } = await ask({ work: "inkFile", ...figure(sitting), format, viewer, tones, width, height }, undefined, NAME);
+  const { file } = await asks(sitting, { work: "inkFile", format, viewer, tones, width, height });
   return file;
 }

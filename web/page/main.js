@@ -3,7 +3,7 @@ import init, { kind, songs_in_list } from "./chladni_web.js";
 import { ask, compiled, giveUp } from "./work.js";
 import { openCard } from "./card.js";
 import { hands } from "./hands.js";
-import { attempt, of, ofFile, on, report, say } from "./page.js";
+import { attempt, attemptOf, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
 import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
@@ -28,7 +28,8 @@ function enterCaricature() {
   caricature.open();
 }
 
-/** Opens what was brought where it belongs; `beside` it, by their names, are meshes that a project may need. */
+/** Opens what was brought where it belongs; `beside` it, by their names, are meshes that a project may need. Shapes are
+ * solved and matched after that, so that the files behind one do not wait. */
 async function take(name, bytes, beside) {
   switch (/\.np[yz]$/i.test(name) ? "mask" : kind(name)) {
     case "text": await enterMusic(); return music.openText(name, bytes);
@@ -37,22 +38,22 @@ async function take(name, bytes, beside) {
       if (caricature.waitsFor(name)) enterCaricature();
       if (isIn("caricature")) return caricature.takeMesh(name, bytes);
       await enterMusic();
-      return music.openMesh(name, bytes);
+      attemptOf(name, () => music.openMesh(name, bytes));
+      return undefined;
     case "mask": enterCaricature(); return caricature.takeMask(name, bytes);
     default: throw new Error(`${name}: the page opens meshes, songs and lists of them, shows, dances, projects and masks.`);
   }
 }
 
 /** One that cannot be opened, such as the cover of an album, leaves the others. */
-const takeFile = attempt(async (file, beside) => {
-  try { await take(file.name, new Uint8Array(await file.arrayBuffer()), beside); } catch (error) { throw ofFile(file.name, error); }
-});
+const takeFile = (file, beside) => attemptOf(file.name, async () => take(file.name, new Uint8Array(await file.arrayBuffer()), beside));
 
 /** What says what it needs comes before what it needs. */
 const order = ({ name }) => (["text", "project"].includes(kind(name)) ? 0 : 1);
 
-const open = attempt(async (files) => {
+const open = attempt(async (brought) => {
   if (isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
+  const files = withoutCompanions(brought);
   const [songs, lists] = ["song", "list"].map((wanted) => files.filter(({ name }) => kind(name) === wanted));
   const beside = await meshesBesideProjects(files);
   const came = new Set(beside.keys());
@@ -66,6 +67,15 @@ const open = attempt(async (files) => {
   }
   if (missing.length) throw new Error(`${lists[0].name}: a page finds no files by itself. Open these together with the list: ${missing.slice(0, 5).join(", ")}${missing.length > 5 ? `, and ${missing.length - 5} more` : ""}.`);
 });
+
+/** Endings of materials, buffers and pictures, which belong to the mesh that they came with. */
+const COMPANION = /\.(mtl|bin|png|jpe?g|webp|ktx2|bmp|gif|tga|tiff?|hdr)$/i;
+
+/** The files that are opened by themselves, as on the desktop. */
+function withoutCompanions(files) {
+  const hasShape = files.some(({ name }) => ["mesh", "project"].includes(kind(name)));
+  return hasShape ? files.filter(({ name }) => kind(name) !== "unknown" || !COMPANION.test(name)) : files;
+}
 
 /** The meshes that came with a project, by their names. */
 async function meshesBesideProjects(files) {

@@ -1,6 +1,7 @@
 // The music room: it shows a concert, and passes on what a person does. All that dances is in the module.
 import { Concert, needs_of_show, samples } from "./chladni_web.js";
-import { Microphone } from "./microphone.js";
+import * as listening from "./listening.js";
+import * as player from "./player.js";
 import { Sound } from "./sound.js";
 import * as shows from "./shows.js";
 import * as songs from "./songs.js";
@@ -12,7 +13,7 @@ import * as gallery from "./gallery.js";
 import * as plate from "./front_plate.js";
 import * as knobs from "./knobs.js";
 import * as looks from "./looks.js";
-import { attempt, base, busy, label, of, ofFile, on, options, report, save, say } from "./page.js";
+import { attempt, base, busy, label, of, on, options, report, save, say } from "./page.js";
 import * as playlist from "./playlist.js";
 import { LONGEST, show as showPicture, takePicture } from "./picture.js";
 import * as films from "./room_films.js";
@@ -28,8 +29,6 @@ const gallerySize = () => (innerWidth < 700 ? 6 : 12);
 const sound = new Sound();
 /** Songs that this concert has heard, by their numbers. */
 const heard = [];
-/** What is heard in place of a song. */
-let microphone;
 /** The curves of the dance on stage are shown. */
 let drawing = false;
 let concert;
@@ -37,6 +36,8 @@ let state;
 /** The concert of the front, and that of the room while the front shows its own, with the songs that it has heard. */
 let atFront;
 let parked;
+/** Where the room was left: the dance's clock, and the place in the song. Both go on from there. */
+let left;
 /** How often something else was asked for: what comes for an older wish is not wanted any more. */
 let visit = 0;
 /** A show that is open on another shape than its own: its text, its needs, and what begins it on a concert. */
@@ -81,7 +82,7 @@ function show(body, begin = () => []) {
 /** Tells the concert what is heard: a microphone, or the song that plays. */
 function hear() {
   if (!concert) return;
-  if (microphone) concert.listen(microphone.rate);
+  if (listening.microphone()) concert.listen(listening.microphone().rate);
   const song = songs.current();
   if (!song) return;
   sound.number = heard.indexOf(song);
@@ -91,49 +92,6 @@ function hear() {
   heard[sound.number] = song;
   const { rate_hz, left, right, beats, loud } = song.sound;
   concert.know_song(sound.number, song.name, rate_hz, left, right, beats, loud);
-}
-
-// ---- a microphone
-
-/** Counts what was to be listened to, or no more: only the last is heard. */
-let listening = 0;
-
-/** Listens to a microphone in place of a song. */
-async function listenTo(id) {
-  const mine = ++listening;
-  const take = (left, right) => concert?.take_sound(left, right);
-  const lost = attempt(async () => { await closeMicrophone(); throw new Error("The microphone is gone."); });
-  const opened = await Microphone.open(id, take, lost);
-  // Nothing is to be heard where the room was left meanwhile, and a film has its song.
-  const isWanted = () => mine === listening && isHere() && !films.isFilmed();
-  if (!isWanted()) return opened.close();
-  await closeMicrophone();
-  if (!isWanted()) return opened.close();
-  sound.pause();
-  microphone = opened;
-  // A song that was asked for earlier would end it.
-  passOver();
-  endShow();
-  concert?.listen(opened.rate);
-  const all = await Microphone.all();
-  if (microphone !== opened) return;
-  of("microphone").replaceChildren(...all.map(([each, name]) => new Option(name, each)));
-  of("microphone").value = opened.id;
-  refresh();
-}
-
-/** Back to the songs; a microphone that is being opened is not wanted any more. */
-function stopListening() {
-  listening++;
-  return closeMicrophone();
-}
-
-async function closeMicrophone() {
-  const closing = microphone;
-  microphone = undefined;
-  concert?.stop_listening();
-  refresh();
-  await closing?.close();
 }
 
 /** How often something was bred, loved or drawn that no file has. */
@@ -164,12 +122,6 @@ function overtake() {
   coming = undefined;
   if (works("work")) giveUp(obsolete(), ["work"]);
   return ++visit;
-}
-
-/** A song that was asked for is not wanted any more; gives the number of this wish. */
-function passOver() {
-  wanted = undefined;
-  return ++turn;
 }
 
 /** Gives whether it dances: not where something else was asked for meanwhile. */
@@ -219,87 +171,9 @@ function danceOnMesh(name, body, secs, before) {
   return opens ? [news, isOpen(opens.name, opens.needs)] : [news];
 }
 
-// ---- songs
+// ---- songs and shows
 
-function unreadable(error) {
-  say(error.message ?? String(error), true);
-  refresh();
-}
-
-/** Counts what was asked for: only the last is played. */
-let turn = 0;
-/** The song that was asked for last, until it plays. */
-let wanted;
-
-/** Plays a song of the list; one that cannot be read leaves it to the next. */
-async function playSong(song) {
-  const mine = passOver();
-  const { pauses } = sound;
-  endShow();
-  while (song) {
-    wanted = song;
-    try {
-      const decoded = await songs.soundOf(song);
-      if (mine !== turn) return;
-      // A pause meanwhile has the last word.
-      const aloud = sound.isHeard || (!!song.file && pauses === sound.pauses);
-      songs.play(song, decoded);
-      sound.load(decoded, isRepeated());
-      hear();
-      if (microphone) await stopListening();
-      if (aloud) await playAloud();
-      songs.prepare(unreadable);
-      break;
-    } catch (error) {
-      if (mine !== turn) return;
-      unreadable(ofFile(song.name, error));
-      song = error.name === "AbortError" ? undefined : songs.strike(song);
-      // Cancelled, it does not begin anew because the one before it has ended.
-      if (error.name === "AbortError" && sound.hasEnded) sound.pause();
-    }
-  }
-  if (mine === turn) wanted = undefined;
-  goOn();
-  refresh();
-}
-
-/** A song that has ended makes room for the next, where the one that was awaited does not come. */
-function goOn() {
-  if (sound.hasEnded && !wanted && songs.count()) sound.onend();
-}
-
-/** Songs play one after the other, behind those of the list. */
-export const openSongs = (files) => playSong(songs.add(files));
-
-const playBeside = attempt((steps) => playSong(songs.beside(wanted ?? songs.current(), steps)));
-sound.onend = () => {
-  // One that was asked for comes already.
-  if (wanted || concert?.plays_show()) return;
-  const isLast = songs.place() === songs.count() - 1;
-  if (playlist.repeats() !== "off" || !isLast) return playBeside(1);
-  sound.pause();
-  sound.seek(0);
-  refresh();
-};
-
-/** Whether the song that plays begins anew at its end. */
-const isRepeated = () => playlist.repeats() === "song" || (playlist.repeats() === "list" && songs.count() === 1);
-
-const ofTheList = {
-  plays: attempt((song) => playSong(song)),
-  takesOut: attempt(async (song) => {
-    if (song === wanted) passOver();
-    const next = songs.takeOut(song);
-    if (next) await playSong(next);
-    else {
-      sound.setRepeats(isRepeated());
-      goOn();
-    }
-    refresh();
-  }),
-  louder: (volume) => sound.setVolume(volume),
-  repeats: () => { if (!concert.plays_show()) sound.setRepeats(isRepeated()); },
-};
+export { openSongs } from "./player.js";
 
 export async function openText(name, bytes) {
   const text = new TextDecoder().decode(bytes);
@@ -350,11 +224,11 @@ function isOpen(name, needs) {
 async function playShow() {
   if (concert.plays_show()) return endShow();
   if (!mayReplace("Play the show", "The show is not played: Save show keeps the dances that are here.")) return;
-  await stopListening();
+  await listening.stop();
   const cast = shows.begin(concert);
   // What was asked for earlier does not come into it.
   overtake();
-  passOver();
+  player.passOver();
   heard.splice(0, heard.length, ...cast);
   edits = 0;
   // Until its first song is heard there is none.
@@ -430,12 +304,15 @@ const room = {
   },
   pixels: () => concert.pixels(),
   judge: (rgba, width, height) => concert.judge(rgba, width, height),
-  byProcessor: () => concert?.draw_by_processor(),
+  byProcessor: () => {
+    concert?.draw_by_processor();
+    parked?.concert.draw_by_processor();
+  },
   drawn: (width, height) => {
     if (state.played || isAnotherOnStage()) refresh();
     drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, gallery.choices);
     films.tick();
-    if (microphone) of("loudness").value = Math.sqrt(microphone.loudest);
+    if (listening.microphone()) of("loudness").value = Math.sqrt(listening.microphone().loudest);
     showPlace();
   },
 };
@@ -506,17 +383,21 @@ function refresh() {
   curves.show(drawing ? shown : undefined);
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
-  if (shows.draw(state.played)) {
+  // The plate at the front does not end a show that the room has left.
+  if (isHere() && shows.draw(state.played)) {
     say("The show is over, and yours from here on.");
+    // It played its songs as it wanted them.
+    sound.setRepeats(player.isRepeated());
     // In place of live sound no song was known.
     if (sound.number < 0) hear();
   }
-  films.show(!!microphone || state.played);
-  of("listen").setAttribute("aria-pressed", !!microphone);
-  of("heard").hidden = !microphone;
-  of("where-in-song").hidden = !!microphone;
+  const isLive = !!listening.microphone();
+  films.show(isLive || state.played);
+  of("listen").setAttribute("aria-pressed", isLive);
+  of("heard").hidden = !isLive;
+  of("where-in-song").hidden = isLive;
   of("song").textContent = of("song").title = songName();
-  for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || !!microphone;
+  for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || isLive;
   of("play").textContent = sound.isHeard ? "Pause" : "Play";
   looks.show(state.looks, state.has_own_colors);
   of("gain").value = state.settings.knobs?.gain ?? 1;
@@ -553,10 +434,14 @@ function goIn() {
 export function leave() {
   attempt(films.endFilm)();
   sound.pause();
-  stopListening();
+  listening.stop();
   // The song for which it waits would be missing when the room is entered again.
-  if (shows.isWaiting()) endShow();
-  passOver();
+  if (shows.isWaiting()) {
+    endShow();
+    shows.endWait();
+  }
+  if (concert && concert !== atFront) left ??= { clock: shows.clockSecs(performance.now()), position: sound.position() };
+  player.passOver();
   visit++;
 }
 
@@ -572,9 +457,10 @@ function unpark() {
   }
   atFront = undefined;
   const stood = plate.letGo();
-  if (!stood) return;
-  goOnFrom(stood);
-  sound.playing = true;
+  if (left) sound.seek(left.position);
+  if (left ?? stood) goOnFrom(left ?? stood);
+  if (stood) sound.playing = true;
+  left = undefined;
 }
 
 /** The plate with sand on it, which moves as soon as the tune is there. */
@@ -614,15 +500,17 @@ export async function know(tune) {
 /** Keys of the desktop, where nothing else has them: in full screen there are no controls. */
 const onKey = attempt((event) => {
   if (!isHere() || event.ctrlKey || event.altKey || event.metaKey) return undefined;
+  // A film goes on beneath its dialog, whose buttons may have no focus.
+  if (films.isFilmed() || document.querySelector("dialog[open]")) return undefined;
   if (event.target.closest("button, input, select, textarea, summary, dialog, [role=slider]")) return undefined;
-  const acts = { " ": playOrPause, PageUp: () => playBeside(-1), PageDown: () => playBeside(1) }[event.key];
+  const acts = { " ": playOrPause, PageUp: () => player.beside(-1), PageDown: () => player.beside(1) }[event.key];
   if (!acts) return undefined;
   event.preventDefault();
   return acts();
 });
 
 async function playOrPause() {
-  await stopListening();
+  await listening.stop();
   endShow();
   if (sound.isHeard) sound.pause(); else await playAloud();
   refresh();
@@ -633,18 +521,17 @@ export function listen() {
   looks.listen((shown) => { concert.set_look(JSON.stringify(shown)); refresh(); }, () => state.looks);
   knobs.listen(act, (name) => { concert.set_timbre(name); refresh(); });
   dance.listen(act, gallery.choices);
-  playlist.listen(ofTheList);
+  const shared = { sound, concert: () => concert, endShow, hear, playAloud, refresh };
+  player.listen(shared);
+  // Nothing is to be heard where the room was left, and a film has its song.
+  listening.listen({ ...shared, mayListen: () => isHere() && !films.isFilmed(), passOver: player.passOver });
   gallery.listen({ act, breed: () => { concert.breed(); edits++; refresh(); }, begin: newGallery });
   on("play", playOrPause);
   plate.listen(holdStill);
   addEventListener("keydown", onKey);
   curves.listen(act, (item, name) => { concert.begin_curve(item, name); edits++; refresh(); });
-  films.listen({ sound, concert: () => concert, microphone: () => microphone, playAloud, refresh, forget: () => { overtake(); passOver(); } });
+  films.listen({ ...shared, microphone: listening.microphone, forget: () => { overtake(); player.passOver(); } });
   on("draw", () => { drawing = !drawing; refresh(); });
-  on("previous", () => playBeside(-1));
-  on("next", () => playBeside(1));
-  on("listen", () => (microphone ? stopListening() : listenTo()));
-  of("microphone").addEventListener("change", attempt(() => listenTo(of("microphone").value)));
   on("sweep", () => act({ do: "sweep" }));
   on("more", () => {
     const isOpen = !document.body.toggleAttribute("data-drawer");

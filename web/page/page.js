@@ -27,6 +27,11 @@ export function ofFile(name, error) {
   return new Error(error.name === "NotFoundError" ? `${name} cannot be read: the page opens files, not folders.` : `${name}: ${why}`);
 }
 
+/** Does what a file, or a shape of this name, needs, and says of it what went wrong. */
+export const attemptOf = (name, act) => attempt(async () => {
+  try { await act(); } catch (error) { throw ofFile(name, error); }
+})();
+
 /** What workers do now, in words. */
 const working = new Map();
 

@@ -34,10 +34,11 @@ export function show() {
 /** At the end of a song: `list`, `song` or `off`. */
 export const repeats = () => of("repeat").value;
 
-/** `acts` has `plays(song)` and `takesOut(song)`, `louder(volume)` and `repeats()`, which is called where that has changed. */
+/** `acts` has `plays(song)` and `takesOut(song)`, `louder(volume)`, and `repeats()` and `reordered()`, which are called where
+ * that has changed. */
 export function listen(acts) {
   deeds = acts;
-  on("shuffle", () => { songs.shuffle(); show(); });
+  on("shuffle", () => { songs.shuffle(); show(); acts.reordered(); });
   of("volume").addEventListener("input", () => acts.louder(Number(of("volume").value) / 100));
   of("repeat").addEventListener("change", acts.repeats);
 }

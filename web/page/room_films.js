@@ -22,7 +22,14 @@ function beginFilm() {
   try { film = new LiveFilm(by * clientWidth, by * clientHeight, overheard.tracks); } catch (error) { overheard.end(); throw error; }
   const unwatch = watch((picture, veil) => film.take(picture, veil));
   filming = { film, follow: overheard.follow, end: () => { unwatch(); overheard.end(); } };
-  film.failed.catch(attempt(async (error) => { filming?.end(); filming = undefined; room.refresh(); throw error; }));
+  film.failed.catch(attempt(async (error) => {
+    // One that is ending already gives away by itself.
+    if (filming?.film !== film) return;
+    filming.end();
+    filming = undefined;
+    room.refresh();
+    await keepPart(film, error);
+  }));
   say("A live recording: what this page shows is filmed, at the pace at which it is shown. Press Stop to have it.", false, 20);
   room.refresh();
 }
@@ -36,7 +43,15 @@ export async function endFilm() {
   try {
     const { film: file, ending } = await film.end();
     save(`chladni.${ending}`, file);
-  } finally { end(); }
+  } catch (error) { await keepPart(film, error); } finally { end(); }
+}
+
+/** Gives away as much as there is of a recording that has failed, and says why it has. */
+async function keepPart(film, error) {
+  const { film: part, ending } = await film.rest();
+  if (!part.size) throw error;
+  save(`chladni.${ending}`, part);
+  throw wholeFilm.endedEarly(error);
 }
 
 /** Whether a film waits for its pictures. */

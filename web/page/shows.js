@@ -4,8 +4,8 @@ import * as songs from "./songs.js";
 
 /** The show that was opened last: its text and what it needs. */
 let opened;
-/** A song is being decoded: the show waits for it. */
-let waiting = false;
+/** Since when, in milliseconds of the page, the show waits for a song that is being decoded. */
+let waitsSince;
 /** Seconds of the page's clock in which the dance stood still, or had one of its own. */
 let waitedSecs = 0;
 let wasPlayed = false;
@@ -13,9 +13,14 @@ let wasPlayed = false;
 /** A show was opened. */
 export function know(text, needs) { opened = { text, needs }; }
 
-export const isWaiting = () => waiting;
+export const isWaiting = () => waitsSince !== undefined;
 /** The page's clock without the times in which a show waited. */
 export const clockSecs = (now) => now / 1000 - waitedSecs;
+/** The show waits no more; the time in which it did does not count. */
+export function endWait() {
+  skip((performance.now() - waitsSince) / 1000);
+  waitsSince = undefined;
+}
 /** So much of the page's time does not count: the dance had a clock of its own. */
 export function skip(secs) { waitedSecs += secs; }
 
@@ -37,16 +42,13 @@ export function begin(concert) {
 
 /** Follows what is to be heard by now. `hear(song, secs, playing)` lets it be heard: of no song, nothing. */
 export async function follow(concert, all, hear) {
-  const text = waiting ? undefined : concert.cue();
+  const text = isWaiting() ? undefined : concert.cue();
   if (!text) return;
   const { song, song_secs, playing } = JSON.parse(text);
   if (song === null) say("What came in live was not recorded: it is silent here.");
-  const began = performance.now();
-  waiting = true;
-  try { await hear(all[song], song_secs, playing); } finally {
-    waiting = false;
-    waitedSecs += (performance.now() - began) / 1000;
-  }
+  const began = waitsSince = performance.now();
+  // The room may have been left meanwhile.
+  try { await hear(all[song], song_secs, playing); } finally { if (waitsSince === began) endWait(); }
 }
 
 /** Shows whether a show can be played, or is; true where one has just ended by itself or by a hand. */

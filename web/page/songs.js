@@ -1,6 +1,6 @@
 // The list of songs: one plays after the other, and each is decoded while the one before it plays.
 import { busy, ofFile, say } from "./page.js";
-import { ask } from "./work.js";
+import { ask, giveUp, obsolete, works } from "./work.js";
 
 /** Our own, which makes room for any other. */
 export const TUNE = "sample:tune";
@@ -94,16 +94,20 @@ export function play(song, sound) {
   if (list.length > 1 && list[0].name === TUNE) list.shift();
 }
 
-/** Decodes what comes next, beside what plays. What cannot be read is struck and reported to `failed`, and the next is
- * taken. */
+/** Decodes what comes next, beside what plays, and keeps nothing else. What cannot be read is struck and reported to
+ * `failed`, and the next is taken. */
 export function prepare(failed) {
-  const song = beside(playing, 1);
-  if (song === playing || ahead?.song === song) return;
+  const song = playing && beside(playing, 1);
+  if (ahead?.song === song) return;
+  const isOvertaken = !!ahead && works("ahead");
+  ahead = undefined;
+  if (isOvertaken) giveUp(obsolete(), ["ahead"]);
+  if (!song || song === playing) return;
   const warnings = [];
   const tell = (kind, text) => { if (kind === "warning") warnings.push(text); };
   ahead = { song, warnings, sound: decode(song, tell, "ahead") };
   ahead.sound.catch((error) => {
-    // Cancelled: it is decoded when it is to play.
+    // Cancelled, it is decoded when it is to play; another one may have come before it.
     if (error.name === "AbortError" || ahead?.song !== song) return;
     strike(song);
     failed(ofFile(song.name, error));

@@ -1,5 +1,5 @@
 // The gallery of caricatures: twelve of the open shape, to be chosen from and bred. A worker has them.
-import { ask, giveUp, runs } from "./work.js";
+import { ask, giveUp, obsolete, runs } from "./work.js";
 import { attempt, busy, of, on, refill, report } from "./page.js";
 import { drawCells } from "./cells.js";
 
@@ -9,6 +9,11 @@ let room;
 let shown;
 /** It is being made. */
 let opening = false;
+/** Others are about to hang there. */
+let stepping = false;
+
+/** Does `act`, but not to figures that nobody has seen. */
+const ofSeen = (act) => async (...args) => { if (!stepping) await act(...args); };
 
 /** Without its worker there is no gallery any more. */
 const asks = (call, ...args) => ask({ work: "wall", call, args }, undefined, NAME).catch((error) => {
@@ -45,7 +50,7 @@ function refresh() {
 function button(name, act) {
   const made = document.createElement("button");
   made.textContent = made.dataset.key = name;
-  made.onclick = attempt(act);
+  made.onclick = attempt(ofSeen(act));
   return made;
 }
 
@@ -68,10 +73,10 @@ async function open() {
 /** Whether it is being made: nobody needs to ask for it again. */
 export const isOpening = () => opening;
 
-/** Back to the figure. */
+/** Back to the figure, from a gallery that is still being made, too. */
 export function leave() {
+  if (opening || shown) giveUp(obsolete(), [NAME]);
   if (!shown) return;
-  giveUp(undefined, [NAME]);
   shown = report.wall = undefined;
   room.sitting()?.leave_gallery();
   refresh();
@@ -96,9 +101,9 @@ async function hang(layers) {
 }
 
 const choices = {
-  choose: attempt(async (item) => take(await asks("choose", item, !shown.items[item].chosen))),
-  perform: attempt(async (item) => hang((await asks("layers", item)).found)),
-  favor: attempt(async (item) => take(await asks("favor", item, !shown.items[item].favorite))),
+  choose: attempt(ofSeen(async (item) => take(await asks("choose", item, !shown.items[item].chosen)))),
+  perform: attempt(ofSeen(async (item) => hang((await asks("layers", item)).found))),
+  favor: attempt(ofSeen(async (item) => take(await asks("favor", item, !shown.items[item].favorite)))),
   performs: "Take",
   says: (item) => `Take caricature ${item + 1}: it becomes layers`,
   name: (item) => `Caricature ${item + 1}`,
@@ -108,7 +113,18 @@ const choices = {
 /** Lays the buttons over the picture. */
 export function drawWall(width, height) {
   const cells = shown ? [...room.sitting().cells()] : [];
-  drawCells(of("cells"), cells, shown?.items ?? [], width, height, choices);
+  const items = shown?.items.map((item) => ({ ...item, idle: stepping })) ?? [];
+  drawCells(of("cells"), cells, items, width, height, choices);
+}
+
+/** Hangs others: children, those before, or new ones. */
+async function hangOthers(step) {
+  stepping = true;
+  refresh();
+  try { take(await busy("the gallery", () => asks("step", step))); } finally {
+    stepping = false;
+    refresh();
+  }
 }
 
 export function listen(caricature) {
@@ -121,7 +137,7 @@ export function listen(caricature) {
   still.addEventListener("change", follow);
   follow();
   for (const step of ["breed", "back", "others"]) {
-    on(`wall-${step}`, async () => take(await busy("the gallery", () => asks("step", step))));
+    on(`wall-${step}`, ofSeen(() => hangOthers(step)));
   }
-  on("wall-surprise", async () => hang((await busy("a surprise", () => asks("surprise"))).found));
+  on("wall-surprise", ofSeen(async () => hang((await busy("a surprise", () => asks("surprise"))).found)));
 }

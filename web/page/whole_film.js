@@ -33,7 +33,11 @@ function tell(n, count, began) {
   of("film-left").textContent = n < 5 ? `Picture ${n} of ${count}` : `Picture ${n} of ${count}, ${minutes(left)} left`;
 }
 
-/** Draws and encodes one picture after the other; gives the film, or none where it was given up, and whether it is silent. */
+/** Says why only a part of a film is among the downloads. */
+export const endedEarly = (error) => new Error(`The film ended early (${error.message ?? error}). Its part until then is among your downloads.`);
+
+/** Draws and encodes one picture after the other; gives the film, or none where it was given up, whether it is silent, and
+ * what `failed` behind its last picture, if anything did. */
 async function shoot(mine) {
   const sound = stage.sound();
   const [width, height] = of("film-size").value.split("x").map(Number);
@@ -56,6 +60,13 @@ async function shoot(mine) {
       await wait();
     }
     return { film: mine.cancelled ? undefined : await film.end(), isSilent: film.isSilent };
+  } catch (error) {
+    const failed = film.failed ?? error;
+    if (mine.cancelled) throw failed;
+    // An encoder may hold pictures back until it is to end; one that has failed has no more to come.
+    const part = await film.end().catch(() => (film.hasPictures ? film.file() : undefined));
+    if (!part) throw failed;
+    return { film: part, isSilent: film.isSilent, failed };
   } finally { film.close(); }
 }
 
@@ -69,9 +80,10 @@ async function begin() {
     release = hold();
     // A screen that goes dark stops the page. Not every browser keeps it awake.
     awake = await navigator.wakeLock?.request("screen").catch(() => undefined);
-    const { film, isSilent } = await shoot(mine);
+    const { film, isSilent, failed } = await shoot(mine);
     if (film) save("chladni-song.mp4", film);
     else say("The film was given up.");
+    if (failed) throw endedEarly(failed);
     if (film && isSilent) say("This browser encodes no sound: the film is silent.", true);
   } finally {
     stage.end();

@@ -210,9 +210,26 @@ async function loses({ flags, draw, prepare }) {
     assert.match(await page.textContent("#status"), /graphics card is gone/);
     await moves(page, "by the processor");
     assert.deepEqual((await page.evaluate(() => window.chladni.state)).dances, dances);
-    step(`${draw}: where the graphics card is lost, the processor goes on`);
     await page.context().close();
+    await losesAtFront(within, draw, prepare);
+    step(`${draw}: where the graphics card is lost, the processor goes on`);
   } finally { await within.close(); }
+}
+
+/** The processor goes on with the dances in the room, too, where the card is lost at the front. */
+async function losesAtFront(within, draw, prepare) {
+  const { page } = await opened(SMALL, false, { within, query: `?draw=${draw}`, prepare });
+  const goes = async (id, body) => {
+    await page.evaluate((id) => document.getElementById(id).click(), id);
+    await until(page, (body) => window.chladni.state.body === body, body);
+  };
+  await goes("enter", "sample:octopus");
+  await goes("home", "sample:plate");
+  await page.evaluate(() => window.lose());
+  await until(page, () => document.querySelector("#front .drawn-by").textContent === "Drawn by the processor.");
+  await goes("enter", "sample:octopus");
+  await moves(page, "dances that were left in the room");
+  await page.context().close();
 }
 
 /** Where the card is lost, a gallery of caricatures goes with its pictures, and so do its controls. */

@@ -166,6 +166,24 @@ export async function shapes() {
   await comesLate(page);
   assert.equal(await body(page), "sample:bell");
   step("a mesh that is prepared while the room is left dances once it is entered");
+
+  // A song does not wait for the mesh that came with it; nor are materials and pictures beside that mesh refused.
+  await page.evaluate(() => {
+    const status = document.getElementById("status");
+    window.refused = [];
+    const note = () => { if (status.className === "bad") window.refused.push(status.textContent); };
+    new MutationObserver(note).observe(status, { attributes: true, childList: true });
+  });
+  await holdBack(page, "prepare ring.obj");
+  const beside = ["ring.mtl", "ring.PNG"].map((name) => [name, Buffer.from("newmtl ring\n")]);
+  await drop(page, ["ring.obj", ring], ...beside, ["clicks.wav", song(20)]);
+  await isHeldBack(page);
+  await songIs(page, "clicks.wav");
+  assert.deepEqual(await page.evaluate(() => window.refused), []);
+  assert.equal(await body(page), "sample:bell");
+  await release(page);
+  await dances(page, "ring.obj");
+  step("a song plays while the mesh beside it is prepared");
   await ends(opening);
 }
 
@@ -205,11 +223,16 @@ export async function songs() {
   await isHeldBack(page);
   await page.click("#play-show");
   await plays(page);
-  await page.click("#home");
+  const placeAt = (id) => page.evaluate((id) => {
+    document.getElementById(id).click();
+    return window.chladni.position();
+  }, id);
+  const leftAtSecs = await placeAt("home");
   await comesLate(page);
   assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "nothing is heard at the front");
   await dances(page, "sample:plate");
-  await page.click("#enter");
+  const enteredAtSecs = await placeAt("enter");
+  assert.ok(Math.abs(enteredAtSecs - leftAtSecs) < 0.5, `the song goes on where it was left: ${enteredAtSecs} for ${leftAtSecs} s`);
   await dances(page, "sample:bell");
 
   // It is left while a song is decoded: the next one is next to the one that plays.
@@ -261,6 +284,25 @@ export async function songs() {
   assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "a pause has the last word");
   step("a song that is decoded is not passed over, nor does it end a pause");
 
+  // The next song in another order, or once one is taken out, is decoded beforehand, too.
+  // The order of the others stays.
+  await page.evaluate(() => { Math.random = () => 0.99; });
+  await holdBack(page, "decode clicks.wav");
+  await page.click("#shuffle");
+  await isHeldBack(page);
+  // The worker that is to decode clicks.wav ends.
+  await page.evaluate(() => {
+    const { terminate } = Worker.prototype;
+    window.terminated = 0;
+    Worker.prototype.terminate = function () { window.terminated++; return terminate.call(this); };
+  });
+  await holdBack(page, "decode third.wav");
+  await page.click('#song-list [aria-label="Take clicks.wav out of the list"]');
+  await until(page, () => window.heldBack() === 2);
+  assert.equal(await page.evaluate(() => window.terminated), 1, "a song that does not come next any more is not decoded");
+  await release(page);
+  step("the next song is decoded beforehand after Shuffle, and after one is taken out");
+
   // A pause while a device begins.
   const isPlaying = await page.evaluate(async () => {
     const { Sound } = await import("./sound.js");
@@ -275,6 +317,10 @@ export async function songs() {
   await ends(opening);
 }
 
+/** Whether the page takes keys that are its own where nothing has the focus. */
+const takesKeys = (page) => page.evaluate(() => ["PageDown", " "].map((key) =>
+  !document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }))));
+
 /** A film of the song: nothing comes into it, and it is not lost without a question. */
 export async function films() {
   const opening = await entered();
@@ -288,11 +334,13 @@ export async function films() {
     await ask();
     await isHeldBack(page);
     await page.click("#film-song");
+    assert.deepEqual(await takesKeys(page), [false, false], "keys beneath a dialog");
     await page.selectOption("#film-rate", "24");
     const film = page.waitForEvent("download", { timeout: 180_000 });
     await page.click("#film-begin");
     await until(page, () => /^Picture/.test(document.getElementById("film-left").textContent));
     assert.ok(await asks(), "a film would be lost");
+    assert.deepEqual(await takesKeys(page), [false, false], "keys beneath a film");
     await release(page);
     await film;
     await page.waitForTimeout(1000);
@@ -406,7 +454,55 @@ export async function layers() {
   await page.waitForTimeout(300);
   assert.ok(await page.evaluate(() => window.chladni.sitting.level > 0.5), "parts by form stay");
   step("late harmonics and parts change nothing, and keys in a text are its own");
+
+  // A drawing that is cancelled takes the figure with the worker: the next one brings it again.
+  const draws = () => page.evaluate(() => document.getElementById("export-svg").click());
+  await holdBack(page, "inkFile");
+  await draws();
+  await isHeldBack(page);
+  await page.evaluate(() => document.getElementById("cancel").click());
+  await isIdle(page);
+  await release(page);
+  const drawing = page.waitForEvent("download", { timeout: 120_000 });
+  await draws();
+  assert.match((await drawing).suggestedFilename(), /\.svg$/);
+  step("a drawing in ink is made after one that was cancelled");
+  await galleries(page);
   await ends(opening);
+}
+
+/** The gallery of caricatures, while it opens and while others are bred. */
+async function galleries(page) {
+  const gallery = () => page.evaluate(() => document.getElementById("gallery").click());
+  await page.evaluate(() => { document.getElementById("wall-swell").checked = false; });
+  await holdBack(page, "openWall");
+  await gallery();
+  await isHeldBack(page);
+  // Landmarks take its place.
+  await page.click("#landmarks");
+  await until(page, () => !document.getElementById("gallery").disabled);
+  await release(page);
+  assert.ok(!(await page.evaluate(() => window.chladni.wall)), "it does not open any more");
+  await page.click("#landmarks");
+  await gallery();
+  await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
+  const [first] = await page.evaluate(() => window.chladni.wall.items.map(({ name }) => name));
+  await holdBack(page, "wall ");
+  await page.evaluate(() => document.getElementById("wall-others").click());
+  await isHeldBack(page);
+  const count = await page.evaluate(() => {
+    for (const press of ["choose", "stage", "favor"]) document.querySelector(`#cells .cell:nth-child(3) .${press}`).click();
+    for (const press of ["wall-others", "wall-surprise"]) document.getElementById(press).click();
+    document.querySelector("#wall-locks button").click();
+    return window.heldBack();
+  });
+  assert.equal(count, 1, "nothing is done to figures that are not seen yet");
+  await release(page);
+  await until(page, (first) => window.chladni.wall.items[0].name !== first, first);
+  await page.evaluate(() => document.querySelector("#wall-locks button").click());
+  await until(page, () => window.chladni.wall.groups[0][1]);
+  assert.ok(await page.evaluate(() => window.chladni.wall.items.every(({ chosen, favorite }) => !chosen && !favorite)));
+  step("a gallery is given up while it opens, and presses wait for figures that are seen");
 }
 
 const PROJECT = Buffer.from(`format_version = 4
@@ -466,6 +562,16 @@ export async function projects() {
   await drop(page, ["smooth.obj", third]);
   await until(page, () => !window.chladni.wall);
   await isMatchedWith(third);
+  // Landmarks are vertices of the file before, and go with it.
+  const choosing = page.waitForEvent("filechooser");
+  await page.click("#landmarks");
+  await page.click("#open-landmarks");
+  await (await choosing).setFiles({ name: "three.txt", mimeType: "text/plain", buffer: Buffer.from("0 0\n50 50\n99 99\n") });
+  await until(page, () => window.chladni.sitting.layers[0].landmarks.length === 3);
+  const fourth = head(17, 11);
+  await drop(page, ["smooth.obj", fourth]);
+  await until(page, () => !window.chladni.sitting.layers[0].landmarks.length);
+  await isMatchedWith(fourth);
   step("files of the same names take the places of those before");
   // Layers without their template are left out of an export, and named.
   await drop(page, ["gone.chladni", Buffer.from(PROJECT.toString().replace("smooth.obj", "gone.obj"))]);
@@ -473,5 +579,16 @@ export async function projects() {
   await downloaded(page, "#export-obj");
   await says(page, "Written without the layer Smooth");
   step("a project comes with its meshes in any order, and says which layers an export lacks");
+  // The question about the second mesh does not wait until the first is solved.
+  await holdBack(page, "solve one.obj");
+  await drop(page, ["one.obj", head(24, 16)], ["two.obj", head(20, 14)]);
+  await page.click('#which button[value="shape"]');
+  await isHeldBack(page);
+  await until(page, () => document.getElementById("which-name").textContent === "two.obj" && document.getElementById("which").open);
+  await page.click('#which button[value="template"]');
+  await until(page, () => window.chladni.sitting.layers.length === 1);
+  await release(page);
+  await acts(page);
+  step("of two meshes the second is asked about while the first is solved");
   await ends(opening);
 }

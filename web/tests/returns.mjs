@@ -16,6 +16,13 @@ async function breed(page) {
   await generation(page, before + 1);
 }
 
+/** Presses a button; gives where the song is right after that, and the dance's clock. */
+const pressed = (page, id) => page.evaluate(async (id) => {
+  const { clockSecs } = await import("./shows.js");
+  document.getElementById(id).click();
+  return [window.chladni.position(), clockSecs(performance.now())];
+}, id);
+
 /** Its text, and its action times. */
 async function saved(page) {
   const text = readFileSync(await downloaded(page, "#save-show"), "utf8");
@@ -41,6 +48,13 @@ export async function dances() {
   // A cover is none of the page's; the song beside it plays.
   await drop(page, ["cover.jpg", Buffer.from([255, 216, 255])], ["clicks.wav", song(20)]);
   await until(page, () => document.getElementById("song").textContent === "clicks.wav" && window.chladni.position() > 0.5);
+  // The song and the dance go on where the room was left.
+  const [position, clock] = await pressed(page, "home");
+  await until(page, () => window.chladni.state.body === "sample:plate");
+  await page.waitForTimeout(4000);
+  const [positionThen, clockThen] = await pressed(page, "enter");
+  assert.ok(Math.abs(positionThen - position) < 1 && Math.abs(clockThen - clock) < 1, `left at ${position} and ${clock} s, found at ${positionThen} and ${clockThen} s`);
+  await until(page, () => window.chladni.state.body === "sample:octopus" && window.chladni.sound.isHeard);
   await page.click("#sand");
   await until(page, () => window.chladni.state.sand && window.chladni.state.on_stage);
   const first = await saved(page);

@@ -23,6 +23,11 @@ export async function shows() {
   const show = await downloaded(page, "#save-show");
   await page.setInputFiles("#file", show);
   await until(page, () => !document.getElementById("play-show").hidden);
+  await page.evaluate(() => {
+    const repeat = document.getElementById("repeat");
+    repeat.value = "song";
+    repeat.dispatchEvent(new Event("change"));
+  });
   await page.click("#play-show");
   // All is as it was in the beginning, and comes to pass again.
   await until(page, () => window.chladni.state.played && window.chladni.state.generation === 0 && !window.chladni.state.on_stage);
@@ -32,6 +37,7 @@ export async function shows() {
   await until(page, () => window.chladni.state.on_stage);
   await until(page, () => !window.chladni.state.played);
   assert.equal(await page.textContent("#play-show"), "Play show");
+  assert.ok(await page.evaluate(() => window.chladni.sound.repeats), "the same song again, once the show is over");
   await page.click("#play-show");
   await until(page, () => window.chladni.state.played);
   await page.selectOption("#look", "ember");
@@ -199,6 +205,61 @@ export async function stoppedFilms() {
     assert.deepEqual([wrong, elsewhere], [[], []]);
     await page.context().close();
   }
+}
+
+/** Where a film fails, there is as much of it as there was by then. */
+export async function brokenFilms() {
+  const prepare = () => {
+    const { encode } = VideoEncoder.prototype;
+    let count = 0;
+    VideoEncoder.prototype.encode = function (...given) {
+      if (++count > 30) throw new Error("the encoder is tired");
+      return encode.apply(this, given);
+    };
+    // It gives its pictures only once it is to end.
+    window.VideoEncoder = class extends VideoEncoder {
+      constructor({ output, error }) {
+        const held = [];
+        super({ output: (...given) => { held.push(given); }, error });
+        this.letOut = () => { for (const given of held.splice(0)) output(...given); };
+      }
+      async flush() {
+        await super.flush();
+        this.letOut();
+      }
+    };
+    // And this one all that it has recorded, after the error.
+    const { start } = MediaRecorder.prototype;
+    MediaRecorder.prototype.start = function () {
+      window.breaks = () => this.dispatchEvent(Object.assign(new Event("error"), { error: new Error("the recorder is tired") }));
+      return start.call(this);
+    };
+  };
+  const { page, wrong, elsewhere } = await opened({ width: 1000, height: 700 }, false, { prepare });
+  const says = (text) => until(page, (text) => document.getElementById("status").textContent === text, `The film ended early (${text}). Its part until then is among your downloads.`);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await drop(page, ["clicks.wav", song(60)]);
+  await until(page, () => document.getElementById("song").textContent === "clicks.wav");
+  await page.click("#film-song");
+  await page.selectOption("#film-rate", "24");
+  const film = readFileSync(await downloaded(page, "#film-begin"));
+  await says("the encoder is tired");
+  const [pictures] = pieces(film);
+  assert.equal(pictures, 30, "those that the encoder still had are there, too");
+  const seen = await watched(page, film, "video/mp4");
+  assert.ok(Math.abs(seen.secs - pictures / 24) < 0.25, `${seen.secs} s of ${pictures} pictures`);
+  assert.ok(await page.isHidden("#whole-film"));
+  await page.click("#film");
+  await until(page, () => /^Stop, ([2-9]|\d\d) s/.test(document.getElementById("film").textContent));
+  const saving = downloading(page);
+  await page.evaluate(() => window.breaks());
+  assert.ok(readFileSync(await saving).length > 0);
+  await says("the recorder is tired");
+  assert.equal(await page.textContent("#film"), "Film");
+  step(`films that fail are kept as far as they went: ${pictures} of 30 pictures, and a recording`);
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
 }
 
 export async function films() {

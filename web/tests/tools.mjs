@@ -46,10 +46,44 @@ async function ink(page, shot) {
   assert.match(svg, /<g id="tones">\n<path/);
   const png = readFileSync(await downloaded(page, "#export-png"));
   assert.ok(png.readUInt32BE(16) === 2000 || png.readUInt32BE(20) === 2000);
+  // Tools need the figure itself: it is seen, and so it is saved.
+  await page.click("#hold-parts");
+  const figure = readFileSync(await downloaded(page, "#export-png"));
+  await page.click("#hold-turn");
+  assert.notDeepEqual(figure, png);
   await page.uncheck("#tones");
   await page.uncheck("#ink");
   assert.ok(differing(plain, await still(page)) < 20, "the shape is seen again as it was");
   step("a shape is drawn in ink, live and as SVG and PNG");
+}
+
+/** A menu of the browser takes the release of a press; in Parts only the left button takes one. */
+async function presses(page) {
+  const send = (...events) => page.evaluate((events) => {
+    const picture = document.getElementById("picture");
+    const { left, top, width, height } = picture.getBoundingClientRect();
+    for (const [type, across, more] of events) {
+      picture.dispatchEvent(new PointerEvent(type, {
+        pointerId: 1, pointerType: "mouse", bubbles: true, clientX: left + width / 2 + across, clientY: top + height / 4, ...more,
+      }));
+    }
+    return window.chladni.view().yaw_rad;
+  }, events);
+  const before = await send();
+  const after = await send(["pointerdown", 0, { button: 2, buttons: 2 }], ["pointermove", 60, {}], ["pointermove", 120, {}]);
+  assert.equal(after, before, "nothing is pressed any more");
+  await page.click("#hold-parts");
+  await send(["pointermove", 0, {}]);
+  assert.notEqual(await page.textContent("#pointed"), "", "the pointer is on a part");
+  const isWhole = async (button) => {
+    await send(["pointerdown", 0, { button, buttons: button === 2 ? 2 : 1 }], ["pointerup", 0, { button }]);
+    return (await layer(page)).everywhere;
+  };
+  assert.deepEqual([await isWhole(2), await isWhole(0)], [true, false]);
+  await page.click("#undo");
+  await until(page, () => window.chladni.sitting.layers.at(-1).everywhere);
+  await page.click("#hold-turn");
+  step("a menu does not keep a button pressed, and its button takes no part");
 }
 
 async function heat(page, shot) {
@@ -326,7 +360,7 @@ export async function laptop() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
   await page.click("#exaggerate");
   await acts(page);
-  for (const tool of [ink, heat, masks, landmarks, gallery, layersToo]) await tool(page, shot);
+  for (const tool of [presses, ink, heat, masks, landmarks, gallery, layersToo]) await tool(page, shot);
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

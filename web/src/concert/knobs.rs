@@ -17,8 +17,11 @@ struct Table {
     choirs: [(Choir, &'static str); 3],
     timbres: Vec<&'static str>,
     knobs: Vec<(&'static str, Vec<Range>)>,
-    switches: Vec<(&'static str, &'static [Choice])>,
+    switches: Vec<(&'static str, Vec<Check>)>,
 }
+
+/// A switch, its name and what it does.
+type Check = (Switch, &'static str, &'static str);
 
 /// A knob: its value goes from `low` to `high`, and is shown times `factor`.
 #[derive(Serialize)]
@@ -35,7 +38,8 @@ struct Range {
 }
 
 impl Range {
-    fn of(&(parameter, name, tip): &Knob) -> Self {
+    fn of(&(parameter, name): &Knob) -> Self {
+        let tip = parameter.about();
         let ((low, high), Shown { factor, decimals, unit }) = (parameter.range(), shown(parameter));
         Self { parameter, name, tip, low, high, by_factors: by_factors(parameter), factor, decimals, unit }
     }
@@ -47,12 +51,13 @@ impl Range {
 /// Bugs only.
 #[wasm_bindgen]
 pub fn knobs() -> Result<String, JsError> {
+    let check = |&(switch, name): &Choice| (switch, name, switch.about());
     let table = Table {
         forms: FORMS,
         choirs: CHOIRS,
         timbres: Timbre::NAMED.map(|(name, _)| name).to_vec(),
         knobs: KNOBS.iter().map(|(name, rows)| (*name, rows.iter().map(Range::of).collect())).collect(),
-        switches: SWITCHES.to_vec(),
+        switches: SWITCHES.iter().map(|(name, rows)| (*name, rows.iter().map(check).collect())).collect(),
     };
     Ok(serde_json::to_string(&table)?)
 }

@@ -77,7 +77,9 @@ impl Sitting {
     /// A number that none has.
     pub fn begin(&mut self, point: usize) -> Result<(), JsError> {
         let found = STARTING_POINTS.get(point).ok_or_else(|| JsError::new("there is no such template"))?;
-        let layer = found.layer(self.history.project());
+        let project = self.history.project();
+        let most = if self.solved { self.stack.body().basis.harmonics() } else { project.harmonics };
+        let layer = found.layer(project, most);
         Ok(self.add(layer)?)
     }
 

@@ -1,0 +1,111 @@
+// Plays the list of songs: one after the other, and always the one that was asked for last.
+import * as listening from "./listening.js";
+import { attempt, ofFile, on, say } from "./page.js";
+import * as playlist from "./playlist.js";
+import * as songs from "./songs.js";
+
+/** The music room: its `sound`, `concert()`, `endShow()`, `hear()`, `playAloud()` and `refresh()`. */
+let room;
+/** Counts what was asked for: only the last is played. */
+let turn = 0;
+/** The song that was asked for last, until it plays. */
+let wanted;
+
+/** A song that was asked for is not wanted any more; gives the number of this wish. */
+export function passOver() {
+  wanted = undefined;
+  return ++turn;
+}
+
+function unreadable(error) {
+  say(error.message ?? String(error), true);
+  room.refresh();
+}
+
+/** Plays a song of the list; one that cannot be read leaves it to the next. */
+async function playSong(song) {
+  const { sound } = room;
+  const mine = passOver();
+  const { pauses } = sound;
+  room.endShow();
+  while (song) {
+    wanted = song;
+    try {
+      const decoded = await songs.soundOf(song);
+      if (mine !== turn) return;
+      // A pause meanwhile has the last word.
+      const aloud = sound.isHeard || (!!song.file && pauses === sound.pauses);
+      songs.play(song, decoded);
+      sound.load(decoded, isRepeated());
+      room.hear();
+      if (listening.microphone()) await listening.stop();
+      if (aloud) await room.playAloud();
+      songs.prepare(unreadable);
+      break;
+    } catch (error) {
+      if (mine !== turn) return;
+      unreadable(ofFile(song.name, error));
+      song = error.name === "AbortError" ? undefined : songs.strike(song);
+      // Cancelled, it does not begin anew because the one before it has ended.
+      if (error.name === "AbortError" && sound.hasEnded) sound.pause();
+    }
+  }
+  if (mine === turn) wanted = undefined;
+  goOn();
+  room.refresh();
+}
+
+/** A song that has ended makes room for the next, where the one that was awaited does not come. */
+function goOn() {
+  if (room.sound.hasEnded && !wanted && songs.count()) ended();
+}
+
+/** Another song than before may come next. One that is asked for sees to that itself, once it plays. */
+function prepareNext() {
+  if (!wanted) songs.prepare(unreadable);
+}
+
+/** Songs play one after the other, behind those of the list. */
+export const openSongs = (files) => playSong(songs.add(files));
+
+/** Plays the song so many places after the one that plays, or before it. */
+export const beside = attempt((steps) => playSong(songs.beside(wanted ?? songs.current(), steps)));
+
+function ended() {
+  // One that was asked for comes already.
+  if (wanted || room.concert()?.plays_show()) return undefined;
+  const isLast = songs.place() === songs.count() - 1;
+  if (playlist.repeats() !== "off" || !isLast) return beside(playlist.repeats() === "song" ? 0 : 1);
+  room.sound.pause();
+  room.sound.seek(0);
+  return room.refresh();
+}
+
+/** Whether the song that plays begins anew at its end. */
+export const isRepeated = () => playlist.repeats() === "song" || (playlist.repeats() === "list" && songs.count() === 1);
+
+const ofTheList = {
+  plays: attempt((song) => playSong(song)),
+  takesOut: attempt(async (song) => {
+    if (song === wanted) passOver();
+    const next = songs.takeOut(song);
+    if (next) await playSong(next);
+    else {
+      room.sound.setRepeats(isRepeated());
+      goOn();
+      prepareNext();
+    }
+    room.refresh();
+  }),
+  reordered: () => prepareNext(),
+  louder: (volume) => room.sound.setVolume(volume),
+  repeats: () => { if (!room.concert().plays_show()) room.sound.setRepeats(isRepeated()); },
+};
+
+export function listen(musicRoom) {
+  room = musicRoom;
+  room.sound.onend = ended;
+  playlist.listen(ofTheList);
+  on("previous", () => beside(-1));
+  on("next", () => beside(1));
+}
