@@ -106,7 +106,8 @@ class Work:
     """One run of the program on one object."""
 
     def __init__(self, target, settings, path):
-        self.target = target
+        # Undo replaces the Python object that stands for it.
+        self.uid = target.session_uid
         self.name = settings.name
         self.vertices = len(target.data.vertices)
         self.folder = tempfile.TemporaryDirectory(prefix="chladni-")
@@ -119,6 +120,8 @@ class Work:
         exchange.write_ply(shape, *polygons(target.data), mask)
         words = [path, "--quiet", "caricature", shape]
         if settings.template == "project":
+            if not settings.project:
+                raise ValueError("choose the project")
             words += ["--recipe", bpy.path.abspath(settings.project)]
         else:
             words += [self.template(settings, folder), f"--mu={settings.mu}", "--model", settings.model]
@@ -134,7 +137,7 @@ class Work:
     @staticmethod
     def template(settings, folder):
         if settings.template == "self":
-            return "self:lowpass=20"
+            return f"self:lowpass={min(20, settings.harmonics)}"
         if settings.template != "object":
             return settings.template
         if settings.other is None:
@@ -147,14 +150,13 @@ class Work:
         said = self.said.read_text(encoding="utf-8", errors="replace").strip()
         if self.process.returncode:
             raise ValueError(said.splitlines()[-1] if said else "chladni ended without a word")
-        try:
-            mode, vertices = self.target.mode, len(self.target.data.vertices)
-        except ReferenceError:
-            raise ValueError("the object was deleted in the meantime") from None
-        if mode == "EDIT":
+        self.target = next((each for each in bpy.data.objects if each.session_uid == self.uid), None)
+        if self.target is None:
+            raise ValueError("the object was deleted in the meantime")
+        if self.target.mode == "EDIT":
             # Leaving it would write the mesh that is edited over the shape keys.
             raise ValueError("leave edit mode, and exaggerate again")
-        if vertices != self.vertices:
+        if len(self.target.data.vertices) != self.vertices:
             raise ValueError("the mesh was changed in the meantime")
         layers = exchange.read_targets(self.result)
         if self.target.data.shape_keys is None:

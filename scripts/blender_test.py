@@ -126,11 +126,33 @@ def the_addon_makes_shape_keys():
     check("and that of the one layer does not add to them", keys[alone].value == 0)
 
     settings.mask, settings.template = "nowhere", "ellipsoid"
+    check("a group that is not there is an error in words", "no vertex group" in refused())
+    settings.mask, settings.template, settings.project = "", "project", ""
+    check("a project that is not chosen is one, too", "choose the project" in refused())
+
+    settings.template, settings.name = "ellipsoid", "Afterwards"
+    work = package.Work(target, settings, str(CHLADNI))
+    work.process.wait()
+    kept = [type(value) for value in vars(work).values()]
+    check("nothing is kept that undo would replace", not any(issubclass(kind, bpy.types.ID) for kind in kept))
+    target.name = "Renamed"
+    work.take()
+    check("an object is found again under another name", "Afterwards" in [key.name for key in keys])
+    bpy.data.objects.remove(target)
     try:
-        ended = bpy.ops.object.chladni_caricature()
-    except RuntimeError as error:
+        ended = work.take()
+    except ValueError as error:
         ended = str(error)
-    check("a group that is not there is an error in words", "no vertex group" in str(ended))
+    work.end()
+    check("one that is gone is an error in words", "deleted in the meantime" in ended)
+
+
+def refused():
+    """Why the operator does not run."""
+    try:
+        return str(bpy.ops.object.chladni_caricature())
+    except RuntimeError as error:
+        return str(error)
 
 
 def everything_of_a_glb_survives():

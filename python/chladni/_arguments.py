@@ -15,6 +15,14 @@ def floats(values, name):
         raise InputError(f"{name} is no array of numbers: {error}") from None
 
 
+def finite(values, name):
+    """``values`` as an array of numbers, none of which is NaN or infinite."""
+    array = floats(values, name)
+    if not np.isfinite(array).all():
+        raise InputError(f"{name} holds NaN or infinity")
+    return array
+
+
 def number(value, name):
     """``value`` as a number."""
     try:

@@ -18,6 +18,8 @@ class Basis(_chladni.Basis):
     any mesh with area. Vertices in one place are welded: they have equal rows and share their area. With
     ``whole_clusters``, a k that would cut a multiple eigenvalue is raised to the end of its group.
 
+    ``threads`` are all of the machine's unless given, at most 1024; the result does not depend on them.
+
     With ``engine="slepc"``, SLEPc solves on so many ``ranks`` of MPI, in ``groups`` that each have a factor, on the machines
     of a file of ``hosts`` that share the folder ``scratch``; the certificate is still measured here (docs/scale.md).
 
@@ -116,8 +118,8 @@ def caricature(
 
     ``caricature(basis, ...)`` uses the harmonics of a `Basis`, ``caricature(V, F, ...)`` solves for k of them (at most n).
     The template is "ellipsoid" or "sphere" (fitted), a mesh ``(V2, F2)``, which is matched as `match` does it, or a whole
-    number: the shape's own first so many harmonics. ``model`` is "coordinate", "normal" or "distance", the three of the
-    paper. Where a matched mesh is exaggerated, the finest detail is left as it is, since no match is exact there.
+    number K of at most k: the shape's own first K harmonics. ``model`` is "coordinate", "normal" or "distance", the
+    three of the paper. Where a matched mesh is exaggerated, the finest detail is left as it is, since no match is exact there.
     """
     basis = _basis(V, F, k, progress)
     template = tuple(template) if isinstance(template, list) and len(template) == 2 else template
@@ -175,5 +177,9 @@ def _basis(V, F, k, progress):
     if F is None:
         raise InputError("give a Basis, or both V and F")
     k = count(k, "k")
-    n = len(V) if hasattr(V, "__len__") else k
+    try:
+        n = len(V)
+    except TypeError:
+        # No array of vertices: the basis says why.
+        n = k
     return Basis(V, F, min(k, max(n, 1)), progress=progress)

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from ._arguments import count, floats, number
+from ._arguments import count, finite, number
 from ._errors import InputError
 
 
 def HKS(evals, evects, time_list, scaled=False):
     """Heat kernel signature, (n, times): Σ_k exp(-t λ_k) φ_k(v)², over Σ_k exp(-t λ_k) where ``scaled``."""
     evals, evects = _pairs(evals, evects)
-    times = floats(time_list, "time_list").ravel()
+    times = finite(time_list, "time_list").ravel()
     return _summed(np.exp(-np.outer(times, evals)), evects, scaled)
 
 
@@ -21,22 +21,23 @@ def WKS(evals, evects, energy_list, sigma, scaled=False):
     if not sigma > 0:
         raise InputError(f"sigma is {sigma}, where a number above 0 is needed")
     waving = evals > 1e-8 * evals.max()
-    energies = floats(energy_list, "energy_list").ravel()
+    energies = finite(energy_list, "energy_list").ravel()
     weights = np.exp(-np.square(energies[:, None] - np.log(evals[waving])) / (2 * sigma**2))
     return _summed(weights, evects[:, waving], scaled)
 
 
 def auto_HKS(evals, evects, num_T, scaled=True):
     """HKS at ``num_T`` times between 4 ln 10 / λ_K and 4 ln 10 / λ_2, evenly in their logarithm."""
-    evals, evects = _pairs(np.sort(np.abs(floats(evals, "evals"))), evects)
+    evals, evects = _pairs(np.sort(np.abs(finite(evals, "evals"))), evects)
     _check_several(evals)
     low, high = 4 * np.log(10) / evals[-1], 4 * np.log(10) / evals[1]
     return HKS(evals, evects, np.geomspace(low, high, count(num_T, "num_T")), scaled=scaled)
 
 
 def auto_WKS(evals, evects, num_E, scaled=True):
-    """WKS at ``num_E`` energies between log λ_2 and log λ_K, with a width of seven of their steps."""
-    evals, evects = _pairs(np.sort(np.abs(floats(evals, "evals"))), evects)
+    """WKS at ``num_E`` energies, evenly from log λ_2 + 2σ to log λ_K - 2σ, with the width
+    σ = 7 (log λ_K - log λ_2) / num_E."""
+    evals, evects = _pairs(np.sort(np.abs(finite(evals, "evals"))), evects)
     _check_several(evals)
     num_E = count(num_E, "num_E")
     low, high = np.log(evals[1]), np.log(evals[-1])
@@ -45,7 +46,7 @@ def auto_WKS(evals, evects, num_E, scaled=True):
 
 
 def _pairs(evals, evects):
-    evals, evects = floats(evals, "evals").ravel(), floats(evects, "evects")
+    evals, evects = finite(evals, "evals").ravel(), finite(evects, "evects")
     if evects.ndim != 2 or evects.shape[1] != len(evals) or len(evals) == 0:
         raise InputError(f"eigenvectors of the shape {evects.shape} do not belong to {len(evals)} eigenvalues")
     return evals, evects

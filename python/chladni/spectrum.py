@@ -29,7 +29,7 @@ def mesh_laplacian(verts, faces, mollify_factor=1e-5):
         Positive semidefinite, nothing off the diagonal above zero, rows that sum to zero.
     M : (n, n) scipy.sparse.csc_matrix
         The mixed Voronoi areas on the diagonal (robust_laplacian has a third of the triangles' areas). A vertex that no
-        triangle uses has 1 in S and a thousandth of the least area in M, as in robust_laplacian.
+        triangle uses, or only a piece without area, has 1 in S and a thousandth of the least area in M, as in robust_laplacian.
     """
     return _matrices(*_chladni.mesh_laplacian(verts, faces, mollify_factor))
 
@@ -112,7 +112,7 @@ def eigsh(
     return_certificate : bool
         Returns the `Certificate` besides.
     threads : int, optional
-        All of the machine's unless given; the result does not depend on it.
+        All of the machine's unless given, at most 1024; the result does not depend on it.
     progress : callable, optional
         Called with (stage, done, total).
 

@@ -79,9 +79,12 @@ pub fn caricature<'py>(
         }
         let evaluation = stack.evaluate(&project);
         for layer in &evaluation.layers {
-            if layer.state != LayerState::Acts {
-                return Err(Failure::Input(format!("the caricature cannot be made: {:?}", layer.state)));
-            }
+            let why = match &layer.state {
+                LayerState::Acts => continue,
+                LayerState::Failed(why) => why.clone(),
+                state => format!("{state:?}"),
+            };
+            return Err(Failure::Input(format!("the caricature cannot be made: {why}")));
         }
         Ok((evaluation.file_positions(&body, &mesh.positions), warnings))
     })?;

@@ -1,19 +1,24 @@
 //! A basis in a folder, of which only a piece is in memory at a time.
 
+use std::path::PathBuf;
+
 use chladni_harmonics::{HarmonicsError, npz};
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 
 use crate::arrays::{self, give, give_matrix};
-use crate::failure::{Failure, missing};
+use crate::failure::{Failure, InputError, missing};
 use crate::work;
 
 /// A basis in a folder that ``chladni basis -o DIR/`` wrote, of which a few MiB are in memory at a time.
 ///
 /// ``StoredBasis(folder)`` reads eigenvalues and areas; harmonics are read whenever a signal is analyzed or
-/// synthesized. Rows are the vertices of the mesh's file, in its units.
+/// synthesized. Rows are the vertices of the mesh's file, in its units. A pickle or a copy holds the folder's path
+/// alone.
 #[pyclass(frozen, module = "chladni")]
 pub struct StoredBasis {
+    folder: PathBuf,
     stored: npz::StoredBasis,
     eigenvalues: Py<PyArray1<f64>>,
     mass: Py<PyArray1<f64>>,
@@ -23,7 +28,9 @@ pub struct StoredBasis {
 impl StoredBasis {
     #[new]
     fn new(py: Python<'_>, folder: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let folder = arrays::path(folder, "folder")?;
+        // Pieces are read later, when the program may be at work in another folder.
+        let folder = std::path::absolute(arrays::path(folder, "folder")?)
+            .map_err(|error| InputError::new_err(format!("folder: {error}")))?;
         let stored = npz::StoredBasis::open(&folder).map_err(|error| match &error {
             HarmonicsError::Stored { path, .. } if !path.exists() => missing(py, &error.to_string()),
             _ => Failure::from(error).into(),
@@ -33,7 +40,7 @@ impl StoredBasis {
         stored.operator_vertex().iter().flatten().for_each(|v| welded[*v as usize] += 1.0);
         let own = |v: &Option<u32>| v.map_or(0.0, |v| stored.mass()[v as usize] / welded[v as usize]);
         let mass = give(py, stored.operator_vertex().iter().map(own).collect()).unbind();
-        Ok(Self { stored, eigenvalues, mass })
+        Ok(Self { folder, stored, eigenvalues, mass })
     }
 
     #[getter]
@@ -71,6 +78,10 @@ impl StoredBasis {
         let columns = Columns::of(coefficients, "coefficients")?;
         let result = work::run(py, progress, |task| Ok(self.stored.synthesize(&columns.slices(), task)?))?;
         columns.given(py, result, self.stored.operator_vertex().len())
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> (Bound<'py, PyType>, (PathBuf,)) {
+        (slf.get_type(), (slf.get().folder.clone(),))
     }
 
     fn __repr__(&self) -> String {

@@ -27,6 +27,7 @@ def test_ranks_find_what_the_own_solver_finds(ball):
         ({"engine": "slepc", "ranks": 10**9}, "1000000000 ranks"),
         ({"engine": "slepc", "ranks": 4, "groups": 3}, "3 equal groups"),
         ({"engine": "slepc", "threads": 2}, "threads belongs to"),
+        ({"threads": 1025}, "1025 threads: at most 1024"),
         ({"engine": "slepc", "hosts": "/no/such/file"}, "/no/such/file"),
     ],
 )

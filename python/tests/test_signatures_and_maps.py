@@ -28,6 +28,26 @@ def test_signatures_are_the_sums_that_they_stand_for(basis):
             bad()
 
 
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_signatures_of_what_is_not_finite_are_refused(basis, bad):
+    w, h = basis.eigenvalues, basis.eigenvectors
+    bad_w, bad_h = np.append(w[:-1], bad), np.where(np.arange(40) == 7, bad, h)
+    refused = [
+        ("time_list", lambda: chladni.HKS(w, h, [0.1, bad])),
+        ("energy_list", lambda: chladni.WKS(w, h, [0.5, bad], 0.3)),
+    ]
+    for name, evals, evects in [("evals", bad_w, h), ("evects", w, bad_h)]:
+        refused += [
+            (name, lambda e=evals, v=evects: chladni.HKS(e, v, [0.1])),
+            (name, lambda e=evals, v=evects: chladni.WKS(e, v, [0.5], 0.3)),
+            (name, lambda e=evals, v=evects: chladni.auto_HKS(e, v, 3)),
+            (name, lambda e=evals, v=evects: chladni.auto_WKS(e, v, 3)),
+        ]
+    for name, call in refused:
+        with pytest.raises(chladni.InputError, match=f"{name} holds NaN or infinity"):
+            call()
+
+
 def test_a_shape_with_other_rows_is_mapped_to_itself(basis):
     h, mass = basis.eigenvectors, basis.mass
     order = np.random.default_rng(2).permutation(len(h))

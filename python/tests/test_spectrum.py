@@ -104,6 +104,7 @@ def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
         (dict(sigma=0, A=scipy.sparse.linalg.aslinearoperator(S)), "LinearOperator"),
         (dict(sigma=0, tol="a"), "tol is 'a'"),
         (dict(sigma=0, threads=0), "threads"),
+        (dict(sigma=0, threads=10**6), "1000000 threads: at most 1024"),
     ]
     for change, reason in refused:
         arguments = dict(A=S, k=12, M=M) | change

@@ -1,6 +1,8 @@
 """Bases in folders, read in pieces."""
 
+import copy
 import errno
+import pickle
 
 import chladni
 import numpy as np
@@ -30,6 +32,16 @@ def test_signals_are_taken_apart_and_put_together(tmp_path, pebble):
     assert np.allclose(read.synthesize([0, 0, 2.5]), 2.5 * h[:, 2])
     assert np.array_equal(read.synthesize(np.zeros((0, 2))), np.zeros((642, 2)))
     assert read.analyze(V[:, :0]).shape == (20, 0)
+
+
+def test_a_folder_is_found_from_another_one_and_after_pickling(tmp_path, ball, monkeypatch):
+    stored(tmp_path, *ball, 5)
+    monkeypatch.chdir(tmp_path.parent)
+    read = chladni.StoredBasis(tmp_path.name)
+    expected = read.analyze(ball[0])
+    monkeypatch.chdir("/")
+    for same in (read, pickle.loads(pickle.dumps(read)), copy.copy(read), copy.deepcopy(read)):
+        assert type(same) is chladni.StoredBasis and np.array_equal(same.analyze(ball[0]), expected)
 
 
 def test_what_does_not_fit_is_refused(tmp_path, ball):

@@ -95,6 +95,8 @@ def wrong_types():
         lambda: chladni.eigsh(np.eye(3), 2, sigma=0, progress=3),
         lambda: chladni.eigsh(np.eye(3), 2, sigma=0, tol="a"),
         lambda: chladni.caricature(V, F, k="a"),
+        lambda: chladni.caricature(np.array(3.0), F),
+        lambda: chladni.symmetry(np.array(3.0), F),
         lambda: chladni.caricature(V, F, k=2, model=3),
         lambda: chladni.caricature(V, F, k=2, template=[V, F, F]),
         lambda: chladni.match(V, F, V, F, method=None),
