@@ -79,8 +79,8 @@ fn of_the_program() -> Result<Vec<NamedSeed>, Box<dyn Error>> {
     let entry = fs::read_dir(folder.path())?.next().ok_or("an entry was made")??.path();
     let mut settings = Settings { zoom: 1.25, ..Settings::default() };
     settings.remember(Path::new("/somewhere/head.chladni"));
-    let film = "dance\nsample:octopus\nsong.flac\n--film\nout.mp4\n--size\n640x360\n--set\ngain=0.5\n";
-    let layers = "caricature\nhead.obj\n--template\nsphere\n--mu\n-2.5\n-o\nout.ply\n";
+    let film = "dance\nsample:octopus\nsong.flac\n-o\nout.mp4\n--size\n640x360\n--set\ngain=0.5\n";
+    let layers = "caricature\nhead.obj\nsphere\n--mu\n-2.5\n-o\nout.ply\n";
     Ok(vec![
         ("picture", "colors.png", colors.to_png()?),
         ("panorama", "colors.png", colors.to_png()?),
