@@ -150,21 +150,21 @@ class Work:
         said = self.said.read_text(encoding="utf-8", errors="replace").strip()
         if self.process.returncode:
             raise ValueError(said.splitlines()[-1] if said else "chladni ended without a word")
-        self.target = next((each for each in bpy.data.objects if each.session_uid == self.uid), None)
-        if self.target is None:
+        target = next((each for each in bpy.data.objects if each.session_uid == self.uid), None)
+        if target is None:
             raise ValueError("the object was deleted in the meantime")
-        if self.target.mode == "EDIT":
+        if target.mode == "EDIT":
             # Leaving it would write the mesh that is edited over the shape keys.
             raise ValueError("leave edit mode, and exaggerate again")
-        if len(self.target.data.vertices) != self.vertices:
+        if len(target.data.vertices) != self.vertices:
             raise ValueError("the mesh was changed in the meantime")
         layers = exchange.read_targets(self.result)
-        if self.target.data.shape_keys is None:
-            self.target.shape_key_add(name="Basis", from_mix=False)
-        rest = polygons(self.target.data)[0]
-        keys = self.target.data.shape_keys
+        if target.data.shape_keys is None:
+            target.shape_key_add(name="Basis", from_mix=False)
+        rest = polygons(target.data)[0]
+        keys = target.data.shape_keys
         names = distinct([self.name if len(layers) == 1 else f"{self.name}: {layer}" for layer, _ in layers])
-        made = json.loads(self.target.data.get(MADE, "{}"))
+        made = json.loads(target.data.get(MADE, "{}"))
         before = made.get(self.name, {})
         if any(keys.reference_key.name in (name, before.get(name)) for name in names):
             raise ValueError(f"“{keys.reference_key.name}” is the shape at rest: choose another name")
@@ -173,19 +173,19 @@ class Work:
             # Blender shortens long names.
             key = keys.key_blocks.get(before.get(name, name))
             if key is None or key.name in now.values():
-                key = self.target.shape_key_add(name=name, from_mix=False)
+                key = target.shape_key_add(name=name, from_mix=False)
             key.data.foreach_set("co", (rest + displacement).ravel())
             key.value = 1.0
             now[name] = key.name
-        self.put_away(before, now)
+        self.put_away(keys, before, now)
         made[self.name] = before | now
-        self.target.data[MADE] = json.dumps(made)
-        self.target.data.update()
+        target.data[MADE] = json.dumps(made)
+        target.data.update()
         return said
 
-    def put_away(self, before, now):
+    @staticmethod
+    def put_away(keys, before, now):
         """Sets the keys of an earlier run to 0 that this one has not renewed: they would add to the new ones."""
-        keys = self.target.data.shape_keys
         for name in set(before.values()) - set(now.values()):
             key = keys.key_blocks.get(name)
             if key is not None and key != keys.reference_key:

@@ -206,13 +206,16 @@ function keep(name, bytes) {
   if (requests.has(name)) wall.leave();
   for (const request of requests.get(name) ?? []) sitting.forget(request);
   requests.delete(name);
-  return state.layers.some(({ template }) => base(template) === name);
+  return comparedWith(name).length > 0;
 }
+
+/** The layers that are compared with this file. */
+const comparedWith = (name) => state?.layers.filter(({ template }) => base(template) === name) ?? [];
 
 /** Takes landmarks from the layers that are compared with this file, which is another one now: they are vertices of
  * the one before. Gives whether there were any. */
 function dropLandmarks(name) {
-  const marked = state.layers.filter(({ template, landmarks }) => base(template) === name && landmarks.length);
+  const marked = comparedWith(name).filter(({ landmarks }) => landmarks.length);
   for (const { id } of marked) { sitting.select(id); sitting.open_landmarks(""); }
   if (marked.length && state.selected !== null) sitting.select(state.selected);
   return marked.length > 0;
@@ -248,13 +251,13 @@ export async function takeMesh(name, bytes) {
     // Where the shape has stayed, its layers are matched anew.
     return isOther ? matchAnew() : undefined;
   }
-  const wanting = state?.layers.filter((layer) => layer.state === "failed" && base(layer.template) === name) ?? [];
+  const wanting = comparedWith(name).filter((layer) => layer.state === "failed");
   for (const layer of wanting) { sitting.select(layer.id); sitting.retry(); }
   if (isOther) say(`${name} is another file now: the layers that are compared with it are matched anew${without}.`);
   if (wanting.length || isOther) return matchAnew();
   if (waitsFor(name)) return say(`${name} is kept for ${waiting.name}, which is made on ${waiting.shape}: bring that mesh, too.`, false, 600);
   // Its turn among the matches has not come.
-  if (isNew && state?.layers.some((layer) => base(layer.template) === name)) return say(`${name} is kept for the layers that are compared with it.`);
+  if (isNew && comparedWith(name).length) return say(`${name} is kept for the layers that are compared with it.`);
   switch (sitting ? await whichOf(name) : "shape") {
     case "shape": return openShape(name, bytes);
     case "template": sitting.compare(name); return matchAnew();

@@ -46,7 +46,7 @@ export function hands(places, room) {
   };
   const move = (event) => {
     if (!viewer()) return;
-    // A menu of the browser has taken its release.
+    // No button is down any more: a menu of the browser got the release, so the drag ends here.
     if (event.pointerType === "mouse" && !event.buttons) end(event);
     if (!down.has(event.pointerId)) {
       if (event.target === places[0]) tool()?.hover(...at(event));

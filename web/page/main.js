@@ -1,5 +1,5 @@
 // The page: its front, the way into both rooms, and the files that are brought.
-import init, { kind, songs_in_list } from "./chladni_web.js";
+import init, { kind, songs_in_list, without_companions } from "./chladni_web.js";
 import { ask, compiled, giveUp } from "./work.js";
 import { openCard } from "./card.js";
 import { hands } from "./hands.js";
@@ -68,13 +68,10 @@ const open = attempt(async (brought) => {
   if (missing.length) throw new Error(`${lists[0].name}: a page finds no files by itself. Open these together with the list: ${missing.slice(0, 5).join(", ")}${missing.length > 5 ? `, and ${missing.length - 5} more` : ""}.`);
 });
 
-/** Endings of materials, buffers and pictures, which belong to the mesh that they came with. */
-const COMPANION = /\.(mtl|bin|png|jpe?g|webp|ktx2|bmp|gif|tga|tiff?|hdr)$/i;
-
 /** The files that are opened by themselves, as on the desktop. */
 function withoutCompanions(files) {
-  const hasShape = files.some(({ name }) => ["mesh", "project"].includes(kind(name)));
-  return hasShape ? files.filter(({ name }) => kind(name) !== "unknown" || !COMPANION.test(name)) : files;
+  const opened = without_companions(files.map(({ name }) => name));
+  return files.filter(({ name }) => opened.includes(name));
 }
 
 /** The meshes that came with a project, by their names. */

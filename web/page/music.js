@@ -386,7 +386,7 @@ function refresh() {
   // The plate at the front does not end a show that the room has left.
   if (isHere() && shows.draw(state.played)) {
     say("The show is over, and yours from here on.");
-    // It played its songs as it wanted them.
+    // The show had turned repeating off: what was chosen holds again.
     sound.setRepeats(player.isRepeated());
     // In place of live sound no song was known.
     if (sound.number < 0) hear();
@@ -458,7 +458,8 @@ function unpark() {
   atFront = undefined;
   const stood = plate.letGo();
   if (left) sound.seek(left.position);
-  if (left ?? stood) goOnFrom(left ?? stood);
+  const from = left ?? stood;
+  if (from) goOnFrom(from);
   if (stood) sound.playing = true;
   left = undefined;
 }

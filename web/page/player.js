@@ -97,7 +97,7 @@ const ofTheList = {
     }
     room.refresh();
   }),
-  reordered: () => prepareNext(),
+  reordered: prepareNext,
   louder: (volume) => room.sound.setVolume(volume),
   repeats: () => { if (!room.concert().plays_show()) room.sound.setRepeats(isRepeated()); },
 };

@@ -94,8 +94,8 @@ export function play(song, sound) {
   if (list.length > 1 && list[0].name === TUNE) list.shift();
 }
 
-/** Decodes what comes next, beside what plays, and keeps nothing else. What cannot be read is struck and reported to
- * `failed`, and the next is taken. */
+/** Decodes the next song while this one plays. One that was decoded earlier and no longer comes next is dropped. What cannot be
+ * read is struck and reported to `failed`, and the next is taken. */
 export function prepare(failed) {
   const song = playing && beside(playing, 1);
   if (ahead?.song === song) return;

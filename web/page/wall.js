@@ -12,7 +12,7 @@ let opening = false;
 /** Others are about to hang there. */
 let stepping = false;
 
-/** Does `act`, but not to figures that nobody has seen. */
+/** Does `act`, unless other figures are on their way: a press is meant for those that are seen. */
 const ofSeen = (act) => async (...args) => { if (!stepping) await act(...args); };
 
 /** Without its worker there is no gallery any more. */
@@ -34,6 +34,7 @@ function refresh() {
   of("gallery").setAttribute("aria-pressed", !!shown);
   room.sitting()?.redraw();
   if (!shown) return;
+  for (const item of shown.items) item.idle = stepping;
   of("wall-breed").textContent = shown.chosen ? `Breed ${shown.chosen}` : "Breed";
   of("wall-breed").disabled = !shown.chosen;
   of("wall-back").disabled = shown.first;
@@ -113,8 +114,7 @@ const choices = {
 /** Lays the buttons over the picture. */
 export function drawWall(width, height) {
   const cells = shown ? [...room.sitting().cells()] : [];
-  const items = shown?.items.map((item) => ({ ...item, idle: stepping })) ?? [];
-  drawCells(of("cells"), cells, items, width, height, choices);
+  drawCells(of("cells"), cells, shown?.items ?? [], width, height, choices);
 }
 
 /** Hangs others: children, those before, or new ones. */

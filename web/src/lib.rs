@@ -10,7 +10,7 @@
 
 #![cfg_attr(not(feature = "page"), allow(dead_code, reason = "the page reads what the worker's half writes"))]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 mod decode;
 mod gallery;
@@ -83,11 +83,19 @@ pub fn samples() -> Result<String, JsError> {
 #[wasm_bindgen]
 pub fn kind(name: &str) -> String {
     let path = Path::new(name);
-    let ending = path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
     match formats::kind(path) {
-        formats::Kind::Mesh if !formats::MESHES.contains(&ending.as_str()) => "unknown".to_owned(),
+        formats::Kind::Mesh if !formats::MESHES.contains(&formats::ending(path).as_str()) => {
+            "unknown".to_owned()
+        }
         kind => format!("{kind:?}").to_lowercase(),
     }
+}
+
+/// The names among these of files that are opened by themselves: what lies beside a shape is read with it.
+#[wasm_bindgen]
+pub fn without_companions(names: Vec<String>) -> Vec<String> {
+    let paths: Vec<PathBuf> = names.into_iter().map(PathBuf::from).collect();
+    formats::without_companions(&paths).iter().map(|path| path.to_string_lossy().into_owned()).collect()
 }
 
 /// The names of the songs in a list (M3U), without their folders.

@@ -179,17 +179,22 @@ export async function wholeFilms() {
   }
 }
 
+/** Enters the room, and asks for a film of a minute's song, 24 pictures a second. */
+async function asksForLongFilm(page) {
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus");
+  await drop(page, ["clicks.wav", song(60)]);
+  await until(page, () => document.getElementById("song").textContent === "clicks.wav");
+  await page.click("#film-song");
+  await page.selectOption("#film-rate", "24");
+}
+
 /** A film that is ended before its time has what is there by then; where no sound can be encoded it is silent, and says so. */
 export async function stoppedFilms() {
   for (const silent of [false, true]) {
     const prepare = silent ? () => { delete window.AudioEncoder; } : undefined;
     const { page, wrong, elsewhere } = await opened({ width: 1000, height: 700 }, false, { prepare });
-    await page.click("#enter");
-    await until(page, () => window.chladni.state.body === "sample:octopus");
-    await drop(page, ["clicks.wav", song(60)]);
-    await until(page, () => document.getElementById("song").textContent === "clicks.wav");
-    await page.click("#film-song");
-    await page.selectOption("#film-rate", "24");
+    await asksForLongFilm(page);
     await page.click("#film-begin");
     await until(page, () => /^Picture (2[4-9]|[3-9]\d|\d{3}) of/.test(document.getElementById("film-left").textContent));
     const film = readFileSync(await downloaded(page, "#film-keep"));
@@ -237,12 +242,7 @@ export async function brokenFilms() {
   };
   const { page, wrong, elsewhere } = await opened({ width: 1000, height: 700 }, false, { prepare });
   const says = (text) => until(page, (text) => document.getElementById("status").textContent === text, `The film ended early (${text}). Its part until then is among your downloads.`);
-  await page.click("#enter");
-  await until(page, () => window.chladni.state.body === "sample:octopus");
-  await drop(page, ["clicks.wav", song(60)]);
-  await until(page, () => document.getElementById("song").textContent === "clicks.wav");
-  await page.click("#film-song");
-  await page.selectOption("#film-rate", "24");
+  await asksForLongFilm(page);
   const film = readFileSync(await downloaded(page, "#film-begin"));
   await says("the encoder is tired");
   const [pictures] = pieces(film);

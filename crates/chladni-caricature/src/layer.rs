@@ -256,6 +256,9 @@ impl From<Template> for String {
 /// The largest |μ| that is accepted; the paper goes to 8.
 pub const MAX_MU: f64 = 100.0;
 
+/// μ of a new layer, and of one in a file that says none.
+pub(crate) const DEFAULT_MU: f64 = -0.5;
+
 impl Layer {
     /// A new layer with the defaults: coordinate model, μ = −0.5, everywhere, every scale.
     pub fn new(name: impl Into<String>, template: Template) -> Self {
@@ -265,7 +268,7 @@ impl Layer {
             matching: MatchSettings::default(),
             infill: 1.0,
             model: Model::Coordinate,
-            mu: -0.5,
+            mu: DEFAULT_MU,
             strength: 1.0,
             region: Region::default(),
             curve: ScaleCurve::default(),

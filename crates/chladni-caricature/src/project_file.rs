@@ -11,6 +11,7 @@ use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
 use self::paths::{folder_of, relative_text, resolved};
+use crate::layer::DEFAULT_MU;
 use crate::migration::{FORMAT_VERSION, USUAL_VERSION, migrate};
 use crate::project::DEFAULT_HARMONICS;
 use crate::{
@@ -114,7 +115,7 @@ fn default_model() -> Model {
     Model::Coordinate
 }
 fn default_mu() -> f64 {
-    -0.5
+    DEFAULT_MU
 }
 fn one() -> f64 {
     1.0

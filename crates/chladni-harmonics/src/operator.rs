@@ -51,7 +51,7 @@ impl Domain {
         if triangles.is_empty() {
             return Err(HarmonicsError::NoTriangle);
         }
-        let frame = Frame::of(mesh);
+        let frame = Frame::of_welded(mesh, &operator_vertex);
         for p in &mut positions {
             *p = frame.to_working(*p);
         }
@@ -102,8 +102,9 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
     Ok((stiffness, mass))
 }
 
-/// Gives vertices without a triangle, or only with triangles of parts without area or whose corners lie in one place, a 1 in S and a thousandth of
-/// the least area in M, as robust_laplacian does: they make no difference to others, and the pencil can be solved.
+/// Gives each vertex without area a 1 in S and a thousandth of the least area in M, as robust_laplacian does: the pencil
+/// can then be solved, and other vertices do not notice. Such a vertex has no triangle, or only collapsed ones and those of
+/// parts without area.
 fn fill_unused(stiffness: &mut SymmetricSparse, mass: &mut [f64]) {
     let least = mass.iter().copied().filter(|a| *a > 0.0).fold(f64::INFINITY, f64::min);
     for (v, own) in mass.iter_mut().enumerate().filter(|(_, own)| **own == 0.0) {

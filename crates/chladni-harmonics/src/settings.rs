@@ -27,9 +27,6 @@ impl std::fmt::Display for Laplacian {
     }
 }
 
-/// The largest number of worker threads that may be asked for.
-pub(crate) const MOST_THREADS: usize = 1024;
-
 /// How a basis is solved.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BasisSettings {
@@ -80,7 +77,7 @@ impl BasisSettings {
         std::env::temp_dir()
     }
 
-    /// K, or N if that is less, where the settings are possible.
+    /// K, or N if that is less.
     pub(crate) fn clamped(&self, vertices: usize) -> Result<usize, HarmonicsError> {
         match self.harmonics.min(vertices) {
             0 => Err(HarmonicsError::BadHarmonicCount { harmonics: self.harmonics, vertices }),

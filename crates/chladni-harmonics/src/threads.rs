@@ -2,7 +2,9 @@
 
 use crate::HarmonicsError;
 use crate::platform::HAS_THREADS;
-use crate::settings::MOST_THREADS;
+
+/// The largest number of threads that may be asked for.
+const MOST_THREADS: usize = 1024;
 
 /// Runs `work` on `threads` threads. `None` means the pool from which it is called, or all threads of the
 /// machine. If no thread can be started, the calling thread does all of the work.

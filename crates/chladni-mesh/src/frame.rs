@@ -18,9 +18,24 @@ impl Frame {
     /// A mesh without extent keeps scale 1. Triangles that [`weld`] leaves out do not count.
     pub fn of(mesh: &TriMesh) -> Self {
         // Most meshes have no triangle without area, and all of theirs count.
-        let welded = has_flat_triangle(&mesh.positions, &mesh.triangles).then(|| weld(mesh).operator_vertex);
-        let is_left_out = |v: u32| welded.as_ref().is_some_and(|rows| rows[v as usize].is_none());
-        let counts = |t: &&[u32; 3]| !is_collapsed(&mesh.positions, t) && !is_left_out(t[0]);
+        if has_flat_triangle(&mesh.positions, &mesh.triangles) {
+            return Self::of_welded(mesh, &weld(mesh).operator_vertex);
+        }
+        Self::of_those(mesh, |t| !is_collapsed(&mesh.positions, t))
+    }
+
+    /// [`of`](Self::of) a mesh whose [`weld`] has this `operator_vertex`.
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that is not there.
+    pub fn of_welded(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Self {
+        Self::of_those(mesh, |t| {
+            !is_collapsed(&mesh.positions, t) && operator_vertex[t[0] as usize].is_some()
+        })
+    }
+
+    /// The frame of the triangles that count.
+    fn of_those(mesh: &TriMesh, counts: impl Fn(&&[u32; 3]) -> bool + Copy) -> Self {
         let triangles = || mesh.triangles.iter().filter(counts);
         // Offsets from a vertex of the surface keep the sums accurate where the mesh lies far from the origin.
         let first = triangles().flatten().min();

@@ -45,7 +45,7 @@ impl Proxy {
         if welded.positions.len() < 2 * vertices {
             return None;
         }
-        let frame = crate::Frame::of(whole);
+        let frame = crate::Frame::of_welded(whole, &welded.operator_vertex);
         let rest: Vec<[f32; 3]> =
             welded.positions.par_iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
         let detail = crate::surface::details(&rest, &welded.triangles, &[vertices]).pop()?;
@@ -63,7 +63,7 @@ impl Proxy {
         }
         let triangles: Vec<[u32; 3]> =
             detail.triangles.iter().map(|t| t.map(|v| file_vertex[v as usize])).collect();
-        Some(Self::over(whole, &triangles))
+        Some(Self::between(whole, &triangles, &welded.operator_vertex))
     }
 
     /// The proxy with these `triangles` over vertices of `whole`, from whatever simplifies.
@@ -71,6 +71,11 @@ impl Proxy {
     /// # Panics
     /// If a triangle names a vertex that is not there.
     pub fn over(whole: &Arc<TriMesh>, triangles: &[[u32; 3]]) -> Self {
+        Self::between(whole, triangles, &weld(whole).operator_vertex)
+    }
+
+    /// The proxy with these `triangles` over vertices of `whole`, whose [`weld`] has this `operator_vertex`.
+    fn between(whole: &Arc<TriMesh>, triangles: &[[u32; 3]], operator_vertex: &[Option<u32>]) -> Self {
         let mut used = vec![false; whole.positions.len()];
         triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
         let whole_vertex: Vec<u32> = (0..).zip(&used).filter(|(_, used)| **used).map(|(v, _)| v).collect();
@@ -80,10 +85,9 @@ impl Proxy {
         let mesh = chosen(whole, &whole_vertex, triangles);
         let tree = TriangleTree::new(&mesh.positions, &mesh.triangles);
         // The vertices that the operator has are those of the surface: by place, and none of a collapsed triangle alone.
-        let seen = weld(whole).operator_vertex;
         let on_surface =
             |(p, seen): (&Vec3, &Option<u32>)| seen.and_then(|_| tree.closest(*p, f64::INFINITY));
-        let closest: Vec<_> = whole.positions.par_iter().zip(&seen).map(on_surface).collect();
+        let closest: Vec<_> = whole.positions.par_iter().zip(operator_vertex).map(on_surface).collect();
         let farthest =
             closest.par_iter().flatten().map(|c| c.distance_squared).reduce(|| 0.0, f64::max).sqrt();
         let on_proxy = closest.into_par_iter().map(|c| c.map(|c| c.on)).collect();

@@ -217,7 +217,7 @@ pub fn controls_page() -> String {
     let numbers = |target: Target| match target {
         Target::Parameter(parameter) => {
             let (low, high) = parameter.range();
-            format!("{low} to {high}; at first {}", begins.get(parameter))
+            format!("{low} to {high}; at first {}", parameter.initial())
         }
         Target::Switch(switch) => format!("0 or 1; at first {}", u8::from(begins.is_on(switch))),
         Target::Harmonics => "how many; 0 is all".into(),

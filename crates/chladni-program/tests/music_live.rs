@@ -54,6 +54,16 @@ impl Evening {
         Self { window, feed, fps, heard: 0, answers, _folder: folder }
     }
 
+    /// Saves the show, and reads it.
+    fn save_show(&mut self) -> (PathBuf, Show) {
+        let path = self._folder.path().join("set.toml");
+        self.answers.add(&path);
+        self.window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
+        wait(&mut self.window, "the show", |_| path.exists());
+        let show = Show::load(&path).unwrap();
+        (path, show)
+    }
+
     /// One step, with what `sound` says of each sample since the last one.
     fn step(&mut self, sound: impl Fn(usize) -> f32) {
         let count = (RATE_HZ / self.fps) as usize;
@@ -343,11 +353,7 @@ fn a_show_hears_live_input_again_from_its_recording() {
     (0..60).for_each(|_| evening.step(kick));
     evening.end_recording();
     (0..10).for_each(|_| evening.step(|_| 0.0));
-    let path = evening._folder.path().join("set.toml");
-    evening.answers.add(&path);
-    evening.window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
-    wait(&mut evening.window, "the show", |_| path.exists());
-    let show = Show::load(&path).unwrap();
+    let (path, show) = evening.save_show();
     assert_eq!(show.songs.len(), 1);
     assert!(film.ends_with(&show.songs[0].path), "{:?}", show.songs);
     let songs: Vec<Option<usize>> = show.heard.iter().map(|stretch| stretch.song).collect();
@@ -382,12 +388,8 @@ fn a_show_that_is_saved_while_its_recording_is_written_names_it() {
     let mut evening = Evening::begin(20, "", "");
     let film = evening.record();
     (0..20).for_each(|_| evening.step(kick));
-    let path = evening._folder.path().join("set.toml");
-    evening.answers.add(&path);
     control(&evening.window, "recording-end").click_accesskit();
-    evening.window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
-    wait(&mut evening.window, "the show", |_| path.exists());
-    let show = Show::load(&path).unwrap();
+    let (_, show) = evening.save_show();
     assert!(show.songs.iter().any(|song| film.ends_with(&song.path)), "{:?}", show.songs);
 }
 

@@ -1,9 +1,9 @@
 //! A copy of unsaved work that outlives a crash.
 //!
 //! A running program keeps the copy in a folder of its own, and holds a lock beside it. The system releases the
-//! lock when the process dies, for whatever reason; a copy whose lock is free was left by a crash. Where the file
-//! system has no locks, one that nobody wrote to for a minute was: there a program that is left alone for longer is taken
-//! for one that crashed, and a copy that is younger is offered when the next program begins.
+//! lock when the process dies, for whatever reason; a copy whose lock is free was left by a crash. Some file systems
+//! have no locks. There, a copy counts as left by a crash once nobody has written to it for a minute: a running program that
+//! is idle for longer is taken for a crashed one, and a younger copy is offered only at a later start.
 
 use std::fs::{File, TryLockError};
 use std::io;

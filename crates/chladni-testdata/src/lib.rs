@@ -50,6 +50,22 @@ pub fn program(name: &str) -> bool {
     is_there
 }
 
+/// An OBJ with the material `skin` of `library`; `across` says where across its texture, in [0, 1], a vertex is.
+pub fn textured_obj(
+    positions: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    library: &str,
+    across: impl Fn(&[f64; 3]) -> f64,
+) -> String {
+    let vertex = |p: &[f64; 3]| format!("v {} {} {}\nvt {} 0.5\n", p[0], p[1], p[2], across(p));
+    let face = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|v| v + 1);
+        format!("f {a}/{a} {b}/{b} {c}/{c}\n")
+    };
+    let rows = positions.iter().map(vertex).chain(triangles.iter().map(face));
+    std::iter::once(format!("mtllib {library}\nusemtl skin\n")).chain(rows).collect()
+}
+
 /// A number from the environment, such as how many cases a campaign tries; `usual` where it is not set.
 pub fn setting(name: &str, usual: u64) -> u64 {
     std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(usual)

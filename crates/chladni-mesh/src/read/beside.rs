@@ -36,17 +36,9 @@ pub(crate) fn read_within(folder: &Path, name: &str, most_bytes: u64) -> Result<
     let name = plain_name(name);
     let outside =
         || Err("it lies outside the folder of the mesh, which may name files in there only".to_owned());
-    let mut depth = 0i64;
-    for part in Path::new(&name).components() {
-        match part {
-            Component::Normal(_) => depth += 1,
-            Component::CurDir => {}
-            Component::ParentDir => depth -= 1,
-            Component::RootDir | Component::Prefix(_) => return outside(),
-        }
-        if depth < 0 {
-            return outside();
-        }
+    // A plain name has `..` only at its start.
+    if Path::new(&name).components().any(|part| !matches!(part, Component::Normal(_))) {
+        return outside();
     }
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let read = || -> io::Result<Option<Vec<u8>>> {

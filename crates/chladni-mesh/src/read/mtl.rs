@@ -14,42 +14,30 @@ use crate::{Material, Texture};
 /// The libraries that one statement is taken to name.
 const MOST_LIBRARIES: usize = 64;
 
-/// Reads what `mtllib` statements name into the materials that the faces of `draft` use: each a library whose name may hold
-/// blanks, or, where there is none, several. A library that is named again, as some programs do before each group, is read
-/// once. Unreadable parts are skipped and reported.
+/// Reads what `mtllib` statements name into the materials that the faces of `draft` use. A statement is first taken as one
+/// name, which may hold blanks; if there is no such file, as several names. A library that is named again, as some programs
+/// do before each group, is read once. Unreadable parts are skipped and reported.
 pub(crate) fn read_into(draft: &mut Draft, statements: &[String], beside: &Beside<'_>) {
     let (mut known, mut pictures) = (HashSet::new(), HashMap::new());
+    let mut read = |draft: &mut Draft, name: &str| -> Result<(), String> {
+        if known.insert(plain_name(name)) {
+            let bytes = beside(name)?;
+            read_library(draft, name, &bytes, &mut pictures, beside);
+        }
+        Ok(())
+    };
     for statement in statements {
-        if !known.insert(plain_name(statement)) {
-            continue;
-        }
-        let reason = match beside(statement) {
-            Ok(bytes) => {
-                read_library(draft, statement, &bytes, &mut pictures, beside);
-                continue;
-            }
-            Err(reason) => reason,
-        };
-        let mut found = false;
-        let mut missing = Vec::new();
+        let Err(reason) = read(draft, statement) else { continue };
         let names = statement.split_ascii_whitespace().filter(|name| *name != statement.as_str());
-        for name in names.take(MOST_LIBRARIES) {
-            if !known.insert(plain_name(name)) {
-                found = true;
-                continue;
-            }
-            match beside(name) {
-                Ok(bytes) => {
-                    found = true;
-                    read_library(draft, name, &bytes, &mut pictures, beside);
-                }
-                Err(reason) => missing.push(Mended::MissingFile(name.to_owned(), reason)),
-            }
+        let tried: Vec<_> = names.take(MOST_LIBRARIES).map(|name| (name, read(draft, name))).collect();
+        if tried.iter().any(|(_, outcome)| outcome.is_ok()) {
+            let missing = |(name, outcome): (&str, Result<(), String>)| {
+                Some(Mended::MissingFile(name.to_owned(), outcome.err()?))
+            };
+            draft.mended.extend(tried.into_iter().filter_map(missing));
+        } else {
+            draft.mended.push(Mended::MissingFile(statement.clone(), reason));
         }
-        if !found {
-            missing = vec![Mended::MissingFile(statement.clone(), reason)];
-        }
-        draft.mended.append(&mut missing);
     }
 }
 
@@ -65,10 +53,7 @@ fn read_library(
     let mut picture = |name: &str| {
         // Many materials may share one picture; it is read once.
         let path = plain_name(&folder.join(name.replace('\\', "/")).to_string_lossy());
-        let read = |path: &String| {
-            let bytes = beside(path)?;
-            if is_picture(&bytes) { Ok(Arc::from(bytes)) } else { Err("it is neither PNG nor JPEG".into()) }
-        };
+        let read = |path: &String| beside(path).and_then(|bytes| checked_picture(&bytes).map(Arc::from));
         pictures.entry(path).or_insert_with_key(read).clone()
     };
     let mut joined = Vec::new();
@@ -156,9 +141,10 @@ fn without_options(rest: &str) -> &str {
     rest
 }
 
-/// Whether `bytes` begin like a PNG or JPEG file.
-pub(crate) fn is_picture(bytes: &[u8]) -> bool {
-    bytes.starts_with(b"\x89PNG\r\n\x1a\n") || bytes.starts_with(b"\xff\xd8\xff")
+/// `bytes` if they begin like a PNG or JPEG file.
+pub(crate) fn checked_picture(bytes: &[u8]) -> Result<&[u8], String> {
+    let is_picture = bytes.starts_with(b"\x89PNG\r\n\x1a\n") || bytes.starts_with(b"\xff\xd8\xff");
+    if is_picture { Ok(bytes) } else { Err("it is neither PNG nor JPEG".to_owned()) }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
-use super::mtl::is_picture;
+use super::mtl::checked_picture;
 use super::ply_header::{Element, Encoding, Header, Property, Scalar};
 use super::text::Words;
 use crate::error::Fault;
@@ -54,9 +54,7 @@ pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
 }
 
 fn add_texture(draft: &mut Draft, name: String, beside: &Beside<'_>) {
-    let found = beside(&name).and_then(|bytes| {
-        if is_picture(&bytes) { Ok(Arc::from(bytes)) } else { Err("it is neither PNG nor JPEG".into()) }
-    });
+    let found = beside(&name).and_then(|bytes| checked_picture(&bytes).map(Arc::from));
     let bytes = found.unwrap_or_else(|reason| {
         draft.mended.push(Mended::MissingFile(name.clone(), reason));
         Arc::default()
@@ -206,7 +204,7 @@ impl Ply<'_> {
     fn vertices(&mut self, element: &Element) -> Result<(), Fault> {
         let (roles, mut attributes) = vertex_roles(&element.properties);
         for (i, axis) in ["x", "y", "z"].iter().enumerate() {
-            if !roles.iter().any(|r| matches!(r, Role::Position(j) if *j == i)) && element.count > 0 {
+            if !roles.contains(&Role::Position(i)) && element.count > 0 {
                 return Err(Fault::part("header", format!("the vertices have no property {axis}")));
             }
         }

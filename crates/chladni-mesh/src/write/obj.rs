@@ -1,6 +1,7 @@
 //! Wavefront OBJ and its material library.
 
 use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::fmt::Write;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -151,8 +152,9 @@ fn save_picture(path: &Path, stem: &str, name: &str, bytes: &[u8]) -> Result<Str
         .file_name()
         .map(|name| name.to_string_lossy().into_owned());
     let mut own = own.unwrap_or_else(|| "texture".into());
-    let ending = Path::new(&own).extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    if !["png", "jpg", "jpeg"].contains(&&*ending.to_ascii_lowercase()) {
+    let known =
+        |ending: &OsStr| ["png", "jpg", "jpeg"].iter().any(|known| ending.eq_ignore_ascii_case(known));
+    if !Path::new(&own).extension().is_some_and(known) {
         own.push_str(if bytes.starts_with(b"\x89PNG") { ".png" } else { ".jpg" });
     }
     let numbered = (1..MOST_NUMBERS).map(|i| format!("{stem}-{i}-{own}"));

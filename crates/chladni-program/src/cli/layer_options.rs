@@ -66,7 +66,7 @@ pub fn scaling(rigid: bool) -> Scaling {
     if rigid { Scaling::Rigid } else { Scaling::Free }
 }
 
-/// Project files hold no larger whole numbers.
+/// Reads a seed. Project files are TOML, whose whole numbers end at 2⁶³ − 1.
 fn seed(text: &str) -> Result<u64, Error> {
     let number = text.parse::<u64>().ok().filter(|seed| i64::try_from(*seed).is_ok());
     number.ok_or_else(|| Error::input(format_args!("must be a whole number from 0 to {}", i64::MAX)))

@@ -38,7 +38,7 @@ impl egui::Plugin for Ring {
     }
 
     fn on_end_pass(&mut self, ui: &mut egui::Ui) {
-        // In the next frame, Escape takes the focus away before anybody can ask for it.
+        // On Escape egui drops the focus at the start of the next frame, before a shortcut can see that a text field had it.
         let (is_in_text, kept) = (ui.ctx().text_edit_focused(), in_text(ui.ctx().viewport_id()));
         ui.ctx().data_mut(|data| data.insert_temp(kept, is_in_text));
         let focused = ui.memory(|memory| memory.focused()).filter(|_| self.by_keys);

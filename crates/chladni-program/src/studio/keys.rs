@@ -161,9 +161,12 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
+    const ROOMS: [&[Shortcut]; 5] =
+        [start::ALL, caricature::ALL, breeding::ALL, music::ALL, calibrating::ALL];
+
     #[test]
     fn no_key_does_two_things_in_one_place() {
-        for room in [start::ALL, caricature::ALL, breeding::ALL, music::ALL, calibrating::ALL] {
+        for room in ROOMS {
             let all = [window::ALL, view::ALL, room].concat();
             let mut seen = HashSet::new();
             for shortcut in all {
@@ -178,8 +181,7 @@ mod tests {
         let ctx = egui::Context::default();
         crate::studio::theme::install(&ctx);
         let _ = ctx.run_ui(egui::RawInput::default(), |_| {});
-        let rooms = [start::ALL, caricature::ALL, breeding::ALL, music::ALL, calibrating::ALL];
-        for shortcut in [window::ALL, view::ALL].into_iter().chain(rooms).flatten() {
+        for shortcut in [window::ALL, view::ALL].into_iter().chain(ROOMS).flatten() {
             let (text, font) = (shortcut.text(&ctx), egui::FontId::monospace(13.0));
             assert!(ctx.fonts_mut(|fonts| fonts.has_glyphs(&font, &text)), "{text}");
         }

@@ -150,6 +150,16 @@ pub fn is_edited(response: &egui::Response) -> bool {
     response.changed() && !is_only_left(response)
 }
 
+/// Shows a number with `control`, and keeps what it was edited to; whether it was.
+pub fn edit<N: Copy>(value: &mut N, control: impl FnOnce(&mut N) -> egui::Response) -> bool {
+    let mut edited = *value;
+    let is_edited = is_edited(&control(&mut edited));
+    if is_edited {
+        *value = edited;
+    }
+    is_edited
+}
+
 /// Whether a number was left in this frame, and nothing else happened to it.
 fn is_only_left(response: &egui::Response) -> bool {
     use egui::accesskit::Action::{Decrement, Increment, ReplaceSelectedText, SetValue};

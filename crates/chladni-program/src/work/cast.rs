@@ -44,14 +44,14 @@ impl Cast {
         self.project.as_ref().map_or_else(Vec::new, Project::files)
     }
 
-    /// Checks that a file written to `path` replaces no texture of its shape or of its project's templates.
+    /// Checks that no file written to `paths` replaces a texture of its shape or of its project's templates.
     ///
     /// # Errors
     /// As [`check_textures`].
-    pub fn check_textures(&self, path: &Path) -> Result<(), Error> {
+    pub fn check_textures(&self, paths: &[&Path]) -> Result<(), Error> {
         let layers = self.project.iter().flat_map(|project| project.layers());
         let templates = layers.map(|(_, layer)| &layer.template);
-        check_textures(path, (&self.shape, self.subject.whole()), templates)
+        check_textures(paths, (&self.shape, self.subject.whole()), templates)
     }
 
     /// How its project says that it stands.

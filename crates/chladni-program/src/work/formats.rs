@@ -39,7 +39,13 @@ pub enum Kind {
     Mesh,
 }
 
-fn ending(path: &Path) -> String {
+/// Whether the name of `path` has one of `endings`.
+pub fn ends_in(path: &Path, endings: &[&str]) -> bool {
+    path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
+}
+
+/// The ending of `path` in lower case; empty where it has none.
+pub fn ending(path: &Path) -> String {
     path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase())
 }
 
@@ -72,17 +78,18 @@ pub fn without_companions(paths: &[PathBuf]) -> Vec<PathBuf> {
     paths.iter().filter(|path| !has_shape || !is_companion(path)).cloned().collect()
 }
 
-/// Where a file is opened that is named as one that holds no shape; `None` where it may be a mesh.
-pub fn opened_elsewhere(path: &Path) -> Option<&'static str> {
-    match ending(path).as_str() {
-        named if COMPANIONS.contains(&named) => Some("is read with the mesh that names it: open that one"),
+/// Why a file that is named as one that holds no shape is not opened, and where it is; `None` where it may be a mesh.
+pub fn opened_elsewhere(path: &Path) -> Option<String> {
+    let why = match ending(path).as_str() {
+        named if COMPANIONS.contains(&named) => "is read with the mesh that names it: open that one",
         picture if PICTURES.contains(&picture) => {
-            Some("is a picture and no shape: a texture is read with the mesh that names it")
+            "is a picture and no shape: a texture is read with the mesh that names it"
         }
-        array if ARRAYS.contains(&array) => Some("is no shape: masks are opened under Region, Mask"),
-        LANDMARKS => Some("is no shape: landmarks are opened under Template, Landmarks"),
-        _ => None,
-    }
+        array if ARRAYS.contains(&array) => "is no shape: masks are opened under Region, Mask",
+        LANDMARKS => "is no shape: landmarks are opened under Template, Landmarks",
+        _ => return None,
+    };
+    Some(format!("{}: {why}", path.display()))
 }
 
 #[cfg(test)]

@@ -112,7 +112,7 @@ impl Picks {
                 if std::mem::replace(which.end_mut(landmark), vertex) == vertex {
                     return Ok(None);
                 }
-                (which == Which::Shape).then_some(index)
+                (which == Which::Shape).then_some(vertex)
             }
             Gesture::Remove(index) => {
                 if index >= landmarks.len() {
@@ -131,12 +131,12 @@ impl Picks {
                     }
                 };
                 landmarks.push(landmark);
-                Some(landmarks.len() - 1)
+                Some(landmark.shape)
             }
         };
         // An older project may hold two in one place already: they can be moved apart or removed.
-        if let Some(touched) = touched.and_then(|index| landmarks.get(index))
-            && landmarks.iter().filter(|landmark| landmark.shape == touched.shape).count() > 1
+        if let Some(touched) = touched
+            && landmarks.iter().filter(|landmark| landmark.shape == touched).count() > 1
         {
             return Err(Error::input("That vertex of the shape has a landmark already."));
         }

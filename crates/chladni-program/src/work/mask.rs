@@ -10,6 +10,8 @@ use chladni_mesh::{
     weld, write_mesh,
 };
 
+use super::formats::ends_in;
+use super::sculpture::leave_out_materials;
 use super::{Error, Subject};
 
 /// The default name of masks in archives and meshes.
@@ -112,21 +114,20 @@ fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Paint
     if let Some((vertex, value)) = values.iter().enumerate().find(|(_, x)| !(0.0..=1.0).contains(*x)) {
         return Err(Error::input(format_args!("a mask lies in [0, 1], at vertex {vertex} it is {value}")));
     }
-    let operator_vertex = weld(&subject.mesh).operator_vertex;
-    Ok(match &subject.proxy {
-        None => Painted::of_file(values.into_iter().map(|x| x as f32), &operator_vertex),
+    let own = weld(&subject.mesh).operator_vertex;
+    let operator_vertex: Vec<Option<u32>> = match &subject.proxy {
+        None => own,
         Some(proxy) => {
-            // Vertices in one place take the largest of theirs, as without a proxy.
+            // Each vertex of the whole shape is the one of the proxy in its place, if there is one.
             let place = places(&whole.positions);
-            let mut largest = vec![0.0_f32; vertices];
-            for (value, first) in values.into_iter().zip(&place) {
-                let own = &mut largest[*first as usize];
-                *own = own.max(value as f32);
+            let mut there = vec![None; vertices];
+            for (vertex, of) in proxy.whole_vertex().iter().zip(own) {
+                there[place[*vertex as usize] as usize] = of;
             }
-            let chosen = proxy.whole_vertex().iter().map(|v| largest[place[*v as usize] as usize]);
-            Painted::of_file(chosen, &operator_vertex)
+            place.iter().map(|first| there[*first as usize]).collect()
         }
-    })
+    };
+    Ok(Painted::of_file(values.into_iter().map(|x| x as f32), &operator_vertex))
 }
 
 /// Writes χ01 of a shape to `path`: an array, an archive with the array `mask`, a PLY with the attribute `mask`, or, as OBJ
@@ -194,8 +195,7 @@ fn mesh_with(values: Vec<f32>, subject: &Subject, format: Format, as_colors: boo
     if as_colors || format != Format::Ply {
         mesh.set_gray(&values, format);
         // Viewers would multiply the gray with their pictures, and an OBJ in memory has no library.
-        mesh.appearance.materials.clear();
-        mesh.appearance.face_materials.clear();
+        leave_out_materials(&mut mesh);
         mesh.appearance.uvs = None;
     } else {
         mesh.appearance.attributes.retain(|attribute| attribute.name != MASK);
@@ -209,8 +209,7 @@ fn mesh_with(values: Vec<f32>, subject: &Subject, format: Format, as_colors: boo
 /// # Errors
 /// [`Error::Input`] where not.
 pub fn check(path: &Path) -> Result<(), Error> {
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
-    match WRITTEN.contains(&&*ending) {
+    match ends_in(path, &WRITTEN) {
         true => Ok(()),
         false => Err(refused(path, format_args!("a mask ends in one of {}", WRITTEN.join(", ")))),
     }

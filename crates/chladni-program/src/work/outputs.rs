@@ -9,6 +9,7 @@ use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
 
+use super::formats::ends_in;
 use super::{Error, Warning};
 
 /// Pixels that a picture has at most: a drawing in ink takes some twenty bytes of memory for each.
@@ -170,23 +171,26 @@ pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(),
     Ok(())
 }
 
-/// Checks that the picture or film at `path` replaces no texture of a shape or of the meshes among `templates`.
+/// Checks that none of the pictures or films at `paths` replaces a texture of a shape or of the meshes among `templates`.
 ///
 /// # Errors
 /// [`Error::Input`], with the path.
 pub fn check_textures<'a>(
-    path: &Path,
+    paths: &[&Path],
     (shape, mesh): (&ShapeSource, &TriMesh),
     templates: impl Iterator<Item = &'a Template>,
 ) -> Result<(), Error> {
-    if !path.is_file() {
+    let there: Vec<&Path> = paths.iter().copied().filter(|path| path.is_file()).collect();
+    if there.is_empty() {
         return Ok(());
     }
-    shape.file().map_or(Ok(()), |file| check_no_texture(path, file, mesh))?;
+    let check =
+        |file: &Path, mesh: &TriMesh| there.iter().try_for_each(|path| check_no_texture(path, file, mesh));
+    shape.file().map_or(Ok(()), |file| check(file, mesh))?;
     for file in templates.filter_map(Template::file) {
         // One that cannot be read is reported by its layer.
         if let Ok(loaded) = ShapeSource::named(file).load(None) {
-            check_no_texture(path, file, &loaded.mesh)?;
+            check(file, &loaded.mesh)?;
         }
     }
     Ok(())
@@ -235,7 +239,7 @@ fn is_one_place(a: &Path, b: &Path) -> bool {
 }
 
 fn check_named(path: &Path, what: &str, endings: &[&str]) -> Result<(), Error> {
-    if !path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending))) {
+    if !ends_in(path, endings) {
         let listed = endings.join(" or .");
         return Err(Error::Input(format!("{}: {what} in .{listed}", path.display())));
     }

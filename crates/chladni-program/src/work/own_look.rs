@@ -136,7 +136,7 @@ fn tinted(mut picture: Picture, [r, g, b, _]: [f32; 4]) -> Picture {
 /// The linear-light color of `picture` at each vertex of `proxy`; `uvs` are those of the whole shape's triangles.
 fn sampled(proxy: &Proxy, uvs: &[[[f32; 2]; 3]], picture: &Picture) -> Vec<[f32; 4]> {
     let whole = proxy.whole();
-    // No triangle need use the one of several vertices in a place that is the proxy's.
+    // By place: where several vertices coincide, the one that the proxy kept may be in no triangle, and have none.
     let place = places(&whole.positions);
     let mut uv_of = vec![[0.0; 2]; place.len()];
     for (vertex, uv) in whole.triangles.as_flattened().iter().zip(uvs.as_flattened()) {

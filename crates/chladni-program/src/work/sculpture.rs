@@ -95,7 +95,7 @@ pub fn settled(stack: &mut Stack, project: &Project, watcher: &impl Watcher) -> 
 }
 
 /// Takes the materials out of a mesh beside which no library can be written; whether it had any.
-fn leave_out_materials(mesh: &mut TriMesh) -> bool {
+pub(super) fn leave_out_materials(mesh: &mut TriMesh) -> bool {
     mesh.appearance.face_materials.clear();
     !std::mem::take(&mut mesh.appearance.materials).is_empty()
 }

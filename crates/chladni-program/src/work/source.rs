@@ -108,10 +108,10 @@ pub fn song(
     Ok(song?)
 }
 
-/// Whether a song may have such a stretch.
+/// Checks that the start is not negative and that the duration, if given, is positive.
 ///
 /// # Errors
-/// [`Error::Input`] where none has.
+/// [`Error::Input`] otherwise.
 pub fn check_stretch(start_secs: f64, duration_secs: Option<f64>) -> Result<(), Error> {
     if !(start_secs.is_finite() && start_secs >= 0.0)
         || duration_secs.is_some_and(|d| !(d.is_finite() && d > 0.0))

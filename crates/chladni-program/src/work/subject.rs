@@ -94,8 +94,9 @@ impl Subject {
         Ok(Self::decided(mesh, project, false, watcher)?.0)
     }
 
-    /// As the project says, which is decided then: whole where it `needs_all` vertices or matches them one by one, from a
-    /// proxy, too, unless regions or landmarks are of that proxy. And whether it is another proxy than the project's.
+    /// The shape at the project's resolution. Without a stated one, a very large shape stays whole if all vertices are needed
+    /// (`needs_all`) or a layer matches vertex by vertex. Such a layer also replaces a stated proxy, unless `needs_all`: then
+    /// regions or landmarks name that proxy's vertices. Also returns whether the proxy differs from the project's.
     fn decided(
         mesh: TriMesh,
         project: &mut Project,
@@ -103,17 +104,16 @@ impl Subject {
         watcher: &impl Watcher,
     ) -> Result<(Self, bool), Error> {
         let matches = project.layers().iter().any(|(_, layer)| layer.matches_vertices());
-        let becomes_whole = match project.resolution {
-            Resolution::Usual => (needs_all || matches) && is_large(&mesh),
-            Resolution::Proxy(_) => matches && !needs_all,
-            Resolution::Whole => false,
-        };
-        if becomes_whole {
-            if matches!(project.resolution, Resolution::Proxy(_)) {
+        match project.resolution {
+            Resolution::Usual if (needs_all || matches) && is_large(&mesh) => {
+                project.resolution = Resolution::Whole;
+            }
+            Resolution::Proxy(_) if matches && !needs_all => {
                 let message = "a layer matches vertex by vertex: all vertices are taken";
                 watcher.warn(Warning::of(&project.shape, message));
+                project.resolution = Resolution::Whole;
             }
-            project.resolution = Resolution::Whole;
+            Resolution::Usual | Resolution::Proxy(_) | Resolution::Whole => {}
         }
         Self::at(&mut project.resolution, &project.shape, mesh, watcher)
     }

@@ -171,16 +171,8 @@ fn a_picture_may_show_the_template_as_a_ghost() {
 
 /// A lump with a texture, `anna.obj` and `anna.png`, in a folder of the desk; the texture's bytes.
 fn textured(desk: &Desk, folder: &str) -> Vec<u8> {
-    use std::fmt::Write;
     let mesh = lump(1.0);
-    let mut text = String::from("mtllib anna.mtl\nusemtl skin\n");
-    for [x, y, z] in &mesh.positions {
-        writeln!(text, "v {x} {y} {z}\nvt 0.5 0.5").unwrap();
-    }
-    for corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|v| v + 1);
-        writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}").unwrap();
-    }
+    let text = chladni_testdata::textured_obj(&mesh.positions, &mesh.triangles, "anna.mtl", |_| 0.5);
     let at = |name: &str| desk.path(folder).join(name);
     std::fs::create_dir_all(desk.path(folder)).unwrap();
     std::fs::write(at("anna.obj"), text).unwrap();

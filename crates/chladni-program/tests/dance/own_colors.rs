@@ -1,6 +1,5 @@
 //! Shapes that dance in the colors that they bring.
 
-use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
@@ -58,14 +57,8 @@ fn textured(folder: &Path) -> std::path::PathBuf {
     let skin = Picture { width: 2, height: 1, rgba: vec![230, 0, 0, 255, 0, 0, 230, 255] };
     std::fs::write(folder.join("skin.png"), skin.to_png().unwrap()).unwrap();
     std::fs::write(folder.join("skin.mtl"), "newmtl skin\nmap_Kd skin.png\n").unwrap();
-    let mut text = String::from("mtllib skin.mtl\nusemtl skin\n");
-    for [x, y, z] in &mesh.positions {
-        writeln!(text, "v {x} {y} {z}\nvt {} 0.5", if *x < 0.0 { 0.25 } else { 0.75 }).unwrap();
-    }
-    for corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|v| v + 1);
-        writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}").unwrap();
-    }
+    let across = |p: &[f64; 3]| if p[0] < 0.0 { 0.25 } else { 0.75 };
+    let text = chladni_testdata::textured_obj(&mesh.positions, &mesh.triangles, "skin.mtl", across);
     let path = folder.join("textured.obj");
     std::fs::write(&path, text).unwrap();
     path

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use chladni_program::studio::{Chooser, FileKind, Opening, Purpose, Request, Studio};
 use chladni_view::{Draw, Gpu};
 use eframe::wgpu;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, HarnessBuilder, Node};
 use painted::Painted;
 
@@ -112,6 +112,20 @@ pub fn drop_files(window: &mut Window, paths: &[PathBuf]) {
     window.run_steps(2);
 }
 
+/// The names of the numbers that Tab leads into.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn numbers_by_tab(window: &mut Window) -> std::collections::BTreeSet<String> {
+    let mut numbers = std::collections::BTreeSet::new();
+    for _ in 0..120 {
+        window.key_press(egui::Key::Tab);
+        window.run_steps(2);
+        let fields = window.get_all_by_role(egui::accesskit::Role::SpinButton);
+        let focused = fields.map(|field| field.accesskit_node()).filter(|field| field.is_focused());
+        numbers.extend(focused.filter_map(|field| field.label()));
+    }
+    numbers
+}
+
 /// A clock that stands still: no work takes any time, and a slow machine does not do less.
 #[allow(dead_code, reason = "each test program uses a part")]
 pub fn no_time() -> Instant {
@@ -202,8 +216,8 @@ pub fn shows(window: &Window, text: &str) -> bool {
     window.query_all_by_label_contains(text).next().is_some()
 }
 
-/// The frames within which whatever a test waits for happens, where it happens within [`HANGS`](chladni_testdata::HANGS):
-/// on a busy machine frames slow down, but not as much as the work does that is waited for.
+/// A wait fails only after this many frames and after [`HANGS`](chladni_testdata::HANGS): on a busy machine frames slow down,
+/// but less than the work that is waited for.
 const MOST_FRAMES: usize = 15_000;
 
 /// Steps until `ready`, as a person waits.

@@ -75,6 +75,11 @@ fn lump_of(mut mesh: TriMesh, size: f64) -> TriMesh {
     mesh
 }
 
+/// The pixels in which two pictures of one size differ visibly: edges may still be refined.
+pub fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
+    a.pixels().zip(b.pixels()).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 24)).count()
+}
+
 /// The window and the person in front of it.
 pub struct Person(pub Window);
 
@@ -105,6 +110,14 @@ impl Person {
     /// Drops files on the window, all at once.
     pub fn drop_files(&mut self, paths: &[PathBuf]) {
         driving::drop_files(&mut self.0, paths);
+    }
+
+    /// The part of the window at `area`, as it is painted.
+    pub fn picture_of(&mut self, area: Rect) -> image::RgbaImage {
+        let picture = self.0.render().unwrap();
+        let [x, y, width, height] =
+            [area.min.x, area.min.y, area.width(), area.height()].map(|side| side as u32);
+        image::imageops::crop_imm(&picture, x, y, width, height).to_image()
     }
 
     /// Clicks the control that is known as `id`.

@@ -12,17 +12,12 @@ pub fn packet(address: &str, value: f32) -> Vec<u8> {
 }
 
 /// Sends until the window shows `what`: loopback may lose a packet.
-fn send_until(window: &mut Window, port: u16, message: &[u8], what: &str) {
+pub fn send_until(window: &mut Window, port: u16, message: &[u8], what: &str) {
     let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    for _ in 0..10_000 {
+    wait(window, what, |window| {
         socket.send_to(message, (Ipv4Addr::LOCALHOST, port)).unwrap();
-        std::thread::sleep(std::time::Duration::from_millis(20));
-        window.run_steps(1);
-        if shows(window, what) {
-            return;
-        }
-    }
-    panic!("{what} is not shown");
+        shows(window, what)
+    });
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Knobs, keys, menus, controllers, and windows of every size.
 
+use super::clocks::{packet, send_until};
 use super::*;
 
 /// Pictures of the room on usual screens, and that nothing on them hangs over their edge.
@@ -61,18 +62,7 @@ fn a_fader_is_learned_over_osc_and_remembered() {
     // It may have to be scrolled to.
     control(&window, "learn/gain").click_accesskit();
     window.run_steps(2);
-    let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    // "/1/f" with one float, by the book: address, type tags, big-endian number.
-    let packet = [&b"/1/f\0\0\0\0,f\0\0"[..], &0.25f32.to_be_bytes()].concat();
-    for tries in 0.. {
-        assert!(tries < 10_000, "the fader is not learned");
-        socket.send_to(&packet, (Ipv4Addr::LOCALHOST, port)).unwrap();
-        std::thread::sleep(std::time::Duration::from_millis(20));
-        window.run_steps(1);
-        if shows(&window, "/1/f") {
-            break;
-        }
-    }
+    send_until(&mut window, port, &packet("/1/f", 0.25), "/1/f");
     window.run_steps(1);
     screenshot(&mut window, "window-music-remote.png");
     click(&mut window, "drawer/knobs");
@@ -149,13 +139,7 @@ fn looking_at_knobs_dances_and_voices_changes_none_of_them() {
         window.run_steps(2);
     }
     // Through all controls: into each number, and on without a change.
-    let mut numbers = std::collections::BTreeSet::new();
-    for _ in 0..120 {
-        window.key_press(Key::Tab);
-        window.run_steps(1);
-        let fields = window.get_all_by_role(Role::SpinButton).map(|field| field.accesskit_node());
-        numbers.extend(fields.filter(|field| field.is_focused()).filter_map(|field| field.label()));
-    }
+    let numbers = numbers_by_tab(&mut window);
     assert!(["Gain", "Side gain"].iter().all(|name| numbers.contains(*name)), "{numbers:?}");
     answers.add(path("after.toml"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::S);

@@ -2,6 +2,17 @@
 
 use super::*;
 
+/// A window whose ball dances, with the form of a film that is to be `film.gif` in the folder.
+fn asked_for_a_film(folder: &Path) -> Window {
+    let (answers, files) = (Answers::default(), ball_and_song(folder).to_vec());
+    answers.add(folder.join("film.gif"));
+    let chooser = Box::new(answers);
+    let mut window = enter(Opening { folders: folders(folder), chooser, files, ..Opening::default() });
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    window
+}
+
 #[test]
 fn what_dances_is_filmed_beside_the_window() {
     let folder = tempfile::tempdir().unwrap();
@@ -187,12 +198,7 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
 fn a_window_that_is_closed_while_it_films_waits_for_the_film() {
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("film.gif");
-    let (answers, files) = (Answers::default(), ball_and_song(folder.path()).to_vec());
-    let chooser = Box::new(answers.clone());
-    let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
-    answers.add(&film);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    window.run_steps(3);
+    let mut window = asked_for_a_film(folder.path());
     click(&mut window, "size/1280x720");
     click(&mut window, "fps/50");
     click(&mut window, "film-begin");
@@ -214,12 +220,7 @@ fn a_window_that_is_closed_while_it_films_waits_for_the_film() {
 #[test]
 fn a_film_that_ends_while_the_start_screen_is_there_is_announced() {
     let folder = tempfile::tempdir().unwrap();
-    let (answers, files) = (Answers::default(), ball_and_song(folder.path()).to_vec());
-    let chooser = Box::new(answers.clone());
-    let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
-    answers.add(folder.path().join("film.gif"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    window.run_steps(3);
+    let mut window = asked_for_a_film(folder.path());
     click(&mut window, "size/640x360");
     click(&mut window, "fps/12");
     click(&mut window, "film-begin");
@@ -234,12 +235,7 @@ fn a_film_that_ends_while_the_start_screen_is_there_is_announced() {
 #[test]
 fn the_form_of_a_film_that_cannot_be_stays_open() {
     let folder = tempfile::tempdir().unwrap();
-    let (answers, files) = (Answers::default(), ball_and_song(folder.path()).to_vec());
-    let chooser = Box::new(answers.clone());
-    let mut window = enter(Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() });
-    answers.add(folder.path().join("film.gif"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
-    window.run_steps(3);
+    let mut window = asked_for_a_film(folder.path());
     click(&mut window, "fps/60");
     click(&mut window, "film-begin");
     wait(&mut window, "the reason", |w| shows(w, "at most 50 frames"));

@@ -27,8 +27,8 @@ use chladni_music::{Preset, Show};
 use chladni_program::studio::{Folders, Handover, Opening, Trace};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{
-    Answers, Window, control, drop_files, is_there, lose, meanwhile, no_time, open, open_with,
-    open_with_device, screenshot, shows, takes_pictures, wait,
+    Answers, Window, control, drop_files, is_there, lose, meanwhile, no_time, numbers_by_tab, open,
+    open_with, open_with_device, screenshot, shows, takes_pictures, wait,
 };
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};

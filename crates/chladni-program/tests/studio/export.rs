@@ -90,18 +90,9 @@ fn from_two_meshes_to_sliders_in_another_program() {
 
 #[test]
 fn an_export_in_ink_offers_no_background_and_none_replaces_a_texture() {
-    use std::fmt::Write;
-
     let desk = Desk::new();
     let mesh = load_mesh(&desk.path("shape.obj")).unwrap().mesh;
-    let mut text = String::from("mtllib skin.mtl\nusemtl skin\n");
-    for [x, y, z] in &mesh.positions {
-        writeln!(text, "v {x} {y} {z}\nvt 0.5 0.5").unwrap();
-    }
-    for corners in &mesh.triangles {
-        let [a, b, c] = corners.map(|v| v + 1);
-        writeln!(text, "f {a}/{a} {b}/{b} {c}/{c}").unwrap();
-    }
+    let text = chladni_testdata::textured_obj(&mesh.positions, &mesh.triangles, "skin.mtl", |_| 0.5);
     std::fs::write(desk.path("textured.obj"), text).unwrap();
     std::fs::write(desk.path("skin.mtl"), "newmtl skin\nmap_Kd skin.png\n").unwrap();
     let skin = chladni_view::Picture::filled(2, 2, [200, 90, 60, 255]).to_png().unwrap();

@@ -6,9 +6,10 @@ use chladni_caricature::{Project, ShapeSource};
 use chladni_mesh::save_mesh;
 use chladni_program::studio::{FirstPicture, Opening};
 use egui::Key;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
+use crate::driving::numbers_by_tab;
 use crate::driving::person::{self, Desk, HARMONICS, Person};
 
 #[test]
@@ -64,13 +65,7 @@ fn a_project_that_is_only_looked_at_has_nothing_to_save() {
     person.wait_to_see("Softness");
     person.0.run_steps(5);
     // Through all controls: into each number, and on without a change.
-    let mut numbers = std::collections::BTreeSet::new();
-    for _ in 0..120 {
-        person.press(Key::Tab);
-        let fields = person.0.get_all_by_role(egui::accesskit::Role::SpinButton);
-        let focused = fields.map(|field| field.accesskit_node()).filter(|field| field.is_focused());
-        numbers.extend(focused.filter_map(|field| field.label()));
-    }
+    let numbers = numbers_by_tab(&mut person.0);
     assert!(["Strength", "Softness"].iter().all(|name| numbers.contains(*name)), "{numbers:?}");
     person.close();
     assert!(!person.sees("Save before closing?"));

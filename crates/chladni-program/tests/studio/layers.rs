@@ -7,7 +7,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
 use crate::driving;
-use crate::driving::person::{Desk, Person, finer_lump};
+use crate::driving::person::{Desk, Person, differing, finer_lump};
 
 #[test]
 fn landmarks_are_picked_moved_removed_saved_and_read() {
@@ -125,15 +125,7 @@ fn what_is_typed_moves_no_camera_of_the_landmarks() {
     let side = person.place_of("landmarks/shape");
     person.0.hover_at(side.center());
     person.0.run_steps(20);
-    let seen = |person: &mut Person| {
-        let picture = person.0.render().unwrap();
-        let (at, size) = (side.min + vec2(0.0, 40.0), side.size() - vec2(0.0, 80.0));
-        image::imageops::crop_imm(&picture, at.x as u32, at.y as u32, size.x as u32, size.y as u32).to_image()
-    };
-    // Pixels; edges may still be refined.
-    let differing = |a: &image::RgbaImage, b: &image::RgbaImage| {
-        a.pixels().zip(b.pixels()).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 24)).count()
-    };
+    let seen = |person: &mut Person| person.picture_of(side.shrink2(vec2(0.0, 40.0)));
     let fitted = seen(&mut person);
     person.0.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,

@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
 use crate::driving;
-use crate::driving::person::{Desk, Person};
+use crate::driving::person::{Desk, Person, differing};
 
 /// The layers as they are saved now.
 fn saved(desk: &Desk, person: &mut Person) -> Vec<chladni_caricature::Layer> {
@@ -269,17 +269,12 @@ fn the_camera_comes_forward_again_when_an_exaggeration_is_undone() {
     person.wait_to_see("No folds");
     person.slide("μ", -0.5);
     person.0.run_steps(5);
-    let middle = |person: &mut Person| {
-        let picture = person.0.render().unwrap();
-        image::imageops::crop_imm(&picture, 500, 200, 300, 400).to_image()
-    };
+    let area = egui::Rect::from_min_size(pos2(500.0, 200.0), vec2(300.0, 400.0));
+    let middle = |person: &mut Person| person.picture_of(area);
     let before = middle(&mut person);
     person.slide("μ", -40.0);
     person.0.run_steps(5);
-    // Pixels, of 120,000; edges may still be refined.
-    let differing = |a: &image::RgbaImage, b: &image::RgbaImage| {
-        a.pixels().zip(b.pixels()).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 24)).count()
-    };
+    // Of 120,000.
     assert!(differing(&middle(&mut person), &before) > 20_000);
     person.press_with(CTRL, Key::Z);
     person.0.run_steps(10);

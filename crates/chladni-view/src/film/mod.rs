@@ -72,6 +72,9 @@ pub enum FilmFormat {
 }
 
 impl FilmFormat {
+    /// The most frames a second that a GIF shows.
+    pub const GIF_MOST_FPS: u32 = 50;
+
     /// By the ending of `path`: `.mp4`, `.gif`, `.png` or `.apng`, and none for a folder.
     ///
     /// # Errors
@@ -129,10 +132,11 @@ impl FilmSettings {
     /// [`ViewError::Size`], and [`ViewError::Film`] for a rate or a size that the format does not know.
     pub fn check_for(&self, format: FilmFormat) -> Result<(), ViewError> {
         self.check()?;
-        let fast = u64::from(self.rate.numerator) > 50 * u64::from(self.rate.denominator);
+        let most = u64::from(FilmFormat::GIF_MOST_FPS);
+        let fast = u64::from(self.rate.numerator) > most * u64::from(self.rate.denominator);
         match format {
             FilmFormat::Gif if fast => {
-                Err(ViewError::Film("a GIF shows at most 50 frames per second".into()))
+                Err(ViewError::Film(format!("a GIF shows at most {most} frames per second")))
             }
             FilmFormat::Mp4 if self.width < 2 || self.height < 2 => {
                 Err(ViewError::Film("an MP4 needs at least 2×2 pixels".into()))

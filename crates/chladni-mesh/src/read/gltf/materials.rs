@@ -11,7 +11,7 @@ use crate::read::Mended;
 use crate::read::beside::{Beside, plain_uri};
 use crate::read::gltf_buffers::Buffers;
 use crate::read::gltf_json::{Material as JsonMaterial, TextureSource};
-use crate::read::mtl::is_picture;
+use crate::read::mtl::checked_picture;
 use crate::{Material, Texture};
 
 /// The pictures read so far, by where they are from, since many images may share one.
@@ -79,11 +79,11 @@ impl<'a> Scene<'a> {
         }
         let picture: Result<Arc<[u8]>, String> = match view {
             Some((_, view)) => view.map_err(|fault| fault.reason).and_then(|(data, _)| {
-                let left = pictures.left.checked_sub(checked(data)?.len());
+                let left = pictures.left.checked_sub(checked_picture(data)?.len());
                 pictures.left = left.ok_or("it shares its bytes with other pictures")?;
                 Ok(Arc::from(data))
             }),
-            None => Buffers::uri(uri, beside).and_then(|bytes| checked(&bytes).map(Arc::from)),
+            None => Buffers::uri(uri, beside).and_then(|bytes| checked_picture(&bytes).map(Arc::from)),
         };
         let bytes = picture.unwrap_or_else(|reason| {
             self.draft.mended.push(Mended::MissingFile(name.clone(), reason));
@@ -92,9 +92,4 @@ impl<'a> Scene<'a> {
         pictures.known.insert(from, bytes.clone());
         Some(Texture { name, bytes })
     }
-}
-
-/// `bytes` if they are a picture's.
-fn checked(bytes: &[u8]) -> Result<&[u8], String> {
-    if is_picture(bytes) { Ok(bytes) } else { Err("it is neither PNG nor JPEG".to_owned()) }
 }

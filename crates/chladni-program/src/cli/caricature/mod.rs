@@ -218,7 +218,7 @@ impl Caricature {
         project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
         let subject = Subject::of(&mut project, terminal)?;
         let mesh = &subject.mesh;
-        check_textures(output, (&project.shape, subject.whole()), self.template.iter())?;
+        check_textures(&[output.as_path()], (&project.shape, subject.whole()), self.template.iter())?;
         let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
@@ -295,9 +295,8 @@ fn finish(
 ) -> Result<(), Error> {
     let Pictures { path, turntable, portrait, sheet, ink } = pictures;
     let templates = project.layers().iter().map(|(_, layer)| &layer.template);
-    for path in path.into_iter().chain(turntable.turntable.as_deref()) {
-        check_textures(path, (shape, subject.whole()), templates.clone())?;
-    }
+    let paths: Vec<&Path> = path.into_iter().chain(turntable.turntable.as_deref()).collect();
+    check_textures(&paths, (shape, subject.whole()), templates)?;
     let name = shape.to_string();
     let (body, _) = body::build(&name, &subject.mesh, project.harmonics, project.laplacian, terminal)?;
     let mut made = make(subject, Arc::new(body), project, false, terminal)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::Template;
 use chladni_mesh::Format;
 use chladni_task::write_atomic;
-use chladni_view::{Background, FilmSettings, FrameRate, ffmpeg_is_there};
+use chladni_view::{Background, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::CaricatureRoom;
@@ -20,9 +20,8 @@ use crate::studio::theme;
 use crate::work::outputs::{check_apart, check_size, check_textures};
 use crate::work::{Error, Warning};
 
-/// The most frames a second that are offered, and those that a GIF can show.
+/// The most frames a second that are offered.
 const MOST_FPS: u32 = 60;
-const GIF_MOST_FPS: u32 = 50;
 
 /// The note while layers wait for matches.
 const STILL_WORKING: &str =
@@ -173,10 +172,7 @@ impl CaricatureRoom {
         let extension = what.extension();
         let suggested = session.beside_named("caricature", extension);
         let (kind, endings) = (extension.to_uppercase(), what.endings());
-        let fits = |path: &Path| {
-            path.extension().is_some_and(|own| endings.iter().any(|ending| own.eq_ignore_ascii_case(ending)))
-        };
-        let asked = ask_where_to_save(shared.chooser, &[(&kind, &[extension])], fits, &suggested);
+        let asked = ask_where_to_save(shared.chooser, &[(&kind, &[extension])], endings, &suggested);
         let Some(path) = asked else { return };
         if let Err(why) = check_apart(&path, &session.project().files()) {
             return shared.notices.failed(why);
@@ -394,7 +390,7 @@ impl Export {
     }
 
     fn most_fps(&self) -> u32 {
-        if self.what == What::Gif { GIF_MOST_FPS } else { MOST_FPS }
+        if self.what == What::Gif { FilmFormat::GIF_MOST_FPS } else { MOST_FPS }
     }
 
     fn length_choice(&mut self, ui: &mut Ui, weak: egui::Color32) {
@@ -418,7 +414,7 @@ fn sparing_textures(session: &Session) -> impl Fn(&Path) -> Result<(), Error> + 
     let project = session.project();
     let (shape, subject) = (project.shape.clone(), session.subject.clone());
     let templates: Vec<Template> = project.layers().iter().map(|(_, layer)| layer.template.clone()).collect();
-    move |path| check_textures(path, (&shape, subject.whole()), templates.iter())
+    move |path| check_textures(&[path], (&shape, subject.whole()), templates.iter())
 }
 
 /// A name for a file made from `path`, such as `igea-caricature.glb`.
@@ -436,7 +432,7 @@ mod tests {
         let ctx = egui::Context::default();
         theme::install(&ctx);
         let mut export = Export { fps: MOST_FPS, ffmpeg: Some(true), ..Export::default() };
-        for (what, fps) in [(What::Mp4, MOST_FPS), (What::Gif, GIF_MOST_FPS)] {
+        for (what, fps) in [(What::Mp4, MOST_FPS), (What::Gif, FilmFormat::GIF_MOST_FPS)] {
             export.what = what;
             let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
                 export.choices(ui, false);

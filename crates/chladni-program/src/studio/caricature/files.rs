@@ -24,22 +24,22 @@ use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::unsaved::{Answer, Question};
-use crate::work::formats::{MESHES, PROJECT, is_project, opened_elsewhere, without_companions};
+use crate::work::formats::{MESHES, PROJECT, ends_in, is_project, opened_elsewhere, without_companions};
 use crate::work::{Error, layer_against};
 
-/// Asks where to save a file of any of `kinds`. Its name gets the first one's ending unless it `fits` already: `igea 1.2`
-/// has an extension, but not ours.
+/// Asks where to save a file of any of `kinds`. Its name gets the first one's ending unless it has one of `endings`
+/// already: `igea 1.2` has an extension, but not ours.
 pub(super) fn ask_where_to_save(
     chooser: &mut dyn Chooser,
     kinds: &[FileKind<'_>],
-    fits: impl Fn(&Path) -> bool,
+    endings: &[&str],
     suggested: &Path,
 ) -> Option<PathBuf> {
     let ending = kinds.first()?.1.first()?;
     let mut suggested = suggested.to_owned();
     let mut choose = |suggested: &Path| {
         let chosen = chooser.save(kinds, suggested)?;
-        if fits(&chosen) {
+        if ends_in(&chosen, endings) {
             return Some((chosen, false));
         }
         let mut name = chosen.into_os_string();
@@ -86,14 +86,10 @@ impl CaricatureRoom {
 
     /// The meshes and projects among `paths`; of other files, it says where they are opened.
     fn shapes_among(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) -> Vec<PathBuf> {
-        let mut shapes = without_companions(paths);
-        let mut others = Vec::new();
-        shapes.retain(|path| {
-            let elsewhere = opened_elsewhere(path);
-            others.extend(elsewhere.map(|why| format!("{}: {why}", path.display())));
-            elsewhere.is_none()
-        });
-        for why in others {
+        let opened = without_companions(paths).into_iter();
+        let (shapes, others): (Vec<PathBuf>, Vec<PathBuf>) =
+            opened.partition(|path| opened_elsewhere(path).is_none());
+        for why in others.iter().filter_map(|path| opened_elsewhere(path)) {
             if shapes.is_empty() {
                 self.refuse(Error::Input(why), shared);
             } else {
@@ -198,7 +194,7 @@ impl CaricatureRoom {
         let known = session.path.clone().filter(|_| !ask);
         let suggested = session.beside(PROJECT);
         let kinds: &[FileKind<'_>] = &[("Chladni project", &[PROJECT])];
-        let chosen = known.or_else(|| ask_where_to_save(shared.chooser, kinds, is_project, &suggested));
+        let chosen = known.or_else(|| ask_where_to_save(shared.chooser, kinds, &[PROJECT], &suggested));
         let Some(path) = chosen else { return false };
         match save_to(session, &path) {
             Ok(()) => {

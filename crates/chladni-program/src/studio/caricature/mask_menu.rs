@@ -1,7 +1,5 @@
 //! Regions read from files or from the shape's own numbers, and written to files.
 
-use std::path::Path;
-
 use chladni_caricature::{Action, Bend, Curved, LayerId, PaintEdit, Painted};
 use chladni_mesh::Format;
 use egui::{RichText, Ui};
@@ -115,9 +113,8 @@ pub fn fulfil(
 fn save(layer: LayerId, session: &Session, shared: &mut Shared<'_>) -> Result<(), Error> {
     let kinds = mask::WRITTEN.map(|ending| (ending.to_uppercase(), [ending]));
     let kinds: Vec<(&str, &[&str])> = kinds.iter().map(|(name, endings)| (&**name, &endings[..])).collect();
-    let is_written = |path: &Path| mask::check(path).is_ok();
     let suggested = session.beside_named("mask", "npy");
-    let asked = ask_where_to_save(shared.chooser, &kinds, is_written, &suggested);
+    let asked = ask_where_to_save(shared.chooser, &kinds, &mask::WRITTEN, &suggested);
     let Some(path) = asked else { return Ok(()) };
     check_apart(&path, &session.project().files())?;
     let painted = session.project().layer(layer).map_or(Painted::Everywhere, |l| l.region.painted.clone());

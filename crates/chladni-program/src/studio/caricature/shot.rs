@@ -113,8 +113,7 @@ impl Shot {
         let buffers = self.upload()?;
         let mut start = self.camera;
         let points: Vec<[f32; 3]> = self.poses.iter().flat_map(|(positions, _)| positions).copied().collect();
-        let aspect = self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        start.fit_turntable(&points, aspect, 0.92);
+        start.fit_turntable(&points, self.narrowest(width, height), 0.92);
         let film = Film::create(path, settings)?;
         film::shoot(&mut Renderer::new(&self.device), &canvas, film, task, |renderer, canvas, frame| {
             let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
@@ -134,10 +133,14 @@ impl Shot {
     /// The viewer's camera, with a wider angle where the picture's cells are narrower than the view: the angle is that from
     /// bottom to top, and from side to side all stays in sight.
     fn seen_in(&self, width: u32, height: u32) -> Camera {
-        let narrowest = self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        let wider = (self.aspect / narrowest).max(1.0);
+        let wider = (self.aspect / self.narrowest(width, height)).max(1.0);
         let fov_y_rad = 2.0 * ((0.5 * self.camera.fov_y_rad).tan() * wider).atan();
         if wider > 1.0 { Camera { fov_y_rad, ..self.camera } } else { self.camera }
+    }
+
+    /// Width by height of its narrowest cell.
+    fn narrowest(&self, width: u32, height: u32) -> f32 {
+        self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min)
     }
 
     fn cells(&self, width: u32, height: u32) -> Vec<Rect> {

@@ -280,23 +280,20 @@ fn take_look(concert: &mut Concert, shared: &mut Shared<'_>) {
 
 /// Chooses a look, or a part of one; false where there is none of that name or number.
 fn choose_look(target: Target, which: &Which, concert: &mut Concert, shared: &mut Shared<'_>) -> bool {
-    let mut looks = look::seen(concert.instrument(), shared.settings.music.looks());
+    let looks = look::seen(concert.instrument(), shared.settings.music.looks());
     let names = names(target);
     let now = chosen(target, &looks).and_then(|now| names.iter().position(|name| name == now));
     let Some(name) = pick(&names, now, which).and_then(|at| names.get(at)) else { return false };
     let name = (*name).to_owned();
     take_look(concert, shared);
+    let music = &mut shared.settings.music;
     match target {
-        Target::Look => {
-            shared.settings.music.put_on(name);
-            return true;
-        }
-        Target::Palette => looks.palette = name,
-        Target::Material => looks.material = name,
-        Target::Lights => looks.lights = name,
-        _ => looks.background = name,
+        Target::Look => music.put_on(name),
+        Target::Palette => music.palette = name,
+        Target::Material => music.material = name,
+        Target::Lights => music.lights = name,
+        _ => music.background = name,
     }
-    shared.settings.music.look_like(&looks);
     true
 }
 

@@ -153,13 +153,10 @@ impl Projection {
         let tip = "On stage, drag the corners of the picture onto those of the wall; arrows move the one that has the focus";
         theme::checkbox(ui, adjusts, "Move the corners").on_hover_text(tip);
         for (trim, name) in self.trim.iter_mut().zip(["Red", "Green", "Blue"]) {
-            let mut share = *trim;
-            let slider = theme::slider(&mut share, 0.0..=1.0).fixed_decimals(2);
-            if theme::is_edited(&theme::row(ui, name, "How bright this color is on stage", |ui| {
-                ui.add(slider)
-            })) {
-                *trim = share;
-            }
+            theme::edit(trim, |share| {
+                let slider = theme::slider(share, 0.0..=1.0).fixed_decimals(2);
+                theme::row(ui, name, "How bright this color is on stage", |ui| ui.add(slider))
+            });
         }
         let reset = ui
             .add_enabled(*self != Self::default(), egui::Button::new("As it is"))

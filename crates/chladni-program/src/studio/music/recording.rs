@@ -18,14 +18,13 @@ const STILL_WRITTEN: &str = "The last recording is still being written: try agai
 impl MusicRoom {
     /// Asks where to record the set; or ends a recording.
     pub(super) fn record(&mut self, shared: &mut Shared<'_>) {
+        if self.end_recording(shared) {
+            return;
+        }
         let (Some(concert), Some(_)) = (&self.concert, &self.listening) else { return };
-        match concert.outgoing.recorder.as_ref().map(Recorder::ends) {
-            Some(true) => return shared.notices.warn(STILL_WRITTEN),
-            Some(false) => {
-                self.end_recording(shared);
-                return;
-            }
-            None => {}
+        // One that is left ends already.
+        if concert.outgoing.recorder.is_some() {
+            return shared.notices.warn(STILL_WRITTEN);
         }
         if !ffmpeg_is_there() {
             shared.notices.failed(ViewError::NoFfmpeg);

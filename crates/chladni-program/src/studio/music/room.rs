@@ -182,7 +182,7 @@ impl Room for MusicRoom {
                 Kind::Song => songs.push(path.clone()),
                 Kind::Project | Kind::Mesh | Kind::List => {
                     if let Some(why) = formats::opened_elsewhere(path) {
-                        shared.notices.warn(format!("{}: {why}", path.display()));
+                        shared.notices.warn(why);
                         continue;
                     }
                     if let Some((show, _)) = self.coming.take() {

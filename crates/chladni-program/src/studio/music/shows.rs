@@ -17,8 +17,6 @@ use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
 use crate::work::{Error, cautions, playlist, refer, refer_looks, resolve, resolve_looks};
 
-const NO_PLAYER: &str = "There is no player for these songs.";
-
 /// The most harmonics that dance live.
 pub const MOST_HARMONICS: usize = 512;
 
@@ -49,16 +47,7 @@ impl MusicRoom {
         }
         let songs = std::mem::take(&mut self.late_songs);
         let follow = std::mem::take(&mut self.late_songs_follow);
-        match self.listening(shared) {
-            Some(listening) if follow => {
-                listening.append(songs);
-            }
-            Some(listening) => {
-                listening.add(songs);
-                self.leaning.begin(&shared.ctx);
-            }
-            None => shared.notices.warn(NO_PLAYER),
-        }
+        self.take_songs(songs, |_| follow, shared);
     }
 
     /// Adds songs, and those of lists, at the end of the list. What is heard goes on, unless it is the sample tune.
@@ -75,15 +64,26 @@ impl MusicRoom {
         if self.show_comes() {
             return self.late_songs.extend(songs);
         }
+        let goes_on = |listening: &Listening| !listening.has_only_the_tune() || listening.live().is_some();
+        self.take_songs(songs, goes_on, shared);
+    }
+
+    /// Adds songs: at the end of the list where what is heard `goes_on`, else the first of them plays.
+    fn take_songs(
+        &mut self,
+        songs: Vec<PathBuf>,
+        goes_on: impl Fn(&Listening) -> bool,
+        shared: &mut Shared<'_>,
+    ) {
         match self.listening(shared) {
-            Some(listening) if listening.has_only_the_tune() && listening.live().is_none() => {
+            Some(listening) if goes_on(listening) => {
+                listening.append(songs);
+            }
+            Some(listening) => {
                 listening.add(songs);
                 self.leaning.begin(&shared.ctx);
             }
-            Some(listening) => {
-                listening.append(songs);
-            }
-            None => shared.notices.warn(NO_PLAYER),
+            None => shared.notices.warn("There is no player for these songs."),
         }
     }
 
@@ -282,7 +282,7 @@ pub fn the_show(
         let again = heard_again(&heard, of_set);
         if again != heard {
             let file = refer(&set.path);
-            // Whatever lies in the place of one that is being written is not that recording.
+            // While a recording is being written, an older file may still lie at its path: its hash must not go into the show.
             songs.push(SongRef::of(if is_written { file } else { FileRef { blake3: None, ..file } }));
             heard = again;
         }

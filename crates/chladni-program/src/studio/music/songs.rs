@@ -150,7 +150,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
     let status = listening.player().status();
     let (mut play, mut remove) = (None, None);
     for song in 0..listening.songs().len() {
-        // Rows out of sight have fewer controls, and those that follow keep their names all the same.
+        // Rows out of sight create fewer widgets: an id for each keeps that from changing those of the controls below.
         let (chosen, out) = ui.push_id(("song", song), |ui| song_row(ui, listening, &status, song)).inner;
         play = play.or(chosen.then_some(song));
         remove = remove.or(out.then_some(song));
@@ -200,7 +200,7 @@ fn song_row(ui: &mut Ui, listening: &Listening, status: &PlayerStatus, song: usi
         ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);
     }
     let layout = egui::Layout::right_to_left(egui::Align::Center);
-    let inside = egui::UiBuilder::new().id_salt(("song", song)).max_rect(rect.shrink2(vec2(4.0, 0.0)));
+    let inside = egui::UiBuilder::new().max_rect(rect.shrink2(vec2(4.0, 0.0)));
     let mut row = ui.new_child(inside.layout(layout));
     let out = row.small_button(icon::text(Icon::X)).accessible_name(format!("Remove {name}"));
     let out = out.author_id(format!("song-remove/{}", song + 1)).on_hover_text("Take it out of the list");
@@ -275,18 +275,14 @@ fn live(
 /// How strongly live input is heard.
 fn strength(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preferences) {
     let tip = "How much louder live input is made; the meter shows it";
-    let mut gain_db = preferences.live_gain_db;
-    let slider = theme::slider(&mut gain_db, -MOST_GAIN_DB..=MOST_GAIN_DB);
-    let slider = theme::with_unit(slider, 1, "dB");
-    let gain = theme::wide_row(ui, VOLUME, "Gain", tip, |ui| ui.add(slider)).author_id("live-gain");
+    let louder = theme::edit(&mut preferences.live_gain_db, |gain_db| {
+        let slider = theme::with_unit(theme::slider(gain_db, -MOST_GAIN_DB..=MOST_GAIN_DB), 1, "dB");
+        theme::wide_row(ui, VOLUME, "Gain", tip, |ui| ui.add(slider)).author_id("live-gain")
+    });
     let tip = "What is soft looks soft: 0 dB moves the shapes fully. Otherwise the level is followed, and soft sound moves \
                them, too";
     let fixed = theme::checkbox(ui, &mut preferences.live_fixed_level, "Fixed level");
     let fixed = fixed.author_id("live-fixed-level").on_hover_text(tip);
-    let louder = theme::is_edited(&gain);
-    if louder {
-        preferences.live_gain_db = gain_db;
-    }
     if louder || fixed.changed() {
         listening.set_input(preferences.input());
     }

@@ -34,11 +34,10 @@ fn settings_of(ui: &mut Ui, name: &str, settings: &mut VoiceSettings) {
     if let Driver::Band { from, to } = &mut settings.driver {
         band(ui, from, to);
     }
-    let mut gain = settings.gain;
-    let slider = ui.add(theme::slider(&mut gain, -4.0..=4.0).fixed_decimals(2).text("gain"));
-    if theme::is_edited(&slider.on_hover_text("1 is the layer as it was made; below 0 is its opposite")) {
-        settings.gain = gain;
-    }
+    let tip = "1 is the layer as it was made; below 0 is its opposite";
+    theme::edit(&mut settings.gain, |gain| {
+        ui.add(theme::slider(gain, -4.0..=4.0).fixed_decimals(2).text("gain")).on_hover_text(tip)
+    });
 }
 
 fn driver(ui: &mut Ui, driver: &mut Driver) {

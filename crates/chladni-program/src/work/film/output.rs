@@ -195,7 +195,8 @@ impl Output {
 
     /// Checks that none of its files replaces a texture of `cast`.
     pub(super) fn check_textures(&self, cast: &Cast) -> Result<(), Error> {
-        self.files().iter().try_for_each(|file| cast.check_textures(file))
+        let files = self.files();
+        cast.check_textures(&files.iter().map(PathBuf::as_path).collect::<Vec<_>>())
     }
 
     /// The files that are written, presets for as many items as a gallery may have; without the pictures in a folder.

@@ -232,8 +232,8 @@ fn beats_of(name: &str, watcher: &impl Watcher) -> Result<Beats, Error> {
     beats.map_err(|error| Error::from(error).of(name))
 }
 
-/// The songs of the stretches before `start_secs` whose beats count, in a pause, too, where the count goes on from that
-/// place in the song: those in which not all beats are of `clock`.
+/// The songs heard before `start_secs` whose own beats count. A stretch is left out only if `clock` was followed all through
+/// it. A paused stretch counts, too, since the count goes on from its place in the song.
 fn counted_before(start_secs: f64, heard: &[Stretch], clock: &ClockTrack) -> Vec<usize> {
     let ends = heard.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
     let begun = heard.iter().zip(ends).filter(|(stretch, _)| stretch.at_secs < start_secs);

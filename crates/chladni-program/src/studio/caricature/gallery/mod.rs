@@ -109,11 +109,8 @@ impl GalleryView {
                     self.before = None;
                 }
                 // The gallery on screen stays; a step that was cancelled needs no words.
-                Err(why) if self.shown.is_some() => {
-                    if !why.is_cancelled() {
-                        shared.notices.failed(why);
-                    }
-                }
+                Err(why) if self.shown.is_some() && why.is_cancelled() => {}
+                Err(why) if self.shown.is_some() => shared.notices.failed(why),
                 Err(why) => return Err(why),
             }
         }

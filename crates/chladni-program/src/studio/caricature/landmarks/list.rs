@@ -1,7 +1,5 @@
 //! The list of landmarks in the match panel, and their text file.
 
-use std::path::Path;
-
 use chladni_caricature::{LayerId, Property};
 use chladni_match::{MatchSettings, load_landmarks, write_landmarks};
 use egui::{RichText, Ui};
@@ -89,8 +87,7 @@ fn load(session: &Session, shared: &mut Shared<'_>) -> Option<Vec<chladni_match:
 
 fn save(session: &Session, settings: &MatchSettings, shared: &mut Shared<'_>) {
     let suggested = session.beside_named("landmarks", "txt");
-    let is_text = |path: &Path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("txt"));
-    let asked = ask_where_to_save(shared.chooser, &[("Landmarks", &["txt"])], is_text, &suggested);
+    let asked = ask_where_to_save(shared.chooser, &[("Landmarks", &["txt"])], &["txt"], &suggested);
     let Some(path) = asked else { return };
     if let Err(why) = check_apart(&path, &session.project().files()) {
         return shared.notices.failed(why);

@@ -141,7 +141,7 @@ impl Concert {
 
 /// Passes on taps to clicks and flashes, and Escape, which leaves them.
 fn taps(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
-    // Drawn into the first window, it has the pointer of that.
+    // Where this is drawn inside the first window, that window counts its clicks already.
     let is_own = ctx.viewport_id() != ViewportId::ROOT;
     let pressed = is_own && ctx.input(|input| input.pointer.primary_pressed());
     let taps = ctx.input_mut(taken) + usize::from(pressed);
