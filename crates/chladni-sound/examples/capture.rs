@@ -4,7 +4,7 @@
 use chladni_sound::{Capture, capture_sources};
 use std::error::Error;
 use std::io::Write;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -19,8 +19,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let source = sources.iter().find(|source| source.name.starts_with(name)).ok_or("no such source")?;
     let mut capture = Capture::start(source)?;
     let (mut left, mut right) = (Vec::new(), Vec::new());
-    let end = Instant::now() + Duration::from_secs_f64(secs.parse()?);
-    while Instant::now() < end && !capture.is_lost() {
+    // Seconds of sound: a busy machine may be slow to begin.
+    let wanted = secs.parse::<f64>()? * f64::from(capture.rate_hz());
+    while (left.len() as f64) < wanted && !capture.is_lost() {
         capture.take(&mut left, &mut right);
         std::thread::sleep(Duration::from_millis(10));
     }

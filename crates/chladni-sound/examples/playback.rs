@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use chladni_sound::{Player, PlayerEvent, PlayerSettings, Song, SongOptions, SongReader};
+use chladni_sound::{Player, PlayerEvent, PlayerSettings, Repeat, Song, SongOptions, SongReader};
 use chladni_task::Task;
 
 const RATE_HZ: u32 = 48_000;
@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn watch(song: PathBuf, secs: f64) -> Result<(), Box<dyn Error>> {
     let player = Player::start(PlayerSettings::default())?;
+    player.repeat(Repeat::Song);
     player.play_list(vec![song]);
     let start = Instant::now();
     let mut out = std::io::stdout().lock();

@@ -164,7 +164,7 @@ mod tests {
         assert!(left("show").is_empty() && copy.path() != other.path(), "they run");
         drop(copy);
         // A program that another test starts just now has the lock, too, until it begins to run.
-        let found = (0..1000).find_map(|_| {
+        let found = (0..600_000).find_map(|_| {
             let found = Some(left("show")).filter(|found| !found.is_empty());
             found.or_else(|| {
                 std::thread::sleep(Duration::from_millis(2));

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::HANGS;
+
 /// A PulseAudio server of a test's own, whose only device is a null sink at 48 kHz; it stops when it is dropped.
 pub struct SoundServer {
     folder: tempfile::TempDir,
@@ -65,9 +67,11 @@ impl SoundServer {
             .stderr(Stdio::null())
             .spawn();
         self.process = child.ok();
-        let end = Instant::now() + Duration::from_secs(15);
+        let end = Instant::now() + HANGS;
         while !self.command("pactl").arg("info").output().is_ok_and(|output| output.status.success()) {
-            if Instant::now() > end {
+            let has_ended =
+                self.process.as_mut().is_none_or(|process| !matches!(process.try_wait(), Ok(None)));
+            if has_ended || Instant::now() > end {
                 self.stop();
                 return;
             }

@@ -172,7 +172,8 @@ fn what_ends_says_why() {
         std::thread::sleep(Duration::from_millis(10));
     };
     assert!(why.to_string().starts_with("camera: "), "{why}");
-    assert!(why.to_string().contains("nonexistent"), "{why}");
+    // Not every ffmpeg knows of such devices.
+    assert!(["nonexistent", "v4l2"].iter().any(|word| why.to_string().contains(word)), "{why}");
     assert!(camera.trouble().is_none(), "it says so once");
     assert!(LiveCamera::open(&nowhere, (WIDTH, 181), FrameRate::per_second(30)).is_err());
 }

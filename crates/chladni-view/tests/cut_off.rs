@@ -5,7 +5,7 @@
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use chladni_view::film::{CutOff, LiveFilm, ffmpeg_is_there};
 use chladni_view::{FrameRate, Picture};
@@ -39,6 +39,21 @@ fn records_until_killed() {
     }
 }
 
+/// A condition becomes true, however long a busy machine takes.
+fn wait(what: &str, mut done: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !done() {
+        assert!(began.elapsed() < Duration::from_secs(1200), "waited for {what}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// How many pieces the encoder has begun to write.
+fn pieces(folder: &Path) -> usize {
+    let film = std::fs::read(folder.join("picture.mp4")).unwrap_or_default();
+    film.windows(4).filter(|name| name == b"moof").count()
+}
+
 fn probed(film: &Path) -> String {
     let mut command = Command::new("ffprobe");
     command.args(["-v", "error", "-show_entries", "stream=codec_type,duration", "-of", "csv=p=0"]);
@@ -60,6 +75,8 @@ fn what_was_recorded_before_a_kill_becomes_a_film() {
     let mut said = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
     let folder = said.find_map(|line| line.strip_prefix(FOLDER).map(PathBuf::from)).unwrap();
     said.find(|line| line == ENOUGH).unwrap();
+    // The encoder may be behind.
+    wait("eight pieces of a second", || pieces(&folder) >= 8);
     // Somebody records there.
     assert!(CutOff::find(&folder).is_none());
     child.kill().unwrap();
@@ -75,7 +92,6 @@ fn what_was_recorded_before_a_kill_becomes_a_film() {
     let streams = probed(&film);
     for kind in ["video,", "audio,"] {
         let secs = streams.lines().find_map(|line| line.strip_prefix(kind)).unwrap();
-        // Of a minute at least; the encoder may have been behind.
         assert!(secs.parse::<f64>().unwrap() > 5.0, "{streams}");
     }
 }
@@ -91,10 +107,12 @@ fn what_was_recorded_before_the_encoder_died_is_kept() {
     let path = home.path().join("set.mp4");
     let mut film = LiveFilm::begin(&path, (64, 48), FrameRate::per_second(30), SOUND_HZ).unwrap();
     let folder = film.folder().to_owned();
-    for i in 0..300 {
+    let mut i = 0;
+    wait("two pieces of a second", || {
         film.picture((f64::from(i) + 0.5) / 30.0, picture((i % 200) as u8));
-        std::thread::sleep(Duration::from_millis(5));
-    }
+        i += 1;
+        pieces(&folder) >= 2
+    });
     let ours = format!("{}/", folder.display());
     let processes = std::fs::read_dir("/proc").unwrap().filter_map(Result::ok);
     let encoder = processes.map(|entry| entry.path()).find(|process| {
@@ -104,15 +122,22 @@ fn what_was_recorded_before_the_encoder_died_is_kept() {
     let number = encoder.unwrap().file_name().unwrap().to_owned();
     Command::new("kill").arg("-9").arg(number).status().unwrap();
     let refused = loop {
-        film.picture(film.left_out() as f64 + 20.0, picture(100));
+        film.picture((f64::from(i) + 0.5) / 30.0, picture(100));
+        i += 1;
         if let Some(ended) = film.ended() {
             break ended;
         }
-        film.finish(30.0);
+        film.finish((f64::from(i) + 0.5) / 30.0);
         std::thread::sleep(Duration::from_millis(5));
     };
     assert!(refused.is_err());
-    let found = CutOff::find(&folder).unwrap();
+    // A program that another test starts just now has the lock, too, until it begins to run.
+    let mut found = None;
+    wait("the lock", || {
+        found = CutOff::find(&folder);
+        found.is_some()
+    });
+    let found = found.unwrap();
     let film = found.save().unwrap();
     assert!(probed(&film).contains("video,"));
     assert!(!folder.exists());

@@ -2,7 +2,7 @@
 
 use chladni_sound::{PlayerEvent, PlayerState};
 
-use super::{silent, wait, write_tone};
+use super::{paused_at, silent, wait, write_tone};
 
 #[test]
 fn the_moment_that_is_shown_lies_ahead_of_the_one_that_is_heard_or_behind_it() {
@@ -37,13 +37,13 @@ fn the_moment_that_is_shown_lies_ahead_of_the_one_that_is_heard_or_behind_it() {
 #[test]
 fn the_next_song_is_shown_before_it_is_heard_and_a_jump_is_not_foreseen() {
     let folder = tempfile::tempdir().unwrap();
-    let songs = ["a.wav", "b.wav"].map(|name| write_tone(folder.path(), name, 48_000, 1.0));
+    let songs = [("a.wav", 1.0), ("b.wav", 20.0)];
+    let songs = songs.map(|(name, secs)| write_tone(folder.path(), name, 48_000, secs));
     let player = silent();
     player.show_ahead(0.3);
     player.play_list(songs.to_vec());
     wait("the second song", || player.status().song == 1);
-    player.pause();
-    wait("the pause", || player.status().state == PlayerState::Paused);
+    paused_at(&player);
     let ahead = player.status();
     player.show_ahead(0.0);
     let heard = player.status();
@@ -55,8 +55,13 @@ fn the_next_song_is_shown_before_it_is_heard_and_a_jump_is_not_foreseen() {
         );
     }
     player.show_ahead(-0.3);
+    // Still paused.
+    player.events().for_each(drop);
+    player.seek(0.25);
+    wait("the jump", || player.events().any(|event| matches!(event, PlayerEvent::SongStarted(_))));
+    assert_eq!(player.status().position_secs, 0.25);
     player.select(1);
-    wait("the song that was chosen", || player.status().song == 1 && player.status().position_secs < 0.05);
+    player.seek(19.8);
     player.play();
     wait("the end", || player.events().any(|event| event == PlayerEvent::Finished));
 }

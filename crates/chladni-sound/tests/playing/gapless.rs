@@ -7,11 +7,13 @@ use chladni_sound::{PlayerEvent, Song, WavSample, write_wav};
 
 use super::{silent, wait};
 
-/// All that a player hands out of `songs`, which it plays without a crossfade, but for what was heard before the first look.
+/// All that a player hands out of `songs`, which it plays without a crossfade.
 fn heard(songs: Vec<PathBuf>) -> [Vec<f32>; 2] {
     let player = silent();
-    player.play_list(songs);
     let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
+    // From the first frame on.
+    player.take_heard(&mut from, &mut left, &mut right);
+    player.play_list(songs);
     wait("the end", || {
         player.take_heard(&mut from, &mut left, &mut right);
         player.events().any(|event| event == PlayerEvent::Finished)
@@ -118,7 +120,6 @@ fn an_encoded_tone_that_was_cut_in_two_comes_out_whole() {
             (since_begin >= spoiled).then(|| (heard - sound[at]).abs())
         });
         let worst = pairs.fold(0.0, f32::max);
-        // Of what was heard before the first look nothing is known.
         assert!(shift >= 0 && left.len() > sound.len() / 2, "{ending}: {} frames", left.len());
         assert!(worst < most, "{ending}: {worst}");
     }

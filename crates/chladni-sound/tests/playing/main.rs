@@ -8,6 +8,7 @@ mod jumps;
 mod sinks;
 
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 use chladni_sound::{Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, Song, WavSample, write_wav};
@@ -35,17 +36,51 @@ fn wait(what: &str, mut done: impl FnMut() -> bool) {
     }
 }
 
-/// Playback follows the wall clock, and a busy machine can disturb it: one of four attempts must succeed.
+/// The longest that a thread was kept waiting for a processor while `work` ran.
+fn longest_wait<T>(work: impl FnOnce() -> T) -> (Duration, T) {
+    const NAP: Duration = Duration::from_millis(1);
+    let (done, is_done) = channel::<()>();
+    std::thread::scope(|scope| {
+        let watch = scope.spawn(move || {
+            let mut longest = Duration::ZERO;
+            loop {
+                let began = Instant::now();
+                if is_done.recv_timeout(NAP) != Err(RecvTimeoutError::Timeout) {
+                    return longest;
+                }
+                longest = longest.max(began.elapsed().saturating_sub(NAP));
+            }
+        });
+        let result = work();
+        drop(done);
+        (watch.join().unwrap(), result)
+    })
+}
+
+/// Playback through a device follows the wall clock: attempts count during which the machine kept nobody waiting, and one
+/// of four must succeed.
 fn undisturbed(mut measure: impl FnMut() -> (bool, String)) {
     let mut reports = Vec::new();
-    while reports.len() < 4 {
-        let (right, report) = measure();
+    for _ in 0..4 {
+        let (waited, (right, report)) = longest_wait(&mut measure);
         if right {
             return;
         }
-        reports.push(report);
+        if waited < Duration::from_millis(10) {
+            reports.push(report);
+        }
+    }
+    if reports.len() < 4 {
+        return println!("skipped: the machine is busy");
     }
     panic!("never right: {reports:#?}");
+}
+
+/// Pauses within a song that goes on for long; the time in it, which stands still from now on.
+fn paused_at(player: &Player) -> f64 {
+    player.pause();
+    wait("the pause", || player.status().state == PlayerState::Paused);
+    player.status().position_secs
 }
 
 #[test]
@@ -83,6 +118,8 @@ fn the_window_shows_the_samples_that_are_heard() {
     let player = silent();
     player.play_list(vec![song]);
     wait("half a second", || player.status().position_secs > 0.5);
+    // Where the player was held up, what comes next is not decoded for a moment; after a pause it is.
+    paused_at(&player);
     let (mut left, mut right) = (vec![0.0; 2048], vec![0.0; 2048]);
     let secs = player.heard_window(1024, &mut left, &mut right);
     let rate_hz = f64::from(player.status().rate_hz);
@@ -147,9 +184,10 @@ fn one_song_fades_into_the_next() {
     let player = silent();
     player.set_crossfade_secs(1.0);
     player.pause();
-    player.play_list(songs[..2].to_vec());
     let (mut from, mut left, mut right) = (None, Vec::new(), Vec::new());
+    // From the first frame on.
     player.take_heard(&mut from, &mut left, &mut right);
+    player.play_list(songs[..2].to_vec());
     let mut fades = Vec::new();
     wait("the end", || {
         player.take_heard(&mut from, &mut left, &mut right);
@@ -160,7 +198,6 @@ fn one_song_fades_into_the_next() {
     player.take_heard(&mut from, &mut left, &mut right);
     fades.dedup();
     assert!(fades.ends_with(&[(0, 0.0), (1, 1.0)]), "{fades:?}");
-    // Sound before the first look is missing.
     assert!((3.0..=3.5).contains(&(left.len() as f64 / 48_000.0)), "{}", left.len());
     let power = left.iter().zip(&right).map(|(l, r)| l * l + r * r);
     let worst = power.map(|power| (power - 0.25).abs()).fold(0.0, f32::max);
@@ -213,14 +250,24 @@ fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
     // All of the song is decoded ahead of the device at once.
     let song = write_tone(folder.path(), "short.wav", 48_000, 0.35);
     let player = silent();
-    player.play_list(vec![song]);
-    wait("a tenth of a second", || player.status().position_secs > 0.1);
-    player.pause();
-    wait("the pause", || player.status().state == PlayerState::Paused);
-    let paused = player.status().position_secs;
-    assert!((0.1..0.34).contains(&paused), "{paused}");
+    // On a busy machine it may have ended before the pause: it begins again.
+    let paused = loop {
+        player.play_list(vec![song.clone()]);
+        wait("a tenth of a second", || {
+            let status = player.status();
+            status.is_listed && status.position_secs > 0.1
+        });
+        player.pause();
+        wait("the pause", || player.status().state != PlayerState::Playing);
+        let status = player.status();
+        if status.state == PlayerState::Paused {
+            break status.position_secs;
+        }
+        wait("the end", || player.events().any(|event| event == PlayerEvent::Finished));
+    };
+    assert!((0.1..0.35).contains(&paused), "{paused}");
     player.play();
-    wait("going on", || player.status().state == PlayerState::Playing);
+    wait("going on", || player.status().state != PlayerState::Paused);
     assert!(player.status().position_secs >= paused - 0.001, "{}", player.status().position_secs);
     let mut events = Vec::new();
     wait("the end", || {
@@ -233,7 +280,8 @@ fn a_pause_after_the_last_sample_was_decoded_goes_on_where_it_began() {
 #[test]
 fn the_list_changes_around_the_song_that_plays() {
     let folder = tempfile::tempdir().unwrap();
-    let [a, b, c] = ["a.wav", "b.wav", "c.wav"].map(|name| write_tone(folder.path(), name, 44_100, 20.0));
+    let songs = [("a.wav", 20.0), ("b.wav", 20.0), ("c.wav", 19.0)];
+    let [a, b, c] = songs.map(|(name, secs)| write_tone(folder.path(), name, 44_100, secs));
     let player = silent();
     player.play_list(vec![a.clone(), b.clone()]);
     player.select(1);
@@ -241,8 +289,11 @@ fn the_list_changes_around_the_song_that_plays() {
     player.set_songs(vec![b.clone(), c.clone(), a]);
     wait("its new number", || player.status().song == 0);
     assert!(player.status().position_secs > 0.3, "the song went on");
+    let asked = Instant::now();
     player.set_songs(vec![c]);
-    wait("the song in its place", || player.status().position_secs < 0.3);
+    wait("the song in its place", || player.status().duration_secs == Some(19.0));
+    let place = player.status().position_secs;
+    assert!(place <= asked.elapsed().as_secs_f64() + 0.001, "it begins at its beginning: {place}");
     wait("that it plays", || player.status().state == PlayerState::Playing);
     player.set_songs(Vec::new());
     wait("silence", || player.status().state == PlayerState::Stopped);

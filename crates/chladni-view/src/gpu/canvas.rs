@@ -209,10 +209,13 @@ impl Readback {
             return Err(ViewError::Device("no picture was asked for".into()));
         };
         gpu.wait(submission)?;
-        match receiver.try_recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(ViewError::Device(error.to_string())),
-            Err(_) => return Err(ViewError::Device("the picture was never handed over".into())),
+        // Of a shared device another thread may have taken the answer, and is about to hand it over. Pages cannot wait.
+        let answer =
+            if cfg!(target_family = "wasm") { receiver.try_recv().ok() } else { receiver.recv().ok() };
+        match answer {
+            Some(Ok(())) => {}
+            Some(Err(error)) => return Err(ViewError::Device(error.to_string())),
+            None => return Err(ViewError::Device("the picture was never handed over".into())),
         }
         {
             let mapped =
