@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use super::{OCTAHEDRON, Run, text};
+use super::{OCTAHEDRON, Run, cache, text};
 
 /// Where no Vulkan driver is, the processor draws, and `--draw gpu` says what is missing.
 #[cfg(target_os = "linux")]
@@ -16,8 +16,12 @@ fn pictures_and_films_need_no_driver() {
         for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
             command.env(variable, "/nonexistent");
         }
-        let cache = std::env::temp_dir().join(format!("chladni-test-cache-{}", std::process::id()));
-        command.env("CHLADNI_CACHE", cache).current_dir(folder.path()).args(line.split(' ')).output().unwrap()
+        command
+            .env("CHLADNI_CACHE", cache())
+            .current_dir(folder.path())
+            .args(line.split(' '))
+            .output()
+            .unwrap()
     };
     let picture = |name: &str| chladni_view::Picture::decode(&std::fs::read(at(name)).unwrap()).unwrap();
     for line in [

@@ -8,6 +8,13 @@ mod refusals;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// A cache of this test program's own.
+fn cache() -> &'static Path {
+    static CACHE: std::sync::LazyLock<tempfile::TempDir> =
+        std::sync::LazyLock::new(|| tempfile::tempdir().unwrap());
+    CACHE.path()
+}
+
 /// One run of the program, with a cache of its own so that no test sees another's work.
 struct Run {
     output: Output,
@@ -15,10 +22,9 @@ struct Run {
 
 impl Run {
     fn of(arguments: &[&str]) -> Self {
-        let cache = std::env::temp_dir().join(format!("chladni-test-cache-{}", std::process::id()));
         let output = Command::new(env!("CARGO_BIN_EXE_chladni"))
             .args(arguments)
-            .env("CHLADNI_CACHE", cache)
+            .env("CHLADNI_CACHE", cache())
             .output()
             .expect("the program was built for this test");
         Self { output }

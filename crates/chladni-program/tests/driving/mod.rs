@@ -237,6 +237,17 @@ pub fn wait(window: &mut Window, what: &str, ready: impl Fn(&Window) -> bool) {
     panic!("{what} did not happen");
 }
 
+/// Waits until nobody holds the lock of what a dropped window left: neither its thread nor a program that another test starts
+/// just now.
+#[allow(dead_code, reason = "each test program uses a part")]
+pub fn wait_until_left(folder: &Path, kind: &str, extension: &str) {
+    let start = Instant::now();
+    while chladni_task::RecoveryCopy::left_behind(folder, kind, extension).is_empty() {
+        assert!(start.elapsed() < chladni_testdata::HANGS, "nothing was left");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 /// Shows the window to a person: as a picture where CHLADNI_SCREENSHOTS names a folder for them, and, to
 /// one who does not see, by names. Fails where a control has none of its own.
 pub fn screenshot<State>(window: &mut Harness<'_, State>, name: &str) {

@@ -22,8 +22,10 @@ fn it_takes_over_eight_seconds_after_the_last_touch_and_obeys_its_keys() {
     let folder = tempfile::tempdir().unwrap();
     let files = ball_and_song(folder.path()).to_vec();
     let (trace, answers) = (Trace::default(), Answers::default());
+    let folders = folders(folder.path());
+    std::fs::write(folders.settings.as_ref().unwrap(), "harmonics = 96\n").unwrap();
     let opening = Opening {
-        folders: folders(folder.path()),
+        folders,
         files,
         chooser: Box::new(answers.clone()),
         trace: Some(trace.clone()),
@@ -193,7 +195,7 @@ fn it_does_all_its_actions_or_none_where_the_flash_guard_holds_the_stage_back() 
 fn hands_on_a_controller_keep_it_away() {
     let folder = tempfile::tempdir().unwrap();
     let (folders, trace) = (folders(folder.path()), Trace::default());
-    let port = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+    let port = free_port();
     let settings = folders.settings.clone().unwrap();
     std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n")).unwrap();
     let files = ball_and_song(folder.path()).to_vec();

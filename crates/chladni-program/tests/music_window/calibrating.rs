@@ -24,11 +24,10 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
     let settings = folders.settings.clone().unwrap();
     let mut window = enter(Opening { folders, ..Opening::default() });
     click(&mut window, "drawer/songs");
+    wait(&mut window, "the song before", plays);
     control(&window, "calibrate").click_accesskit();
     wait(&mut window, "the clicks", |w| shows(w, "with each click"));
-    let playing =
-        |window: &Window| control(window, "play").accesskit_node().label().as_deref() == Some("Pause");
-    wait(&mut window, "the song's pause", |w| !playing(w));
+    wait(&mut window, "the song's pause", |w| !plays(w));
     // All of them fall on almost the same place of one click.
     for _ in 0..200 {
         if shows(&window, "Now tap with each flash") {
@@ -49,21 +48,24 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
         wait(&mut window, "that it is kept", |_| kept());
     }
     assert!(!is_there(&window, "calibrate/tap"));
-    wait(&mut window, "the song", playing);
+    wait(&mut window, "the song", plays);
     control(&window, "calibrate").click_accesskit();
     wait(&mut window, "the clicks again", |w| shows(w, "with each click"));
+    wait(&mut window, "the pause", |w| !plays(w));
     window.key_press(Key::F1);
     wait(&mut window, "the keys that tap", |w| shows(w, "Tap with each click, then with each flash"));
     window.key_press(Key::F1);
     window.key_press(Key::Escape);
     wait(&mut window, "the window as it was", |w| !is_there(w, "calibrate/tap"));
+    wait(&mut window, "the song as before", plays);
     // Elsewhere nobody taps: the clicks end, and the song goes on.
     control(&window, "calibrate").click_accesskit();
     wait(&mut window, "the clicks once more", |w| shows(w, "with each click"));
+    wait(&mut window, "the second pause", |w| !plays(w));
     window.get_by_role_and_label(Role::Button, "Chladni").click_accesskit();
     wait(&mut window, "the start screen", |w| is_there(w, "room/1"));
     click(&mut window, "room/1");
     wait(&mut window, "the room", |w| is_there(w, "play"));
     assert!(!is_there(&window, "calibrate/tap"));
-    wait(&mut window, "the song again", playing);
+    wait(&mut window, "the song again", plays);
 }

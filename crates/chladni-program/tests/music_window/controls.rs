@@ -52,8 +52,7 @@ fn the_room_fits_every_screen() {
 fn a_fader_is_learned_over_osc_and_remembered() {
     let folder = tempfile::tempdir().unwrap();
     let folders = folders(folder.path());
-    // Any port that is free now.
-    let port = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap().local_addr().unwrap().port();
+    let port = free_port();
     let settings = folders.settings.clone().unwrap();
     std::fs::write(&settings, format!("harmonics = 24\n[music]\nosc_port = {port}\n")).unwrap();
     let mut window = enter(Opening { folders: folders.clone(), ..Opening::default() });

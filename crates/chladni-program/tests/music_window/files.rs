@@ -290,7 +290,12 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let [ball, song] = ball_and_song(folder.path());
-    std::fs::copy(song, path("other.wav")).unwrap();
+    // However long this takes, no song ends.
+    let side = vec![0.0; 120 * 22_050];
+    let silence = Song { rate_hz: 22_050, left: side.clone(), right: side };
+    for wav in [song, path("other.wav")] {
+        write_wav(&wav, &silence, WavSample::Int16).unwrap();
+    }
     // Its shape is another one, which has to be loaded first.
     chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &path("round.obj")).unwrap();
     let shape = GalleryShape { eigenvalues: (0..96).map(f64::from).collect(), bands: 32 };
@@ -412,6 +417,7 @@ fn a_show_survives_a_crash_and_a_request_to_end() {
     wait(&mut window, "a copy", |_| shows_in(home).len() == 1);
     // Nobody tells the window that it ends: a crash.
     drop(window);
+    wait_until_left(&home.join("recovery"), "show", "toml");
 
     let mut window = open(opening(Vec::new()), [1000.0, 640.0]);
     window.run_steps(3);
@@ -453,6 +459,7 @@ fn a_recovered_show_whose_shape_does_not_open_is_not_thrown_away() {
     window.key_press(Key::F);
     wait(&mut window, "a copy", |_| shows_in(home).len() == 1);
     drop(window);
+    wait_until_left(&home.join("recovery"), "show", "toml");
     let left = shows_in(home);
 
     std::fs::write(&ball, "v 0 0 0\nf 1 2 3\n").unwrap();

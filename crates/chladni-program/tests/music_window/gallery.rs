@@ -6,7 +6,7 @@ use super::*;
 fn a_paused_song_lets_the_gallery_rest() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
-    wait(&mut window, "the dance", |w| pause(w).is_zero());
+    wait(&mut window, "the song", plays);
     window.key_press(Key::Space);
     // Work that was under way when it was paused, such as measuring a picture's brightness, may still arrive.
     let resting = std::cell::Cell::new(0);

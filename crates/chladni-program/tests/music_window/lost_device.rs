@@ -77,11 +77,14 @@ fn the_dance_goes_on_with_a_device_lost_at_any_moment() {
             let before = done;
             let parents = done.chosen.iter().filter(|is_chosen| **is_chosen).count();
             if parents > 2 && done.generation < MOST {
-                click(&mut window, "breed");
+                // By name: several notices may lie over the place.
+                control(&window, "breed").click_accesskit();
+                window.run_steps(2);
                 done = Done { generation: done.generation + 1, chosen: [false; 12] };
             } else {
                 let dance = ((chance() >> 33) % 12) as usize;
-                click(&mut window, &format!("dance/{}", dance + 1));
+                control(&window, &format!("dance/{}", dance + 1)).click_accesskit();
+                window.run_steps(2);
                 done.chosen[dance] = !done.chosen[dance];
             }
             // In the frame in which it is lost nothing may be drawn, and the next one hands over.

@@ -22,23 +22,25 @@ mod stage;
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
 
 use chladni_music::{Preset, Show};
 use chladni_program::studio::{Folders, Handover, Opening, Trace};
 use chladni_sound::{Song, WavSample, write_wav};
 use driving::{
     Answers, Window, control, drop_files, is_there, lose, meanwhile, no_time, numbers_by_tab, open,
-    open_with, open_with_device, screenshot, shows, takes_pictures, wait,
+    open_with, open_with_device, screenshot, shows, takes_pictures, wait, wait_until_left,
 };
 use egui::accesskit::{Role, Toggled};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-/// Few harmonics are solved quickly.
+/// Few harmonics are solved quickly, and the autopilot does not take the stage while a busy machine opens a shape.
 fn folders(folder: &Path) -> Folders {
     let settings = folder.join("settings.toml");
-    std::fs::write(&settings, "harmonics = 96\n").unwrap();
+    std::fs::write(&settings, "harmonics = 96\n[music]\nleans_back = false\n").unwrap();
     Folders { settings: Some(settings), dances: Some(folder.join("dances")), ..Folders::default() }
 }
 
@@ -60,6 +62,23 @@ fn enter(opening: Opening) -> Window {
     wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
     window.run_steps(3);
     window
+}
+
+/// Whether the player plays, as its button says.
+fn plays(window: &Window) -> bool {
+    control(window, "play").accesskit_node().label().as_deref() == Some("Pause")
+}
+
+/// A free UDP port below those that systems hand out by themselves: none takes it before the room does.
+fn free_port() -> u16 {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    loop {
+        let n = std::process::id().wrapping_mul(61).wrapping_add(NEXT.fetch_add(1, Ordering::Relaxed));
+        let port = 10_000 + (n % 20_000) as u16;
+        if UdpSocket::bind((Ipv4Addr::LOCALHOST, port)).is_ok() {
+            return port;
+        }
+    }
 }
 
 fn click(window: &mut Window, id: &str) {

@@ -9,8 +9,8 @@ use egui::Key;
 use egui_kittest::kittest::Queryable;
 
 use crate::CTRL;
-use crate::driving::numbers_by_tab;
 use crate::driving::person::{self, Desk, HARMONICS, Person};
+use crate::driving::{numbers_by_tab, wait_until_left};
 
 #[test]
 fn work_survives_a_crash_and_is_asked_about_on_closing() {
@@ -23,6 +23,7 @@ fn work_survives_a_crash_and_is_asked_about_on_closing() {
     person.wait("the recovery copy", |_| kept());
     // Nobody tells the window that it ends: a crash.
     drop(person);
+    wait_until_left(&desk.path("recovery"), "session", "chladni");
 
     let mut person = desk.sit_down(&[]);
     assert!(person.sees("did not end well"));
@@ -347,6 +348,7 @@ fn a_program_that_is_asked_to_end_keeps_what_is_not_saved_for_the_next_time() {
     ends.cancel();
     person.0.run_steps(2);
     drop(person);
+    wait_until_left(&desk.path("recovery"), "session", "chladni");
     let person = desk.sit_down(&[]);
     assert!(person.sees("did not end well"));
 }

@@ -246,7 +246,7 @@ impl MusicRoom {
         let Some(calibrating) = self.calibrating.take() else { return };
         if let Some(listening) = &mut self.listening
             && calibrating.resumes
-            && listening.player().status().state == PlayerState::Paused
+            && listening.player().status().state != PlayerState::Stopped
         {
             listening.player().play();
         }

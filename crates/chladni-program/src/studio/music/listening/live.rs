@@ -191,8 +191,8 @@ mod tests {
     fn in_a_process_with_its_own_sound_server() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("tone.wav");
-        let left: Vec<f32> = (0..2_880_000).map(|n| 0.5 * (n as f32 * 0.06).sin()).collect();
-        let song = Song { rate_hz: 48_000, right: left.clone(), left };
+        let left: Vec<f32> = (0..9_600_000).map(|n| 0.5 * (n as f32 * 0.06).sin()).collect();
+        let song = Song { rate_hz: 8_000, right: left.clone(), left };
         write_wav(&path, &song, WavSample::Int16).unwrap();
         let play = || Command::new("paplay").arg("--client-name=piper").arg(&path).spawn().unwrap();
         let stop = |mut player: Child| player.kill().and_then(|()| player.wait()).unwrap();

@@ -218,7 +218,13 @@ mod tests {
         }
         listening.player().pause();
         // The position stands once the pause has reached the device.
-        std::thread::sleep(std::time::Duration::from_millis(400));
+        let (mut last, mut stood) = (-1.0, 0);
+        while stood < 50 {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            let now = listening.player().status().position_secs;
+            stood = if now == last { stood + 1 } else { 0 };
+            last = now;
+        }
         hear(&mut listening, 1.0);
         let before = hear(&mut listening, 1.0);
         listening.show_ahead(0.125);
