@@ -234,7 +234,7 @@ pub fn wait(window: &mut Window, what: &str, ready: impl Fn(&Window) -> bool) {
         window.run_steps(1);
     }
     picture(window, "failed.png");
-    panic!("{what} did not happen");
+    panic!("{what} did not happen: {window:?}");
 }
 
 /// Waits until nobody holds the lock of what a dropped window left: neither its thread nor a program that another test starts

@@ -22,8 +22,8 @@ impl Leaning {
         self.since_secs = None;
     }
 
-    /// True once, when nothing was touched for a while.
-    pub fn is_at_rest(&mut self, ctx: &Context) -> bool {
+    /// True once, when nothing was touched for a while in which `plays`: a shape is there and a song plays.
+    pub fn is_at_rest(&mut self, ctx: &Context, plays: bool) -> bool {
         let Some(since_secs) = &mut self.since_secs else { return false };
         // A pointer may be moved out of the way; a press means that the user wants something else.
         let presses = |event: &Event| {
@@ -31,7 +31,7 @@ impl Leaning {
         };
         let (now_secs, touched, pressed) =
             ctx.input(|input| (input.time, !input.events.is_empty(), input.events.iter().any(presses)));
-        if touched {
+        if touched || !plays {
             *since_secs = now_secs;
         }
         if pressed {
@@ -53,16 +53,21 @@ mod tests {
     #[test]
     fn a_press_ends_it_and_a_move_begins_it_anew() {
         let ctx = Context::default();
-        let at_rest = |leaning: &mut Leaning, secs: f64, events: Vec<Event>| {
+        let rests = |leaning: &mut Leaning, secs: f64, events: Vec<Event>, plays: bool| {
             let input = egui::RawInput { time: Some(secs), events, ..egui::RawInput::default() };
             let mut rests = false;
-            let _ = ctx.run_ui(input, |ui| rests = leaning.is_at_rest(ui.ctx()));
+            let _ = ctx.run_ui(input, |ui| rests = leaning.is_at_rest(ui.ctx(), plays));
             rests
         };
+        let at_rest = |leaning: &mut Leaning, secs: f64, events| rests(leaning, secs, events, true);
         let mut leaning = Leaning { since_secs: Some(0.0) };
         assert!(!at_rest(&mut leaning, 7.0, vec![Event::PointerMoved(egui::pos2(3.0, 4.0))]));
         assert!(!at_rest(&mut leaning, 9.0, Vec::new()));
         assert!(at_rest(&mut leaning, 15.5, Vec::new()) && !at_rest(&mut leaning, 30.0, Vec::new()));
+        // A shape may take longer to open, and is looked at for as long all the same.
+        leaning.since_secs = Some(30.0);
+        assert!(!rests(&mut leaning, 50.0, Vec::new(), false) && !at_rest(&mut leaning, 57.9, Vec::new()));
+        assert!(at_rest(&mut leaning, 58.1, Vec::new()));
         leaning.since_secs = Some(30.0);
         let press = Event::Key {
             key: egui::Key::C,

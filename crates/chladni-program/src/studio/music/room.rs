@@ -231,10 +231,10 @@ impl MusicRoom {
 
     /// The autopilot takes over where songs play and nobody is there.
     fn lean_back(&mut self, staged: bool, shared: &mut Shared<'_>, wishes: &mut Vec<Wish>) {
-        let plays = self.listening.as_ref().is_some_and(Listening::plays_songs);
+        let plays = self.concert.is_some() && self.listening.as_ref().is_some_and(Listening::plays_songs);
         if staged || !shared.settings.music.leans_back {
             self.leaning.end();
-        } else if self.leaning.is_at_rest(&shared.ctx) && plays {
+        } else if self.leaning.is_at_rest(&shared.ctx, plays) {
             wishes.push(Wish::Autopilot);
         }
     }
