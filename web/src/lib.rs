@@ -91,7 +91,7 @@ pub fn kind(name: &str) -> String {
     }
 }
 
-/// The names among these of files that are opened by themselves: what lies beside a shape is read with it.
+/// Those of these file names that are opened by themselves; what lies beside a shape is read with it.
 #[wasm_bindgen]
 pub fn without_companions(names: Vec<String>) -> Vec<String> {
     let paths: Vec<PathBuf> = names.into_iter().map(PathBuf::from).collect();

@@ -277,8 +277,8 @@ impl Layer {
         }
     }
 
-    /// A layer with the settings that the paper prints: a sharp cut at nχ = 96 that may ring, every
-    /// scale and every match as it is, and μ = −0.8, where its figures begin.
+    /// A layer with the settings that the paper prints: a sharp cut at about nχ = 96 ([`usual_wavelength`]) that may
+    /// ring, every scale and every match as it is, and μ = −0.8, where its figures begin.
     pub fn paper(name: impl Into<String>, template: Template) -> Self {
         let smoothing =
             Smoothing { wavelength: usual_wavelength(96.0), roll_off: RollOff::Sharp, clamp: false };
@@ -325,6 +325,14 @@ impl Layer {
     /// Whether it names vertices of the shape by number: in a painted region or by landmarks.
     pub fn names_vertices(&self) -> bool {
         matches!(self.region.painted, Painted::Vertices(_)) || !self.matching.landmarks.is_empty()
+    }
+
+    /// Whether it names vertices or places of the shape: in a region, by landmarks, or as a given ellipsoid or sphere. These
+    /// are [`carried`](crate::Project::carried) to another shape.
+    pub fn names_places(&self) -> bool {
+        self.names_vertices()
+            || self.region.painted != Painted::Everywhere
+            || matches!(self.template, Template::Given(_))
     }
 
     /// μ times strength.

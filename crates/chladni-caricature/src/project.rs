@@ -170,6 +170,12 @@ impl Project {
         self.layers.iter().any(|(_, layer)| layer.names_vertices())
     }
 
+    /// Whether any layer names vertices or places of the shape. Without one, nothing has to be
+    /// [`carried`](Self::carried) to another shape.
+    pub fn names_places(&self) -> bool {
+        self.layers.iter().any(|(_, layer)| layer.names_places())
+    }
+
     /// The id that the next new layer gets.
     pub fn next_id(&self) -> LayerId {
         LayerId(self.next_id)

@@ -73,7 +73,7 @@ pub struct Smoothing {
 }
 
 impl Default for Smoothing {
-    /// 32 %, the paper's nχ = 96, by heat.
+    /// 32 %, about the paper's nχ = 96, by heat.
     fn default() -> Self {
         Self { wavelength: 0.32, roll_off: RollOff::Heat, clamp: true }
     }
@@ -83,7 +83,7 @@ impl Default for Smoothing {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RollOff {
-    /// χ = Σ_{k<nχ} H_k χ̃01_k, as in the paper. It rings.
+    /// χ = Σ_{k<nχ} H_k χ̃01_k, as in the paper, where nχ harmonics have longer waves than the wavelength. It rings.
     Sharp,
     /// One implicit step of the heat equation, χ = (M + tS)⁻¹ M χ01 with t = 1/λ, λ that of the
     /// wavelength: all of the spectrum takes part, and harmonic k is multiplied by 1 / (1 + λ_k/λ).

@@ -84,7 +84,9 @@ fn the_same_triangles_carry_vertex_by_vertex_and_spheres_need_no_match() {
     let mut spheres = Project::new(ShapeSource::Sample("lump".into()), 32);
     let sphere = Sphere { center: [1.0, 0.0, 0.0], radius: 0.5 };
     let region = Region { painted: Painted::Spheres(vec![sphere]), ..Region::default() };
+    assert!(!spheres.names_places());
     spheres.push(Layer { region, ..Layer::new("ball", Template::Sphere) }).unwrap();
+    assert!(spheres.names_places() && !spheres.names_vertices());
     let given = GivenEllipsoid { center: [1.0, 0.0, 0.0], semi_axes: [0.5; 3], turn_deg: [0.0; 3] };
     spheres.push(Layer::new("given", Template::Given(given))).unwrap();
     let larger =

@@ -68,7 +68,8 @@ fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
     made.sculpture.save(&out, terminal.task())?;
     terminal.wrote(&out)?;
     let (portrait, sheet, ink) = (Portrait::default(), SheetOptions::default(), InkOptions::default());
-    portrait::render(&mut made, &name, &project, &picture, &portrait, &sheet, &ink, None, terminal)?;
+    // The sample has no colors of its own.
+    portrait::render(&mut made, &name, None, &project, &picture, &portrait, &sheet, &ink, None, terminal)?;
     terminal.wrote(&picture)
 }
 

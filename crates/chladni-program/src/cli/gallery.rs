@@ -103,7 +103,9 @@ impl GalleryOptions {
         let mut panels = drawn.into_iter().map(|drawn| Portrayed::of(drawn.positions));
         let rows: Vec<Vec<Portrayed>> =
             (0..GALLERY_SIZE / COLUMNS).map(|_| panels.by_ref().take(COLUMNS).collect()).collect();
-        let mut picture = sheet::draw(&terminal.device()?, &rows, &sitter.body().triangles, camera, size)?;
+        // All in one material: only their forms are to be compared.
+        let mut picture =
+            sheet::draw(&terminal.device()?, &rows, &sitter.body().triangles, None, camera, size)?;
         for (number, (cell, _)) in (1..).zip(sheet::placed(&rows, camera, size)) {
             let size_px = (cell.height as f32 / 9.0).max(12.0);
             let [left, foot] = [cell.x as f32 + 0.3 * size_px, cell.y as f32 + size_px];

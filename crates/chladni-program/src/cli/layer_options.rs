@@ -25,8 +25,8 @@ pub struct LayerOptions {
     /// A factor on μ from 0 to 1.
     #[arg(long, default_value_t = 1.0)]
     strength: f64,
-    /// How soft the region's edge is: a wavelength as percent of the shape's size (32%), or the paper's
-    /// nχ, the number of harmonics that have longer waves (96) [default: 32%; 96 in paper mode].
+    /// How soft the region's edge is: a wavelength as percent of the shape's size (32%), or about how many
+    /// harmonics have longer waves (96, for the wavelength π/√96), the paper's nχ [default: 32%; 96 in paper mode].
     #[arg(long, value_name = "P%|N", value_parser = cutoff)]
     cutoff: Option<f64>,
     /// How the region's edge is softened: by heat, which never rings, or sharp as in the paper [default:

@@ -82,10 +82,12 @@ fn pixels(text: &str) -> Result<[u32; 2], Error> {
 }
 
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
-/// for none. The shape is called `name`; `kept` is how its project says that it stands.
+/// for none. The shape is called `name` and has its `own` look except in ink; `kept` is how its project says that it
+/// stands.
 pub fn render(
     made: &mut Made,
     name: &str,
+    own: Option<&OwnLook>,
     project: &Project,
     path: &Path,
     portrait: &Portrait,
@@ -117,8 +119,8 @@ pub fn render(
     }
     let device = terminal.device()?;
     let picture = match rows {
-        Some(rows) => sheet::draw(&device, &rows, triangles, from, size)?,
-        None => before_and_after(&made.sculpture, name, from, size, &device, terminal)?,
+        Some(rows) => sheet::draw(&device, &rows, triangles, own, from, size)?,
+        None => before_and_after(&made.sculpture, own, from, size, &device)?,
     };
     let png = picture.to_png()?;
     write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
@@ -218,32 +220,23 @@ fn panel_of(
     }
 }
 
-/// Both with the shape's own colors.
+/// Both in the shape's `own` look.
 fn before_and_after(
-    Sculpture { subject, body, evaluation, .. }: &Sculpture,
-    name: &str,
+    Sculpture { body, evaluation, .. }: &Sculpture,
+    own: Option<&OwnLook>,
     from: Camera,
     [width, height]: [u32; 2],
     device: &Device,
-    watcher: &impl Watcher,
 ) -> Result<Picture, Error> {
     let single =
         |positions: &[[f64; 3]]| -> Vec<[f32; 3]> { positions.iter().map(|p| p.map(|c| c as f32)).collect() };
     let (before, after) = (single(&body.positions), single(&evaluation.result.positions));
-    let own = OwnLook::of_subject(name, subject, body, watcher);
-    let colors = match &own {
-        Some(OwnLook::Colors(bytes)) => Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect()),
-        _ => None::<Vec<[f32; 4]>>,
-    };
-    let image = match &own {
-        Some(OwnLook::Image { corner_uvs, picture }) => Some((picture, &corner_uvs[..])),
-        _ => None,
-    };
+    let colors = own.and_then(OwnLook::colors);
     let shapes = [&before, &after].map(|positions| PictureShape {
         positions,
         triangles: &body.triangles,
         colors: colors.as_deref(),
-        image,
+        image: own.and_then(OwnLook::image),
         ..PictureShape::default()
     });
     let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };

@@ -7,7 +7,7 @@ use chladni_view::{
     render_placed,
 };
 
-use crate::work::Error;
+use crate::work::{Error, OwnLook};
 
 /// Which panels a picture has; without either, the shape before and after.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -106,11 +106,12 @@ pub fn placed(rows: &[Vec<Portrayed>], mut camera: Camera, [width, height]: [u32
     cells.map(|(row, column)| (cell(row, column), camera)).collect()
 }
 
-/// Draws rows of shapes with the same triangles, seen from where `camera` looks, fitted to all.
+/// Draws rows of shapes with the same triangles in their `own` look, seen from where `camera` looks, fitted to all.
 pub fn draw(
     device: &Device,
     rows: &[Vec<Portrayed>],
     triangles: &[[u32; 3]],
+    own: Option<&OwnLook>,
     camera: Camera,
     [width, height]: [u32; 2],
 ) -> Result<Picture, Error> {
@@ -118,11 +119,16 @@ pub fn draw(
     let style = Style::default();
     let mut sheet = Picture::filled(width, height, [255; 4]);
     for (panel, (cell, camera)) in rows.iter().flatten().zip(placed(rows, camera, [width, height])) {
+        // A heat map takes the place of the shape's own colors.
+        let own = own.filter(|_| panel.shares.is_none());
+        let colors = own.and_then(OwnLook::colors);
         let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
         let shape = PictureShape {
             positions: &panel.positions,
             triangles,
             values: panel.shares.as_deref().map(|shares| (shares, scale)),
+            colors: colors.as_deref(),
+            image: own.and_then(OwnLook::image),
             markers: &panel.dots,
             ghost: panel.ghost.as_deref(),
             ..PictureShape::default()

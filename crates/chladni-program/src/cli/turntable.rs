@@ -10,7 +10,7 @@ use chladni_view::{
 use super::Terminal;
 use super::ink::InkOptions;
 use crate::work::outputs::earlier_frames;
-use crate::work::{Error, Inked, Sculpture, Watcher};
+use crate::work::{Error, Inked, OwnLook, Sculpture, Watcher};
 
 /// A film of the result.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -32,11 +32,12 @@ fn secs(text: &str) -> Result<f64, Error> {
 const FRAMES_A_SECOND: u32 = 25;
 
 impl TurntableOptions {
-    /// Films the result, seen from where `from` stands.
+    /// Films the result in the shape's `own` look, seen from where `from` stands.
     pub fn film(
         &self,
         path: &Path,
         sculpture: &Sculpture,
+        own: Option<&OwnLook>,
         from: Camera,
         [width, height]: [u32; 2],
         ink: &InkOptions,
@@ -60,7 +61,14 @@ impl TurntableOptions {
                 .watch(label, |task| chladni_view::ink::film_turntable(&plates, &style, from, film, task));
             return Ok(filmed?);
         }
-        let shapes = [PictureShape { positions: &positions, triangles, ..PictureShape::default() }];
+        let colors = own.and_then(OwnLook::colors);
+        let shapes = [PictureShape {
+            positions: &positions,
+            triangles,
+            colors: colors.as_deref(),
+            image: own.and_then(OwnLook::image),
+            ..PictureShape::default()
+        }];
         let request = PictureRequest { shapes: &shapes, width, height, from, style: Style::default() };
         let mut renderer = Renderer::new(terminal.device()?);
         Ok(terminal.watch(label, |task| film_turntable(&mut renderer, &request, film, task))?)

@@ -78,7 +78,8 @@ pub fn without_companions(paths: &[PathBuf]) -> Vec<PathBuf> {
     paths.iter().filter(|path| !has_shape || !is_companion(path)).cloned().collect()
 }
 
-/// Why a file that is named as one that holds no shape is not opened, and where it is; `None` where it may be a mesh.
+/// Why a file whose ending is no shape's is not opened here, and where it can be opened, as a message with its path; `None`
+/// where it may be a mesh.
 pub fn opened_elsewhere(path: &Path) -> Option<String> {
     let why = match ending(path).as_str() {
         named if COMPANIONS.contains(&named) => "is read with the mesh that names it: open that one",

@@ -42,6 +42,22 @@ impl OwnLook {
         Self::of(name, &subject.mesh, body, watcher)
     }
 
+    /// Its linear-light colors, as a picture's shape takes them; `None` for an image.
+    pub fn colors(&self) -> Option<Vec<[f32; 4]>> {
+        match self {
+            Self::Colors(bytes) => Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect()),
+            Self::Image { .. } => None,
+        }
+    }
+
+    /// Its image and where corners lie on that, as a picture's shape takes them; `None` for colors.
+    pub fn image(&self) -> Option<(&Picture, &[[f32; 2]])> {
+        match self {
+            Self::Colors(_) => None,
+            Self::Image { corner_uvs, picture } => Some((picture, &corner_uvs[..])),
+        }
+    }
+
     /// The `colors` of a file's vertices.
     fn at_vertices(colors: &[[f32; 4]], body: &Body) -> Self {
         let mut bytes = vec![[255; 4]; body.positions.len()];
@@ -136,7 +152,8 @@ fn tinted(mut picture: Picture, [r, g, b, _]: [f32; 4]) -> Picture {
 /// The linear-light color of `picture` at each vertex of `proxy`; `uvs` are those of the whole shape's triangles.
 fn sampled(proxy: &Proxy, uvs: &[[[f32; 2]; 3]], picture: &Picture) -> Vec<[f32; 4]> {
     let whole = proxy.whole();
-    // By place: where several vertices coincide, the one that the proxy kept may be in no triangle, and have none.
+    // By place: where several vertices coincide, the one that the proxy kept may be in no triangle and so have no texture
+    // coordinates of its own.
     let place = places(&whole.positions);
     let mut uv_of = vec![[0.0; 2]; place.len()];
     for (vertex, uv) in whole.triangles.as_flattened().iter().zip(uvs.as_flattened()) {

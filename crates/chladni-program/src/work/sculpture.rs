@@ -94,7 +94,7 @@ pub fn settled(stack: &mut Stack, project: &Project, watcher: &impl Watcher) -> 
     Ok(stack.evaluate(project))
 }
 
-/// Takes the materials out of a mesh beside which no library can be written; whether it had any.
+/// Takes the materials out of a mesh; whether it had any.
 pub(super) fn leave_out_materials(mesh: &mut TriMesh) -> bool {
     mesh.appearance.face_materials.clear();
     !std::mem::take(&mut mesh.appearance.materials).is_empty()
@@ -137,6 +137,7 @@ impl Sculpture {
             return Ok(self.glb(file)?);
         }
         let mut result = self.result();
+        // In memory no library can be written beside an OBJ.
         let warning = (format == Format::Obj && leave_out_materials(&mut result)).then(|| {
             Warning::Plain("an OBJ alone has neither materials nor pictures: save GLB for these".to_owned())
         });

@@ -108,7 +108,7 @@ pub fn song(
     Ok(song?)
 }
 
-/// Checks that the start is not negative and that the duration, if given, is positive.
+/// Checks that the start is finite and not negative, and that the duration, if given, is finite and positive.
 ///
 /// # Errors
 /// [`Error::Input`] otherwise.

@@ -94,9 +94,10 @@ impl Subject {
         Ok(Self::decided(mesh, project, false, watcher)?.0)
     }
 
-    /// The shape at the project's resolution. Without a stated one, a very large shape stays whole if all vertices are needed
-    /// (`needs_all`) or a layer matches vertex by vertex. Such a layer also replaces a stated proxy, unless `needs_all`: then
-    /// regions or landmarks name that proxy's vertices. Also returns whether the proxy differs from the project's.
+    /// The shape at the project's resolution, which is settled here. Without a stated one, a very large shape stays whole if
+    /// all vertices are needed (`needs_all`) or a layer matches vertex by vertex. Such a layer makes the shape whole even
+    /// where a proxy is stated, unless `needs_all`: then regions or landmarks name that proxy's vertices. Also returns
+    /// whether the proxy differs from the project's.
     fn decided(
         mesh: TriMesh,
         project: &mut Project,

@@ -150,6 +150,40 @@ fn a_recipe_is_applied_to_a_folder() {
 }
 
 #[test]
+fn a_recipe_reads_its_own_shape_only_where_a_layer_names_places_of_it() {
+    let desk = Desk::new();
+    save_mesh(&lump(1.0), &desk.path("lost.obj")).unwrap();
+    std::fs::create_dir(desk.path("many")).unwrap();
+    save_mesh(&lump(2.0), &desk.path("many/large.ply")).unwrap();
+    std::fs::write(desk.path("marks.txt"), "0 0\n").unwrap();
+    desk.ok("project new lost.obj -o free.chladni --harmonics 16");
+    for template in ["ellipsoid", "shape.obj --match same", "self:lowpass=4"] {
+        desk.ok(&format!("project add-layer free.chladni --mu -1 --template {template}"));
+    }
+    let naming = [
+        "sphere --region 13,0,0,2",
+        "sphere --curved bumps",
+        "sphere:10,0,0,3",
+        "shape.obj --landmarks marks.txt",
+    ];
+    for (number, template) in naming.iter().enumerate() {
+        desk.ok(&format!("project new lost.obj -o {number}.chladni --harmonics 16"));
+        desk.ok(&format!("project add-layer {number}.chladni --template {template}"));
+    }
+    std::fs::remove_file(desk.path("lost.obj")).unwrap();
+    desk.ok("caricature many/large.ply --recipe free.chladni -o one.ply");
+    desk.ok("caricature --recipe free.chladni --batch many -o out");
+    let [one, of_batch] = ["one.ply", "out/large.ply"].map(|name| desk.mesh(name).positions);
+    assert_eq!(one, of_batch);
+    assert!(largest(&one, &lump(2.0).positions) > 0.05);
+    assert!(desk.refused("caricature --recipe free.chladni -o own.ply").contains("lost.obj"));
+    for (number, template) in naming.iter().enumerate() {
+        let said = desk.refused(&format!("caricature shape.obj --recipe {number}.chladni -o other.ply"));
+        assert!(said.contains("lost.obj"), "{template}: {said}");
+    }
+}
+
+#[test]
 fn a_batch_gives_every_mesh_a_file_of_its_own_and_replaces_none() {
     let desk = Desk::new();
     desk.ok("project new shape.obj -o p.chladni --harmonics 16");

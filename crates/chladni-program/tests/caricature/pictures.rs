@@ -54,6 +54,41 @@ fn a_picture_keeps_colors_stands_as_told_and_uses_its_format() {
 }
 
 #[test]
+fn panels_and_turntables_show_the_colors_or_the_texture_of_the_shape() {
+    let desk = Desk::new();
+    let mut mesh = lump(1.0);
+    let text = chladni_testdata::textured_obj(&mesh.positions, &mesh.triangles, "skin.mtl", |_| 0.5);
+    std::fs::write(desk.path("textured.obj"), text).unwrap();
+    std::fs::write(desk.path("skin.mtl"), "newmtl skin\nmap_Kd skin.png\n").unwrap();
+    let skin = chladni_view::Picture::filled(2, 2, [230, 0, 0, 255]).to_png().unwrap();
+    std::fs::write(desk.path("skin.png"), skin).unwrap();
+    mesh.appearance.colors = Some(vec![[0.8, 0.02, 0.02, 1.0]; mesh.positions.len()]);
+    save_mesh(&mesh, &desk.path("colored.ply")).unwrap();
+    // Red pixels of a square of 100 pixels.
+    let red = |picture: &chladni_view::Picture, row: u32, column: u32| {
+        let pixels = (0..100).flat_map(|y| (0..100).map(move |x| (100 * column + x, 100 * row + y)));
+        pixels.filter(|(x, y)| is_red(picture.pixel(*x, *y).unwrap())).count()
+    };
+    for (shape, film) in [("textured.obj", "turning"), ("colored.ply", "turned")] {
+        let line = format!("caricature {shape} ellipsoid -k 16 --region 13,0,0,2");
+        let plain = red(&drawn(&desk, &format!("{line} --size 200x100")), 0, 0);
+        assert!(plain > 200, "{shape}: {plain}");
+        let show = "--size 600x200 --sweep=-0.3,-0.6 --show before,after,coordinate,steps,region";
+        let sheet = drawn(&desk, &format!("{line} {show}"));
+        for (row, column) in (0..2).flat_map(|row| (0..6).map(move |column| (row, column))) {
+            let found = red(&sheet, row, column);
+            // The last is a heat map.
+            let expected = if column == 5 { 0..1 } else { plain / 3..3 * plain };
+            assert!(expected.contains(&found), "{shape}, {row}, {column}: {found}, {plain}");
+        }
+        desk.ok(&format!("{line} --turntable {film} --turn-secs 0.1 --size 100x100"));
+        let frame = std::fs::read(desk.path(film).join("frame-00000.png")).unwrap();
+        let found = red(&chladni_view::Picture::decode(&frame).unwrap(), 0, 0);
+        assert!(found > plain / 5, "{shape}: {found}, {plain}");
+    }
+}
+
+#[test]
 fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
     let desk = Desk::new();
     desk.ok(

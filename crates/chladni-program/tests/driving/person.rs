@@ -75,7 +75,8 @@ fn lump_of(mut mesh: TriMesh, size: f64) -> TriMesh {
     mesh
 }
 
-/// The pixels in which two pictures of one size differ visibly: edges may still be refined.
+/// How many pixels differ visibly between two pictures of one size. Small differences do not count: edges may still be
+/// refined.
 pub fn differing(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
     a.pixels().zip(b.pixels()).filter(|(a, b)| (0..3).any(|c| a[c].abs_diff(b[c]) > 24)).count()
 }

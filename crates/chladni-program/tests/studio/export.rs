@@ -77,6 +77,9 @@ fn from_two_meshes_to_sliders_in_another_program() {
     save_mesh(&person::finer_lump(), &desk.path("finer.obj")).unwrap();
     desk.answers.add(desk.path("finer.obj"));
     person.click("another-shape");
+    // Undo does not lead back: that is said, and where the project is.
+    let stays = format!("stays as it was saved in {}", desk.path("p.chladni").display());
+    person.wait_to_see(&format!("begin a new history on this shape. The earlier project {stays}"));
     person.wait_to_see("2\u{202f}562 vertices");
     desk.answers.add(desk.path("finer.chladni"));
     person.press_with(CTRL, Key::S);

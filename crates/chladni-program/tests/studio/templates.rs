@@ -274,7 +274,7 @@ fn the_camera_comes_forward_again_when_an_exaggeration_is_undone() {
     let before = middle(&mut person);
     person.slide("μ", -40.0);
     person.0.run_steps(5);
-    // Of 120,000.
+    // Of 120,000 pixels.
     assert!(differing(&middle(&mut person), &before) > 20_000);
     person.press_with(CTRL, Key::Z);
     person.0.run_steps(10);

@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::Project;
 use chladni_mesh::{Format, ShapeSource};
 
-use super::{Caricature, one};
+use super::{Caricature, made_on, one};
 use crate::cli::Terminal;
 use crate::work::outputs::{check_apart, check_folder, mesh_format};
-use crate::work::{Error, Subject, Warning, Watcher};
+use crate::work::{Error, Warning, Watcher};
 
 impl Caricature {
     /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
@@ -27,7 +27,7 @@ impl Caricature {
         let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
         let folders = [Some(results), self.render.as_ref()].into_iter().flatten();
         folders.clone().try_for_each(|folder| check_folder(nearest_there(folder)))?;
-        let from = Subject::of(&mut project, terminal)?.mesh;
+        let from = made_on(&mut project, terminal)?;
         for folder in folders {
             chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
         }
@@ -41,7 +41,7 @@ impl Caricature {
             let name = shape.display().to_string();
             let (wanted, pictures) = (self.resolution.wanted(), self.pictures(render.as_deref()));
             let source = ShapeSource::named(shape);
-            match one(&source, &project, Some(&from), wanted, Some(output), pictures, terminal) {
+            match one(Some(&source), &project, from.as_deref(), wanted, Some(output), pictures, terminal) {
                 Ok(()) => {}
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
                 Err(failure) => {

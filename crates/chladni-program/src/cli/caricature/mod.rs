@@ -22,7 +22,9 @@ use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
 use crate::work::outputs::{check_distinct, check_film, check_mesh, check_picture, check_textures};
-use crate::work::{Error, Made, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source};
+use crate::work::{
+    Error, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source,
+};
 
 /// Exaggerate what makes a shape differ from a template.
 #[derive(clap::Args)]
@@ -43,7 +45,7 @@ pub struct Caricature {
     #[arg(short = 'k', long, value_name = "K", conflicts_with = "recipe")]
     harmonics: Option<usize>,
     /// Paper mode: the plain cotangent Laplacian, which not every mesh can have, and the settings that
-    /// the paper prints (sharp cut of the region at 96, every scale alike, μ = -0.8 or -8).
+    /// the paper prints (sharp cut of the region at about 96, every scale alike, μ = -0.8 or -8).
     #[arg(long, conflicts_with = "recipe")]
     paper: bool,
     #[command(flatten)]
@@ -97,8 +99,8 @@ impl Caricature {
             (Some(folder), _) => self.batch(project, folder, terminal),
             (None, Some(shape)) => {
                 self.check(&project.files())?;
-                let from = Subject::of(&mut project, terminal)?.mesh;
-                self.one_of(&ShapeSource::named(shape), &project, Some(&from), terminal)
+                let from = made_on(&mut project, terminal)?;
+                self.one_of(Some(&ShapeSource::named(shape)), &project, from.as_deref(), terminal)
             }
             (None, None) => {
                 self.check(&project.files())?;
@@ -107,8 +109,7 @@ impl Caricature {
                         "--proxy is for another shape: its own is worked on as the recipe says",
                     ));
                 }
-                let shape = project.shape.clone();
-                self.one_of(&shape, &project, None, terminal)
+                self.one_of(None, &project, None, terminal)
             }
         }
     }
@@ -189,16 +190,16 @@ impl Caricature {
         finish(&source, subject, &project, project.stands, self.output.as_deref(), pictures, terminal)
     }
 
-    /// The recipe `project` on one shape.
+    /// The recipe `project` on one shape, as in [`one`].
     fn one_of(
         &self,
-        shape: &ShapeSource,
+        other: Option<&ShapeSource>,
         project: &Project,
         from: Option<&TriMesh>,
         terminal: &Terminal,
     ) -> Result<(), Error> {
         let (output, pictures) = (self.output.as_deref(), self.pictures(self.render.as_deref()));
-        one(shape, project, from, self.resolution.wanted(), output, pictures, terminal)
+        one(other, project, from, self.resolution.wanted(), output, pictures, terminal)
     }
 
     /// A sheet of twelve caricatures, or one of them as a mesh.
@@ -259,10 +260,18 @@ fn save(sculpture: &Sculpture, output: &Path, terminal: &Terminal) -> Result<(),
     terminal.wrote(output)
 }
 
-/// One shape, from its name to its files. `from` is the recipe's own shape where this is another:
-/// regions and landmarks are carried over, and it is worked on as is `wanted`.
+/// The shape that `project` was made on, where its layers name places of that: only then has its file to be there.
+fn made_on(project: &mut Project, terminal: &Terminal) -> Result<Option<Arc<TriMesh>>, Error> {
+    if !project.names_places() {
+        return Ok(None);
+    }
+    Ok(Some(Subject::of(project, terminal)?.mesh))
+}
+
+/// One shape, from its name to its files: the recipe's own, or the `other` one, which is worked on as is `wanted`. Places
+/// that the layers name are carried over to it from the shape that they were [made on](made_on), `from`.
 fn one(
-    shape: &ShapeSource,
+    other: Option<&ShapeSource>,
     project: &Project,
     from: Option<&TriMesh>,
     wanted: Resolution,
@@ -270,17 +279,18 @@ fn one(
     pictures: Pictures<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let Some(from) = from else {
-        let mut project = project.clone();
-        let subject = Subject::of(&mut project, terminal)?;
-        return finish(shape, subject, &project, project.stands, output, pictures, terminal);
+    let mut own = project.clone();
+    let Some(shape) = other else {
+        let subject = Subject::of(&mut own, terminal)?;
+        return finish(&own.shape, subject, &own, own.stands, output, pictures, terminal);
     };
-    let mut other = project.clone();
-    (other.shape, other.resolution) = (shape.clone(), wanted);
-    let subject = Subject::before_carrying(&mut other, terminal)?;
-    let project = carry(project, from, &shape.to_string(), &subject.mesh, terminal)?;
     // Another shape need not stand as the project's own does.
-    finish(shape, subject, &project, None, output, pictures, terminal)
+    (own.shape, own.resolution, own.stands) = (shape.clone(), wanted, None);
+    let subject = Subject::before_carrying(&mut own, terminal)?;
+    if let Some(from) = from {
+        own = carry(project, from, &shape.to_string(), &subject.mesh, terminal)?;
+    }
+    finish(shape, subject, &own, None, output, pictures, terminal)
 }
 
 /// `project` on `subject`, which is called `shape` and stands as is `kept`, to its files.
@@ -309,13 +319,19 @@ fn finish(
         _ => Ok(()),
     };
     save(&made.sculpture, !is_last)?;
+    // Ink has colors of its own.
+    let is_colored =
+        path.is_some_and(|path| !ink.wanted(path)) || (turntable.turntable.is_some() && !ink.is_asked_for());
+    let Sculpture { subject, body, .. } = &made.sculpture;
+    let look = if is_colored { OwnLook::of_subject(&name, subject, body, terminal) } else { None };
+    let look = look.as_ref();
     if let Some(path) = path {
-        portrait::render(&mut made, &name, project, path, portrait, sheet, ink, kept, terminal)?;
+        portrait::render(&mut made, &name, look, project, path, portrait, sheet, ink, kept, terminal)?;
         terminal.wrote(path)?;
     }
     if let Some(path) = &turntable.turntable {
         let from = portrait.camera(&name, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
-        turntable.film(path, &made.sculpture, from, portrait.size(), ink, terminal)?;
+        turntable.film(path, &made.sculpture, look, from, portrait.size(), ink, terminal)?;
         terminal.wrote(path)?;
     }
     save(&made.sculpture, is_last)

@@ -123,7 +123,7 @@ impl CaricatureRoom {
         shared.notices.failed(why);
     }
 
-    /// Asks for another shape and carries the layers over to it.
+    /// Asks for another shape and carries the layers over to it, as a new project with a history of its own.
     pub(super) fn change_shape(&mut self, shared: &mut Shared<'_>) {
         let Some(session) = &self.session else { return };
         let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)]) else { return };

@@ -42,6 +42,8 @@ pub struct Loaded {
     pub path: Option<PathBuf>,
     /// Whether the project differs from any file.
     pub new: bool,
+    /// Whether its layers were made on another shape.
+    pub is_carried: bool,
     /// The recovery copy that the project comes from.
     pub recovered: Option<Recovered>,
     pub subject: Subject,
@@ -78,7 +80,8 @@ pub fn load(
     let stands = Estimate::of(mesh, known, task)?;
     // There may be no receiver any more.
     let _ = read.send((Arc::clone(mesh), project.stands.unwrap_or(stands.orientation)));
-    let new = recovered.is_some() || made_on.is_some() || found_moved;
+    let is_carried = made_on.is_some();
+    let new = recovered.is_some() || is_carried || found_moved;
     if let Some(from) = made_on {
         let carried = project.carried(&from, mesh, task)?;
         for message in carried.report.into_iter().flat_map(|report| report.warnings) {
@@ -96,5 +99,17 @@ pub fn load(
     let sight = Sight { selected, ..Sight::default() };
     let evaluated = on_own_threads(|| Evaluated::of(stack, &project, sight, None))?;
     let warnings = aside.warnings();
-    Ok(Loaded { project, path, new, recovered, subject, stands, sight, evaluated, look, warnings })
+    Ok(Loaded {
+        project,
+        path,
+        new,
+        is_carried,
+        recovered,
+        subject,
+        stands,
+        sight,
+        evaluated,
+        look,
+        warnings,
+    })
 }

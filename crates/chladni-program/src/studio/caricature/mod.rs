@@ -287,7 +287,7 @@ impl CaricatureRoom {
             shared.notices.warn(warning.clone());
         }
         let recovered = loaded.recovered.take();
-        let look = loaded.look.take();
+        let (look, is_carried) = (loaded.look.take(), loaded.is_carried);
         let opened = loaded.path.as_deref().or(loaded.project.shape.file()).map(Path::to_owned);
         let session = Session::new(loaded);
         let body = session.stack.body();
@@ -300,7 +300,13 @@ impl CaricatureRoom {
         self.gallery = ShapesGallery::default();
         self.controls.named.forget();
         self.stage = Some(stage);
-        self.session = Some(session);
+        let earlier = self.session.replace(session);
+        if is_carried {
+            let stays = earlier.and_then(|earlier| earlier.path).map_or_else(String::new, |path| {
+                format!(" The earlier project stays as it was saved in {}.", path.display())
+            });
+            shared.notices.done(format!("The layers begin a new history on this shape.{stays}"));
+        }
         self.stale = true;
         if let Some(Ok(autosave)) = &mut self.autosave {
             autosave.forget();

@@ -40,7 +40,8 @@ impl CaricatureRoom {
             self.choose_file(shared);
         }
         let change = ui.add_enabled(self.session.is_some(), egui::Button::new(icon::text(Icon::Replace)));
-        let tip = "The same layers on another shape: regions and landmarks are carried over";
+        let tip =
+            "The same layers on another shape, as a new project: regions and landmarks are carried over";
         if change.accessible_name("Another shape").author_id("another-shape").on_hover_text(tip).clicked() {
             self.change_shape(shared);
         }
