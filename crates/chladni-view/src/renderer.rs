@@ -3,7 +3,8 @@
 use crate::buffers::Held;
 use crate::{Camera, Canvas, Cell, Device, Finish, Rect, Surroundings, ViewError, cpu, gpu};
 
-/// Pipelines and uniforms, or bins and tiles, that one device keeps from picture to picture. Make one and keep it.
+/// Uniforms and targets, or bins and tiles, that one device keeps from picture to picture. Make one and keep it.
+/// Pipelines are compiled when a picture first needs them, once for all renderers of a graphics device.
 #[derive(Debug)]
 pub struct Renderer {
     pub(crate) device: Device,

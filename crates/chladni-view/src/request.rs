@@ -62,7 +62,7 @@ pub struct PictureRequest<'a> {
     pub style: Style,
 }
 
-/// Draws shapes side by side and waits for the picture. Compiles its pipelines each time: for
+/// Draws shapes side by side and waits for the picture. Makes a renderer each time: for
 /// more than one picture use [`render_picture_with`] or a [`Renderer`] of your own.
 ///
 /// # Errors

@@ -8,7 +8,7 @@
 mod shapes;
 
 use chladni_synth::{
-    AutoSynthesizer, Backend, Coefficients, FrameSettings, GpuContext, Item, SynthModel, Synthesizer, Term,
+    AutoSynthesizer, Backend, Coefficients, FrameSettings, Item, SynthModel, Synthesizer, Term,
 };
 use chladni_view::{
     Background, Camera, Canvas, Cell, Figure, ItemBuffers, Lights, Picture, Rect, Renderer, Topology, layout,
@@ -18,7 +18,6 @@ use shapes::{gpu, sphere};
 #[test]
 fn both_backends_are_drawn_without_a_copy_and_look_the_same() {
     let Some(gpu) = gpu() else { return };
-    let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
     let (positions, triangles) = sphere(16);
     // Harmonic 0 swells the sphere, harmonic 1 shifts it along y.
     let rest: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
@@ -39,7 +38,7 @@ fn both_backends_are_drawn_without_a_copy_and_look_the_same() {
     let mut camera = Camera::default();
     camera.fit(positions.iter().map(|p| p.map(|c| 1.4 * c)), 1.0, 1.0);
     let pictures = [Backend::Cpu, Backend::Gpu].map(|backend| {
-        let mut synthesizer = AutoSynthesizer::new(&context, model.clone(), backend);
+        let mut synthesizer = AutoSynthesizer::new(gpu.synthesis(), model.clone(), backend);
         synthesizer.synthesize(&items, &FrameSettings::default()).unwrap();
         assert!(synthesizer.take_fallback().is_none());
         let buffers = ItemBuffers::of_frame(&synthesizer.frame()).unwrap();
@@ -75,7 +74,7 @@ fn both_backends_are_drawn_without_a_copy_and_look_the_same() {
 #[test]
 fn a_lost_device_is_known_to_drawing_and_synthesis() {
     let Some(gpu) = gpu() else { return };
-    let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
+    let context = gpu.synthesis();
     assert!(gpu.check().is_ok() && context.lost().is_none());
     gpu.device.destroy();
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();

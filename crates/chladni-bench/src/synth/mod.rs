@@ -139,7 +139,7 @@ impl BenchSynth {
             }
             (BackendName::Gpu, Some(stage)) => {
                 let copy = timing::copy_on_device_secs(&stage.gpu, bytes)?;
-                let mut synthesizer = match GpuSynthesizer::new(&stage.context, model.clone()) {
+                let mut synthesizer = match GpuSynthesizer::new(stage.gpu.synthesis(), model.clone()) {
                     Ok(synthesizer) => synthesizer,
                     Err(error) => {
                         terminal.warn(Warning::of(row.model, error));

@@ -1,6 +1,6 @@
 //! The device, and drawing on it.
 
-use chladni_synth::{DeviceFrame, GpuContext};
+use chladni_synth::DeviceFrame;
 use chladni_view::{
     Background, Camera, Canvas, Cell, Figure, Gpu, ItemBuffers, Lights, Rect, Renderer, Topology, View,
     layout,
@@ -15,7 +15,6 @@ pub const SIZE_PX: (u32, u32) = (1024, 768);
 /// Where frames are drawn.
 pub struct Stage {
     pub gpu: Gpu,
-    pub context: GpuContext,
     pub renderer: Renderer,
     pub canvas: Canvas,
 }
@@ -25,10 +24,9 @@ impl Stage {
     /// draws.
     pub fn new() -> Result<Self, Error> {
         let gpu = Gpu::headless()?;
-        let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
         let renderer = Renderer::new(&gpu);
         let canvas = Canvas::with_samples(&gpu, SIZE_PX.0, SIZE_PX.1, gpu.live_samples())?;
-        Ok(Self { gpu, context, renderer, canvas })
+        Ok(Self { gpu, renderer, canvas })
     }
 }
 

@@ -3,8 +3,7 @@
 use std::time::Instant;
 
 use chladni_synth::{
-    AutoSynthesizer, Backend, CpuSynthesizer, Fallback, FrameSettings, GpuContext, Item, SynthModel,
-    Synthesizer,
+    AutoSynthesizer, Backend, CpuSynthesizer, Fallback, FrameSettings, Item, SynthModel, Synthesizer,
 };
 use chladni_view::{Device, ItemBuffers, Topology, ViewError};
 
@@ -30,8 +29,7 @@ impl Deformed {
     pub fn new(device: &Device, model: &SynthModel, topology: Topology, synthesis: Backend) -> Self {
         let by = match device {
             Device::Graphics(gpu) => {
-                let context = GpuContext::new(&gpu.device, &gpu.queue, gpu.loss());
-                Deformer::Beside(Box::new(AutoSynthesizer::new(&context, model.clone(), synthesis)))
+                Deformer::Beside(Box::new(AutoSynthesizer::new(gpu.synthesis(), model.clone(), synthesis)))
             }
             Device::Processor => Deformer::Processor {
                 synthesizer: Box::new(CpuSynthesizer::new(model.clone())),

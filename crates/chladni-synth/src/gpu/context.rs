@@ -13,7 +13,7 @@ const STORAGE_BUFFERS: u32 = 7;
 /// Threads of a workgroup, in every shader.
 pub(super) const WORKGROUP: u32 = 64;
 
-/// A device prepared for synthesis. Cloning is cheap; make one per device.
+/// A device prepared for synthesis. Cloning is cheap, and clones share the pipelines; make one per device.
 #[derive(Clone, Debug)]
 pub struct GpuContext {
     pub(crate) device: wgpu::Device,

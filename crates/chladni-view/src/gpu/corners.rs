@@ -1,10 +1,11 @@
 //! Data that vertex stages look up by index: in storage, or, where a device lends them none (WebGL2), in textures
 //! that the same buffers are copied to before each picture.
 
-use wgpu::{Buffer, TextureFormat};
+use wgpu::{Buffer, Texture, TextureFormat};
 
 use super::lookup::{Lookup, ROW};
 use super::pipelines::Coat;
+use super::screen::{group, texture, view};
 use crate::{Cell, Figure, Paint, ViewError};
 
 /// The bind groups of a picture's figures.
@@ -12,14 +13,27 @@ pub(crate) struct Corners {
     lookup: Lookup,
     layout: wgpu::BindGroupLayout,
     /// By figure; none of those that look nothing up.
-    groups: Vec<Option<wgpu::BindGroup>>,
+    groups: Vec<Option<Group>>,
     /// The first of them hold numbers of this picture, those behind are left from others.
     sheets: Vec<Sheet>,
 }
 
+/// A bind group, kept for the figures of later pictures that look up the same.
+struct Group {
+    source: Source,
+    group: wgpu::BindGroup,
+}
+
+/// Positions, normals, corners, UVs and paint.
+#[derive(PartialEq)]
+enum Source {
+    Storage([Buffer; 5]),
+    Textures([Texture; 5]),
+}
+
 /// Numbers of a buffer in a texture.
 struct Sheet {
-    texture: wgpu::Texture,
+    texture: Texture,
     /// Where they are from.
     source: Numbers,
 }
@@ -41,7 +55,7 @@ impl Corners {
 
     /// The bind group of a figure, by its number in the picture.
     pub(crate) fn group(&self, figure: usize) -> Option<&wgpu::BindGroup> {
-        self.groups.get(figure)?.as_ref()
+        self.groups.get(figure)?.as_ref().map(|group| &group.group)
     }
 
     /// Prepares the data that the figures of a picture look up.
@@ -51,41 +65,33 @@ impl Corners {
         encoder: &mut wgpu::CommandEncoder,
         cells: &[Cell<'_>],
     ) -> Result<(), ViewError> {
-        self.groups.clear();
+        self.groups.resize_with(cells.iter().map(|cell| cell.figures.len()).sum(), || None);
         let mut filled = 0;
-        for figure in cells.iter().flat_map(|cell| cell.figures) {
+        for (i, figure) in cells.iter().flat_map(|cell| cell.figures).enumerate() {
             let looks_up = Coat::of(figure) == Coat::Corners || figure.grains.is_some();
-            let group = if looks_up && figure.topology.triangles > 0 {
+            let source = if looks_up && figure.topology.triangles > 0 {
                 Some(match self.lookup {
-                    Lookup::Storage => self.group_of_storage(device, figure)?,
-                    Lookup::Textures => self.group_of_textures(device, encoder, figure, &mut filled)?,
+                    Lookup::Storage => storage(figure)?,
+                    Lookup::Textures => self.textures(device, encoder, figure, &mut filled)?,
                 })
             } else {
                 None
             };
-            self.groups.push(group);
+            if self.groups[i].as_ref().map(|group| &group.source) != source.as_ref() {
+                let layout = &self.layout;
+                self.groups[i] = source.map(|source| Group { group: source.group(device, layout), source });
+            }
         }
         Ok(())
     }
 
-    fn group_of_storage(
-        &self,
-        device: &wgpu::Device,
-        figure: &Figure<'_>,
-    ) -> Result<wgpu::BindGroup, ViewError> {
-        let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
-        let paint = paint(figure)?.unwrap_or(&topology.corners);
-        let buffers = [&items.positions, &items.normals, &topology.corners, &topology.uvs, paint];
-        Ok(self.grouped(device, buffers.map(Buffer::as_entire_binding)))
-    }
-
-    fn group_of_textures(
+    fn textures(
         &mut self,
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         figure: &Figure<'_>,
         filled: &mut usize,
-    ) -> Result<wgpu::BindGroup, ViewError> {
+    ) -> Result<Source, ViewError> {
         let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
         let item = figure.buffers.item_bytes(figure.item);
         let paint = paint(figure)?;
@@ -110,12 +116,7 @@ impl Corners {
         for (sheet, numbers) in sheets.iter_mut().zip(sources) {
             *sheet = self.sheet(device, encoder, numbers, filled)?;
         }
-        let views = sheets.map(|i| super::screen::view(&self.sheets[i].texture));
-        Ok(self.grouped(device, views.each_ref().map(wgpu::BindingResource::TextureView)))
-    }
-
-    fn grouped(&self, device: &wgpu::Device, resources: [wgpu::BindingResource<'_>; 5]) -> wgpu::BindGroup {
-        super::screen::group(device, &self.layout, &resources)
+        Ok(Source::Textures(sheets.map(|i| self.sheets[i].texture.clone())))
     }
 
     /// The index of a sheet of these numbers, filled unless this picture has it already.
@@ -147,6 +148,27 @@ impl Corners {
     }
 }
 
+fn storage(figure: &Figure<'_>) -> Result<Source, ViewError> {
+    let (topology, items) = (figure.topology.held.gpu()?, figure.buffers.held.gpu()?);
+    let paint = paint(figure)?.unwrap_or(&topology.corners);
+    let buffers = [&items.positions, &items.normals, &topology.corners, &topology.uvs, paint];
+    Ok(Source::Storage(buffers.map(Buffer::clone)))
+}
+
+impl Source {
+    fn group(&self, device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+        match self {
+            Self::Storage(buffers) => {
+                group(device, layout, &buffers.each_ref().map(Buffer::as_entire_binding))
+            }
+            Self::Textures(textures) => {
+                let views = textures.each_ref().map(view);
+                group(device, layout, &views.each_ref().map(wgpu::BindingResource::TextureView))
+            }
+        }
+    }
+}
+
 /// The buffer of a figure's paint by vertex, if it has one.
 fn paint<'a>(figure: &Figure<'a>) -> Result<Option<&'a Buffer>, ViewError> {
     Ok(match figure.paint {
@@ -161,7 +183,7 @@ impl Numbers {
         self.count.div_ceil(ROW)
     }
 
-    fn texture(&self, device: &wgpu::Device) -> Result<wgpu::Texture, ViewError> {
+    fn texture(&self, device: &wgpu::Device) -> Result<Texture, ViewError> {
         let (rows, limit) = (self.rows(), device.limits().max_texture_dimension_2d);
         if rows > limit {
             let (count, most) = (self.count, u64::from(limit) * u64::from(ROW));
@@ -170,7 +192,7 @@ impl Numbers {
             )));
         }
         let usage = wgpu::TextureUsages::COPY_DST;
-        Ok(super::screen::texture(device, "looked up", [ROW, rows], self.format, (1, usage)))
+        Ok(texture(device, "looked up", [ROW, rows], self.format, (1, usage)))
     }
 }
 

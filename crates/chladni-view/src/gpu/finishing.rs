@@ -34,7 +34,9 @@ enum Pass {
     Finish,
 }
 
-struct Pipelines {
+/// Made once on a device.
+#[derive(Debug)]
+pub(super) struct Pipelines {
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
     /// By [`Pass`].
@@ -51,11 +53,9 @@ impl Finishing {
         if canvas.format != Canvas::FORMAT {
             return Err(ViewError::Shape(format!("a finish on a canvas of {:?}", canvas.format)));
         }
-        let pipelines = match kept.take() {
-            Some(before) => before.pipelines,
-            None => Arc::new(Pipelines::new(&gpu.device)),
-        };
-        *kept = Some(Self::new(&gpu.device, pipelines, size));
+        // The textures of another size go before the new ones come.
+        *kept = None;
+        *kept = Some(Self::new(&gpu.device, gpu.drawing().finishing(&gpu.device), size));
         Ok(())
     }
 
@@ -137,7 +137,7 @@ impl Finishing {
 }
 
 impl Pipelines {
-    fn new(device: &wgpu::Device) -> Self {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let uniform = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,

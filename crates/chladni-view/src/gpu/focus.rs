@@ -60,7 +60,9 @@ impl Depths {
     }
 }
 
-struct Pipelines {
+/// Made once on a device for each number of samples.
+#[derive(Debug)]
+pub(super) struct Pipelines {
     /// Which they read.
     depths: Depths,
     /// Layouts of one cell, of depths, and of images.
@@ -88,18 +90,11 @@ impl Focusing {
         if Depths::on(&gpu.device, canvas.samples) == Depths::Fine && size.iter().any(|side| *side > limit) {
             return Err(ViewError::Size { width: canvas.width, height: canvas.height, limit });
         }
-        let before = kept.take();
         let fits = |kept: &Self| kept.size == size && kept.samples == canvas.samples;
-        let fitting = match before {
-            Some(before) if fits(&before) => before,
-            before => {
-                let pipelines = before.filter(|before| before.samples == canvas.samples);
-                let pipelines = pipelines.map(|before| before.pipelines);
-                let device = &gpu.device;
-                let pipelines = pipelines.unwrap_or_else(|| Arc::new(Pipelines::new(device, canvas.samples)));
-                Self::new(device, pipelines, size, canvas.samples)
-            }
-        };
+        let fitting = kept.take().filter(fits).unwrap_or_else(|| {
+            let pipelines = gpu.drawing().focusing(&gpu.device, canvas.samples);
+            Self::new(&gpu.device, pipelines, size, canvas.samples)
+        });
         Ok(kept.insert(fitting))
     }
 
@@ -199,7 +194,7 @@ impl Focusing {
 }
 
 impl Pipelines {
-    fn new(device: &wgpu::Device, samples: Samples) -> Self {
+    pub(super) fn new(device: &wgpu::Device, samples: Samples) -> Self {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,

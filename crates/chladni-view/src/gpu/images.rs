@@ -1,27 +1,33 @@
 //! The images that every pipeline reads: color maps, the skin, and the key light's shadow maps.
 
 use super::memory::image;
-use super::pipelines::Layouts;
 use super::screen::{DEPTH, depth_pass};
 use crate::uniforms::arrangement;
 use crate::{ColorMap, Gpu, Palette, Samples};
 
-/// Textures and samplers of bind group 2.
-pub(crate) struct Images {
+/// The color maps and the samplers, which never change: made once on a device.
+#[derive(Debug)]
+pub(super) struct Common {
     maps: wgpu::TextureView,
     map_sampler: wgpu::Sampler,
     skin_sampler: wgpu::Sampler,
     shadow_sampler: wgpu::Sampler,
     around_sampler: wgpu::Sampler,
+}
+
+/// The images of bind group 2 that a renderer has for itself, and its groups.
+pub(crate) struct Images {
     pub(crate) shadows: ShadowMaps,
     /// The panorama, where there is one.
     around: Option<wgpu::TextureView>,
     /// Without a skin.
     pub(crate) group: wgpu::BindGroup,
+    /// Of the last picture's skins; made anew only where one of their images changes.
+    skins: Vec<(wgpu::TextureView, wgpu::BindGroup)>,
 }
 
-impl Images {
-    pub(crate) fn new(gpu: &Gpu, layouts: &Layouts) -> Self {
+impl Common {
+    pub(super) fn new(gpu: &Gpu) -> Self {
         let device = &gpu.device;
         let sampler = |mode, anisotropy_clamp, compare| {
             device.create_sampler(&wgpu::SamplerDescriptor {
@@ -36,28 +42,33 @@ impl Images {
             })
         };
         let (clamp, repeat) = (wgpu::AddressMode::ClampToEdge, wgpu::AddressMode::Repeat);
-        let maps = map_texture(gpu);
-        let map_sampler = sampler(clamp, 1, None);
-        let skin_sampler = sampler(repeat, 4, None);
-        let shadow_sampler = sampler(clamp, 1, Some(wgpu::CompareFunction::LessEqual));
-        // Anisotropic filtering would be sharper than the level that the roughness chooses.
-        let around_sampler = sampler(repeat, 1, None);
-        let shadows = ShadowMaps::new(device, 1, 1, 1);
-        let samplers = [&map_sampler, &skin_sampler, &shadow_sampler, &around_sampler];
-        // Nothing samples the maps as a skin unless a figure has one.
-        let group = group(device, layouts, [&maps; 3], &shadows, samplers);
-        Self { maps, map_sampler, skin_sampler, shadow_sampler, around_sampler, shadows, around: None, group }
+        Self {
+            maps: map_texture(gpu),
+            map_sampler: sampler(clamp, 1, None),
+            skin_sampler: sampler(repeat, 4, None),
+            shadow_sampler: sampler(clamp, 1, Some(wgpu::CompareFunction::LessEqual)),
+            // Anisotropic filtering would be sharper than the level that the roughness chooses.
+            around_sampler: sampler(repeat, 1, None),
+        }
+    }
+}
+
+impl Images {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let shadows = ShadowMaps::new(&gpu.device, 1, 1, 1);
+        let group = group(gpu, None, &shadows, None);
+        Self { shadows, around: None, group, skins: Vec::new() }
     }
 
     /// From now on this panorama shines, or none.
-    pub(crate) fn surround(
-        &mut self,
-        device: &wgpu::Device,
-        layouts: &Layouts,
-        around: Option<wgpu::TextureView>,
-    ) {
+    pub(crate) fn surround(&mut self, gpu: &Gpu, around: Option<wgpu::TextureView>) {
         self.around = around;
-        self.group = self.group_with(device, layouts, &self.maps);
+        self.regroup(gpu);
+    }
+
+    fn regroup(&mut self, gpu: &Gpu) {
+        self.group = group(gpu, None, &self.shadows, self.around.as_ref());
+        self.skins.clear();
     }
 
     /// Whether there is one.
@@ -65,38 +76,36 @@ impl Images {
         self.around.is_some()
     }
 
-    /// The group of a figure that has a skin.
-    pub(crate) fn group_with(
-        &self,
-        device: &wgpu::Device,
-        layouts: &Layouts,
-        skin: &wgpu::TextureView,
-    ) -> wgpu::BindGroup {
-        let samplers = [&self.map_sampler, &self.skin_sampler, &self.shadow_sampler, &self.around_sampler];
-        let around = self.around.as_ref().unwrap_or(&self.maps);
-        group(device, layouts, [&self.maps, skin, around], &self.shadows, samplers)
+    /// Sees to it that these skins have groups, and no others.
+    pub(crate) fn hold<'s>(&mut self, gpu: &Gpu, skins: impl Iterator<Item = &'s wgpu::TextureView> + Clone) {
+        self.skins.retain(|(held, _)| skins.clone().any(|skin| skin == held));
+        for skin in skins {
+            if self.group_of(skin).is_none() {
+                let group = group(gpu, Some(skin), &self.shadows, self.around.as_ref());
+                self.skins.push((skin.clone(), group));
+            }
+        }
+    }
+
+    /// The group of a figure that has this skin, which must be [held](Self::hold).
+    pub(crate) fn group_of(&self, skin: &wgpu::TextureView) -> Option<&wgpu::BindGroup> {
+        self.skins.iter().find(|(held, _)| held == skin).map(|(_, group)| group)
     }
 
     /// Sees to it that `count` cells can have shadows: one large map, or many smaller ones. Pictures of
     /// one sample a pixel have maps of a quarter of the texels, which a software device fills sooner.
-    pub(crate) fn make_room(
-        &mut self,
-        device: &wgpu::Device,
-        layouts: &Layouts,
-        count: usize,
-        samples: Samples,
-    ) {
+    pub(crate) fn make_room(&mut self, gpu: &Gpu, count: usize, samples: Samples) {
         if count == 0 {
             return;
         }
-        let limit = device.limits().max_texture_dimension_2d;
+        let limit = gpu.longest_side();
         let (size, columns, rows) = arrangement(count as u32, samples, limit);
         let enough = self.shadows.columns == columns && self.shadows.rows >= rows;
         if self.shadows.size == size && enough {
             return;
         }
-        self.shadows = ShadowMaps::new(device, size, columns, rows);
-        self.group = self.group_with(device, layouts, &self.maps);
+        self.shadows = ShadowMaps::new(&gpu.device, size, columns, rows);
+        self.regroup(gpu);
     }
 }
 
@@ -140,27 +149,30 @@ impl ShadowMaps {
 }
 
 fn group(
-    device: &wgpu::Device,
-    layouts: &Layouts,
-    [maps, skin, around]: [&wgpu::TextureView; 3],
+    gpu: &Gpu,
+    skin: Option<&wgpu::TextureView>,
     shadows: &ShadowMaps,
-    [map_sampler, skin_sampler, shadow_sampler, around_sampler]: [&wgpu::Sampler; 4],
+    around: Option<&wgpu::TextureView>,
 ) -> wgpu::BindGroup {
+    let drawing = gpu.drawing();
+    let common = &drawing.common;
+    // Nothing samples the maps as a skin or a panorama where there is none.
+    let [skin, around] = [skin, around].map(|image| image.unwrap_or(&common.maps));
     let resources = [
-        wgpu::BindingResource::TextureView(maps),
-        wgpu::BindingResource::Sampler(map_sampler),
+        wgpu::BindingResource::TextureView(&common.maps),
+        wgpu::BindingResource::Sampler(&common.map_sampler),
         wgpu::BindingResource::TextureView(skin),
-        wgpu::BindingResource::Sampler(skin_sampler),
+        wgpu::BindingResource::Sampler(&common.skin_sampler),
         wgpu::BindingResource::TextureView(&shadows.view),
-        wgpu::BindingResource::Sampler(shadow_sampler),
+        wgpu::BindingResource::Sampler(&common.shadow_sampler),
         wgpu::BindingResource::TextureView(around),
-        wgpu::BindingResource::Sampler(around_sampler),
+        wgpu::BindingResource::Sampler(&common.around_sampler),
     ];
     let entries: Vec<_> =
         (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("images"),
-        layout: &layouts.images,
+        layout: &drawing.layouts.images,
         entries: &entries,
     })
 }

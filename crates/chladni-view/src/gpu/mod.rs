@@ -3,6 +3,7 @@
 mod bindings;
 mod canvas;
 mod corners;
+mod drawing;
 mod finishing;
 mod focus;
 mod grains;
@@ -14,18 +15,21 @@ mod renderer;
 mod screen;
 mod uniforms;
 
-use chladni_synth::DeviceLoss;
+use std::sync::{Arc, OnceLock};
+
+use chladni_synth::{DeviceLoss, GpuContext};
 
 pub(crate) use canvas::{Canvas, Readback};
 pub(crate) use memory::{Buffer, Image, Use, filled, image, looked_up, room, size, write};
 pub(crate) use renderer::Renderer;
 
+use self::drawing::Drawing;
 use self::lookup::Lookup;
 use crate::{Samples, ViewError};
 
-/// A graphics device and its queue. Clones share them.
+/// A graphics device, its queue, and the pipelines for drawing and synthesis. Clones share all of them.
 ///
-/// A window hands its own in with [`Gpu::shared`]; everything else opens one with
+/// A window hands its own in with [`Gpu::shared`], once; everything else opens one with
 /// [`Gpu::headless`].
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -33,7 +37,15 @@ pub struct Gpu {
     pub device: wgpu::Device,
     /// Takes commands.
     pub queue: wgpu::Queue,
-    loss: DeviceLoss,
+    made: Arc<Made>,
+}
+
+/// The parts that are made once on a device.
+#[derive(Debug)]
+struct Made {
+    synthesis: GpuContext,
+    /// Empty until something is drawn.
+    drawing: OnceLock<Drawing>,
 }
 
 impl Gpu {
@@ -112,7 +124,12 @@ impl Gpu {
         let opened = adapter.request_device(&wanted).await;
         let (device, queue) = opened.map_err(|error| refused(error.to_string()))?;
         let loss = DeviceLoss::watch(&device);
-        Ok(Self { device, queue, loss })
+        Ok(Self::with_loss(device, queue, &loss))
+    }
+
+    fn with_loss(device: wgpu::Device, queue: wgpu::Queue, loss: &DeviceLoss) -> Self {
+        let synthesis = GpuContext::new(&device, &queue, loss);
+        Self { device, queue, made: Arc::new(Made { synthesis, drawing: OnceLock::new() }) }
     }
 
     async fn adapter(instance: &wgpu::Instance) -> Result<wgpu::Adapter, ViewError> {
@@ -136,14 +153,21 @@ impl Gpu {
     }
 
     /// A device that somebody else opened, such as a window. What handles its errors and its loss is
-    /// left alone, so that [`check`](Self::check) reports nothing here.
+    /// left alone, so that [`check`](Self::check) reports nothing here. Call it once for each device: only clones
+    /// share pipelines.
     pub fn shared(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, loss: DeviceLoss::default() }
+        Self::with_loss(device, queue, &DeviceLoss::default())
     }
 
-    /// Word of the device's loss, for others who use the device; none comes for a shared one.
-    pub fn loss(&self) -> &DeviceLoss {
-        &self.loss
+    /// The device for synthesizers, which compile their pipelines once for all of them. It knows of the device's loss
+    /// as [`check`](Self::check) does.
+    pub fn synthesis(&self) -> &GpuContext {
+        &self.made.synthesis
+    }
+
+    /// The parts that all renderers of the device share; made by the first call.
+    fn drawing(&self) -> &Drawing {
+        self.made.drawing.get_or_init(|| Drawing::new(self))
     }
 
     /// Name and kind of the adapter, for reports: `llvmpipe (…), Cpu, Vulkan`.
@@ -178,7 +202,7 @@ impl Gpu {
     /// # Errors
     /// [`ViewError::Device`] once the device was lost or refused a command.
     pub fn check(&self) -> Result<(), ViewError> {
-        match self.loss.reason() {
+        match self.made.synthesis.lost() {
             Some(message) => Err(ViewError::Device(message.to_owned())),
             None => Ok(()),
         }

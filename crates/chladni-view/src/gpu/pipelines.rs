@@ -1,6 +1,7 @@
-//! Pipelines and bind-group layouts, made once per device and target format.
+//! Bind-group layouts, made once per device, and pipelines, once per device and target format.
 
 use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use wgpu::{BindGroupLayout, RenderPipeline, TextureFormat};
 
@@ -26,6 +27,7 @@ const SHADER: &str = concat!(
     include_str!("shader/grains.wgsl"),
 );
 
+#[derive(Debug)]
 pub(crate) struct Layouts {
     pub(crate) cell: BindGroupLayout,
     pub(crate) figure: BindGroupLayout,
@@ -145,7 +147,11 @@ impl Layouts {
     }
 }
 
-/// The pipelines that were needed so far.
+/// A place for a pipeline, empty until it is compiled.
+type Slot = Arc<OnceLock<RenderPipeline>>;
+
+/// The pipelines that any renderer of a device needed so far.
+#[derive(Debug)]
 pub(crate) struct Pipelines {
     module: wgpu::ShaderModule,
     /// Layouts of groups: the first two, three, all four, and that of [`Part::Smooth`].
@@ -153,17 +159,11 @@ pub(crate) struct Pipelines {
     indexed: wgpu::PipelineLayout,
     cornered: wgpu::PipelineLayout,
     smoothing: wgpu::PipelineLayout,
-    format: TextureFormat,
-    made: HashMap<Kind, RenderPipeline>,
+    made: Mutex<HashMap<(TextureFormat, Kind), Slot>>,
 }
 
 impl Pipelines {
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        layouts: &Layouts,
-        lookup: Lookup,
-        format: TextureFormat,
-    ) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, lookup: Lookup) -> Self {
         let smooth = smooth_layout(device);
         let layout = |groups: &[Option<&BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -182,21 +182,20 @@ impl Pipelines {
             indexed: layout(&groups[..3]),
             cornered: layout(&groups),
             smoothing: layout(&[Some(&smooth)]),
-            format,
-            made: HashMap::new(),
+            made: Mutex::default(),
         }
     }
 
-    /// The pipeline of `kind`, compiled if this is its first use.
-    pub(crate) fn get(&mut self, device: &wgpu::Device, kind: Kind) -> &RenderPipeline {
-        if !self.made.contains_key(&kind) {
-            let pipeline = self.build(device, kind);
-            self.made.insert(kind, pipeline);
-        }
-        &self.made[&kind]
+    /// The pipeline of `kind` for targets of `format`, compiled if this is its first use on the device.
+    pub(crate) fn get(&self, device: &wgpu::Device, format: TextureFormat, kind: Kind) -> RenderPipeline {
+        // Nothing is compiled under the lock: other threads wait only for the pipeline that they need, too.
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let slot = Arc::clone(made.entry((format, kind)).or_default());
+        drop(made);
+        slot.get_or_init(|| self.build(device, format, kind)).clone()
     }
 
-    fn build(&self, device: &wgpu::Device, kind: Kind) -> RenderPipeline {
+    fn build(&self, device: &wgpu::Device, format: TextureFormat, kind: Kind) -> RenderPipeline {
         use wgpu::VertexFormat::{Float32, Float32x3, Unorm8x4};
         let attribute =
             |format, location| [wgpu::VertexAttribute { format, offset: 0, shader_location: location }];
@@ -251,7 +250,7 @@ impl Pipelines {
             Part::Smooth => &self.smoothing,
             _ => &self.indexed,
         };
-        let targets = [Some(self.target(kind.part))];
+        let targets = [Some(kind.part.target(format))];
         let (module, flag) = (&self.module, |on: bool| f64::from(u8::from(on)));
         let constants = [
             ("SHADOWS", flag(kind.shadows)),
@@ -281,14 +280,14 @@ impl Pipelines {
             cache: None,
         })
     }
-
-    fn target(&self, part: Part) -> wgpu::ColorTargetState {
-        let blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING).filter(|_| part != Part::Smooth);
-        wgpu::ColorTargetState { format: self.format, blend, write_mask: wgpu::ColorWrites::ALL }
-    }
 }
 
 impl Part {
+    fn target(self, format: TextureFormat) -> wgpu::ColorTargetState {
+        let blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING).filter(|_| self != Self::Smooth);
+        wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
+    }
+
     fn primitive(self) -> wgpu::PrimitiveState {
         use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
         let discs = matches!(self, Self::Markers | Self::HiddenMarkers | Self::Grains);

@@ -10,7 +10,7 @@ use super::finishing::Finishing;
 use super::focus::{Depths, Focusing};
 use super::grains::GrainBuffer;
 use super::images::Images;
-use super::pipelines::{Coat, Kind, Layouts, MARKER_BYTES, Part, Pipelines, Side};
+use super::pipelines::{Coat, Kind, MARKER_BYTES, Part, Side};
 use super::uniforms::Uniforms;
 use crate::uniforms::{
     CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
@@ -18,13 +18,11 @@ use crate::uniforms::{
 };
 use crate::{Cell, Figure, Finish, Gpu, Paint, Samples, Surroundings, ViewError};
 
-/// The pipelines of one device and target format, and the uniform buffers they share. Make one
-/// and keep it: each pipeline is compiled when a picture needs it first, and kept here.
+/// The uniforms and targets of pictures of one device and target format. Make one and keep it. Each pipeline is compiled
+/// when a picture of any renderer needs it first, and kept with the device.
 pub(crate) struct Renderer {
     gpu: Gpu,
     format: wgpu::TextureFormat,
-    layouts: Layouts,
-    pipelines: Pipelines,
     images: Images,
     cells: Uniforms<CellUniform>,
     figures: Uniforms<FigureUniform>,
@@ -37,8 +35,6 @@ pub(crate) struct Renderer {
     grains: GrainBuffer,
     corners: Corners,
     surroundings: Surroundings,
-    /// The picture behind, bound as a skin.
-    behind: Option<wgpu::BindGroup>,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -63,19 +59,15 @@ impl Renderer {
     /// A renderer for canvases of one eight-bit format.
     pub(crate) fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Self {
         let device = &gpu.device;
-        let lookup = gpu.lookup();
-        let layouts = Layouts::new(device, lookup);
-        let corners = Corners::new(lookup, layouts.corners.clone());
-        let pipelines = Pipelines::new(device, &layouts, lookup, format);
-        let images = Images::new(gpu, &layouts);
+        let layouts = &gpu.drawing().layouts;
+        let corners = Corners::new(gpu.lookup(), layouts.corners.clone());
+        let images = Images::new(gpu);
         let cells = Uniforms::new(device, &layouts.cell, "cells");
         let figures = Uniforms::new(device, &layouts.figure, "figures");
         let markers = marker_buffer(device, 64);
         Self {
             gpu: gpu.clone(),
             format,
-            layouts,
-            pipelines,
             images,
             cells,
             figures,
@@ -86,8 +78,11 @@ impl Renderer {
             grains: GrainBuffer::new(),
             corners,
             surroundings: Surroundings::default(),
-            behind: None,
         }
+    }
+
+    fn pipeline(&self, kind: Kind) -> wgpu::RenderPipeline {
+        self.gpu.drawing().pipelines.get(&self.gpu.device, self.format, kind)
     }
 
     pub(crate) fn surround(&mut self, surroundings: &Surroundings) -> Result<(), ViewError> {
@@ -96,7 +91,7 @@ impl Renderer {
         }
         self.surroundings = surroundings.clone();
         let around = surroundings.around.as_ref().map(|(skin, _)| skin.held.gpu().cloned()).transpose()?;
-        self.images.surround(&self.gpu.device, &self.layouts, around);
+        self.images.surround(&self.gpu, around);
         Ok(())
     }
 
@@ -134,7 +129,7 @@ impl Renderer {
         let target = sharp.unwrap_or(bare);
         self.draw_cells(&mut encoder, canvas, (target, depth), cells)?;
         if let Some((rough, mut pass)) = canvas.smoothing(&mut encoder, target) {
-            pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Smooth, Samples::One)));
+            pass.set_pipeline(&self.pipeline(Kind::new(Part::Smooth, Samples::One)));
             pass.set_bind_group(0, rough, &[]);
             pass.draw(0..3, 0..1);
         }
@@ -155,13 +150,14 @@ impl Renderer {
     }
 
     fn draw_cells(
-        &mut self,
+        &self,
         encoder: &mut wgpu::CommandEncoder,
         canvas: &Canvas,
         (target, depth): (&wgpu::TextureView, Option<&wgpu::TextureView>),
         cells: &[Cell<'_>],
     ) -> Result<(), ViewError> {
-        let (samples, device) = (canvas.samples, self.gpu.device.clone());
+        let samples = canvas.samples;
+        let behind = self.surroundings.behind.as_ref().map(|(skin, _)| skin.held.gpu()).transpose()?;
         let mut pass = canvas.pass(encoder, target, depth);
         let (mut figure_index, mut first_marker, mut first_grain) = (0, 0, 0);
         for (cell_index, cell) in cells.iter().enumerate() {
@@ -171,13 +167,13 @@ impl Renderer {
             pass.set_bind_group(0, &self.cells.group, &[self.cells.offset(cell_index)]);
             pass.set_bind_group(1, &self.figures.group, &[0]);
             pass.set_bind_group(2, &self.images.group, &[]);
-            if let Some(behind) = self.behind.as_ref().filter(|_| cell.background.opacity > 0.0) {
-                pass.set_bind_group(2, behind, &[]);
-                pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Pictured, samples)));
+            if let Some(behind) = behind.filter(|_| cell.background.opacity > 0.0) {
+                pass.set_bind_group(2, self.images.group_of(behind), &[]);
+                pass.set_pipeline(&self.pipeline(Kind::new(Part::Pictured, samples)));
                 pass.draw(0..3, 0..1);
                 pass.set_bind_group(2, &self.images.group, &[]);
             } else if cell.background.opacity > 0.0 {
-                pass.set_pipeline(self.pipelines.get(&device, Kind::new(Part::Backdrop, samples)));
+                pass.set_pipeline(&self.pipeline(Kind::new(Part::Backdrop, samples)));
                 pass.draw(0..3, 0..1);
             }
             for figure in cell.figures {
@@ -197,7 +193,7 @@ impl Renderer {
                     self.bind_corners(&mut pass, figure, index)?;
                     pass.set_bind_group(2, &self.images.group, &[]);
                     pass.set_vertex_buffer(0, grains);
-                    pass.set_pipeline(self.pipelines.get(&device, kind));
+                    pass.set_pipeline(&self.pipeline(kind));
                     pass.draw(0..4, 0..of.grains.len() as u32);
                 }
             }
@@ -205,7 +201,7 @@ impl Renderer {
                 let markers = first_marker..first_marker + cell.markers.len() as u32;
                 pass.set_vertex_buffer(0, self.markers.slice(..));
                 for part in [Part::HiddenMarkers, Part::Markers] {
-                    pass.set_pipeline(self.pipelines.get(&device, Kind::new(part, samples)));
+                    pass.set_pipeline(&self.pipeline(Kind::new(part, samples)));
                     pass.draw(0..4, markers.clone());
                 }
                 first_marker = markers.end;
@@ -217,7 +213,7 @@ impl Renderer {
     }
 
     fn draw_figure(
-        &mut self,
+        &self,
         pass: &mut wgpu::RenderPass<'_>,
         (figure, index): (&Figure<'_>, usize),
         samples: Samples,
@@ -252,7 +248,7 @@ impl Renderer {
         for side in sides(figure) {
             let part = Part::Surface(coat, side);
             let kind = Kind { part, samples, shadows, around: self.images.is_surrounded() };
-            pass.set_pipeline(self.pipelines.get(&self.gpu.device, kind));
+            pass.set_pipeline(&self.pipeline(kind));
             if coat == Coat::Corners {
                 pass.draw(0..corners, 0..1);
             } else {
@@ -263,7 +259,7 @@ impl Renderer {
             pass.set_bind_group(2, &self.images.group, &[]);
         }
         if let Some(ring) = figure.brush.filter(|ring| ring.corners > 0) {
-            pass.set_pipeline(self.pipelines.get(&self.gpu.device, Kind::new(Part::Brush, samples)));
+            pass.set_pipeline(&self.pipeline(Kind::new(Part::Brush, samples)));
             pass.set_vertex_buffer(0, buffers.positions.slice(figure.buffers.item_bytes(figure.item)));
             pass.set_vertex_buffer(1, ring.reach.held.gpu()?.slice(..));
             pass.set_index_buffer(ring.triangles.gpu()?.slice(..), wgpu::IndexFormat::Uint32);
@@ -281,8 +277,7 @@ impl Renderer {
     ) -> Result<(), ViewError> {
         pass.set_bind_group(3, self.corners.group(index), &[]);
         if let Paint::Skin(skin) = figure.paint {
-            let skin = self.images.group_with(&self.gpu.device, &self.layouts, skin.held.gpu()?);
-            pass.set_bind_group(2, &skin, &[]);
+            pass.set_bind_group(2, self.images.group_of(skin.held.gpu()?), &[]);
         }
         Ok(())
     }
@@ -293,9 +288,14 @@ impl Renderer {
         self.figures.clear();
         self.marker_bytes.clear();
         let shadowed = cells.iter().filter(|cell| casts_shadows(cell)).count();
-        self.images.make_room(&self.gpu.device, &self.layouts, shadowed, canvas.samples);
-        let behind = self.surroundings.behind.as_ref().map(|(skin, _)| skin.held.gpu()).transpose()?;
-        self.behind = behind.map(|skin| self.images.group_with(&self.gpu.device, &self.layouts, skin));
+        self.images.make_room(&self.gpu, shadowed, canvas.samples);
+        let behind = self.surroundings.behind.iter().map(|(skin, _)| skin);
+        let worn = cells.iter().flat_map(|cell| cell.figures).filter_map(|figure| match figure.paint {
+            Paint::Skin(skin) => Some(skin),
+            _ => None,
+        });
+        // Skins of another device are refused where they are drawn.
+        self.images.hold(&self.gpu, behind.chain(worn).filter_map(|skin| skin.held.gpu().ok()));
         let mut map = 0;
         for cell in cells {
             check_cell(cell, canvas.width, canvas.height)?;
@@ -322,9 +322,9 @@ impl Renderer {
         if self.figures.bytes.is_empty() {
             self.figures.push(&FigureUniform::zeroed());
         }
-        let Gpu { device, queue, .. } = &self.gpu;
-        self.cells.upload(device, queue, &self.layouts.cell);
-        self.figures.upload(device, queue, &self.layouts.figure);
+        let (Gpu { device, queue, .. }, layouts) = (&self.gpu, &self.gpu.drawing().layouts);
+        self.cells.upload(device, queue, &layouts.cell);
+        self.figures.upload(device, queue, &layouts.figure);
         self.grains.upload(&self.gpu, cells);
         if !self.marker_bytes.is_empty() {
             let count = self.marker_bytes.len() as u64;
@@ -350,4 +350,66 @@ fn marker_buffer(device: &wgpu::Device, count: u64) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Background, Camera, ItemBuffers, Lights, Rect, Skin, Topology};
+
+    /// `None` where this machine cannot draw at all.
+    fn gpu() -> Option<Gpu> {
+        match Gpu::headless() {
+            Err(ViewError::NoAdapter(reason)) => {
+                eprintln!("skipped: no graphics adapter ({reason})");
+                None
+            }
+            gpu => Some(gpu.unwrap()),
+        }
+    }
+
+    #[test]
+    fn renderers_and_synthesizers_of_a_device_share_pipelines() {
+        let Some(gpu) = gpu() else { return };
+        let clone = gpu.clone();
+        let [one, other] = [&gpu, &clone].map(Renderer::for_pictures);
+        let kind = |samples| Kind::new(Part::Backdrop, samples);
+        assert_eq!(one.pipeline(kind(Samples::One)), other.pipeline(kind(Samples::One)));
+        assert_ne!(one.pipeline(kind(Samples::One)), other.pipeline(kind(Samples::Four)));
+        assert!(std::ptr::eq(gpu.synthesis(), clone.synthesis()));
+    }
+
+    #[test]
+    fn bind_groups_are_made_anew_only_if_what_they_bind_changes() {
+        let Some(gpu) = gpu() else { return };
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let topology = Topology::with_uvs(&gpu, 3, &[[0, 1, 2]], &corners.map(|[x, y, _]| [x, y])).unwrap();
+        let buffers = ItemBuffers::new(&gpu, 3, 1);
+        buffers.write(&gpu, 0, &corners, &[[0.0, 0.0, 1.0]; 3]).unwrap();
+        let [skin, another] = [0, 255].map(|gray| Skin::new(&gpu, 1, 1, &[gray; 4]).unwrap());
+        let canvas = Canvas::for_pictures(&gpu, 16, 16, Samples::One).unwrap();
+        let mut renderer = Renderer::for_pictures(&gpu);
+        let mut groups = |skin: &Skin, shadow: f32| {
+            let figure = Figure { paint: Paint::Skin(skin), ..Figure::new(&topology, &buffers, 0) };
+            let cell = Cell {
+                viewport: Rect::of_size(16, 16),
+                camera: Camera::default(),
+                lights: Lights { shadow, ..Lights::default() },
+                background: Background::TRANSPARENT,
+                figures: &[figure],
+                markers: &[],
+            };
+            renderer.draw(&canvas, &[cell], (&Finish::NOTHING, 0.0)).unwrap();
+            let of_skin = renderer.images.group_of(skin.held.gpu().unwrap());
+            [of_skin, renderer.corners.group(0)].map(|group| group.unwrap().clone())
+        };
+        let first = groups(&skin, 0.0);
+        assert_eq!(groups(&skin, 0.0), first);
+        let other = groups(&another, 0.0);
+        assert!(other[0] != first[0] && other[1] == first[1], "another skin");
+        let shadowed = groups(&another, 1.0);
+        assert!(shadowed[0] != other[0] && shadowed[1] == other[1], "room for shadows");
+        assert_eq!(groups(&another, 1.0), shadowed);
+        gpu.check().unwrap();
+    }
 }

@@ -11,7 +11,7 @@ use crate::{Cell, Figure, Samples, ViewError};
 impl Renderer {
     /// The maps of all cells whose key light casts shadows.
     pub(super) fn draw_shadows(
-        &mut self,
+        &self,
         encoder: &mut wgpu::CommandEncoder,
         cells: &[Cell<'_>],
     ) -> Result<(), ViewError> {
@@ -36,7 +36,7 @@ impl Renderer {
 
     /// The depths that the viewer sees, at [`FINE`] times the canvas's resolution.
     pub(super) fn draw_seen_depths(
-        &mut self,
+        &self,
         encoder: &mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
         cells: &[Cell<'_>],
@@ -56,7 +56,7 @@ impl Renderer {
 
     /// Those figures of a cell that are asked for.
     fn draw_depths(
-        &mut self,
+        &self,
         pass: &mut wgpu::RenderPass<'_>,
         (cell_index, cell, first_figure): (usize, &Cell<'_>, usize),
         part: Part,
@@ -67,7 +67,7 @@ impl Renderer {
             if figure.topology.triangles == 0 || !is_drawn(figure) {
                 continue;
             }
-            pass.set_pipeline(self.pipelines.get(&self.gpu.device, Kind::new(part, Samples::One)));
+            pass.set_pipeline(&self.pipeline(Kind::new(part, Samples::One)));
             pass.set_bind_group(1, &self.figures.group, &[self.figures.offset(first_figure + i)]);
             let (items, triangles) = (figure.buffers.held.gpu()?, figure.topology.held.gpu()?);
             pass.set_vertex_buffer(0, items.positions.slice(figure.buffers.item_bytes(figure.item)));
