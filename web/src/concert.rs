@@ -263,7 +263,7 @@ impl Concert {
             }
             None => {
                 self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
-                let framing = hearing.framing_at(at_secs, self.instrument.seed());
+                let framing = hearing.framing_at(at_secs, |secs| self.instrument.seed_at(secs));
                 let Some(heard) = hearing.hear(at_secs)? else { return Ok(None) };
                 (heard, framing)
             }

@@ -30,7 +30,7 @@ pub enum Action {
     Rename { item: usize, name: String },
     /// Shows a generation, counted from 0.
     GoTo { generation: usize },
-    /// Starts over with another seed and size.
+    /// Starts over with another seed and size. What else is random follows the seed from then on.
     NewGallery { seed: u64, size: usize },
     /// Draws t by hand.
     SetTransfer { item: usize, transfer: Vec<f32> },

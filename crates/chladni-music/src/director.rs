@@ -153,6 +153,17 @@ impl Director {
         director
     }
 
+    /// Another one for live sound, with the same seed.
+    #[must_use]
+    pub fn anew(&self) -> Self {
+        Self::live(self.seed)
+    }
+
+    /// Draws the shots that begin from now on by another seed.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.seed = seed;
+    }
+
     /// A bar begins: perhaps another shot does, too.
     pub fn hear(&mut self, bar: BarLine) {
         self.bars += 1;

@@ -30,6 +30,8 @@ pub struct Instrument {
     shape: GalleryShape,
     seed: u64,
     size: usize,
+    /// The seeds that came after it, and since when.
+    later_seeds: Vec<(Moment, u64)>,
     gallery: Gallery,
     favorites: Vec<GalleryItem>,
     beginning: Parameters,
@@ -70,6 +72,7 @@ impl Instrument {
             shape,
             seed,
             size,
+            later_seeds: Vec::new(),
             favorites: Vec::new(),
             beginning: parameters.clone(),
             parameters,
@@ -82,8 +85,29 @@ impl Instrument {
         })
     }
 
-    /// The seed it began with.
+    /// The seed of all that is random from now on: that of the gallery.
     pub fn seed(&self) -> u64 {
+        self.gallery.seed()
+    }
+
+    /// The seed at a time of the show, so far as it has gone.
+    pub fn seed_at(&self, at_secs: f64) -> u64 {
+        self.seed_since(|moment| moment.at_secs <= at_secs)
+    }
+
+    /// The seed that draws what a beat does. A new one holds from the next beat on, so that no movement is changed on its
+    /// way.
+    pub fn seed_of_beat(&self, beat: u64) -> u64 {
+        self.seed_since(|moment| moment.at_beat <= beat as f64)
+    }
+
+    fn seed_since(&self, has_begun: impl Fn(Moment) -> bool) -> u64 {
+        let last = self.later_seeds.iter().rev().find(|(since, _)| has_begun(*since));
+        last.map_or(self.seed, |(_, seed)| *seed)
+    }
+
+    /// The seed it began with, from which its log is replayed.
+    pub fn first_seed(&self) -> u64 {
         self.seed
     }
 
@@ -185,7 +209,7 @@ impl Instrument {
             format_version: FORMAT_VERSION,
             name: if item.name.is_empty() { format!("item {}", item.id) } else { item.name.clone() },
             tags,
-            seed: self.seed,
+            seed: self.seed(),
             lineage: self.lineage(item),
             mapping: Mapping {
                 amplification: item.genome.amplification_on(self.shape.eigenvalues.len()),
@@ -247,6 +271,9 @@ impl Instrument {
             Action::GoTo { generation } => self.gallery.go_to(generation)?,
             Action::NewGallery { seed, size } => {
                 let gallery = self.gallery.restart(seed, size, initial(size, &self.shape))?;
+                if seed != self.seed() {
+                    self.later_seeds.push((moment, seed));
+                }
                 self.keep_staged();
                 self.gallery = gallery;
             }

@@ -18,7 +18,8 @@ pub struct Mapping {
     /// t̄, one value in [0, 1] per sound band: band b of B stands for the stretch
     /// [b/B, (b+1)/B) of the frequency axis and drives harmonic round(t̄ (K − 1)).
     pub transfer: Vec<f32>,
-    /// a as a function of k/K, each value in [−1, 1]: value i of A stands for [i/A, (i+1)/A).
+    /// a as a function of k/K, each value in [−1, 1]: value i of A stands for [i/A, (i+1)/A). Only proportions
+    /// count: the largest |a| of any driven harmonic acts as 1.
     pub amplification: Vec<f32>,
     /// μ in [0, 1]: 0 sends mid to symmetric and side to antisymmetric harmonics; 1 mixes them.
     pub stereo_mu: f32,

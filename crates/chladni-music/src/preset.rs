@@ -23,7 +23,7 @@ pub struct Preset {
     /// Keywords to find it by.
     #[serde(default)]
     pub tags: Vec<String>,
-    /// The seed of the show from which it comes.
+    /// The seed of the gallery from which it comes.
     pub seed: u64,
     /// The origin of the item, then those of its ancestors, each with its id; newest first.
     #[serde(default)]

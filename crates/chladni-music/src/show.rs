@@ -24,7 +24,7 @@ pub struct Show {
     /// K of the body; `None` in older files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub harmonics: Option<usize>,
-    /// The seed of the gallery.
+    /// The seed it began with.
     pub seed: u64,
     /// S.
     pub size: usize,
@@ -82,7 +82,7 @@ impl Show {
         Self {
             format_version: FORMAT_VERSION,
             harmonics: Some(instrument.shape().eigenvalues.len()),
-            seed: instrument.seed(),
+            seed: instrument.first_seed(),
             size: instrument.size(),
             duration_secs: None,
             body: None,

@@ -203,14 +203,14 @@ pub struct Reaction {
 }
 
 /// The reaction to a beat. At each beat a random draw decides whether the model or the lights move (as in the
-/// paper); the movement takes half a beat and ends at rest.
-pub fn react(beat: Beat, seed: u64, parameters: &Parameters) -> Reaction {
+/// paper); the movement takes half a beat and ends at rest. `seed_of` gives the seed by which a beat is drawn.
+pub fn react(beat: Beat, seed_of: impl Fn(u64) -> u64, parameters: &Parameters) -> Reaction {
     let n = beat.count.max(0.0).floor();
     let phase = (beat.count.max(0.0) - n) as f32;
     let sure = if beat.confidence.is_finite() { beat.confidence.clamp(0.0, 1.0) } else { 0.0 };
     let ease = ease(f64::from(phase), 0.5);
     let swing = |kind: u64| {
-        let (old, new) = (pose(seed, n as u64, kind), pose(seed, (n as u64).saturating_add(1), kind));
+        let (old, new) = (pose(&seed_of, n as u64, kind), pose(&seed_of, (n as u64).saturating_add(1), kind));
         sure * (old + ease * (new - old))
     };
     let on = |switch, value| if parameters.is_on(switch) { value } else { 0.0 };
@@ -224,9 +224,9 @@ pub fn react(beat: Beat, seed: u64, parameters: &Parameters) -> Reaction {
 
 /// The position of the model (kind 0) or the lights (kind 1) before beat `n`, in [−1, 1]: a new one at each
 /// beat that was drawn for this kind, kept until the next such beat.
-fn pose(seed: u64, n: u64, kind: u64) -> f32 {
+fn pose(seed_of: &impl Fn(u64) -> u64, n: u64, kind: u64) -> f32 {
     for beat in (n.saturating_sub(32)..n).rev() {
-        let draw = hash(seed, beat);
+        let draw = hash(seed_of(beat), beat);
         if draw & 1 == kind {
             // Sides alternate with the beat, so that the movement stays visible.
             let size = 0.3 + 0.7 * ((draw >> 40) as f32 / (1u64 << 24) as f32);

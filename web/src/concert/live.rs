@@ -1,7 +1,7 @@
 //! A microphone in place of a song.
 
-use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing, Parameters};
-use chladni_program::work::{BeatCount, Ear, Error, Heard, LIVE_SEED};
+use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing, Instrument, Parameters};
+use chladni_program::work::{BeatCount, Ear, Error, Heard};
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
@@ -10,7 +10,7 @@ use super::Concert;
 pub(super) struct Live {
     rate_hz: u32,
     ear: Ear,
-    /// As long as the analyzer's window; silence before the first sound.
+    /// As long as the ear may want to hear at once; silence before the first sound.
     left: Vec<f32>,
     right: Vec<f32>,
     last_secs: f64,
@@ -23,18 +23,19 @@ pub(super) struct Live {
 
 impl Live {
     /// Whole beats are counted on from `gone`.
-    fn new(rate_hz: u32, parameters: &Parameters, gone: f64) -> Result<Self, Error> {
+    fn new(rate_hz: u32, instrument: &Instrument, gone: f64) -> Result<Self, Error> {
         let mut ear = Ear::new(rate_hz)?;
-        ear.tune(rate_hz, parameters)?;
+        ear.tune(rate_hz, instrument.parameters())?;
         ear.beats = BeatCount::from(gone);
-        let silence = vec![0.0; ear.analyzer().window_frames()];
+        let silence = vec![0.0; ear.frames(Ear::LONGEST_SECS)];
         let (left, right) = (silence.clone(), silence);
-        let director = Director::live(LIVE_SEED);
+        let director = Director::live(instrument.seed());
         let beat = Beat { count: gone, confidence: 0.0 };
         Ok(Self { rate_hz, ear, left, right, last_secs: 0.0, beat, director, bars: Vec::new() })
     }
 
-    fn take(&mut self, left: &[f32], right: &[f32]) {
+    fn take(&mut self, left: &[f32], right: &[f32], seed: u64) {
+        self.director.set_seed(seed);
         for bar in self.ear.follow(left, right) {
             self.director.hear(bar);
             // Only an autopilot asks for them.
@@ -51,14 +52,15 @@ impl Live {
     /// Analyzes the sound at `at_secs` of the show.
     pub fn hear(&mut self, at_secs: f64, parameters: &Parameters) -> Result<Heard<'_>, Error> {
         self.ear.tune(self.rate_hz, parameters)?;
-        let window = self.ear.analyzer().window_frames();
+        let frames = self.ear.frames(Ear::LONGEST_SECS);
         for kept in [&mut self.left, &mut self.right] {
-            let longer = kept.len().saturating_sub(window);
+            let longer = kept.len().saturating_sub(frames);
             kept.drain(..longer);
-            let missing = window - kept.len();
+            let missing = frames - kept.len();
             kept.splice(..0, std::iter::repeat_n(0.0, missing));
         }
-        let dt_secs = (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).clamp(1e-3, 0.25);
+        let dt_secs =
+            (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).clamp(1e-3, Ear::LONGEST_SECS);
         self.beat = self.ear.beat();
         let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, dt_secs);
         Ok(Heard { at_secs, is_known: false, bands, harmony, beat: self.beat, fading: None })
@@ -84,14 +86,14 @@ impl Concert {
     pub fn listen(&mut self, rate_hz: u32) -> Result<(), JsError> {
         // No beat goes back.
         let gone = self.beat_at(self.clock.at_secs()).ceil();
-        self.live = Some(Live::new(rate_hz, self.instrument.parameters(), gone)?);
+        self.live = Some(Live::new(rate_hz, &self.instrument, gone)?);
         Ok(())
     }
 
     /// Takes sound that has come in since the last call, as many frames of both channels.
     pub fn take_sound(&mut self, left: &[f32], right: &[f32]) {
         if let Some(live) = &mut self.live {
-            live.take(left, right);
+            live.take(left, right, self.instrument.seed());
         }
     }
 

@@ -3,7 +3,7 @@ use super::*;
 #[test]
 fn reactions_are_continuous_and_vanish_without_confidence() {
     let parameters = Parameters::default();
-    let at = |count| react(Beat { count, confidence: 1.0 }, 5, &parameters);
+    let at = |count| react(Beat { count, confidence: 1.0 }, |_| 5, &parameters);
     let mut moved = [0.0f32; 2];
     for i in 0..3200 {
         let (a, b) = (at(f64::from(i) / 100.0), at(f64::from(i + 1) / 100.0));
@@ -13,7 +13,7 @@ fn reactions_are_continuous_and_vanish_without_confidence() {
         moved[1] = moved[1].max(a.light_turn_rad.abs());
     }
     assert!(moved[0] > 0.1 && moved[1] > 0.3, "{moved:?}");
-    let unsure = react(Beat { count: 7.3, confidence: 0.0 }, 5, &parameters);
+    let unsure = react(Beat { count: 7.3, confidence: 0.0 }, |_| 5, &parameters);
     assert_eq!((unsure.turn_rad, unsure.light_turn_rad, unsure.light_gain), (0.0, 0.0, 1.0));
 }
 
@@ -41,7 +41,7 @@ fn any_beat_of_a_damaged_session_has_a_scene() {
             let (mut fewer, scene) = stage.in_turn(beat, &favorites, &parameters).unwrap();
             fewer.go_on_after(scene, beat, &favorites[..2], &parameters);
             assert!([3, 4].contains(&fewer.scene(beat, &favorites[..2], &parameters).unwrap().to));
-            react(Beat { count: beat, confidence: 1.0 }, 5, &parameters);
+            react(Beat { count: beat, confidence: 1.0 }, |_| 5, &parameters);
         }
     }
 }
@@ -84,6 +84,6 @@ fn switched_off_reactions_do_nothing() {
     let mut parameters = Parameters::default();
     parameters.switch(Switch::BeatTurns, false);
     parameters.switch(Switch::BeatLights, false);
-    let still = react(Beat { count: 4.0, confidence: 1.0 }, 5, &parameters);
+    let still = react(Beat { count: 4.0, confidence: 1.0 }, |_| 5, &parameters);
     assert_eq!(still, Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 });
 }

@@ -225,6 +225,30 @@ fn a_dance_stays_on_stage_when_another_gallery_begins() {
 }
 
 #[test]
+fn all_that_is_random_follows_the_seed_of_the_gallery_from_then_on() {
+    let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
+    let mut instrument = Instrument::new(3, 6, shape.clone()).unwrap();
+    let turns = |instrument: &Instrument, from: u32| -> Vec<f32> {
+        let beats = (0..200).map(|i| Beat { count: f64::from(from) + f64::from(i) / 10.0, confidence: 1.0 });
+        let react = |beat| react(beat, |n| instrument.seed_of_beat(n), instrument.parameters());
+        beats.map(|beat| react(beat).turn_rad).collect()
+    };
+    let before = turns(&instrument, 0);
+    let moment = Moment { at_secs: 5.2, at_beat: 10.4 };
+    instrument.apply(moment, Action::NewGallery { seed: 4, size: 6 }).unwrap();
+    assert_eq!((instrument.seed(), instrument.first_seed()), (4, 3));
+    assert_eq!([5.1, 5.2].map(|secs| instrument.seed_at(secs)), [3, 4]);
+    // A turn that has begun is made, and the dances of that seed turn as in a show that began with it.
+    assert_eq!(turns(&instrument, 0)[..110], before[..110]);
+    let other = Instrument::new(4, 6, shape.clone()).unwrap();
+    assert_eq!(turns(&instrument, 50), turns(&other, 50));
+    assert_ne!(turns(&other, 0), before);
+    let text = Show::of(&instrument).to_text().unwrap();
+    assert_eq!(Show::from_text(&text).unwrap().replay(shape).unwrap(), instrument);
+    assert_eq!(instrument.preset(&instrument.gallery().items()[0], Vec::new()).seed, 4);
+}
+
+#[test]
 fn files_of_newer_versions_and_of_nonsense_are_refused() {
     assert!(Show::from_text("format_version = 99").unwrap_err().to_string().contains("99"));
     assert!(Preset::from_text("name = 3").is_err());

@@ -8,6 +8,10 @@ use chladni_sound::{
 use super::hearing::bands_of;
 use super::tuning::spectrum_settings;
 
+/// Windows of sound follow each other at most this far apart, however seldom a picture is drawn. At 60 pictures a second
+/// there is one for each.
+const HOP_SECS: f64 = 0.025;
+
 /// An analyzer, a beat tracker, the resonators that they strike, and the chords.
 pub struct Ear {
     analyzer: SpectrumAnalyzer,
@@ -45,6 +49,9 @@ impl BeatCount {
 }
 
 impl Ear {
+    /// After a longer pause only this much of the sound is heard.
+    pub const LONGEST_SECS: f64 = 1.0;
+
     /// For sound of this rate.
     ///
     /// # Errors
@@ -114,23 +121,41 @@ impl Ear {
         Beat { count: self.beats.at(moment.phase), confidence: moment.confidence as f32 }
     }
 
-    /// Analyzes a window of the sound ([`SpectrumAnalyzer::window_frames`]) that ends `dt_secs` after the last one.
+    /// How many frames [`hear`](Self::hear) wants where the last of them are `dt_secs` after those before.
+    pub fn frames(&self, dt_secs: f64) -> usize {
+        let (hops, hop_secs) = hops(dt_secs);
+        self.analyzer.window_frames() + self.frames_in(f64::from(hops - 1) * hop_secs)
+    }
+
+    /// Analyzes sound that ends `dt_secs` after the last one did, of which at most the last [`LONGEST_SECS`](Self::LONGEST_SECS)
+    /// count: one window after the other, so that nothing in between is missed. Where `left` and `right` are shorter than
+    /// [`frames`](Self::frames), silence came before them.
     pub fn hear(
         &mut self,
         (left, right): (&[f32], &[f32]),
         parameters: &Parameters,
         dt_secs: f64,
     ) -> (Bands<'_>, Harmony) {
-        self.analyzer.analyze(left, right, dt_secs);
-        let (spectrum, dt_secs) = (self.analyzer.spectrum(), dt_secs as f32);
-        self.harmony.hear(&spectrum.mid, self.analyzer.bands_hz(), dt_secs);
         let timbre = parameters.timbre();
-        Resonators::follow(&mut self.resonators, timbre.as_ref(), spectrum.mid.len());
-        let ringing = self.resonators.as_mut().map(|bank| {
-            bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, dt_secs));
-            bank.ring(dt_secs)
-        });
-        (Bands { ringing, ..bands_of(spectrum) }, self.harmony)
+        Resonators::follow(&mut self.resonators, timbre.as_ref(), self.analyzer.settings().bands);
+        let (hops, hop_secs) = hops(dt_secs);
+        let rung_secs = hop_secs as f32;
+        for later in (0..hops).rev() {
+            let later_frames = self.frames_in(f64::from(later) * hop_secs);
+            let [left, right] = [left, right].map(|side| &side[..side.len().saturating_sub(later_frames)]);
+            self.analyzer.analyze(left, right, hop_secs);
+            let spectrum = self.analyzer.spectrum();
+            self.harmony.hear(&spectrum.mid, self.analyzer.bands_hz(), rung_secs);
+            if let Some(bank) = &mut self.resonators {
+                bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, rung_secs));
+            }
+        }
+        let ringing = self.resonators.as_mut().map(|bank| bank.ring(rung_secs));
+        (Bands { ringing, ..bands_of(self.analyzer.spectrum()) }, self.harmony)
+    }
+
+    fn frames_in(&self, secs: f64) -> usize {
+        (secs * f64::from(self.rate_hz())).round() as usize
     }
 
     /// The last result, for [`Hearing::fade_from`](super::Hearing::fade_from).
@@ -140,9 +165,50 @@ impl Ear {
     }
 }
 
+/// How many windows `dt_secs` of sound take, at least one, and how far apart these are.
+fn hops(dt_secs: f64) -> (u32, f64) {
+    let dt_secs = dt_secs.clamp(0.0, Ear::LONGEST_SECS);
+    let hops = ((dt_secs / HOP_SECS).ceil() as u32).max(1);
+    (hops, dt_secs / f64::from(hops))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_knock_between_two_late_pictures_moves_the_shape() {
+        let (rate_hz, parameters) = (48_000, Parameters::default());
+        let mut ear = Ear::new(rate_hz).unwrap();
+        ear.tune(rate_hz, &parameters).unwrap();
+        let silence = vec![0.0; ear.frames(0.3)];
+        let mut sound = silence.clone();
+        // It ends 0.16 s before the picture, and the last window begins 0.09 s before it.
+        let from = sound.len() - 8640;
+        for (i, sample) in sound[from..from + 960].iter_mut().enumerate() {
+            *sample = 0.5 * (i as f32 * 0.06).sin();
+        }
+        let still = |ringing: Option<&Ringing>| {
+            let mut rest = Ringing::default();
+            rest.still(128);
+            *ringing.unwrap() == rest
+        };
+        let (bands, _) = ear.hear((&silence, &silence), &parameters, 0.3);
+        assert!(bands.mid.iter().all(|level| *level == 0.0) && still(bands.ringing));
+        let (bands, _) = ear.hear((&sound, &sound), &parameters, 0.3);
+        assert!(bands.mid.iter().any(|level| *level > 1e-3) && !still(bands.ringing));
+    }
+
+    #[test]
+    fn windows_are_near_each_other_and_not_more_than_pictures_where_these_are_many() {
+        for (dt_secs, hops_due) in [(0.0, 1), (1.0 / 144.0, 1), (1.0 / 60.0, 1), (0.05, 2), (0.3, 12)] {
+            let (count, hop_secs) = hops(dt_secs);
+            assert_eq!(count, hops_due);
+            assert!(hop_secs <= HOP_SECS + 1e-9 && (f64::from(count) * hop_secs - dt_secs).abs() < 1e-9);
+        }
+        assert_eq!(hops(1000.0), (40, HOP_SECS));
+        assert_eq!(hops(f64::NAN).0, 1);
+    }
 
     #[test]
     fn beats_never_go_back() {

@@ -16,9 +16,6 @@ mod songs;
 #[cfg(test)]
 mod tests;
 
-/// Seed of the shots of sound that is not known as a whole.
-pub const LIVE_SEED: u64 = 1;
-
 /// A jump within a song, or to another one, is faded over this time.
 const FADE_SECS: f64 = 0.3;
 /// A song that goes on this near to where it was expected has not jumped: times are rounded.
@@ -77,8 +74,8 @@ pub struct Hearing {
     songs: BTreeMap<usize, KnownSong>,
     /// Each with the whole beats to be added to those of its song.
     stretches: Vec<(Stretch, f64)>,
-    /// The director of each song, with its seed.
-    directors: BTreeMap<usize, (u64, Director)>,
+    /// The director of each song.
+    directors: BTreeMap<usize, SongDirector>,
     /// An outer clock that was followed in place of the songs' beats.
     clocked: Clocked,
     tuning: Option<Tuning>,
@@ -94,6 +91,15 @@ pub struct Hearing {
     harmony: Harmony,
     /// Nothing before it will be asked for.
     begins_secs: f64,
+}
+
+/// Who films a song in one stretch.
+struct SongDirector {
+    /// When the stretch began.
+    since_secs: f64,
+    /// The last seed.
+    seed: u64,
+    director: Director,
 }
 
 struct Fade {

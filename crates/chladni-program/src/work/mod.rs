@@ -79,7 +79,7 @@ pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{refer, refer_looks, resolve, resolve_looks, unread};
 pub use frame_guard::FrameGuard;
-pub use hearing::{Heard, Hearing, KnownSong, LIVE_SEED, bands_of};
+pub use hearing::{Heard, Hearing, KnownSong, bands_of};
 pub use heat::{Coating, Quantity, Seen, coating};
 pub use ink::{Depth, Inked, Pen, USUAL_TONES, pen, plate};
 pub use lag::Lag;

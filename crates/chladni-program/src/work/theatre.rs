@@ -44,7 +44,7 @@ pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
 
 /// The effect of the beat on the picture; it fades together with a jump in the song.
 pub fn reaction(instrument: &Instrument, beat: Beat, fading: Option<(Beat, f32)>) -> Reaction {
-    let of = |beat| react(beat, instrument.seed(), instrument.parameters());
+    let of = |beat| react(beat, |n| instrument.seed_of_beat(n), instrument.parameters());
     let to = of(beat);
     let Some((before, done)) = fading else { return to };
     let from = of(before);

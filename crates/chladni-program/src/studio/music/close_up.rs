@@ -88,13 +88,17 @@ pub fn show(
     let answered = answered(&mapping, heard);
     let amplification = Plot {
         id: "curve/a",
-        name: "a: how strongly each harmonic answers",
+        name: "a: how strongly each harmonic answers, relative to the others",
         range: (-1.0, 1.0),
         color: theme::palette(ui).accent,
         behind: &answered,
     };
     let response = curve::edit(ui, right, &amplification, &mut mapping.amplification);
     stroke(&response, Stroke::Amplification, &mapping, draft, index, wishes);
+    response.on_hover_text_at_pointer(
+        "Only proportions count: the largest value that a sound reaches acts as 1 or −1. Gain is the strength.\n\
+         Draw to bend; with Shift the line stays level",
+    );
 }
 
 /// Keeps the stroke as a draft, and turns it into one action when the pointer is released.

@@ -208,7 +208,7 @@ impl Performance {
         }
         self.go_to(at_secs)?;
         let unheard = || Error::other(format!("nothing is known of what is heard at {at_secs} s"));
-        let framing = self.hearing.framing_at(at_secs, self.instrument.seed());
+        let framing = self.hearing.framing_at(at_secs, |secs| self.instrument.seed_at(secs));
         let heard = self.hearing.hear(at_secs)?.ok_or_else(unheard)?;
         seconds.analysis += listening.elapsed().as_secs_f64();
         let mapping = Instant::now();

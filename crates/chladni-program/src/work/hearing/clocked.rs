@@ -3,7 +3,7 @@
 
 use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing};
 
-use super::{Hearing, LIVE_SEED};
+use super::Hearing;
 
 /// A clock, and who films to it.
 #[derive(Default)]
@@ -79,20 +79,24 @@ impl Hearing {
         self.bars_of_songs(at_secs - LONGEST_BAR_SECS, at_secs).last().map_or(0.0, |bar| bar.energy)
     }
 
-    /// How the camera frames the shape then: by the bars that are heard, and a seed.
-    pub fn framing_at(&mut self, at_secs: f64, seed: u64) -> Framing {
+    /// How the camera frames the shape then: by the bars that are heard, and the seeds at times of the show, up to
+    /// this one.
+    pub fn framing_at(&mut self, at_secs: f64, seed_at: impl Fn(f64) -> u64) -> Framing {
         let Some(since_secs) = self.clocked.track.followed_since(at_secs) else {
-            return self.framing_by_songs(at_secs, seed);
+            return self.framing_by_songs(at_secs, seed_at);
         };
         let known = self.clocked.director.take();
         let fits = known.filter(|known| known.since_secs == since_secs && known.heard_secs <= at_secs);
         let mut filming = fits.unwrap_or_else(|| {
             // A performance played to a clock is filmed like live sound, whether a song or live input plays.
-            let director = Director::of_song(LIVE_SEED, []);
+            let director = Director::of_song(seed_at(since_secs), []);
             ClockDirector { since_secs, heard_secs: since_secs - 1e-9, director }
         });
         let bars = self.bars_between(filming.heard_secs, at_secs);
-        bars.into_iter().for_each(|bar| filming.director.hear(bar));
+        for bar in bars {
+            filming.director.set_seed(seed_at(bar.at_secs));
+            filming.director.hear(bar);
+        }
         filming.heard_secs = at_secs;
         self.clocked.director.insert(filming).director.at(at_secs)
     }
@@ -146,12 +150,20 @@ mod tests {
 
     #[test]
     fn a_frame_is_filmed_alike_however_it_is_reached() {
-        let mut straight = clocked();
-        let frames: Vec<Framing> = (0..300).map(|i| straight.framing_at(f64::from(i) / 25.0, 7)).collect();
+        let film = |seed_at: &dyn Fn(f64) -> u64| -> Vec<Framing> {
+            let mut hearing = clocked();
+            (0..300).map(|i| hearing.framing_at(f64::from(i) / 25.0, seed_at)).collect()
+        };
+        // Another gallery begins while the clock is followed.
+        let seed_at = |secs: f64| if secs < 5.0 { 7 } else { 8 };
+        let (frames, before, after) = (film(&seed_at), film(&|_| 7), film(&|_| 8));
         let mut leaping = clocked();
         for i in [299, 120, 0, 226, 60, 61] {
-            assert_eq!(leaping.framing_at(i as f64 / 25.0, 7), frames[i]);
+            assert_eq!(leaping.framing_at(i as f64 / 25.0, seed_at), frames[i]);
         }
+        // Shots that have begun go on.
+        assert_eq!(frames[..125], before[..125]);
+        assert!(frames[125..] != before[125..] && before[..125] != after[..125]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use chladni_music::{BarLine, Beat, Director, Framing, Stretch};
 
-use super::Hearing;
+use super::{Hearing, SongDirector};
 use crate::work::bars::bar_lines;
 
 /// Fewer beats than this are not made up for by a whole one: counts are rounded.
@@ -19,25 +19,28 @@ impl Hearing {
         Beat { count: beat.count + added, ..beat }
     }
 
-    /// How the camera frames the shape then: by the bars of the song that is heard, and a seed.
-    pub(super) fn framing_by_songs(&mut self, at_secs: f64, seed: u64) -> Framing {
+    /// How the camera frames the shape then: by the bars of the song that is heard, and the seeds of their times.
+    pub(super) fn framing_by_songs(&mut self, at_secs: f64, seed_at: impl Fn(f64) -> u64) -> Framing {
         let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
         let Some((stretch, _)) = self.stretches.get(begun.saturating_sub(1)) else {
             return Framing::default();
         };
         let song_secs = stretch.song_secs_at(at_secs);
         let Some(number) = stretch.song else { return Framing::default() };
-        let beats = self.songs.get(&number).and_then(|song| song.beats.as_ref());
-        let direct = || {
-            // Another song is filmed in another way.
-            let seed = seed.wrapping_add(number as u64);
-            Director::of_song(seed, beats.into_iter().flat_map(bar_lines))
-        };
-        let known = self.directors.entry(number).or_insert_with(|| (seed, direct()));
-        if known.0 != seed {
-            *known = (seed, direct());
+        let (since_secs, seed) = (stretch.at_secs, seed_at(f64::INFINITY));
+        let known = self.directors.get(&number);
+        if known.is_none_or(|known| known.since_secs != since_secs || known.seed != seed) {
+            let mut director = Director::of_song(seed, []);
+            let beats = self.songs.get(&number).and_then(|song| song.beats.as_ref());
+            for bar in beats.into_iter().flat_map(bar_lines) {
+                let seed = seed_at(since_secs + (bar.at_secs - stretch.song_secs).max(0.0));
+                // Another song is filmed in another way.
+                director.set_seed(seed.wrapping_add(number as u64));
+                director.hear(bar);
+            }
+            self.directors.insert(number, SongDirector { since_secs, seed, director });
         }
-        known.1.at(song_secs)
+        self.directors.get(&number).map_or_else(Framing::default, |known| known.director.at(song_secs))
     }
 
     /// The bars of the songs that have begun after `from_secs` of the show, up to `to_secs`, in the stretch that is

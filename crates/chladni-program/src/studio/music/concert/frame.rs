@@ -32,6 +32,7 @@ impl Frame {
 
     /// The shot that the camera chooses now, where it does.
     pub fn framing(&self, instrument: &Instrument, listening: &mut Listening) -> Option<Framing> {
-        chooses_shots(instrument, self.beat).then(|| listening.framing(instrument.seed()))
+        let seed_at = |at_secs| instrument.seed_at(at_secs);
+        chooses_shots(instrument, self.beat).then(|| listening.framing(seed_at))
     }
 }

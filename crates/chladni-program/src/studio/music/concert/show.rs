@@ -43,6 +43,7 @@ impl Concert {
         if listening.beats_changed() {
             self.count_beats(|at_secs| listening.beats_at(at_secs))?;
         }
+        listening.set_seed(self.instrument.seed());
         self.follow_bars(&listening.new_bars())?;
         self.judge(ui.ctx())?;
         let (mut frame, mut items) = self.play(shared, listening, began)?;

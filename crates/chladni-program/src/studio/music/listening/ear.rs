@@ -1,10 +1,9 @@
 //! The samples that the live ear is given, and when it forgets the beat.
 
-use chladni_music::{BarLine, Director};
+use chladni_music::BarLine;
 use chladni_sound::PlayerStatus;
 
 use super::Listening;
-use crate::work::LIVE_SEED;
 
 /// If the song's position deviates from the clock by more than this, the user has sought: the beat tracker is
 /// reset.
@@ -33,12 +32,12 @@ impl Loudness {
 }
 
 impl Listening {
-    /// The samples to analyze: around the position heard in a song, later by the delay of the decay;
-    /// the newest ones of live input.
-    pub(super) fn take_window(&mut self, playing: bool) {
-        let window = self.ear.analyzer().window_frames();
-        self.left.resize(window, 0.0);
-        self.right.resize(window, 0.0);
+    /// The samples of the last `dt_secs` to analyze: around the position heard in a song, later by the delay of the
+    /// decay; the newest ones of live input.
+    pub(super) fn take_window(&mut self, playing: bool, dt_secs: f64) {
+        let frames = self.ear.frames(dt_secs);
+        self.left.resize(frames, 0.0);
+        self.right.resize(frames, 0.0);
         match &self.live {
             Some(live) => {
                 live.capture.window(&mut self.left, &mut self.right);
@@ -46,7 +45,7 @@ impl Listening {
             }
             None => {
                 let late = self.ear.analyzer().lag_secs() * f64::from(self.ear.rate_hz());
-                let ahead = window / 2 + late as usize;
+                let ahead = self.ear.analyzer().window_frames() / 2 + late as usize;
                 self.player.heard_window(ahead, &mut self.left, &mut self.right);
             }
         }
@@ -103,7 +102,7 @@ impl Listening {
     pub(super) fn forget_beat(&mut self) {
         let _ = self.ear.follower.reset();
         if !self.follows_clock() {
-            self.director = Director::live(LIVE_SEED);
+            self.director = self.director.anew();
         }
     }
 }

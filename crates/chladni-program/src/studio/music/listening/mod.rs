@@ -29,7 +29,7 @@ use wanted::Wanted;
 
 use super::study::{SongCover, Study};
 use crate::work::source::TUNE;
-use crate::work::{BeatCount, Ear, Error, Heard, Hearing, LIVE_SEED, Playing, ShowClock};
+use crate::work::{BeatCount, Ear, Error, Heard, Hearing, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
 /// song until it is read, through an ear that knows only the past.
@@ -147,7 +147,8 @@ impl Listening {
             right: Vec::new(),
             last_secs: 0.0,
             last_position_secs: 0.0,
-            director: Director::live(LIVE_SEED),
+            // Its seed comes before its first bar.
+            director: Director::live(0),
             fresh_bars: Vec::new(),
             bars_told_secs: 0.0,
             outer: Outer::default(),
@@ -286,7 +287,7 @@ impl Listening {
         mut before: impl FnMut(&mut Hearing, f64) -> Result<(), Error>,
     ) -> Result<Heard<'_>, Error> {
         let since_last_secs = now_secs - self.last_secs;
-        let dt_secs = since_last_secs.clamp(1e-3, 0.25);
+        let dt_secs = since_last_secs.clamp(1e-3, Ear::LONGEST_SECS);
         self.last_secs = now_secs;
         self.keep_live(now_secs);
         self.keep_wanted();
@@ -336,7 +337,7 @@ impl Listening {
         } else {
             self.last_position_secs = status.position_secs;
         }
-        self.take_window(is_playing);
+        self.take_window(is_playing, dt_secs);
         let heard = [&self.left, &self.right];
         self.levels = std::array::from_fn(|side| Loudness::of(heard[side], self.levels[side], dt_secs));
         let by_ear = self.ear.beat();
@@ -370,8 +371,13 @@ impl Listening {
         self.bars_or(bars)
     }
 
-    /// How the camera frames the shape at the time heard last.
-    pub fn framing(&mut self, seed: u64) -> Framing {
+    /// Draws the shots of sound that is not known as a whole by this seed from now on.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.director.set_seed(seed);
+    }
+
+    /// How the camera frames the shape at the time heard last, by the seeds at times of the show.
+    pub fn framing(&mut self, seed_at: impl Fn(f64) -> u64) -> Framing {
         if let Some((shot, since_secs)) = self.called {
             return Framing::of_shot(shot, self.last_secs - since_secs);
         }
@@ -381,7 +387,7 @@ impl Listening {
         if self.by_ear || self.known_beats().is_none() {
             return self.director.at(self.ear.follower.now_secs());
         }
-        self.hearing.framing_at(self.clock.at_secs(), seed)
+        self.hearing.framing_at(self.clock.at_secs(), seed_at)
     }
 
     /// Keeps the sound for a recording, or no longer.

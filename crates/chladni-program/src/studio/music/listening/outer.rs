@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use chladni_music::{BarLine, Beat, ClockMessage, Director, Tempo};
+use chladni_music::{BarLine, Beat, ClockMessage, Tempo};
 use chladni_sound::BeatMoment;
 
 use super::Listening;
-use crate::work::{BeatCount, LIVE_SEED};
+use crate::work::BeatCount;
 
 /// An outer clock, and what only the music can tell: energy and sections.
 #[derive(Default)]
@@ -180,7 +180,7 @@ impl Listening {
 
     /// Bars now have another time.
     fn film_anew(&mut self) {
-        self.director = Director::live(LIVE_SEED);
+        self.director = self.director.anew();
     }
 }
 
