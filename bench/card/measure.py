@@ -14,6 +14,9 @@ from section import processor, write_section  # noqa: E402
 
 folder = pathlib.Path(sys.argv[1])
 
+# The share of the card's copy bandwidth at which synthesis is to read the basis.
+AIM = 0.6
+
 
 def apart():
     """How far the pictures of card and processor are apart, by the measures of the conformance suite of chladni-view: the
@@ -48,11 +51,14 @@ lines = [
     "levels from all that lies around the same place.",
     "",
     "Synthesis and drawing as in *Synthesis and drawing* (shapes of the papers' sizes): milliseconds, frames a second of all "
-    "three, the published rate, and how many times as fast as on the processor synthesis and normals are:",
+    "three, the published rate, how many times as fast as on the processor synthesis and normals are, what the card's "
+    "synthesis moves (the basis once, and positions), and what share that is of a copy of the basis on the card, which reads and writes:",
     "",
-    "| model | n | K | S | processor: synthesis, normals, ms | card: synthesis, normals, drawing, ms | drawn, frames a second | published | times as fast |",
-    "|" + "---|" * 9,
+    "| model | n | K | S | processor: synthesis, normals, ms | card: synthesis, normals, drawing, ms | drawn, frames a second | published | times as fast "
+    "| moved, GB/s | a copy, GB/s | share |",
+    "|" + "---|" * 12,
 ]
+shares = []
 of = {(r["model"], r["items"], r["backend"]): r for r in rows}
 for (model, items, backend), card in of.items():
     cpu = of.get((model, items, "cpu"))
@@ -62,10 +68,16 @@ for (model, items, backend), card in of.items():
     drawn = f"{card['drawn_fps']:.0f}" if card["drawn_fps"] is not None else ""
     published = f"{card['published_fps']:.1f}" if card["published_fps"] is not None else ""
     ratio = (cpu["synthesis_ms"] + cpu["normals_ms"]) / (card["synthesis_ms"] + card["normals_ms"])
+    moved = card["bytes_moved"] / card["synthesis_ms"] / 1e6
+    shares.append(card["bandwidth_share"])
     lines.append(
         f"| {model} | {card['vertices']:,} | {card['harmonics']:,} | {items} | {cpu['synthesis_ms']:.2f}, {cpu['normals_ms']:.2f} "
-        f"| {card['synthesis_ms']:.2f}, {card['normals_ms']:.2f}, {draw} | {drawn} | {published} | {ratio:.1f} |"
+        f"| {card['synthesis_ms']:.2f}, {card['normals_ms']:.2f}, {draw} | {drawn} | {published} | {ratio:.1f} "
+        f"| {moved:.0f} | {moved / shares[-1]:.0f} | {100 * shares[-1]:.0f} % |"
     )
+if shares:
+    reached = sum(share >= AIM for share in shares)
+    lines += ["", f"Aim: {100 * AIM:.0f} % of a copy. {reached} of {len(shares)} rows reach it; the best has {100 * max(shares):.0f} %."]
 lines += [
     "",
     "Films of 8 s of our tune at 30 frames a second (`chladni dance sample:octopus sample:tune`, K = 512, the look aurora), the encoder left out: "

@@ -3,6 +3,7 @@
 
 mod breeding;
 mod caricature;
+mod easel;
 mod head_parts;
 mod limbs;
 mod music;

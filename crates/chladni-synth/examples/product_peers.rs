@@ -9,8 +9,14 @@ use std::time::Instant;
 use chladni_synth::{Coefficients, CpuSynthesizer, Item, SynthModel, Synthesizer, Term};
 
 /// n, K and S.
-const CASES: [(usize, usize, usize); 5] =
-    [(50_000, 512, 1), (50_000, 512, 6), (50_000, 512, 12), (34_834, 1070, 12), (97_803, 256, 12)];
+const CASES: [(usize, usize, usize); 6] = [
+    (50_000, 512, 1),
+    (50_000, 512, 6),
+    (50_000, 512, 12),
+    (50_000, 1008, 12),
+    (34_834, 1070, 12),
+    (97_803, 256, 12),
+];
 
 const ROUNDS: usize = 15;
 

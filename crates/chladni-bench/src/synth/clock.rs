@@ -3,7 +3,7 @@
 use chladni_view::Gpu;
 use eframe::wgpu;
 
-use super::stage::wait;
+use crate::easel::wait;
 use chladni_program::work::Error;
 
 /// Two time stamps, before and after some work.

@@ -19,6 +19,8 @@ pub struct Measured {
     normals_ms: f64,
     /// Null if nothing was drawn. Includes the upload of a frame made on the CPU.
     draw_ms: Option<f64>,
+    /// The device that drew.
+    drawn_by: Option<String>,
     /// Of synthesis and normals.
     fps: f64,
     /// With drawing.
@@ -36,8 +38,10 @@ pub struct Times {
     pub device: String,
     pub synthesis: f64,
     pub normals: f64,
-    /// Where something can draw; with the upload of a frame made on the CPU.
+    /// Where it was drawn; with the upload of a frame made on the CPU.
     pub draw: Option<f64>,
+    /// The device that drew.
+    pub drawn_by: Option<String>,
     /// A copy of as many bytes as the basis.
     pub copy: f64,
 }
@@ -65,6 +69,7 @@ impl Times {
             synthesis_ms: 1e3 * self.synthesis,
             normals_ms: 1e3 * self.normals,
             draw_ms: self.draw.map(|draw| 1e3 * draw),
+            drawn_by: self.drawn_by,
             fps: 1.0 / (self.synthesis + self.normals),
             drawn_fps: self.draw.map(|draw| 1.0 / (self.synthesis + self.normals + draw)),
             published_fps,

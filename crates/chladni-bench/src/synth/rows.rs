@@ -1,4 +1,4 @@
-//! The rows of the papers' tables: what was synthesized, and how fast.
+//! The rows of the papers' tables, and two more: n, K and S, and the rates that are published.
 
 /// A shape of a table and the frame rates printed for it.
 pub struct Row {
@@ -23,7 +23,8 @@ const fn music(
 
 /// Music paper (2012), table of frame rates at 1024×768: S = 1 on its CPU, S = 6 and 12 on its
 /// GPU. Caricature paper (2010): 8.5 to 12.1 fps with three models at 30k to 50k vertices; the
-/// better is set against the smaller.
+/// better is set against the smaller. The last two are of no paper: n and K at which a processor's
+/// kernels were tried before ours were written.
 pub const ROWS: &[Row] = &[
     music("heart", 622, 256, &[(1, 99.7), (6, 322.1), (12, 203.7)]),
     music("eight", 766, 256, &[(1, 97.7), (6, 342.1), (12, 213.7)]),
@@ -45,4 +46,6 @@ pub const ROWS: &[Row] = &[
     music("cow", 97803, 256, &[(1, 0.1), (6, 9.1), (12, 3.1)]),
     music("caricature-30k", 30000, 512, &[(3, 12.1)]),
     music("caricature-50k", 50000, 512, &[(1, f64::NAN), (3, 8.5), (6, f64::NAN), (12, f64::NAN)]),
+    music("trial-512", 50176, 512, &[(12, f64::NAN)]),
+    music("trial-1008", 50176, 1008, &[(12, f64::NAN)]),
 ];

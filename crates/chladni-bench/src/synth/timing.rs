@@ -2,14 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use chladni_synth::{CpuSynthesizer, DeviceFrameBuffers, FrameSettings, GpuSynthesizer, Item, Synthesizer};
-use chladni_view::Gpu;
+use chladni_synth::{CpuSynthesizer, FrameSettings, GpuSynthesizer, Item, Synthesizer};
+use chladni_view::{Camera, Gpu, ItemBuffers, Topology, View};
 use eframe::wgpu;
 use rayon::prelude::*;
 
 use super::clock::DeviceClock;
 use super::report::Times;
-use super::stage::{Scene, Stage, wait};
+use crate::easel::{Easel, wait};
 use chladni_program::work::Error;
 
 /// Frames measured: at least this many, and for at least this long.
@@ -51,34 +51,34 @@ fn median_of(mut measured: impl FnMut() -> Result<f64, Error>) -> Result<f64, Er
     Ok(times[times.len() / 2])
 }
 
-/// The CPU's times. Drawing includes the upload.
+/// The CPU's times. Drawing includes the upload to a graphics device, where one draws.
 pub fn on_cpu(
     synthesizer: &mut CpuSynthesizer,
     items: &[Item],
     triangles: &[[u32; 3]],
-    stage: Option<&mut Stage>,
+    easel: Option<&mut Easel>,
     copy: f64,
 ) -> Result<Times, Error> {
     let synthesis = median_secs(|| synthesizer.synthesize_positions(items).map_err(Error::other))?;
     let normals =
         median_secs(|| synthesizer.synthesize_normals(&FrameSettings::default()).map_err(Error::other))?;
-    let draw = stage.map(|stage| draw_from_cpu(synthesizer, triangles, stage)).transpose()?;
+    let drawn_by = easel.as_deref().map(|easel| easel.device.description());
+    let draw = easel.map(|easel| draw_from_cpu(synthesizer, triangles, easel)).transpose()?;
     let device = format!("{}, {} threads", synthesizer.path(), rayon::current_num_threads());
-    Ok(Times { device, synthesis, normals, draw, copy })
+    Ok(Times { device, synthesis, normals, draw, drawn_by, copy })
 }
 
 fn draw_from_cpu(
     synthesizer: &CpuSynthesizer,
     triangles: &[[u32; 3]],
-    stage: &mut Stage,
+    easel: &mut Easel,
 ) -> Result<f64, Error> {
-    let mut buffers = DeviceFrameBuffers::new(&stage.gpu.device);
-    let upload = |buffers: &mut _| synthesizer.upload(&stage.gpu.queue, buffers).map_err(Error::other);
-    upload(&mut buffers)?;
-    let scene = Scene::new(&stage.gpu, buffers.frame(), triangles)?;
+    let vertices = synthesizer.model().vertices();
+    let topology = Topology::new(&easel.device, vertices, triangles)?;
+    let mut buffers = ItemBuffers::new(&easel.device, vertices, synthesizer.items());
     median_secs(|| {
-        upload(&mut buffers)?;
-        scene.draw(&mut stage.renderer, &stage.canvas)
+        buffers.take_frame(&easel.device, synthesizer)?;
+        easel.draw(&topology, &buffers, Camera::looking(View::ThreeQuarter))
     })
 }
 
@@ -96,24 +96,34 @@ pub fn copy_secs(bytes: usize) -> Result<f64, Error> {
     })
 }
 
-/// The device's times.
+/// The times of a graphics device; `easel` draws on the same.
 pub fn on_gpu(
     synthesizer: &mut GpuSynthesizer,
     items: &[Item],
     triangles: &[[u32; 3]],
-    stage: &mut Stage,
-    draw: bool,
+    gpu: &Gpu,
+    easel: Option<&mut Easel>,
     copy: f64,
 ) -> Result<Times, Error> {
-    let gpu = stage.gpu.clone();
     let synthesis =
-        median_device_secs(&gpu, || synthesizer.synthesize_positions(items).map_err(Error::other))?;
-    let normals = median_device_secs(&gpu, || {
+        median_device_secs(gpu, || synthesizer.synthesize_positions(items).map_err(Error::other))?;
+    let normals = median_device_secs(gpu, || {
         synthesizer.synthesize_normals(&FrameSettings::default()).map_err(Error::other)
     })?;
-    let scene = Scene::new(&gpu, synthesizer.frame(), triangles)?;
-    let draw = draw.then(|| median_secs(|| scene.draw(&mut stage.renderer, &stage.canvas))).transpose()?;
-    Ok(Times { device: synthesizer.context().device_name(), synthesis, normals, draw, copy })
+    let drawn_by = easel.as_deref().map(|easel| easel.device.description());
+    let draw = easel.map(|easel| draw_from_gpu(synthesizer, triangles, easel)).transpose()?;
+    let device = synthesizer.context().device_name();
+    Ok(Times { device, synthesis, normals, draw, drawn_by, copy })
+}
+
+fn draw_from_gpu(
+    synthesizer: &GpuSynthesizer,
+    triangles: &[[u32; 3]],
+    easel: &mut Easel,
+) -> Result<f64, Error> {
+    let topology = Topology::new(&easel.device, synthesizer.model().vertices(), triangles)?;
+    let buffers = ItemBuffers::of_frame(&synthesizer.frame())?;
+    median_secs(|| easel.draw(&topology, &buffers, Camera::looking(View::ThreeQuarter)))
 }
 
 /// Copies `bytes` from buffer to buffer, in pieces that a buffer may have.
@@ -136,4 +146,25 @@ pub fn copy_on_device_secs(gpu: &Gpu, bytes: usize) -> Result<f64, Error> {
         Ok(())
     })?;
     Ok(secs * bytes as f64 / piece as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_synth::SynthModel;
+    use chladni_view::{Device, Draw};
+
+    use super::*;
+    use crate::sphere::{bumpy_sphere, waves};
+
+    #[test]
+    fn the_processors_frames_are_drawn_by_the_device_that_draws_films() {
+        let (positions, triangles) = bumpy_sphere(40);
+        let model = SynthModel::from_parts(&positions, &triangles, &waves(&positions, 3)).unwrap();
+        let mut easel = Easel::new().unwrap();
+        let items = vec![Item::default(); 2];
+        let times =
+            on_cpu(&mut CpuSynthesizer::new(model), &items, &triangles, Some(&mut easel), 1.0).unwrap();
+        assert_eq!(times.drawn_by, Some(Device::open(Draw::Auto).unwrap().description()));
+        assert!(times.draw.is_some());
+    }
 }

@@ -10,9 +10,10 @@ use chladni_caricature::{
 use chladni_synth::SynthModel;
 use serde::Serialize;
 
-use super::frame::{Easel, Projector};
+use super::frame::Projector;
 use super::stroke::Stroke;
 use super::{BenchTables, median_ms};
+use crate::easel::Easel;
 use chladni_program::cli::Terminal;
 use chladni_program::work::body::laplacian;
 use chladni_program::work::{Error, Watcher};

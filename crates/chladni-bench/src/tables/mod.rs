@@ -10,6 +10,7 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::TriMesh;
 use serde::Serialize;
 
+use crate::easel::Easel;
 use chladni_program::cli::Terminal;
 use chladni_program::work::body::laplacian;
 use chladni_program::work::{Error, Watcher};
@@ -51,7 +52,7 @@ struct Tables {
 impl BenchTables {
     /// Measures all rows and prints them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        let mut easel = frame::Easel::new()?;
+        let mut easel = Easel::new()?;
         let (mut caricature, mut music) = (Vec::new(), Vec::new());
         for (shape, template) in &self.caricature {
             caricature.push(self.caricature_row(shape, template, &mut easel, terminal)?);

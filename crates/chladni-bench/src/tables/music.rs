@@ -7,8 +7,9 @@ use chladni_sound::{SpectrumAnalyzer, SpectrumSettings, sample_tune};
 use chladni_synth::SynthModel;
 use serde::Serialize;
 
-use super::frame::{Easel, Projector};
+use super::frame::Projector;
 use super::{BenchTables, median_ms};
+use crate::easel::Easel;
 use chladni_program::cli::Terminal;
 use chladni_program::work::dancer::{Dancing, classes};
 use chladni_program::work::source;

@@ -9,7 +9,8 @@ use chladni_program::work::Error;
 use chladni_synth::Item;
 use chladni_view::PickTree;
 
-use super::frame::{Easel, Projector, Secs};
+use super::frame::{Projector, Secs};
+use crate::easel::Easel;
 
 /// Radius of the brush in the working frame, where a shape is 2 wide.
 const BRUSH: f64 = 0.15;
