@@ -11,6 +11,9 @@ const CLOSED: f64 = 1e-9;
 const OPEN: f64 = 0.01;
 /// Points of a component, at most, that are asked whether they lie within another one.
 const ASKED: usize = 16;
+/// Components, at most, of which one is asked whether it lies within them; so the time grows with the number of triangles
+/// only, whatever overlaps.
+const AROUND: usize = 16;
 
 /// For each of `triangles` whether turning it round helps all of them to face outward.
 ///
@@ -48,9 +51,18 @@ type Link = (u32, u32, bool);
 /// The links of all triangles, and the triangle of each edge that has one only.
 fn touching(triangles: &[[u32; 3]]) -> (Vec<Link>, Vec<u32>) {
     let (mut links, mut rims) = (Vec::new(), Vec::new());
+    let sorted = |t: u32| {
+        let mut corners = triangles[t as usize];
+        corners.sort_unstable();
+        corners
+    };
     for edge in sorted_half_edges(triangles.iter().map(|t| &t[..])).chunk_by(|a, b| a.ends == b.ends) {
         match edge {
             [only] => rims.push(only.face),
+            // The rim of what the file has twice.
+            [a, b] if a.forward == b.forward && sorted(a.face) == sorted(b.face) => {
+                rims.extend([a.face, b.face]);
+            }
             [a, b] => links.push((a.face, b.face, a.forward != b.forward)),
             _ => {}
         }
@@ -170,9 +182,11 @@ impl Surface<'_> {
     fn turns(&self, parts: &[Part]) -> Vec<bool> {
         let mut turns: Vec<bool> = parts.iter().map(|part| part.inward == Some(true)).collect();
         let normals = vertex_normals(self.positions, self.triangles);
-        let centers: Vec<Vec3> =
-            parts.iter().map(|part| scaled(add(part.bounds.low, part.bounds.high), 0.5)).collect();
-        let tree = BoxTree::new(&centers, |part| parts[part as usize].bounds);
+        // Nothing lies within what has no inside.
+        let solid: Vec<usize> = (0..parts.len()).filter(|i| parts[*i].inward.is_some()).collect();
+        let center = |bounds: &Bounds| scaled(add(bounds.low, bounds.high), 0.5);
+        let centers: Vec<Vec3> = solid.iter().map(|i| center(&parts[*i].bounds)).collect();
+        let tree = BoxTree::new(&centers, |item| parts[solid[item as usize]].bounds);
         let holds = |outer: &Bounds, inner: &Bounds| outer.around(inner) == *outer;
         // What is around a component is larger, so it comes first.
         let mut order: Vec<usize> = (0..parts.len()).collect();
@@ -181,20 +195,25 @@ impl Surface<'_> {
         let mut skins: Vec<Option<TriangleTree>> = vec![None; parts.len()];
         for i in order {
             let inner = &parts[i];
-            let mut around = None;
-            let nearness = |bounds: &Bounds| if holds(bounds, &inner.bounds) { 0.0 } else { f64::INFINITY };
+            let (mut around, mut asked) = (None, 0);
+            // Larger boxes come first.
+            let nearness = |bounds: &Bounds| {
+                if holds(bounds, &inner.bounds) { -bounds.diagonal() } else { f64::INFINITY }
+            };
             tree.search(f64::INFINITY, nearness, |slot, limit| {
-                let j = tree.order()[slot] as usize;
-                let is_around = around.is_none()
+                let j = solid[tree.order()[slot] as usize];
+                if around.is_none()
+                    && asked < AROUND
                     && holds(&parts[j].bounds, &inner.bounds)
-                    && skins[j]
-                        .as_ref()
-                        .is_some_and(|skin| self.lies_within(inner, &parts[j], skin, &normals));
-                if is_around {
-                    around = Some(j);
+                    && let Some(skin) = &skins[j]
+                {
+                    asked += 1;
+                    if self.lies_within(inner, &parts[j], skin, &normals) {
+                        around = Some(j);
+                    }
                 }
-                // Nothing is nearer than 0, which ends the search.
-                if around.is_some() { 0.0 } else { limit }
+                // Nothing is nearer than this, which ends the search.
+                if around.is_some() || asked == AROUND { f64::NEG_INFINITY } else { limit }
             });
             match around {
                 Some(j) => turns[i] = turns[j],
@@ -290,7 +309,9 @@ mod tests {
 
     #[test]
     fn what_has_no_inside_keeps_its_winding() {
-        for mesh in [grid_square(6), moebius(0.4, 24, 2), TriMesh::default()] {
+        let mut twice = grid_square(6);
+        twice.triangles.extend_from_within(..);
+        for mesh in [grid_square(6), twice, moebius(0.4, 24, 2), TriMesh::default()] {
             assert!(inward(&mesh).iter().all(|t| !t));
             assert!(inward(&turned(mesh)).iter().all(|t| !t));
         }
