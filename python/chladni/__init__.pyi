@@ -114,7 +114,10 @@ class Match:
     confidence: _Floats
     transform: _Floats
     coverage: float
+    residual_median: float | None
+    residual_p95: float | None
     flipped_triangles: int
+    strongly_stretched: int
     near_tie: bool
 
 @dataclass(frozen=True)

@@ -85,8 +85,15 @@ class Match:
     """(4, 4) the similarity from shape 2 to shape 1; it acts on columns (x, y, z, 1)."""
     coverage: float
     """Share of the area of shape 1 that is trusted."""
+    residual_median: float | None
+    """Median distance that is left between shape 1, bent or aligned, and shape 2; a share of the diagonal of shape 1. None for
+    "map" and "same"."""
+    residual_p95: float | None
+    """The remaining distance that 5 % of the vertices exceed."""
     flipped_triangles: int
     """Triangles of shape 1 that are turned over on shape 2."""
+    strongly_stretched: int
+    """Triangles of shape 1 that are stretched more than five times as much in one direction as in the other."""
     near_tie: bool
     """Whether a different pose fits nearly as well."""
 

@@ -90,7 +90,10 @@ pub fn match_meshes<'py>(
     out.set_item("confidence", give(py, correspondence.confidence))?;
     out.set_item("transform", give_rows(py, correspondence.similarity.to_matrix().to_vec())?)?;
     out.set_item("coverage", report.coverage)?;
+    out.set_item("residual_median", report.residual_median)?;
+    out.set_item("residual_p95", report.residual_p95)?;
     out.set_item("flipped_triangles", report.flipped_triangles)?;
+    out.set_item("strongly_stretched", report.strongly_stretched)?;
     out.set_item("near_tie", report.near_tie)?;
     arrays::warn(py, &report.warnings)?;
     Ok(out)

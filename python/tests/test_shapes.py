@@ -37,11 +37,15 @@ def test_a_match_with_a_moved_self_finds_the_motion(pebble):
     ones = np.hstack([moved, np.ones((len(V), 1))])
     assert np.allclose((ones @ found.transform.T)[:, :3], V, atol=1e-3)
     assert np.allclose(found.weights.sum(axis=1), 1) and found.coverage > 0.99
+    assert 0 <= found.residual_median <= found.residual_p95 < 1e-3 and found.strongly_stretched == 0
     landmarks = [[0, 0], [10, 10], [100, 100], [300, 300]]
     led = chladni.match(V, F, moved, F, landmarks)
     assert np.abs(led.targets - V).max() < 0.05
     same = chladni.match(V, F, moved, F, method="same")
     assert (same.p2p == np.arange(len(V))).all() and np.abs(same.targets - V).max() < 1e-9
+    assert same.residual_median is None and same.residual_p95 is None
+    with pytest.warns(chladni.ChladniWarning, match="look inward"):
+        assert chladni.match(V, F[:, ::-1], moved, F, method="icp").coverage > 0.99
     for bad in (dict(landmarks=[[0, 10**6]]), dict(landmarks=[[0.5, 1]]), dict(landmarks=[1, 2]), dict(method="x")):
         with pytest.raises(chladni.InputError):
             chladni.match(V, F, moved, F, **bad)

@@ -81,7 +81,7 @@ export function drawParts(parent, names, taken, choices) {
 }
 
 /** The numbers of the chosen layer. */
-export function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, warnings }) {
+export function showLayer({ mu, least_mu, strength, model, curve, smoothing, everywhere, coverage, residual, flipped, stretched, warnings }) {
   of("mu").min = least_mu;
   of("mu").value = mu;
   if (document.activeElement !== of("mu-value")) of("mu-value").value = mu.toFixed(2);
@@ -92,5 +92,7 @@ export function showLayer({ mu, least_mu, strength, model, curve, smoothing, eve
   of("softness").setAttribute("aria-valuetext", `${Math.round(100 * smoothing.wavelength)} % of the shape's size`);
   of("everywhere").setAttribute("aria-pressed", everywhere);
   const covered = coverage === null ? "" : `The match covers ${Math.round(100 * coverage)} % of the shape.`;
-  of("quality").textContent = [covered, ...warnings].join(" ");
+  const left = residual === null ? "" : `Half of its points come within ${(100 * residual).toFixed(1)} % of its size of the template.`;
+  const bent = flipped + stretched === 0 ? "" : `Triangles turned over: ${flipped}, strongly stretched: ${stretched}.`;
+  of("quality").textContent = [covered, left, bent, ...warnings].filter((text) => text !== "").join(" ");
 }

@@ -69,39 +69,57 @@ pub fn match_shapes(
     settings: &MatchSettings,
     task: &Task,
 ) -> Result<Match, MatchError> {
-    let s = UnitSurface::new(shape, Side::Shape)?;
-    let t = UnitSurface::new(template, Side::Template)?;
+    // Vertices that belong together one by one do so whichever way the faces look.
+    let surface = |mesh: &TriMesh, side| match settings.method {
+        Method::Same => UnitSurface::new(mesh, side),
+        _ => UnitSurface::facing_outward(mesh, side),
+    };
+    let (s, t) = (surface(shape, Side::Shape)?, surface(template, Side::Template)?);
     let pinned = landmarks::pin(&settings.landmarks, &s, &t)?;
     let pairs = landmarks::points(&pinned, &s, &t);
     // In surface coordinates, both diagonals are 1.
     let sizes = t.diagonal / s.diagonal;
     let scale = (settings.scaling == Scaling::Rigid).then_some(sizes);
     let align = || prealign(&s, &t, &pairs, scale, settings.seed, task);
-    let (correspondence, pose, warnings) = match settings.method {
-        Method::Same => (same_connectivity(shape, template, settings.scaling)?, None, Vec::new()),
+    let (correspondence, pose, residual, warnings) = match settings.method {
+        Method::Same => (same_connectivity(shape, template, settings.scaling)?, None, Vec::new(), Vec::new()),
         Method::Icp => {
             let pose = align()?;
-            let (at, trust) = closest_points(&s, &Partners::none(&t), &pose.similarity, &s.points, None)?;
+            let Landed { at, trust, residual } =
+                closest_points(&s, &Partners::none(&t), &pose.similarity, &s.points, None)?;
             let found = project::correspondence(shape, &s, template, &t, &at, &trust, &pose.similarity)?;
-            (found, Some(pose), Vec::new())
+            (found, Some(pose), residual, Vec::new())
         }
         Method::Fit => {
             let pose = align()?;
-            let (at, trust, similarity) =
+            let (Landed { at, trust, residual }, similarity) =
                 fit(&s, &t, &pinned, pose.similarity, (scale, settings.seed), task)?;
             let found = project::correspondence(shape, &s, template, &t, &at, &trust, &similarity)?;
-            (found, Some(pose), Vec::new())
+            (found, Some(pose), residual, Vec::new())
         }
         Method::Map => {
             let CrossMap { at, confidence, pose, warnings } = crossmap(&s, &t, &pinned, scale, task)?;
-            (project::correspondence(shape, &s, template, &t, &at, &confidence, &pose)?, None, warnings)
+            let found = project::correspondence(shape, &s, template, &t, &at, &confidence, &pose)?;
+            (found, None, Vec::new(), warnings)
         }
     };
-    let mut report = MatchReport::of(&s, Some(&t), &correspondence, pose.as_ref());
+    let mut report = MatchReport::of(&s, Some(&t), &correspondence, pose.as_ref(), residual);
+    report.warnings.extend(turned_faces(&s, Side::Shape));
+    report.warnings.extend(turned_faces(&t, Side::Template));
     report.warnings.extend(warnings);
     report.warnings.extend(scale.and_then(unlike_sizes));
     report.warnings.extend(landmarks::doubts(&pairs));
     Ok(Match { correspondence, report })
+}
+
+/// The warning about faces that were turned.
+fn turned_faces(surface: &UnitSurface, side: Side) -> Option<String> {
+    let (turned, all) = (surface.turned.iter().filter(|turned| **turned).count(), surface.turned.len());
+    (turned > 0).then(|| {
+        format!(
+            "{turned} of {all} faces of the {side} look inward or against their neighbors: they were turned for the match"
+        )
+    })
 }
 
 /// The warning about a template that keeps its own size, which is `times` that of the shape.
@@ -114,15 +132,21 @@ fn unlike_sizes(times: f64) -> Option<String> {
     })
 }
 
-/// For each vertex its point on the template and the confidence in it; and the similarity between the two
-/// surfaces.
-type Fitted = (Vec<Closest>, Vec<f64>, Similarity);
+/// For each vertex of the shape's surface its point on the template.
+struct Landed {
+    at: Vec<Closest>,
+    /// The confidence in each point, in [0, 1].
+    trust: Vec<f64>,
+    /// The distance to each point that bending has left, in shape diagonals.
+    residual: Vec<f64>,
+}
 
 /// Bends the shape onto the template, starting from `pose`.
 ///
 /// The alignment by closest points suppresses differences: shapes that differ much end up with one side on
 /// top of each other and all of the difference on the other side. The pairs found by bending give a better
-/// similarity. If it differs from the one that bending started from, the shape is bent again from there.
+/// similarity. If it differs from the one that bending started from, the shape is bent again from there. The similarity
+/// between the two surfaces is the last one.
 fn fit(
     shape: &UnitSurface,
     template: &UnitSurface,
@@ -130,7 +154,7 @@ fn fit(
     mut pose: Similarity,
     (scale, seed): (Option<f64>, u64),
     task: &Task,
-) -> Result<Fitted, MatchError> {
+) -> Result<(Landed, Similarity), MatchError> {
     /// The largest number of rounds: bending takes most of the time.
     const MOST_ROUNDS: usize = 3;
     /// A change of the similarity that moves the template by less than this share of the diagonal needs no
@@ -141,10 +165,10 @@ fn fit(
         let bent = bend(shape, template, &pose, pinned, seed, task)?;
         let partners = Partners::by_vote(shape, template, &pose, &bent);
         let settled = settle(shape, &partners, &pose, bent, task)?;
-        let (at, trust) = closest_points(shape, &partners, &pose, &settled, Some((pinned, task)))?;
-        let (again, moved) = between_pairs(shape, template, pinned, &at, &trust, scale, &pose);
+        let landed = closest_points(shape, &partners, &pose, &settled, Some((pinned, task)))?;
+        let (again, moved) = between_pairs(shape, template, pinned, &landed, scale, &pose);
         if moved < STILL || round == MOST_ROUNDS {
-            return Ok((at, trust, again));
+            return Ok((landed, again));
         }
         (pose, round) = (again, round + 1);
     }
@@ -157,8 +181,7 @@ fn between_pairs(
     shape: &UnitSurface,
     template: &UnitSurface,
     pinned: &[Pinned],
-    at: &[Closest],
-    trust: &[f64],
+    Landed { at, trust, .. }: &Landed,
     scale: Option<f64>,
     pose: &Similarity,
 ) -> (Similarity, f64) {
@@ -174,15 +197,15 @@ fn between_pairs(
     (again, (squares / total).sqrt())
 }
 
-/// For each fitted vertex, the closest point of the aligned template and the confidence in it. If
-/// `unfolding` is set, folds are removed as far as possible.
+/// For each fitted vertex, the closest point of the aligned template. If `unfolding` is set, folds are removed as far as
+/// possible.
 fn closest_points(
     shape: &UnitSurface,
     partners: &Partners,
     pose: &Similarity,
     laid: &[DVec3],
     unfolding: Option<(&[Pinned], &Task)>,
-) -> Result<(Vec<Closest>, Vec<f64>), MatchError> {
+) -> Result<Landed, MatchError> {
     let template = partners.template;
     let (laid, looking) = in_template(shape, pose, laid);
     let nearest = |((p, normal), of): ((&DVec3, &DVec3), &u32)| {
@@ -198,13 +221,14 @@ fn closest_points(
         let fixed: Vec<u32> = pinned.iter().map(|l| l.shape).collect();
         unfold(shape, partners, &mut at, &fixed, task)?;
     }
-    let trust: Vec<f64> = at
+    let (trust, residual) = at
         .par_iter()
         .zip(laid.par_iter().zip(&looking))
         .map(|(at, (p, normal))| {
             let distance_squared = DVec3::from_array(at.point).distance_squared(*p);
-            confidence(template, &Closest { distance_squared, ..*at }, *normal, pose.scale)
+            let trust = confidence(template, &Closest { distance_squared, ..*at }, *normal, pose.scale);
+            (trust, distance_squared.sqrt() * pose.scale)
         })
-        .collect();
-    Ok((at, trust))
+        .unzip();
+    Ok(Landed { at, trust, residual })
 }

@@ -17,6 +17,12 @@ pub struct MatchReport {
     pub median_distance: f64,
     /// The distance that 5 % of the vertices exceed.
     pub p95_distance: f64,
+    /// Median distance that is left between the shape's vertices and their points on the aligned template, after the shape
+    /// was bent onto it ([`Method::Fit`](crate::Method::Fit)) or without bending ([`Method::Icp`](crate::Method::Icp)): how
+    /// close it came. `None` if the method looks for no closest points.
+    pub residual_median: Option<f64>,
+    /// The remaining distance that 5 % of the vertices exceed; `None` like `residual_median`.
+    pub residual_p95: Option<f64>,
     /// Share of the shape's area whose confidence is at least ½.
     pub coverage: f64,
     /// Number of triangles of the shape whose image on the template is turned over.
@@ -26,6 +32,8 @@ pub struct MatchReport {
     /// Median over the triangles of the largest singular value of their maps divided by the smallest: 1 for a similarity,
     /// larger the more they are stretched.
     pub stretch: f64,
+    /// Number of triangles of the shape for which that ratio is above 5.
+    pub strongly_stretched: usize,
     /// Area-weighted mean confidence.
     pub mean_confidence: f64,
     /// Whether a clearly different pose fits nearly as well.
@@ -42,6 +50,8 @@ pub struct MatchReport {
 const TIE: f64 = 0.1;
 /// Also a near tie: the runner-up fits this well. Which of two perfect fits is better is chance.
 const PERFECT: f64 = 0.003;
+/// σ_max/σ_min above which a triangle is strongly stretched.
+const STRONG: f64 = 5.0;
 
 impl MatchReport {
     /// The report on a correspondence that was made without a template mesh.
@@ -56,14 +66,16 @@ impl MatchReport {
                 right: found.vertices(),
             });
         }
-        Ok(Self::of(&UnitSurface::new(shape, Side::Shape)?, None, found, None))
+        Ok(Self::of(&UnitSurface::new(shape, Side::Shape)?, None, found, None, Vec::new()))
     }
 
+    /// `residual` is the distance that is left at each point of the surface, in shape diagonals; it may be empty.
     pub(crate) fn of(
         shape: &UnitSurface,
         template: Option<&UnitSurface>,
         found: &Correspondence,
         pose: Option<&Pose>,
+        residual: Vec<f64>,
     ) -> Self {
         let mut target = vec![DVec3::ZERO; shape.points.len()];
         let mut trust = vec![0.0; shape.points.len()];
@@ -73,9 +85,9 @@ impl MatchReport {
                 trust[*p as usize] = found.confidence[v];
             }
         }
-        let mut distance: Vec<f64> = target.iter().zip(&shape.points).map(|(t, p)| t.distance(*p)).collect();
-        distance.sort_by(f64::total_cmp);
-        let at = |share: f64| distance[((distance.len() - 1) as f64 * share).round() as usize];
+        let distance = target.iter().zip(&shape.points).map(|(t, p)| t.distance(*p)).collect();
+        let (median_distance, p95_distance) = median_and_p95(distance).unwrap_or_default();
+        let (residual_median, residual_p95) = median_and_p95(residual).unzip();
         let covered: f64 = shape.areas.iter().zip(&trust).filter(|(_, c)| **c >= 0.5).map(|(a, _)| a).sum();
         let mean_confidence = shape.areas.iter().zip(&trust).map(|(a, c)| a * c).sum::<f64>() / shape.area();
         let distortion = Distortion::of(shape, template, found, &target);
@@ -83,12 +95,15 @@ impl MatchReport {
             p.runner_up.is_some_and(|second| second <= PERFECT || second - p.misfit <= TIE * second)
         });
         let mut report = Self {
-            median_distance: at(0.5),
-            p95_distance: at(0.95),
+            median_distance,
+            p95_distance,
+            residual_median,
+            residual_p95,
             coverage: covered / shape.area(),
             flipped_triangles: distortion.flipped,
             triangles: shape.triangles.len(),
             stretch: distortion.stretch,
+            strongly_stretched: distortion.strongly_stretched,
             mean_confidence,
             near_tie,
             misfit: pose.map(|p| p.misfit),
@@ -120,9 +135,18 @@ impl MatchReport {
     }
 }
 
+/// The values that half and 5 % of all exceed; `None` if there are none.
+fn median_and_p95(mut values: Vec<f64>) -> Option<(f64, f64)> {
+    values.sort_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    let at = |share: f64| values[(last as f64 * share).round() as usize];
+    Some((at(0.5), at(0.95)))
+}
+
 struct Distortion {
     flipped: usize,
     stretch: f64,
+    strongly_stretched: usize,
 }
 
 impl Distortion {
@@ -158,7 +182,8 @@ impl Distortion {
             ratios.push(stretch([a, b, c], [x, y, z]));
         }
         ratios.sort_by(f64::total_cmp);
-        Self { flipped, stretch: ratios[ratios.len() / 2] }
+        let strongly_stretched = ratios.len() - ratios.partition_point(|ratio| *ratio <= STRONG);
+        Self { flipped, stretch: ratios[ratios.len() / 2], strongly_stretched }
     }
 }
 

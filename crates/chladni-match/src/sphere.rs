@@ -18,6 +18,11 @@ const STEPS: usize = 60;
 pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Vec<DVec3>, MatchError> {
     let laplacian = Laplacian::new(&closed.points, &closed.triangles);
     let mut x = closed.points.clone();
+    let volume: f64 = closed.triangles.iter().map(|t| orientation(t.map(|v| x[v as usize]))).sum();
+    if volume < 0.0 {
+        // Of an open surface whose inside was in doubt, its mirror image faces outward.
+        x.iter_mut().for_each(|p| *p = -*p);
+    }
     normalize_area(&mut x, &closed.triangles);
     let stage = task.stage("unfolding onto a sphere", STEPS as u64);
     let mut time_step = 0.01;
@@ -143,6 +148,27 @@ fn center(x: &mut [DVec3], closed: &Closed) {
             // Inversion about c, then back: conformal, sphere to sphere.
             let d = *p + c;
             *p = (d * (keep / d.length_squared()) + c).normalize_or(*p);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_mesh::samples;
+
+    use super::*;
+    use crate::surface::UnitSurface;
+
+    #[test]
+    fn a_surface_lands_facing_outward_whichever_way_it_faces() {
+        let mut mesh = samples::icosphere(3);
+        mesh.positions.iter_mut().for_each(|p| *p = [1.5 * p[0], p[1] + 0.2 * p[0] * p[0], p[2]]);
+        for _ in 0..2 {
+            let surface = UnitSurface::new(&mesh, Side::Shape).unwrap();
+            let closed = Closed::new(&surface, Side::Shape).unwrap();
+            let x = onto_sphere(&closed, Side::Shape, &Task::new()).unwrap();
+            assert!(folded(&x, &closed).is_empty());
+            mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::{
-    Closest, Rows, SurfacePoint, TriangleTree, boundary_vertices, components, places, vertex_neighbors,
-    vertex_normals,
+    Closest, Rows, SurfacePoint, TriangleTree, boundary_vertices, components, inward_triangles, places,
+    vertex_neighbors, vertex_normals,
 };
 use glam::DVec3;
 
@@ -23,6 +23,8 @@ pub(crate) struct UnitSurface {
     pub triangles: Vec<[u32; 3]>,
     /// For each of `triangles`, its index in the file.
     pub file_triangle: Vec<u32>,
+    /// For each of `triangles`, whether its last two corners have changed places since the file.
+    pub turned: Vec<bool>,
     /// For each of the n file vertices, its welded vertex; `None` if no triangle with area uses its position.
     pub point_of_vertex: Vec<Option<u32>>,
     /// Unit normals of `triangles`.
@@ -43,7 +45,18 @@ pub(crate) struct UnitSurface {
 }
 
 impl UnitSurface {
+    /// The surface with the winding of the file.
     pub fn new(mesh: &TriMesh, side: Side) -> Result<Self, MatchError> {
+        Self::wound(mesh, side, false)
+    }
+
+    /// The surface with triangles that face inward turned round: normals of two surfaces say something about each other
+    /// only if both face outward.
+    pub fn facing_outward(mesh: &TriMesh, side: Side) -> Result<Self, MatchError> {
+        Self::wound(mesh, side, true)
+    }
+
+    fn wound(mesh: &TriMesh, side: Side, outward: bool) -> Result<Self, MatchError> {
         check(mesh, side)?;
         let welded = weld(mesh);
         let (center, diagonal) = extent(mesh, &welded.kept).ok_or(MatchError::NoSurface(side))?;
@@ -70,6 +83,15 @@ impl UnitSurface {
         if triangles.is_empty() {
             return Err(MatchError::NoSurface(side));
         }
+        let turned = if outward {
+            inward_triangles(&arrays(&points), &triangles)
+        } else {
+            vec![false; triangles.len()]
+        };
+        for (t, _) in turned.iter().enumerate().filter(|(_, turned)| **turned) {
+            triangles[t].swap(1, 2);
+            triangle_normals[t] = -triangle_normals[t];
+        }
         Ok(Self {
             center,
             diagonal,
@@ -81,6 +103,7 @@ impl UnitSurface {
             points,
             triangles,
             file_triangle,
+            turned,
             point_of_vertex: welded.point_of_vertex,
             triangle_normals,
             triangle_areas,
@@ -125,7 +148,11 @@ impl UnitSurface {
 
     /// Converts a point of this surface to a point of the file's mesh.
     pub fn in_file(&self, at: &SurfacePoint) -> SurfacePoint {
-        SurfacePoint { triangle: self.file_triangle[at.triangle as usize], ..*at }
+        let mut weights = at.weights;
+        if self.turned[at.triangle as usize] {
+            weights.swap(1, 2);
+        }
+        SurfacePoint { triangle: self.file_triangle[at.triangle as usize], weights }
     }
 
     /// Whether a surface point lies on an open edge.
@@ -304,6 +331,20 @@ mod tests {
         for (v, point) in s.point_of_vertex.iter().enumerate() {
             assert_eq!(point.is_some(), in_operator[v].is_some());
         }
+    }
+
+    #[test]
+    fn a_point_of_a_turned_triangle_is_the_same_point_in_the_file() {
+        let mut m = chladni_mesh::samples::icosphere(2);
+        m.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        let query = DVec3::new(0.3, -0.5, 0.9);
+        let s = UnitSurface::facing_outward(&m, Side::Shape).unwrap();
+        assert!(s.turned.iter().all(|turned| *turned));
+        let at = s.closest(query, f64::INFINITY).unwrap();
+        assert!(s.smooth_normal(&at.on).dot(query) > 0.0);
+        let in_file = s.in_file(&at.on).position(&m.triangles, |v| m.positions[v as usize]).unwrap();
+        assert!(s.in_frame(in_file).distance(DVec3::from_array(at.point)) < 1e-12);
+        assert!(UnitSurface::new(&m, Side::Shape).unwrap().smooth_normal(&at.on).dot(query) < 0.0);
     }
 
     #[test]

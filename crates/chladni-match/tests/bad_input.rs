@@ -36,6 +36,11 @@ fn check_report(report: &MatchReport) {
     {
         assert!(x.is_finite(), "{report:?}");
     }
+    assert!(
+        [report.residual_median, report.residual_p95].iter().flatten().all(|x| x.is_finite()),
+        "{report:?}"
+    );
+    assert!(report.strongly_stretched <= report.triangles, "{report:?}");
 }
 
 /// Unconnected triangles of any size and place, some flat, some repeated.

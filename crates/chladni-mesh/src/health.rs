@@ -4,7 +4,8 @@ use serde::Serialize;
 
 use crate::surface::vec3::{cross, dot, length, sub};
 use crate::surface::{
-    HalfEdge, Pieces, Rows, corners, doubled_area_normal, places, sorted_half_edges, vertex_faces,
+    HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, places, sorted_half_edges,
+    vertex_faces,
 };
 use crate::{TriMesh, weld};
 
@@ -30,6 +31,9 @@ pub struct HealthReport {
     pub unreferenced_vertices: usize,
     /// Triangles on the same three vertices as an earlier one, in any order.
     pub duplicate_triangles: usize,
+    /// Triangles of the welded mesh that face inward, or against most of those around them, as
+    /// [`inward_triangles`] finds them: a match turns them round.
+    pub inward_triangles: usize,
     /// Least corner of the bounding box of all used vertices, in file units.
     pub bounds_min: [f64; 3],
     /// Greatest corner of the bounding box of all used vertices, in file units.
@@ -113,6 +117,10 @@ impl HealthReport {
             duplicate_vertices: duplicate_count(&mesh.positions),
             unreferenced_vertices: used.iter().filter(|used| !**used).count(),
             duplicate_triangles: duplicate_triangles(&mesh.triangles),
+            inward_triangles: inward_triangles(&welded.positions, &welded.triangles)
+                .into_iter()
+                .filter(|inward| *inward)
+                .count(),
             bounds_min: bounds[0],
             bounds_max: bounds[1],
             diagonal: length(sub(bounds[1], bounds[0])),

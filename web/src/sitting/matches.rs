@@ -5,7 +5,7 @@ use std::sync::Arc;
 use chladni_caricature::{
     Action, CaricatureError, Layer, LayerId, MatchRequest, Matched, Property, Template,
 };
-use chladni_match::{MatchSettings, Method, Scaling};
+use chladni_match::{MatchReport, MatchSettings, Method, Scaling};
 use chladni_mesh::Estimate;
 use chladni_mesh::samples::{SLIDERS, portrait_name, portrait_sliders};
 use chladni_program::work::{Aside, matched_with};
@@ -183,10 +183,8 @@ impl Sitting {
         matched.infill.as_ref().map(|(_, share)| *share)
     }
 
-    /// How good the match of a layer is: the share of the shape that is covered, and warnings.
-    pub(super) fn quality(&self, layer: &Layer) -> Option<(f64, Vec<String>)> {
-        let matched = self.stack.matched(&MatchRequest::of(layer)?)?;
-        let report = matched.report.as_ref()?;
-        Some((report.coverage, report.warnings.clone()))
+    /// How good the match of a layer is.
+    pub(super) fn quality(&self, layer: &Layer) -> Option<&MatchReport> {
+        self.stack.matched(&MatchRequest::of(layer)?)?.report.as_ref()
     }
 }

@@ -39,6 +39,11 @@ struct ShownLayer<'a> {
     folds: usize,
     /// The share of the shape that its match covers.
     coverage: Option<f64>,
+    /// The median distance to its template that its match leaves, a share of the shape's diagonal.
+    residual: Option<f64>,
+    /// Triangles that its match turns over, and those that it stretches strongly.
+    flipped: usize,
+    stretched: usize,
     warnings: Vec<String>,
     /// It is compared with a mesh, on which landmarks can be picked.
     has_mesh: bool,
@@ -168,8 +173,11 @@ impl Sitting {
             state,
             why,
             folds: evaluated.map_or(0, |evaluated| evaluated.folds(self.stack.surface())),
-            coverage: quality.as_ref().map(|(coverage, _)| *coverage),
-            warnings: quality.map(|(_, warnings)| warnings).unwrap_or_default(),
+            coverage: quality.map(|report| report.coverage),
+            residual: quality.and_then(|report| report.residual_median),
+            flipped: quality.map_or(0, |report| report.flipped_triangles),
+            stretched: quality.map_or(0, |report| report.strongly_stretched),
+            warnings: quality.map(|report| report.warnings.clone()).unwrap_or_default(),
             has_mesh: layer.template.is_mesh(),
             method: layer.matching.method,
             fits_size: layer.matching.scaling == Scaling::Free,

@@ -18,6 +18,7 @@ mod tree;
 pub mod vec3;
 mod walk;
 mod weld;
+mod winding;
 mod zero_lines;
 
 pub(crate) use adjacency::{HalfEdge, Pieces, sorted_half_edges, vertex_faces};
@@ -38,4 +39,5 @@ pub use subdivided::subdivided;
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub use walk::Ground;
 pub use weld::{Weld, places, weld};
+pub use winding::inward_triangles;
 pub use zero_lines::{EdgePoint, chained, zero_lines};

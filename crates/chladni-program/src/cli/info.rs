@@ -91,6 +91,10 @@ fn lines(report: &HealthReport) -> Vec<String> {
     ] {
         row(name, count.to_string());
     }
+    if report.inward_triangles > 0 {
+        let of = format!("{} of {}", report.inward_triangles, welded.triangles);
+        row("faces look inward", format!("{of}, or against their neighbors"));
+    }
     let [low, high] = [report.bounds_min, report.bounds_max];
     let length = |value| digits(value, report.diagonal);
     for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {

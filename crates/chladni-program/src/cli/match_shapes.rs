@@ -250,10 +250,14 @@ fn lines(report: &MatchReport, seconds: f64) -> Vec<String> {
     let mut row = |name: &str, value: String| lines.push(format!("{name:<22} {value}"));
     row("median distance", format!("{:.3} % of the diagonal", 100.0 * report.median_distance));
     row("p95 distance", format!("{:.3} % of the diagonal", 100.0 * report.p95_distance));
+    if let (Some(median), Some(p95)) = (report.residual_median, report.residual_p95) {
+        row("residual", format!("{:.3} % of the diagonal (p95 {:.3} %)", 100.0 * median, 100.0 * p95));
+    }
     row("coverage", format!("{:.1} % of the area", 100.0 * report.coverage));
     row("mean confidence", format!("{:.3}", report.mean_confidence));
     row("flipped triangles", format!("{} of {}", report.flipped_triangles, report.triangles));
     row("stretch (median)", format!("{:.3}", report.stretch));
+    row("strongly stretched", format!("{} of {}", report.strongly_stretched, report.triangles));
     if let Some(misfit) = report.misfit {
         let second = report.runner_up_misfit.map_or(String::new(), |m| format!(" (next pose {m:.3})"));
         row("misfit", format!("{misfit:.3}{second}"));

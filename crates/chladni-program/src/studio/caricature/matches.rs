@@ -172,6 +172,10 @@ fn quality(ui: &mut Ui, report: &chladni_match::MatchReport) {
             "Median distance after aligning, share of the diagonal",
             percent(report.median_distance),
         );
+        if let Some(residual) = report.residual_median {
+            let tip = "Median distance to the template that is left after fitting, share of the diagonal";
+            row("Remaining", tip, percent(residual));
+        }
         row("Covered", "Share of the surface that found a trustworthy partner", percent(report.coverage));
         row(
             "Confidence",
@@ -179,6 +183,8 @@ fn quality(ui: &mut Ui, report: &chladni_match::MatchReport) {
             percent(report.mean_confidence),
         );
         row("Turned over", "Triangles whose image is inside out", report.flipped_triangles.to_string());
+        let tip = "Triangles more than five times as long, for their width, as on the shape";
+        row("Stretched", tip, report.strongly_stretched.to_string());
     });
     for warning in &report.warnings {
         let text = icon::label(Icon::TriangleAlert, &theme::capitalized(warning));
