@@ -29,7 +29,7 @@ pub(crate) enum Triangulation {
 /// # Panics
 /// If a corner is a vertex that is not there.
 pub(crate) fn triangulation(positions: &[Vec3], corners: &[u32]) -> Triangulation {
-    if corners.len() <= 3 {
+    if corners.len() <= 3 || looks_one_way(positions, corners) {
         return Triangulation::Fan;
     }
     let Some(polygon) = Polygon::of(positions, corners) else { return Triangulation::Fan };
@@ -45,6 +45,17 @@ pub(crate) fn triangulation(positions: &[Vec3], corners: &[u32]) -> Triangulatio
     } else {
         Triangulation::FoldedFan
     }
+}
+
+/// Whether every triangle of the fan from the first corner looks along the sum of all, which holds for most polygons and is
+/// found quickly. Numbers are not scaled: `false` where they are too small says nothing.
+fn looks_one_way(positions: &[Vec3], corners: &[u32]) -> bool {
+    let at = |v: u32| positions[v as usize];
+    let first = at(corners[0]);
+    let sides =
+        || corners[1..].windows(2).map(|ends| cross(sub(at(ends[0]), first), sub(at(ends[1]), first)));
+    let normal = sides().fold([0.0; 3], add);
+    sides().all(|own| dot(own, normal) > 0.0)
 }
 
 struct Polygon<'a> {
@@ -107,7 +118,7 @@ fn turn(a: Point, b: Point, c: Point) -> f64 {
 fn ears(points: &[Point]) -> Vec<[u32; 3]> {
     let mut ring: Vec<u32> = (0..points.len() as u32).collect();
     let mut ears: Vec<bool> = (0..ring.len()).map(|i| is_ear(points, &ring, i)).collect();
-    let mut triangles = Vec::with_capacity(ring.len());
+    let mut triangles = Vec::with_capacity(ring.len() - 2);
     // The search goes on after the neighbor of the last ear: many ears of one neighbor would be thin.
     let mut from = 0;
     while ring.len() > 3 {
@@ -142,7 +153,8 @@ fn is_ear(points: &[Point], ring: &[u32], i: usize) -> bool {
     let is_left_at_a = turn(y, a, b) < 0.0 || turn(y, a, c) >= 0.0;
     let is_left_at_c = turn(b, c, d) < 0.0 || turn(c, d, a) >= 0.0;
     let is_inside = |p: Point| {
-        ![a, b, c].contains(&p) && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= -slack
+        // The line that would be cut along comes first: most corners lie beyond it.
+        turn(c, a, p) >= -slack && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && ![a, b, c].contains(&p)
     };
     turn(a, b, c) > slack
         && is_left_at_a
@@ -201,6 +213,12 @@ mod tests {
             let Triangulation::Corners(mut corners) = divided(face) else { panic!("{face:?}") };
             corners.sort_unstable();
             assert_eq!(corners, [[0, 1, 3], [1, 2, 3]]);
+        }
+        // So small that the squares of areas are 0, and as large as coordinates may be.
+        for scale in [1e-200, 1e74] {
+            let positions: Vec<Vec3> = flat(&ARROWHEAD).into_iter().map(|p| scaled(p, scale)).collect();
+            assert!(matches!(triangulation(&positions, &[1, 2, 3, 0]), Triangulation::Corners(_)));
+            assert_eq!(triangulation(&positions, &[2, 3, 0, 1]), Triangulation::Fan);
         }
     }
 
