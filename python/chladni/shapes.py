@@ -154,8 +154,8 @@ def symmetry(V, F=None, *, k=64, progress=None):
 
 
 def read_mesh(path):
-    """Vertices (n, 3) and triangles (m, 3) of a file: OBJ, PLY, STL, OFF, GLB, glTF, Medit (.mesh); polygons are cut into
-    fans. "sample:NAME" is a shape of our own: head, template, octopus, plate, disc, drum, bell, ring, jellyfish, human, cat,
+    """Vertices (n, 3) and triangles (m, 3) of a file: OBJ, PLY, STL, OFF, GLB, glTF, Medit (.mesh); polygons are divided
+    into triangles. "sample:NAME" is a shape of our own: head, template, octopus, plate, disc, drum, bell, ring, jellyfish, human, cat,
     or portrait, a head with sliders ("sample:portrait?jaw=0.5")."""
     try:
         return _chladni.read_mesh(path)

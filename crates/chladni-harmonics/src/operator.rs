@@ -103,8 +103,8 @@ pub fn mesh_laplacian(mesh: &TriMesh, mollify: f64) -> Result<(SymmetricSparse, 
 }
 
 /// Gives each vertex without area a 1 in S and a thousandth of the least area in M, as robust_laplacian does: the pencil
-/// can then be solved, and other vertices do not notice. Such a vertex has no triangle, or only collapsed ones and those of
-/// parts without area.
+/// can then be solved, and it makes no difference to other vertices. Such a vertex is in no triangle, or only in those of
+/// parts without area and those whose three corners lie in one place.
 fn fill_unused(stiffness: &mut SymmetricSparse, mass: &mut [f64]) {
     let least = mass.iter().copied().filter(|a| *a > 0.0).fold(f64::INFINITY, f64::min);
     for (v, own) in mass.iter_mut().enumerate().filter(|(_, own)| **own == 0.0) {

@@ -253,6 +253,12 @@ fn a_detached_part_without_area_is_left_out_with_a_warning() {
     let (of_ball, of_both) = (mesh_laplacian(&ball, 1e-5).unwrap().1, mesh_laplacian(&mesh, 1e-5).unwrap().1);
     let area = |mass: &[f64]| mass.iter().take(n as usize).sum::<f64>();
     assert!((area(&of_ball) / area(&of_both) - 1.0).abs() < 1e-12 && of_both[n as usize] > 0.0);
+    // A triangle whose corners are three vertices in one place, which this Laplacian does not weld.
+    let mut with_point = ball.clone();
+    with_point.positions.extend([[3.0; 3]; 3]);
+    with_point.triangles.push([n, n + 1, n + 2]);
+    let mass = mesh_laplacian(&with_point, 1e-5).unwrap().1;
+    assert!((area(&of_ball) / area(&mass) - 1.0).abs() < 1e-12 && mass[n as usize] > 0.0);
 }
 
 proptest! {

@@ -60,8 +60,8 @@ impl Correspondence {
 /// `scaling` says so.
 ///
 /// # Errors
-/// Different numbers of vertices; different triangles (the order of triangles and of their corners does not
-/// matter); a mesh without a surface; vertices that all lie on one line.
+/// Different numbers of vertices; different triangles, unless polygons are the same (the order of triangles and of
+/// their corners does not matter); a mesh without a surface; vertices that all lie on one line.
 pub fn same_connectivity(
     shape: &TriMesh,
     template: &TriMesh,
@@ -117,14 +117,17 @@ pub fn same_connectivity(
 }
 
 /// Whether the vertices of two meshes belong together one by one, as the method `same` takes them: as many
-/// vertices, and the same triangles in any order.
+/// vertices, and the same polygons in the same order or the same triangles in any order.
 pub fn has_same_vertices(shape: &TriMesh, template: &TriMesh) -> bool {
     shape.positions.len() == template.positions.len() && check_triangles(shape, template).is_ok()
 }
 
-/// Checks that both meshes have the same triangles: an equal number of vertices alone proves nothing.
+/// Checks that both meshes have the same polygons or triangles: an equal number of vertices alone proves nothing.
 fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError> {
-    if shape.triangles == template.triangles {
+    // Into which triangles a polygon is divided depends on its shape.
+    let polygons = &shape.appearance.polygons;
+    let has_same_polygons = polygons.is_some() && *polygons == template.appearance.polygons;
+    if shape.triangles == template.triangles || has_same_polygons {
         return Ok(());
     }
     // Each triangle is rotated to begin with its smallest corner, which keeps its orientation; then all are

@@ -20,8 +20,8 @@ pub struct Transfer {
 
 /// Transfers the difference between `neutral` and `expression` to `target`.
 ///
-/// If `neutral` and `expression` have the same triangles, in whatever order, the difference is that of their vertices as
-/// stored in the files; otherwise it is that of a match, without the differences of position, pose and
+/// If `neutral` and `expression` have the same polygons, or the same triangles in whatever order, the difference is that of
+/// their vertices as stored in the files; otherwise it is that of a match, without the differences of position, pose and
 /// size. `target` is matched with `neutral` as `settings` say. Each vertex of `target` takes the difference
 /// at its point of the neutral shape, rotated and scaled by the similarity that brings the neutral shape to
 /// the target. Where that match is not trusted, the difference is filled in from its surroundings

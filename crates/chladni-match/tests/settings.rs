@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use chladni_match::{
-    Correspondence, Landmark, MatchError, MatchSettings, Method, Scaling, infilled, match_shapes,
-    same_connectivity,
+    Correspondence, Landmark, MatchError, MatchSettings, Method, Scaling, has_same_vertices, infilled,
+    match_shapes, same_connectivity,
 };
-use chladni_mesh::{TriMesh, samples};
+use chladni_mesh::{Format, TriMesh, read_mesh, samples};
 use chladni_task::Task;
 
 fn moved(mesh: &TriMesh, map: impl Fn([f64; 3]) -> [f64; 3]) -> TriMesh {
@@ -48,6 +48,23 @@ fn the_same_vertices_are_told_by_their_triangles() {
     assert!(matches!(matched(&inside_out), Err(MatchError::TrianglesDiffer { .. })));
     let fewer = TriMesh { triangles: shape.triangles[1..].to_vec(), ..shape.clone() };
     assert!(matches!(matched(&fewer), Err(MatchError::TrianglesDiffer { missing: 1, .. })));
+}
+
+/// A quadrilateral may become an arrowhead, and has then to be divided along its other diagonal.
+#[test]
+fn polygons_that_are_divided_otherwise_are_the_same() {
+    let cube = |corner: &str, top: &str| {
+        let obj = format!(
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv {corner} 1\nv 1 1 1\nv 0 1 1\nf 1 4 3 2\n\
+             f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\nf {top}\n"
+        );
+        read_mesh(obj.as_bytes(), Format::Obj).unwrap().mesh
+    };
+    let (rest, pulled) = (cube("1 0", "5 6 7 8"), cube("0.4 0.6", "5 6 7 8"));
+    assert!(rest.triangles != pulled.triangles && has_same_vertices(&rest, &pulled));
+    let found = same_connectivity(&rest, &pulled, Scaling::Free).unwrap();
+    assert_eq!(found.confidence, [1.0; 8]);
+    assert!(!has_same_vertices(&rest, &cube("0.4 0.6", "8 7 6 5")));
 }
 
 /// Some exporters leave a copy of a vertex behind, which no triangle uses and which need not move along.

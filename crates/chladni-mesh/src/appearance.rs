@@ -1,5 +1,6 @@
 //! The look of a mesh, as its file describes it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::Rows;
@@ -12,6 +13,9 @@ pub struct Appearance {
     /// The faces as the file stores them: row f holds the corners of face f. `None` where all
     /// are triangles; then face f is triangle f.
     pub polygons: Option<Rows>,
+    /// How those polygons are divided that are not a fan of triangles from their first corner, by face: the corners of
+    /// each triangle, counted within the face from 0.
+    pub divided: BTreeMap<u32, Vec<[u32; 3]>>,
     /// One linear-light RGBA color per vertex, each channel in [0, 1].
     pub colors: Option<Vec<[f32; 4]>>,
     /// Texture coordinates per corner of a face.

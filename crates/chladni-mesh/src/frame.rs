@@ -24,7 +24,7 @@ impl Frame {
         Self::of_those(mesh, |t| !is_collapsed(&mesh.positions, t))
     }
 
-    /// [`of`](Self::of) a mesh whose [`weld`] has this `operator_vertex`.
+    /// As [`of`](Self::of), for a mesh that is welded already: `operator_vertex` is that of its [`weld`].
     ///
     /// # Panics
     /// If a triangle names a vertex that is not there.

@@ -16,14 +16,14 @@ use crate::{TriMesh, weld};
 pub struct HealthReport {
     /// Vertices in the file, used or not.
     pub vertices: usize,
-    /// Triangles, after polygons were cut into fans.
+    /// Triangles, after polygons were divided.
     pub triangles: usize,
     /// Faces in the file, whatever their number of corners.
     pub polygons: usize,
     /// How the faces are connected, as stored.
     #[serde(flatten)]
     pub topology: Topology,
-    /// Triangles (of the fans) of no area at all, repeated corners included.
+    /// Triangles (of divided polygons, too) of no area at all, repeated corners included.
     pub degenerate_triangles: usize,
     /// Vertices whose position an earlier vertex has too.
     pub duplicate_vertices: usize,
@@ -49,7 +49,7 @@ pub struct HealthReport {
     pub welded: Welded,
 }
 
-/// How faces are connected: polygons as stored, not their fans, whose diagonals may fall on other edges.
+/// How faces are connected: polygons as stored, not their triangles, whose diagonals may fall on other edges.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Topology {
     /// Pieces that share no vertex.

@@ -26,8 +26,8 @@
 //! Formats, what each of them keeps, and what a health report counts are written down in
 //! `docs/meshes.md`.
 //!
-//! Not guaranteed: polygons are cut into fans from their first corner, which folds over where a
-//! polygon is not convex. Only exactly equal positions weld. Files' normals, groups, skins,
+//! Not guaranteed: the triangles of a polygon that crosses itself, or is not convex and has more than 1024 corners, may
+//! overlap, which the reader reports. Only exactly equal positions weld. Files' normals, groups, skins,
 //! animations and morph targets are not kept in the mesh; [`add_morph_targets`] keeps them in the file. Functions that take bare positions and triangles
 //! panic where a triangle names a vertex that is not there; what the readers return never does.
 

@@ -7,7 +7,8 @@ use crate::{Appearance, Texture};
 pub struct TriMesh {
     /// n positions, in the order of the file; finite.
     pub positions: Vec<[f64; 3]>,
-    /// m triangles of vertex indices < n; polygons are triangulated as a fan from their first corner.
+    /// m triangles of vertex indices < n, those of a polygon one after the other. A polygon is divided into a fan from its
+    /// first corner unless [`Appearance::divided`] says otherwise.
     pub triangles: Vec<[u32; 3]>,
     /// Polygons, UVs, materials and colors: they affect only the look.
     pub appearance: Appearance,
@@ -30,9 +31,14 @@ impl TriMesh {
     }
 
     /// For each triangle its face and, of that face's corners, the three it uses.
-    fn triangle_corners(&self) -> impl Iterator<Item = (usize, [usize; 3])> {
-        (0..self.face_count())
-            .flat_map(|f| (2..self.face(f).len()).map(move |second| (f, [0, second - 1, second])))
+    pub(crate) fn triangle_corners(&self) -> impl Iterator<Item = (usize, [usize; 3])> {
+        (0..self.face_count()).flat_map(move |f| {
+            let divided = self.appearance.divided.get(&(f as u32));
+            (2..self.face(f).len()).map(move |second| {
+                let corners = divided.and_then(|triangles| triangles.get(second - 2));
+                (f, corners.map_or([0, second - 1, second], |corners| corners.map(|c| c as usize)))
+            })
+        })
     }
 
     /// Texture coordinates of each triangle's corners, v upward; `None` where the mesh has none.

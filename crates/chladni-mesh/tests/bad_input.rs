@@ -51,6 +51,10 @@ fn good_files() -> Vec<(Format, Vec<u8>)> {
     files.push((Format::Medit, TETRAHEDRON_MEDIT.into()));
     let obj = "mtllib a.mtl\nusemtl a b\nv 0 0 0 1 0 0\nv 1 0 0 .5 nan 1\nv 0 1 0 0 1 0\nvt 0 1\nvt 1 \\\n1\nf 1/1 2/2 -1/-1\n";
     files.push((Format::Obj, obj.into()));
+    files.push((
+        Format::Obj,
+        "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 2 3 4 5 6 1\nf 2 3 6 1\n".into(),
+    ));
     let ply = "ply\nformat ascii 1.0\ncomment TextureFile a.png\nelement vertex 4\nproperty float x\nproperty float y\n\
          property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement tristrips 1\n\
          property list int int vertex_indices\nend_header\n0 0 0 9 9 9\n1 0 0 9 9 9\n0 1 0 9 9 9\n1 1 0 9 9 9\n7 0 1 2 -1 1 2 3\n";
@@ -86,6 +90,15 @@ fn the_first_of_several_textures_of_a_ply_is_taken_and_said() {
     assert_eq!(texture.name, "a.png");
     let is_said = |mended: &chladni_mesh::Mended| matches!(mended, chladni_mesh::Mended::LeftOut(what) if what.contains("but the first"));
     assert!(loaded.mended.iter().any(is_said), "{:?}", loaded.mended);
+}
+
+#[test]
+fn a_face_that_crosses_itself_is_said() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2 4\nf 1 2 3 4\n";
+    let loaded = read_mesh(obj.as_bytes(), Format::Obj).unwrap();
+    assert_eq!(loaded.mended, [chladni_mesh::Mended::FoldedFans(1)]);
+    assert!(loaded.mended[0].to_string().starts_with("1 faces cross themselves"));
+    assert_eq!(loaded.mesh.triangles.len(), 4);
 }
 
 #[test]

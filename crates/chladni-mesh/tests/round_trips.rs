@@ -145,6 +145,41 @@ fn dressed() -> TriMesh {
     }
 }
 
+/// A sheet with a notch and an arrowhead, 7 in area, whose fans from the first corner fold over. Texture coordinates are at
+/// (x/16, (y + 1)/4).
+fn concave() -> TriMesh {
+    let places = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2], [10, 2], [8, -1], [10, 0], [12, -1]];
+    let mut obj = String::new();
+    for [x, y] in places.map(|place| place.map(f64::from)) {
+        obj.push_str(&format!("v {x} {y} 0\nvt {} {}\n", x / 16.0, (y + 1.0) / 4.0));
+    }
+    obj.push_str("f 2/2 3/3 4/4 5/5 6/6 1/1\nf 8/8 9/9 10/10 7/7\n");
+    let loaded = read_mesh(obj.as_bytes(), Format::Obj).unwrap();
+    assert_eq!(loaded.mended, []);
+    loaded.mesh
+}
+
+#[test]
+fn concave_faces_have_their_area_and_texture_coordinates_in_every_format() {
+    let mesh = concave();
+    assert_eq!(round_trip(&mesh, Format::Obj), mesh);
+    let from_ply = round_trip(&mesh, Format::Ply);
+    assert_eq!(from_ply.triangles, mesh.triangles);
+    assert_eq!(from_ply.appearance.polygons, mesh.appearance.polygons);
+    assert_eq!(from_ply.appearance.divided, mesh.appearance.divided);
+    for back in [&mesh, &from_ply, &round_trip(&mesh, Format::Stl), &round_trip(&mesh, Format::Glb)] {
+        assert!((chladni_mesh::surface::total_area(&back.positions, &back.triangles) - 7.0).abs() < 1e-12);
+        let Some(uvs) = back.triangle_uvs() else { continue };
+        for (triangle, uvs) in back.triangles.iter().zip(uvs) {
+            let here = |v: u32| {
+                let [x, y, _] = back.positions[v as usize];
+                [x / 16.0, (y + 1.0) / 4.0].map(|c| c as f32)
+            };
+            assert_eq!(uvs, triangle.map(here));
+        }
+    }
+}
+
 #[test]
 fn an_obj_brings_its_library_and_pictures_along() {
     let folder = tempfile::tempdir().unwrap();
@@ -255,6 +290,11 @@ fn what_does_not_belong_together_is_not_written() {
     let mut mesh = dressed();
     mesh.triangles.pop();
     assert!(write_mesh(&mesh, Format::Obj).is_err());
+    for corners in [vec![[0, 1, 2]; 3], vec![[0, 1, 6]; 4]] {
+        let mut mesh = concave();
+        mesh.appearance.divided.insert(0, corners);
+        assert!(write_mesh(&mesh, Format::Glb).is_err());
+    }
     let mut mesh = dressed();
     mesh.triangles[0][0] = 4;
     assert!(write_mesh(&mesh, Format::Ply).is_err());

@@ -1,10 +1,11 @@
 //! The mesh that a reader builds, and the checks that all formats share.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::appearance::linear_from_srgb;
 use crate::error::Fault;
 use crate::read::{Loaded, Mended};
+use crate::surface::{Triangulation, triangulation};
 use crate::{Appearance, Attribute, CornerUvs, Format, Material, MeshError, Rows, TriMesh};
 
 /// Coordinates beyond this have areas whose squares overflow.
@@ -172,11 +173,22 @@ impl Draft {
         }
         self.countable().map_err(|Fault { at, reason }| MeshError::Malformed { format, at, reason })?;
         let mut triangles = Vec::with_capacity(self.corners.len().saturating_sub(2 * self.ends.len()));
+        let (mut divided, mut folded) = (BTreeMap::new(), 0);
         let mut start = 0;
-        for &end in &self.ends {
+        for (&end, f) in self.ends.iter().zip(0_u32..) {
             let face = &self.corners[start as usize..end as usize];
-            triangles.extend((2..face.len()).map(|i| [face[0], face[i - 1], face[i]]));
+            let found = triangulation(&self.positions, face);
+            folded += usize::from(found == Triangulation::FoldedFan);
+            if let Triangulation::Corners(corners) = found {
+                triangles.extend(corners.iter().map(|triangle| triangle.map(|c| face[c as usize])));
+                divided.insert(f, corners);
+            } else {
+                triangles.extend((2..face.len()).map(|i| [face[0], face[i - 1], face[i]]));
+            }
             start = end;
+        }
+        if folded > 0 {
+            self.mended.push(Mended::FoldedFans(folded));
         }
         let polygons = self.has_polygons.then(|| {
             let starts = std::iter::once(0).chain(self.ends.iter().copied()).collect();
@@ -186,6 +198,7 @@ impl Draft {
         let uvs = has_uvs.then_some(CornerUvs { points: self.uvs, corners: self.corner_uvs });
         let appearance = Appearance {
             polygons,
+            divided,
             colors: (!self.colors.is_empty()).then_some(self.colors),
             uvs,
             materials: self.materials,

@@ -22,8 +22,7 @@ use place::Place;
 use uv_transform::Affine;
 
 /// Instances of a mesh, and primitives that share an accessor, cost nothing in the file; this limits the vertices and the
-/// texture coordinates that all of them may add up to. `_VERTEX` stores
-/// the numbers of vertices as `f32`, which is exact up to here.
+/// texture coordinates that all of them may add up to. `_VERTEX` stores vertex indices as `f32`, which is exact up to here.
 pub(crate) const MOST_VERTICES: usize = 1 << 24;
 
 /// Reads triangles, strips and fans, with or without indices, of all meshes that the scene's

@@ -24,6 +24,7 @@ use chladni_task::read_file;
 use beside::{Beside, read_within};
 
 use crate::error::Fault;
+use crate::surface::MOST_CORNERS;
 use crate::{Format, HealthReport, MeshError, TriMesh};
 
 /// A mesh, and the repairs that its file needed.
@@ -58,6 +59,8 @@ pub enum Mended {
     Colors(usize),
     /// This many faces have fewer than three corners and were left out.
     ShortFaces(usize),
+    /// This many faces cross themselves, or are not convex and have very many corners: their triangles overlap.
+    FoldedFans(usize),
     /// This many texture coordinates were not numbers, or out of range, and were left out.
     Uvs(usize),
     /// Bytes after the end that the header promises were ignored.
@@ -78,6 +81,11 @@ impl fmt::Display for Mended {
                 write!(f, "{count} vertex colors were missing or not numbers: set to white")
             }
             Self::ShortFaces(count) => write!(f, "{count} faces have fewer than three corners: left out"),
+            Self::FoldedFans(count) => write!(
+                f,
+                "{count} faces cross themselves, or are not convex and have more than {MOST_CORNERS} corners: their \
+                 triangles overlap"
+            ),
             Self::Uvs(count) => write!(f, "{count} texture coordinates were unusable: left out"),
             Self::TrailingBytes(count) => write!(f, "{count} bytes after the end of the data: ignored"),
             Self::LeftOut(what) => write!(f, "left out: {what}"),

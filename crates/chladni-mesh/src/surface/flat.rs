@@ -64,7 +64,7 @@ pub fn flat_components(positions: &[Vec3], triangles: &[[u32; 3]], component: &[
 /// If a triangle names a vertex that is not there.
 pub fn leave_out_flat(positions: &[Vec3], triangles: &mut Vec<[u32; 3]>) -> usize {
     // The triangle with the longest edge of such a component has no area, either.
-    if !has_flat_triangle(positions, triangles) {
+    if !triangles.iter().any(|triangle| Extent::of(positions, triangle).is_flat()) {
         return 0;
     }
     let component = components(positions.len(), triangles);
@@ -96,5 +96,9 @@ mod tests {
         // A flat triangle of a part with an area belongs to it.
         let mut joined = vec![[0, 1, 2], [2, 1, 0], [0, 0, 1]];
         assert_eq!((leave_out_flat(&positions, &mut joined), joined.len()), (0, 3));
+        // Three vertices in one place.
+        positions.extend([[7.0; 3]; 3]);
+        let mut collapsed = vec![[0, 1, 2], [9, 10, 11]];
+        assert_eq!((leave_out_flat(&positions, &mut collapsed), collapsed.len()), (1, 1));
     }
 }

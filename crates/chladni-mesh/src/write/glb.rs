@@ -166,11 +166,9 @@ impl Entries {
             })
         };
         let mut triangles = Vec::with_capacity(mesh.triangles.len());
-        for f in 0..mesh.face_count() {
-            let (face, corner) = (mesh.face(f), mesh.first_corner(f));
-            for i in 2..face.len() {
-                triangles.push([0, i - 1, i].map(|i| entry(face[i], uvs.corners[corner + i])));
-            }
+        for (f, corners) in mesh.triangle_corners() {
+            let (face, start) = (mesh.face(f), mesh.first_corner(f));
+            triangles.push(corners.map(|i| entry(face[i], uvs.corners[start + i])));
         }
         // glTF's v runs downward.
         let point =

@@ -90,6 +90,14 @@ fn check(mesh: &TriMesh, format: Format) -> Result<(), MeshError> {
         }
         corners = polygons.items.len();
     }
+    let is_of_its_face = |(f, triangles): (&u32, &Vec<[u32; 3]>)| {
+        let f = *f as usize;
+        let count = if f < mesh.face_count() { mesh.face(f).len() } else { 0 };
+        triangles.len() + 2 == count && triangles.as_flattened().iter().all(|&c| (c as usize) < count)
+    };
+    if !look.divided.iter().all(is_of_its_face) {
+        return refused("its polygons are not divided into triangles of their corners");
+    }
     if look.colors.as_ref().is_some_and(|colors| colors.len() != n) {
         return refused("it has not one color per vertex");
     }
