@@ -1,5 +1,7 @@
 //! A correspondence: for each vertex of the shape, a point of the template.
 
+use std::collections::HashSet;
+
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::{SurfacePoint, corners, mixed};
 
@@ -60,8 +62,8 @@ impl Correspondence {
 /// `scaling` says so.
 ///
 /// # Errors
-/// Different numbers of vertices; different triangles, unless polygons are the same (the order of triangles and of
-/// their corners does not matter); a mesh without a surface; vertices that all lie on one line.
+/// Different numbers of vertices; different triangles, unless polygons are the same or only quads are divided along other
+/// diagonals (the order of triangles and of their corners does not matter); a mesh without a surface; vertices that all lie on one line.
 pub fn same_connectivity(
     shape: &TriMesh,
     template: &TriMesh,
@@ -117,7 +119,7 @@ pub fn same_connectivity(
 }
 
 /// Whether the vertices of two meshes belong together one by one, as the method `same` takes them: as many
-/// vertices, and the same polygons in the same order or the same triangles in any order.
+/// vertices, and the same polygons in the same order or the same triangles in any order, but for diagonals of quads.
 pub fn has_same_vertices(shape: &TriMesh, template: &TriMesh) -> bool {
     shape.positions.len() == template.positions.len() && check_triangles(shape, template).is_ok()
 }
@@ -145,6 +147,25 @@ fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError
     if ours == theirs {
         return Ok(());
     }
-    let missing = ours.iter().filter(|t| theirs.binary_search(t).is_err()).count();
+    let absent_in = |others: &[[u32; 3]], own: &[[u32; 3]]| -> Vec<[u32; 3]> {
+        own.iter().filter(|t| others.binary_search(t).is_err()).copied().collect()
+    };
+    let missing = absent_in(&theirs, &ours);
+    if ours.len() == theirs.len() && are_halves_of_same_quads(&missing, &absent_in(&ours, &theirs)) {
+        return Ok(());
+    }
+    let missing = missing.len();
     Err(MatchError::TrianglesDiffer { missing, triangles: ours.len(), template_triangles: theirs.len() })
+}
+
+/// Whether two sets of triangles divide the same quads along other diagonals: two sides of each triangle are then also
+/// sides in the other set, and the third is the diagonal. Meshes without polygons, such as arrays, may come from files
+/// with them.
+fn are_halves_of_same_quads(ours: &[[u32; 3]], theirs: &[[u32; 3]]) -> bool {
+    let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let halve = |own: &[[u32; 3]], others: &[[u32; 3]]| {
+        let others: HashSet<[u32; 2]> = others.iter().flat_map(sides).collect();
+        own.iter().all(|t| sides(t).iter().filter(|side| others.contains(*side)).count() == 2)
+    };
+    halve(ours, theirs) && halve(theirs, ours)
 }

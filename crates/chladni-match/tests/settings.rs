@@ -65,6 +65,17 @@ fn polygons_that_are_divided_otherwise_are_the_same() {
     let found = same_connectivity(&rest, &pulled, Scaling::Free).unwrap();
     assert_eq!(found.confidence, [1.0; 8]);
     assert!(!has_same_vertices(&rest, &cube("0.4 0.6", "8 7 6 5")));
+    // So they are without their polygons, as arrays, in whatever order.
+    let bare = |mesh: &TriMesh| TriMesh {
+        positions: mesh.positions.clone(),
+        triangles: mesh.triangles.clone(),
+        ..TriMesh::default()
+    };
+    let (bare, mut other) = (bare(&rest), bare(&pulled));
+    other.triangles.reverse();
+    assert!(bare.triangles != other.triangles && has_same_vertices(&bare, &other));
+    other.triangles[0] = [0, 6, 2];
+    assert!(!has_same_vertices(&bare, &other));
 }
 
 /// Some exporters leave a copy of a vertex behind, which no triangle uses and which need not move along.
