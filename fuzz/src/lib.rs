@@ -18,7 +18,7 @@ use peak_alloc::PeakAlloc;
 pub use dance::{Dance, dance};
 pub use documents::{bindings, landmarks, messages, preset, project, show};
 pub use pipeline::{Pair, Shape, pair, pipeline};
-pub use program::{arguments, cache, mask_mesh, panorama, picture, settings};
+pub use program::{STORED, arguments, cache, mask_mesh, panorama, picture, settings, stored};
 pub use random::Random;
 
 #[global_allocator]
@@ -50,12 +50,17 @@ pub fn mesh(bytes: &[u8], format: Format) {
 /// Reads an OBJ or glTF file, and the file that it names, from one input: what follows the first line of `----` is the
 /// content of every file that is named.
 pub fn mesh_beside(bytes: &[u8], format: Format) {
-    let cut = bytes.windows(6).position(|window| window == b"\n----\n");
-    let (own, beside) = cut.map_or((bytes, &[][..]), |at| (&bytes[..at], &bytes[at + 6..]));
+    let (own, beside) = divided(bytes);
     let beside = |_: &str| Ok(beside.to_vec());
     if let Ok(loaded) = read_mesh_beside(own, format, &beside) {
         promised(&loaded);
     }
+}
+
+/// What comes before the first line of `----`, and what follows it; all and nothing where there is none.
+fn divided(bytes: &[u8]) -> (&[u8], &[u8]) {
+    let cut = bytes.windows(6).position(|window| window == b"\n----\n");
+    cut.map_or((bytes, &[][..]), |at| (&bytes[..at], &bytes[at + 6..]))
 }
 
 fn promised(loaded: &Loaded) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
+use chladni_harmonics::npz::StoredBasis;
 use chladni_harmonics::{BasisCache, BasisSettings, Body, BuildReport};
 use chladni_mesh::{TriMesh, samples};
 use chladni_program::cli;
@@ -12,7 +13,7 @@ use chladni_task::Task;
 use chladni_view::{Panorama, Picture};
 use tempfile::TempDir;
 
-use crate::{MIB, within};
+use crate::{MIB, divided, within};
 
 /// The most memory that each byte of a picture or mask takes.
 const EACH: usize = 64;
@@ -104,5 +105,32 @@ pub fn cache(bytes: &[u8]) {
                 assert!(report.cache_warning.is_some() && body.basis == solved.basis);
             }
         }
+    });
+}
+
+/// The arrays of a basis in a folder, in the order in which they lie in one input, with lines of `----` between them.
+pub const STORED: [&str; 4] = ["eigenvectors", "eigenvalues", "mass", "operator_vertex"];
+
+/// A basis in a folder; what can be opened can be used.
+pub fn stored(bytes: &[u8]) {
+    thread_local! {
+        static FOLDER: TempDir = tempfile::tempdir().expect("a folder");
+    }
+    FOLDER.with(|folder| {
+        let mut rest = bytes;
+        for name in STORED {
+            let (own, others) = divided(rest);
+            std::fs::write(folder.path().join(format!("{name}.npy")), own).expect("room for an array");
+            rest = others;
+        }
+        let read = within(bytes.len(), EACH, MIB, || StoredBasis::open(folder.path()));
+        let Ok(basis) = read else { return };
+        assert!(basis.mass().iter().all(|area| area.is_finite() && *area > 0.0));
+        assert!(basis.operator_vertex().iter().flatten().all(|row| (*row as usize) < basis.mass().len()));
+        let signal = vec![1.0; basis.operator_vertex().len()];
+        let coefficients = basis.analyze(&[&signal], &Task::new()).expect("what was opened can be read");
+        assert_eq!(coefficients[0].len(), basis.eigenvalues().len());
+        let back = basis.synthesize(&[&coefficients[0]], &Task::new()).expect("what was opened can be read");
+        assert_eq!(back[0].len(), signal.len());
     });
 }

@@ -7,7 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use chladni_caricature::{Layer, Painted, Project, ShapeSource, Template};
-use chladni_harmonics::npz::{npy_of, write_npz};
+use chladni_fuzz::STORED;
+use chladni_harmonics::npz::{npy_of, write_basis_folder, write_npz};
 use chladni_harmonics::{BasisCache, BasisSettings, Body};
 use chladni_mesh::{Format, samples, write_mesh};
 use chladni_music::{Action, GalleryShape, Instrument, Moment, Parameter, Show, repertoire};
@@ -65,7 +66,7 @@ fn painted(width: u32, height: u32, color: impl Fn(u32) -> [u8; 4]) -> Picture {
     Picture { width, height, rgba: (0..width * height).flat_map(color).collect() }
 }
 
-/// Pictures, a mask, preferences, command lines and an entry of the cache: each with its target and name.
+/// Pictures, a mask, preferences, command lines, an entry of the cache and a basis in a folder: each with its target and name.
 fn of_the_program() -> Result<Vec<NamedSeed>, Box<dyn Error>> {
     let colors =
         painted(4, 2, |i| [(60 * i) as u8, 200, (255 - 30 * i) as u8, if i % 3 == 0 { 90 } else { 255 }]);
@@ -75,8 +76,13 @@ fn of_the_program() -> Result<Vec<NamedSeed>, Box<dyn Error>> {
     let painted_half = Painted::Vertices((0..12).map(|i| i as f32 / 11.0).collect());
     let folder = tempfile::tempdir()?;
     let basis = BasisSettings { threads: Some(1), ..BasisSettings::new(3) };
-    Body::load_or_build(&samples::icosphere(0), &basis, Some(&BasisCache::new(folder.path())), &Task::new())?;
+    let cache = BasisCache::new(folder.path());
+    let (body, _) = Body::load_or_build(&samples::icosphere(0), &basis, Some(&cache), &Task::new())?;
     let entry = fs::read_dir(folder.path())?.next().ok_or("an entry was made")??.path();
+    let parts = tempfile::tempdir()?;
+    write_basis_folder(parts.path(), &body, &Task::new())?;
+    let arrays = STORED.map(|name| fs::read(parts.path().join(format!("{name}.npy"))));
+    let arrays = arrays.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut settings = Settings { zoom: 1.25, ..Settings::default() };
     settings.remember(Path::new("/somewhere/head.chladni"));
     let film = "dance\nsample:octopus\nsong.flac\n-o\nout.mp4\n--size\n640x360\n--set\ngain=0.5\n";
@@ -90,6 +96,7 @@ fn of_the_program() -> Result<Vec<NamedSeed>, Box<dyn Error>> {
         ("arguments", "film", film.into()),
         ("arguments", "layers", layers.into()),
         ("cache", "good", fs::read(entry)?),
+        ("stored", "good", arrays.join(&b"\n----\n"[..])),
     ])
 }
 

@@ -1,7 +1,7 @@
 """The natural vibrations of triangle meshes: certified eigenpairs, signatures, functional maps, geodesics, caricatures.
 
 Rows of every array are the vertices that were given, in their order; units are theirs. Long work gives up the
-interpreter's lock, stops at Ctrl-C, and calls ``progress(stage, done, total)`` where there is such an argument.
+interpreter's lock; what takes ``progress`` stops at Ctrl-C and calls ``progress(stage, done, total)``.
 """
 
 from importlib.metadata import version as _version

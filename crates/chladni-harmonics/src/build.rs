@@ -177,7 +177,8 @@ fn built(
     let domain = operator.map_or_else(|| Domain::of(mesh), |operator| Ok(operator.domain()))?;
     let vertices = domain.positions.len();
     let (asked, without_area) = (settings.harmonics, domain.without_area);
-    let mut report = BuildReport { asked, vertices, without_area, ..BuildReport::default() };
+    let cover = operator.and_then(|operator| operator.cover);
+    let mut report = BuildReport { asked, vertices, without_area, cover, ..BuildReport::default() };
     let settings = &BasisSettings { harmonics: settings.clamped(vertices)?, ..settings.clone() };
     let entry = cache.map(|c| c.entry(&domain, settings));
     let found =
@@ -217,6 +218,7 @@ fn solved(
             None => Cow::Owned(Operator::on(domain, settings.laplacian)?),
         };
         stage.advance(1);
+        report.cover = operator.cover;
         report.seconds.operator = start.elapsed().as_secs_f64();
         let solving = Instant::now();
         let Solved { basis, cuts_cluster, fell_back_to_dense, short_of_memory, profile } =
@@ -249,6 +251,28 @@ mod tests {
     use chladni_mesh::samples::icosphere;
 
     use super::*;
+    use crate::CoverReport;
+
+    #[test]
+    fn a_build_reports_what_was_done_to_the_surface() {
+        let open = {
+            let mut ball = icosphere(1);
+            ball.triangles.pop();
+            ball
+        };
+        let report = |mesh: &TriMesh, laplacian| {
+            let settings = BasisSettings { laplacian, ..BasisSettings::new(9) };
+            Body::load_or_build(mesh, &settings, None, &Task::new()).unwrap().1.cover
+        };
+        for (mesh, sheets) in [(&icosphere(1), 1), (&open, 2)] {
+            let cover = CoverReport::of(mesh).unwrap();
+            assert_eq!((cover.sheets, cover.mollified_by), (sheets, 0.0));
+            assert_eq!(report(mesh, Laplacian::Delaunay), Some(cover));
+            assert_eq!(report(mesh, Laplacian::Cotangent), None);
+        }
+        let (_, held) = Body::with_held_border(&open, &BasisSettings::new(9), &Task::new()).unwrap();
+        assert_eq!(held.cover, Some(CoverReport::of(&open).unwrap()));
+    }
 
     #[test]
     fn harmonics_solved_elsewhere_make_the_same_body_and_those_of_another_shape_none() {

@@ -73,7 +73,7 @@ pub use operator::{Operator, mesh_laplacian, point_cloud_laplacian};
 pub use pencil::{ConsistentPencil, Eigenpairs, Pencil};
 #[cfg(not(target_family = "wasm"))]
 pub use ranks::{InnerSolver, Ranks, RanksReport, RanksSeconds};
-pub use report::{BasisWarning, BuildReport, BuildSeconds, ShortOfMemory, SolveProfile};
+pub use report::{BasisWarning, BuildReport, BuildSeconds, CoverReport, ShortOfMemory, SolveProfile};
 pub use settings::{BasisSettings, Laplacian};
 pub use sparse::SymmetricSparse;
 pub use values::Values;

@@ -3,9 +3,9 @@
 mod stored;
 
 use std::io::{BufWriter, Cursor, Error, ErrorKind, Read, Result, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use chladni_task::Draft;
+use chladni_task::{Draft, Stage, Task};
 use npyz::{AutoSerialize, DType, Deserialize, NpyFile, Order, TypeChar, WriteOptions, WriterBuilder};
 use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
@@ -138,8 +138,11 @@ impl<W: Write + Seek> Arrays for Npz<W> {
     }
 }
 
-/// A folder with one `.npy` file for each array.
-struct Folder<'a>(&'a Path);
+/// A folder with one `.npy` file for each array, and the files that were written.
+struct Folder<'a> {
+    path: &'a Path,
+    written: Vec<PathBuf>,
+}
 
 impl Arrays for Folder<'_> {
     fn add<T: AutoSerialize>(
@@ -149,25 +152,45 @@ impl Arrays for Folder<'_> {
         order: Order,
         values: impl Iterator<Item = T>,
     ) -> Result<()> {
-        chladni_task::write_atomic_with(&self.0.join(format!("{name}.npy")), |file| {
+        let path = self.path.join(format!("{name}.npy"));
+        chladni_task::write_atomic_with(&path, |file| {
             let array = WriteOptions::new().default_dtype().shape(shape).order(order);
             let mut array = array.writer(file).begin_nd()?;
             array.extend(values)?;
             array.finish()
-        })
+        })?;
+        self.written.push(path);
+        Ok(())
     }
 }
 
+/// The values of `pieces`, each of which is a step of `stage`, until `task` is cancelled: an array that lacks values is
+/// refused when it is finished.
+fn until_cancelled<'a, T: 'a>(
+    pieces: impl Iterator<Item = &'a [T]>,
+    task: &Task,
+    stage: &Stage<'_>,
+) -> impl Iterator<Item = &'a T> {
+    pieces.take_while(move |_| !task.is_cancelled()).inspect(move |_| stage.advance(1)).flatten()
+}
+
+/// `written`, or [`Cancelled`](chladni_task::Cancelled) as its error where `task` was cancelled.
+fn unless_cancelled(written: Result<()>, task: &Task) -> Result<()> {
+    written.map_err(|error| task.check().map_or_else(Error::other, |()| error))
+}
+
 /// Adds `eigenvalues`, `mass`, `operator_vertex` and `eigenvectors` in the units of the file.
-fn add_basis(arrays: &mut impl Arrays, body: &Body) -> Result<()> {
+fn add_basis(arrays: &mut impl Arrays, body: &Body, task: &Task) -> Result<()> {
     let basis = &body.basis;
+    let stage = task.stage("writing the harmonics", basis.harmonics() as u64);
     let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
     let eigenvalues = basis.eigenvalues.iter().map(|l| body.eigenvalue_in_file(*l));
     arrays.add("eigenvalues", &[k], Order::C, eigenvalues)?;
     arrays.add("mass", &[n], Order::C, basis.mass.iter().map(|a| body.area_in_file(*a)))?;
     let rows = body.operator_vertex.iter().map(|v| v.map_or(-1, i64::from));
     arrays.add("operator_vertex", &[body.operator_vertex.len() as u64], Order::C, rows)?;
-    let harmonics = basis.vectors.iter().map(|h| body.harmonic_in_file(*h));
+    let columns = basis.vectors.chunks_exact(basis.vertices().max(1));
+    let harmonics = until_cancelled(columns, task, &stage).map(|h| body.harmonic_in_file(*h));
     arrays.add("eigenvectors", &[n, k], Order::Fortran, harmonics)
 }
 
@@ -175,9 +198,9 @@ fn add_basis(arrays: &mut impl Arrays, body: &Body) -> Result<()> {
 /// the vertex) and `eigenvectors` (N×K), in the units of the file from which `body` was made.
 ///
 /// # Errors
-/// An error of the system; then no file is left behind.
-pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
-    write_npz(path, |npz| add_basis(npz, body))
+/// An error of the system, or one that holds [`Cancelled`](chladni_task::Cancelled); then no file is left behind.
+pub fn write_basis(path: &Path, body: &Body, task: &Task) -> Result<()> {
+    unless_cancelled(write_npz(path, |npz| add_basis(npz, body, task)), task)
 }
 
 /// Writes the arrays of [`write_basis`] as `.npy` files of their own into `folder`, which is created if it
@@ -186,30 +209,49 @@ pub fn write_basis(path: &Path, body: &Body) -> Result<()> {
 /// written last: whatever interrupts, the folder never holds those of another shape.
 ///
 /// # Errors
-/// An error of the system. Each file is written whole or not at all.
-pub fn write_basis_folder(folder: &Path, body: &Body) -> Result<()> {
+/// An error of the system, or one that holds [`Cancelled`](chladni_task::Cancelled); then none of the arrays written here is
+/// left behind. Before anything is written, a cancelled task leaves an earlier basis as it is.
+pub fn write_basis_folder(folder: &Path, body: &Body, task: &Task) -> Result<()> {
+    task.check().map_err(Error::other)?;
+    let was_there = folder.is_dir();
     chladni_task::create_folder(folder)?;
     match std::fs::remove_file(folder.join("eigenvectors.npy")) {
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
         _ => {}
     }
-    add_basis(&mut Folder(folder), body)
+    let mut arrays = Folder { path: folder, written: Vec::new() };
+    let written = add_basis(&mut arrays, body, task);
+    if written.is_err() {
+        // What cannot be removed is whole, and no basis without the eigenvectors.
+        arrays.written.iter().for_each(|path| drop(std::fs::remove_file(path)));
+        if !was_there {
+            let _ = std::fs::remove_dir(folder);
+        }
+    }
+    unless_cancelled(written, task)
 }
+
+/// The entries of a matrix that are written between two looks at the task.
+const PIECE: usize = 1 << 16;
 
 /// Writes the stiffness matrix S (N×N), which has no unit, for `scipy.sparse.load_npz`.
 ///
 /// # Errors
-/// An error of the system; then no file is left behind.
-pub fn write_operator(path: &Path, operator: &Operator) -> Result<()> {
+/// An error of the system, or one that holds [`Cancelled`](chladni_task::Cancelled); then no file is left behind.
+pub fn write_operator(path: &Path, operator: &Operator, task: &Task) -> Result<()> {
     let stiffness = &operator.stiffness;
     let (n, entries) = (stiffness.size() as u64, stiffness.values.len() as u64);
-    write_npz(path, |npz| {
-        npz.array("indices", &[entries], stiffness.rows.iter().map(|&r| i64::from(r)))?;
+    let stage = task.stage("writing the operator", 2 * entries.div_ceil(PIECE as u64));
+    let written = write_npz(path, |npz| {
+        let rows = until_cancelled(stiffness.rows.chunks(PIECE), task, &stage);
+        npz.array("indices", &[entries], rows.map(|&r| i64::from(r)))?;
         npz.array("indptr", &[n + 1], stiffness.column_starts.iter().map(|&c| c as i64))?;
         npz.word("format", "csc")?;
         npz.array("shape", &[2], [n as i64, n as i64])?;
-        npz.array("data", &[entries], stiffness.values.iter().copied())
-    })
+        let values = until_cancelled(stiffness.values.chunks(PIECE), task, &stage);
+        npz.array("data", &[entries], values.copied())
+    });
+    unless_cancelled(written, task)
 }
 
 /// The size of the largest array that is read, in bytes, after decompression.
@@ -312,7 +354,12 @@ fn each<T: Deserialize>(
 
 #[cfg(test)]
 mod tests {
+    use std::cell::RefCell;
+
+    use chladni_task::Cancelled;
+
     use super::*;
+    use crate::BasisSettings;
 
     /// A one-dimensional array, as NumPy writes it.
     fn npy(kind: &str, promised: usize, bytes: &[u8]) -> Vec<u8> {
@@ -323,6 +370,50 @@ mod tests {
         header.push('\n');
         let length = (header.len() as u16).to_le_bytes();
         [b"\x93NUMPY\x01\x00", length.as_slice(), header.as_bytes(), bytes].concat()
+    }
+
+    thread_local! {
+        static WRITING: RefCell<Task> = RefCell::default();
+    }
+
+    /// A task that is cancelled at its first step, by this thread.
+    fn ending_at_once() -> Task {
+        let task = Task::new();
+        WRITING.set(task.clone());
+        task.heard_by(|now| {
+            if now.done == 1 {
+                WRITING.with_borrow(Task::cancel);
+            }
+        });
+        task
+    }
+
+    #[test]
+    fn writing_stops_where_it_is_cancelled_and_leaves_nothing() {
+        let above = tempfile::tempdir().unwrap();
+        let at = |name: &str| above.path().join(name);
+        let ball = chladni_mesh::samples::icosphere(2);
+        let body = Body::build(&ball, &BasisSettings::new(9), &Task::new()).unwrap();
+        let operator = Operator::of(&ball).unwrap();
+        let is_cancelled = |written: Result<()>| {
+            let error = written.unwrap_err();
+            error.get_ref().is_some_and(|inner| inner.is::<Cancelled>())
+        };
+        assert!(is_cancelled(write_basis(&at("b.npz"), &body, &ending_at_once())));
+        assert!(is_cancelled(write_operator(&at("s.npz"), &operator, &ending_at_once())));
+        let cancelled = ending_at_once();
+        assert!(is_cancelled(write_basis_folder(&at("new"), &body, &cancelled)));
+        assert_eq!((cancelled.progress().done, cancelled.progress().total), (1, 9));
+        assert_eq!(std::fs::read_dir(above.path()).unwrap().count(), 0);
+
+        write_basis_folder(&at("old"), &body, &Task::new()).unwrap();
+        assert!(is_cancelled(write_basis_folder(&at("old"), &body, &cancelled)));
+        StoredBasis::open(&at("old")).unwrap();
+        std::fs::write(at("old/notes.txt"), "kept").unwrap();
+        assert!(is_cancelled(write_basis_folder(&at("old"), &body, &ending_at_once())));
+        let left: Vec<_> =
+            std::fs::read_dir(at("old")).unwrap().map(|file| file.unwrap().file_name()).collect();
+        assert_eq!(left, ["notes.txt"]);
     }
 
     #[test]

@@ -5,8 +5,10 @@ use std::num::NonZeroUsize;
 use chladni_mesh::surface::{Weld, components, delaunay_stars, flat_components, leave_out_flat, weld};
 use chladni_mesh::{Frame, TriMesh};
 
-use crate::laplacian::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_laplacian};
-use crate::{HarmonicsError, Laplacian, SymmetricSparse};
+use crate::laplacian::{
+    MOLLIFY, Refusal, cotangent_laplacian, cover_laplacian, delaunay_cover, delaunay_laplacian,
+};
+use crate::{CoverReport, HarmonicsError, Laplacian, SymmetricSparse};
 
 /// The discrete Laplacian of a mesh in the working frame: S and a of S h = λ diag(a) h.
 #[derive(Clone, Debug)]
@@ -31,6 +33,21 @@ pub struct Operator {
     pub component: Vec<u32>,
     /// The number of connected components of the mesh that were left out, since they have no area.
     pub without_area: usize,
+    /// How the intrinsic triangulation was made; `None` for plain cotangents.
+    pub cover: Option<CoverReport>,
+}
+
+impl CoverReport {
+    /// That of the intrinsic Delaunay Laplacian of `mesh`, without the Laplacian itself.
+    ///
+    /// # Errors
+    /// Those of [`Operator::of`].
+    pub fn of(mesh: &TriMesh) -> Result<Self, HarmonicsError> {
+        let Domain { positions, triangles, operator_vertex, .. } = Domain::of(mesh)?;
+        let component = components(positions.len(), &triangles);
+        refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
+        Ok(delaunay_cover(&positions, &triangles, MOLLIFY)?.report())
+    }
 }
 
 /// The welded surface of a mesh in the working frame, before its operator is built.
@@ -208,10 +225,15 @@ impl Operator {
         let Domain { frame, positions, triangles, operator_vertex, without_area } = domain.clone();
         let component = components(positions.len(), &triangles);
         refuse_zero_area(&positions, &triangles, &component, &operator_vertex)?;
-        let (stiffness, mass) = match laplacian {
-            Laplacian::Delaunay => delaunay_laplacian(&positions, &triangles, MOLLIFY)?,
-            Laplacian::Cotangent => cotangent_laplacian(&positions, &triangles)
-                .map_err(|refusal| refused(refusal, &operator_vertex))?,
+        let ((stiffness, mass), cover) = match laplacian {
+            Laplacian::Delaunay => {
+                let cover = delaunay_cover(&positions, &triangles, MOLLIFY)?;
+                (cover_laplacian(&cover, positions.len()), Some(cover.report()))
+            }
+            Laplacian::Cotangent => {
+                let plain = cotangent_laplacian(&positions, &triangles);
+                (plain.map_err(|refusal| refused(refusal, &operator_vertex))?, None)
+            }
         };
         Ok(Self {
             laplacian,
@@ -223,6 +245,7 @@ impl Operator {
             mass,
             component,
             without_area,
+            cover,
         })
     }
 

@@ -24,6 +24,9 @@ pub struct BuildReport {
     pub cuts_cluster: bool,
     /// Whether slices could not be certified, and the operator was solved as a dense matrix instead.
     pub fell_back_to_dense: bool,
+    /// How the intrinsic triangulation was made; `None` for a basis from the cache, whose operator was not built
+    /// ([`CoverReport::of`] makes it again), for the plain cotangent Laplacian and for a [`Pencil`](crate::Pencil).
+    pub cover: Option<CoverReport>,
     /// Concessions to a shortage of memory.
     pub short_of_memory: Option<ShortOfMemory>,
     /// Where the time of a solve by slices went; all zero if the basis was cached or solved densely.
@@ -46,6 +49,28 @@ impl BuildReport {
         let short = self.short_of_memory.clone().map(BasisWarning::ShortOfMemory);
         let imprecise = certificate.warning().map(BasisWarning::Imprecise);
         fewer.into_iter().chain(flat).chain(cache).chain(short).chain(imprecise).collect()
+    }
+}
+
+/// What was done to a surface for its intrinsic Delaunay Laplacian (docs/laplacian.md).
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct CoverReport {
+    /// How often the surface is covered: once by its own triangles, if it is closed, edge-manifold and oriented, else
+    /// twice by its tufted cover.
+    pub sheets: usize,
+    /// The length by which all sides grew, as a share of the mean edge length; 0 on a sound mesh.
+    pub mollified_by: f64,
+    /// The number of edges that were flipped, over all sheets; an edge that was flipped twice counts twice.
+    pub flips: usize,
+}
+
+impl std::fmt::Display for CoverReport {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if self.sheets > 1 { "tufted cover" } else { "the mesh as it is" })?;
+        if self.mollified_by > 0.0 {
+            write!(f, ", mollified by {:.1e} mean edge lengths", self.mollified_by)?;
+        }
+        write!(f, ", {} edge flip{}", self.flips, if self.flips == 1 { "" } else { "s" })
     }
 }
 

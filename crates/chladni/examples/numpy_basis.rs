@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = BasisSettings { harmonics: 64, ..BasisSettings::default() };
     let (body, _) = Body::of_operator(&mesh, &operator, &settings, None, &Task::new())?;
     assert!(body.basis.certificate.is_precise());
-    npz::write_basis("basis.npz".as_ref(), &body)?;
-    npz::write_operator("stiffness.npz".as_ref(), &operator)?;
+    npz::write_basis("basis.npz".as_ref(), &body, &Task::new())?;
+    npz::write_operator("stiffness.npz".as_ref(), &operator, &Task::new())?;
     Ok(())
 }

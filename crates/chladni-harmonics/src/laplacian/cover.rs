@@ -1,6 +1,8 @@
 //! The edge-manifold surface on which edges are flipped: the mesh itself if it is closed, edge-manifold and
 //! oriented, otherwise its tufted cover.
 
+use crate::CoverReport;
+
 /// Triangles glued side to side, with a length on every side and no boundary.
 ///
 /// Side h = 3f + i runs from `tail[h]`, corner i of triangle f, to the next corner.
@@ -16,6 +18,10 @@ pub(crate) struct Cover {
     pub length: Vec<f64>,
     /// The mean length of the surface's edges, each counted once whether it has one triangle or several.
     mean_length: f64,
+    /// The length by which all sides have grown.
+    mollified_by: f64,
+    /// The number of flips so far.
+    pub flips: usize,
 }
 
 /// The next side around the triangle of side `h`.
@@ -45,7 +51,8 @@ impl Cover {
     /// Sides without lengths, which are glued to nothing.
     fn unglued(sheets: usize, tail: Vec<u32>) -> Self {
         let sides = tail.len();
-        Self { sheets, tail, twin: vec![0; sides], length: vec![0.0; sides], mean_length: 0.0 }
+        let (twin, length) = (vec![0; sides], vec![0.0; sides]);
+        Self { sheets, tail, twin, length, mean_length: 0.0, mollified_by: 0.0, flips: 0 }
     }
 
     fn one_sheet(positions: &[[f64; 3]], triangles: &[[u32; 3]], edges: &Edges) -> Self {
@@ -104,6 +111,13 @@ impl Cover {
             }
         }
         self.length.iter_mut().for_each(|l| *l += missing);
+        self.mollified_by = missing;
+    }
+
+    /// What was done so far.
+    pub(crate) fn report(&self) -> CoverReport {
+        let mollified_by = self.mollified_by / self.mean_length.max(f64::MIN_POSITIVE);
+        CoverReport { sheets: self.sheets, mollified_by, flips: self.flips }
     }
 }
 

@@ -32,6 +32,7 @@ pub(super) fn flip_to_delaunay(cover: &mut Cover) -> Result<(), HarmonicsError> 
         if !flip(cover, h) {
             continue;
         }
+        cover.flips += 1;
         for outer in [next(h), previous(h), next(twin), previous(twin)] {
             if !is_waiting[outer as usize] {
                 is_waiting[outer as usize] = true;

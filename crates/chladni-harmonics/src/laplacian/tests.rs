@@ -2,7 +2,7 @@
 
 use super::cover::Cover;
 use super::{MOLLIFY, Refusal, cotangent_laplacian, delaunay_cover, delaunay_laplacian, intrinsic};
-use crate::{BasisSettings, Laplacian};
+use crate::{BasisSettings, CoverReport, Laplacian};
 
 fn promises(positions: &[[f64; 3]], triangles: &[[u32; 3]], area: f64) {
     let (s, mass) = delaunay_laplacian(positions, triangles, MOLLIFY).unwrap();
@@ -210,6 +210,28 @@ fn mollification_is_by_the_mean_of_the_edges_each_counted_once() {
     let mean = (2.0 + 1.0 + 1.0 + 2.0 * 2.0_f64.sqrt()) / 5.0;
     let shortest = cover.length.iter().copied().fold(f64::INFINITY, f64::min);
     assert!((shortest - (1.0 + 0.1 * mean)).abs() < 1e-14, "{shortest}");
+    let report = cover.report();
+    assert!((report.mollified_by - 0.1).abs() < 1e-14, "{report:?}");
+    assert_eq!(report.to_string(), "tufted cover, mollified by 1.0e-1 mean edge lengths, 0 edge flips");
+}
+
+#[test]
+fn what_was_done_to_a_surface_is_reported() {
+    let report = |positions: &[[f64; 3]], triangles: &[[u32; 3]]| {
+        delaunay_cover(positions, triangles, MOLLIFY).unwrap().report()
+    };
+    let tetrahedron = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+    let sound = report(&tetrahedron, &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]);
+    assert_eq!(sound, CoverReport { sheets: 1, mollified_by: 0.0, flips: 0 });
+    assert_eq!(sound.to_string(), "the mesh as it is, 0 edge flips");
+    // The long diagonal of a rhombus is flipped on both sheets.
+    let rhombus = [[0.0; 3], [3.0, -1.0, 0.0], [6.0, 0.0, 0.0], [3.0, 1.0, 0.0]];
+    let open = report(&rhombus, &[[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(open, CoverReport { sheets: 2, mollified_by: 0.0, flips: 2 });
+    // A triangle whose corners lie in one line.
+    let line = [[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let flat = report(&line, &[[0, 1, 3], [0, 1, 2]]);
+    assert!(flat.mollified_by > 0.9 * MOLLIFY && flat.mollified_by < 1.1 * MOLLIFY, "{flat:?}");
 }
 
 #[test]

@@ -28,7 +28,8 @@ const PIECE: usize = if cfg!(test) { 100 } else { 1 << 17 };
 /// # let folder = folder.path();
 ///
 /// let ball = chladni_mesh::samples::icosphere(3);
-/// write_basis_folder(folder, &Body::build(&ball, &BasisSettings::new(16), &Task::new())?)?;
+/// let body = Body::build(&ball, &BasisSettings::new(16), &Task::new())?;
+/// write_basis_folder(folder, &body, &Task::new())?;
 ///
 /// let stored = StoredBasis::open(folder)?;
 /// let heights: Vec<f64> = ball.positions.iter().map(|p| p[2]).collect();
@@ -306,7 +307,7 @@ mod tests {
     fn a_stored_basis_does_what_one_in_memory_does() {
         let (ball, body) = ball();
         let folder = tempfile::tempdir().unwrap();
-        write_basis_folder(folder.path(), &body).unwrap();
+        write_basis_folder(folder.path(), &body, &Task::new()).unwrap();
         let (stored, basis) = (StoredBasis::open(folder.path()).unwrap(), body.basis_in_file());
         assert_eq!(stored.eigenvalues(), basis.eigenvalues);
         assert_eq!(stored.mass(), basis.mass);
@@ -340,7 +341,7 @@ mod tests {
     fn what_does_not_fit_is_an_error_and_work_can_be_stopped() {
         let folder = tempfile::tempdir().unwrap();
         let (ball, body) = ball();
-        write_basis_folder(folder.path(), &body).unwrap();
+        write_basis_folder(folder.path(), &body, &Task::new()).unwrap();
         let stored = StoredBasis::open(folder.path()).unwrap();
         let why = |error: HarmonicsError| error.to_string();
         assert!(
@@ -371,23 +372,23 @@ mod tests {
     fn arrays_of_two_bases_are_never_taken_for_one() {
         let folder = tempfile::tempdir().unwrap();
         let (_, body) = ball();
-        write_basis_folder(folder.path(), &body).unwrap();
+        write_basis_folder(folder.path(), &body, &Task::new()).unwrap();
         let mass = folder.path().join("mass.npy");
         let before = fs::read(&mass).unwrap();
         fs::remove_file(&mass).unwrap();
         fs::create_dir(&mass).unwrap();
-        assert!(write_basis_folder(folder.path(), &body).is_err());
+        assert!(write_basis_folder(folder.path(), &body, &Task::new()).is_err());
         fs::remove_dir(&mass).unwrap();
         fs::write(&mass, before).unwrap();
         assert!(matches!(StoredBasis::open(folder.path()), Err(HarmonicsError::Stored { .. })));
-        write_basis_folder(folder.path(), &body).unwrap();
+        write_basis_folder(folder.path(), &body, &Task::new()).unwrap();
         StoredBasis::open(folder.path()).unwrap();
     }
 
     #[test]
     fn a_row_between_two_rows_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        write_basis_folder(folder.path(), &ball().1).unwrap();
+        write_basis_folder(folder.path(), &ball().1, &Task::new()).unwrap();
         let path = folder.path().join("operator_vertex.npy");
         let rows = numbers(&path, None).unwrap();
         let write = |second: f64| {
@@ -419,7 +420,7 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let icosahedron = samples::icosphere(0);
             let body = Body::build(&icosahedron, &BasisSettings::new(5), &Task::new()).unwrap();
-            write_basis_folder(folder.path(), &body).unwrap();
+            write_basis_folder(folder.path(), &body, &Task::new()).unwrap();
             let path = folder.path().join(format!("{}.npy", ["eigenvectors", "eigenvalues", "mass", "operator_vertex"][which]));
             let mut bytes = fs::read(&path).unwrap();
             let at = at % bytes.len();

@@ -184,7 +184,8 @@ impl Body {
         }
         let settings = BasisSettings { harmonics, ..settings.clone() };
         let keep = memory::room_for_harmonics(vertices, 1, &settings)?;
-        let mut report = BuildReport { asked, vertices, without_area, ..BuildReport::default() };
+        let cover = operator.cover;
+        let mut report = BuildReport { asked, vertices, without_area, cover, ..BuildReport::default() };
         let (mut basis, of_ranks) = solve(operator, &settings, ranks, keep, task)?;
         canonical::choose(&mut basis, &operator.positions, &operator.stiffness);
         let whole = basis.harmonics();

@@ -84,22 +84,49 @@ pub(super) fn unmirrored(
         .collect()
 }
 
+/// The most members of a group all of which agree within the gap: the tones of a ball have 2l + 1, here to l = 31.
+const LARGEST: usize = 64;
+/// The most members of a group that agree only from one to the next: longer runs are a crowded spectrum rather than
+/// repeated eigenvalues.
+const LONGEST_RUN: usize = 24;
+
 /// Ranges of harmonics whose neighboring eigenvalues have a relative difference below `gap`. The constant
-/// harmonics of a shape with several components form such a range.
+/// harmonics of a shape with several components form such a range. Ranges that are too long are divided.
 pub(crate) fn repeated(basis: &Basis, gap: f64) -> Vec<Range<usize>> {
-    /// Larger groups are a crowded spectrum rather than repeated eigenvalues.
-    const LARGEST: usize = 24;
     let constant = first_waving(basis);
     let lambda = &basis.eigenvalues;
+    let joins = |k: usize| k < constant || (k > constant && lambda[k] - lambda[k - 1] < gap * lambda[k]);
     let mut groups: Vec<Range<usize>> = Vec::new();
-    for k in 0..basis.harmonics() {
-        let joins = k > 0 && (k < constant || (k > constant && lambda[k] - lambda[k - 1] < gap * lambda[k]));
-        match groups.last_mut() {
-            Some(last) if joins && last.len() < LARGEST => last.end = k + 1,
-            _ => groups.push(k..k + 1),
+    let mut start = 0;
+    for end in 1..=basis.harmonics() {
+        if end == basis.harmonics() || !joins(end) {
+            divide(start..end, lambda, gap, &mut groups);
+            start = end;
         }
     }
     groups
+}
+
+/// Adds `run` to `groups`, in as many parts as it needs. It is cut where neighbors differ most, because harmonics of
+/// exactly one eigenvalue are in no order that the shape determines.
+fn divide(run: Range<usize>, lambda: &[f64], gap: f64, groups: &mut Vec<Range<usize>>) {
+    let mut waiting = vec![run];
+    while let Some(part) = waiting.pop() {
+        let (least, greatest) = (lambda[part.start], lambda[part.end - 1]);
+        let most = if greatest - least < gap * greatest { LARGEST } else { LONGEST_RUN };
+        if part.len() <= most {
+            groups.push(part);
+            continue;
+        }
+        // Where all differ by as much, as constants do by nothing, the first part is as long as it may be.
+        let usual = part.start + most;
+        let step = |k: usize| (lambda[k] - lambda[k - 1]) / lambda[k].max(f64::MIN_POSITIVE);
+        let nearer = |a: usize, b: usize| b.abs_diff(usual).cmp(&a.abs_diff(usual));
+        let cut = (part.start + 1..part.end)
+            .max_by(|&a, &b| step(a).total_cmp(&step(b)).then(nearer(a, b)))
+            .unwrap_or(usual);
+        waiting.extend([cut..part.end, part.start..cut]);
+    }
 }
 
 fn classify(
@@ -179,4 +206,67 @@ fn choose_within_classes(
         }
     }
     chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::{Certificate, Laplacian, Values};
+
+    use super::*;
+
+    fn sizes(eigenvalues: Vec<f64>) -> Vec<usize> {
+        let certificate = Certificate {
+            laplacian: Laplacian::Delaunay,
+            inertia_counts_match: Some(true),
+            max_relative_residual: 0.0,
+            max_orthogonality_error: 0.0,
+        };
+        let count = eigenvalues.len();
+        let basis = Basis { eigenvalues, vectors: Values::default(), mass: Vec::new(), certificate };
+        let groups = repeated(&basis, SymmetrySettings::default().cluster_gap);
+        let ends = groups.iter().map(|group| group.end);
+        assert!(groups.iter().map(|group| group.start).eq(std::iter::once(0).chain(ends).take(groups.len())));
+        assert_eq!(groups.last().map_or(0, |group| group.end), count);
+        groups.into_iter().map(|group| group.len()).collect()
+    }
+
+    /// Eigenvalues that grow from 100 by these shares, in thousandths.
+    fn growing(steps: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let grown = steps.into_iter().scan(100.0, |value, step| {
+            *value *= 1.0 + 1e-3 * step;
+            Some(*value)
+        });
+        [0.0, 100.0].into_iter().chain(grown).collect()
+    }
+
+    #[test]
+    fn the_tones_of_a_ball_are_whole_groups() {
+        // 2l + 1 harmonics of l (l + 1), a little apart as on any mesh.
+        let tone = |l: usize| {
+            let exact = (l * (l + 1)) as f64;
+            (0..=2 * l).map(move |m| exact * (1.0 + 8e-4 * m as f64 / (2 * l + 1) as f64))
+        };
+        let ball: Vec<f64> = (0..=31).flat_map(tone).collect();
+        assert_eq!(ball.len(), 1024);
+        assert_eq!(sizes(ball), (0..=31).map(|l| 2 * l + 1).collect::<Vec<usize>>());
+    }
+
+    #[test]
+    fn a_crowded_spectrum_is_cut_where_it_is_widest() {
+        assert_eq!(sizes(growing([0.5; 23])), [1, 24]);
+        let wider = |at: usize| (0..39).map(move |i| if i == at { 0.9 } else { 0.5 });
+        assert_eq!(sizes(growing(wider(17))), [1, 18, 22]);
+        // Equal ones stay together: 24 would cut the second ten.
+        let tens = (1..40).map(|i| if i % 10 == 0 { 0.5 } else { 0.0 });
+        assert!(sizes(growing(tens)).iter().skip(1).all(|size| size % 10 == 0));
+        assert!(sizes(growing([0.5; 500])).into_iter().all(|size| size <= LONGEST_RUN));
+    }
+
+    #[test]
+    fn constants_are_a_group_of_their_own() {
+        let of = |zeros: usize| sizes([vec![0.0; zeros], vec![1.0, 1.0, 2.0]].concat());
+        assert_eq!(of(3), [3, 2, 1]);
+        assert_eq!(of(30), [24, 6, 2, 1]);
+        assert!(sizes(Vec::new()).is_empty());
+    }
 }

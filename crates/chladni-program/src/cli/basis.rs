@@ -1,12 +1,15 @@
 //! `chladni basis`: the harmonics of a mesh as numbers.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use chladni_harmonics::npz::{write_basis, write_basis_folder, write_operator};
 use chladni_harmonics::{
-    BasisSettings, Body, BuildReport, HarmonicsError, InnerSolver, Laplacian, Operator, Ranks, RanksReport,
+    BasisSettings, Body, BuildReport, CoverReport, HarmonicsError, InnerSolver, Laplacian, Operator, Ranks,
+    RanksReport,
 };
 use chladni_mesh::weld;
+use chladni_task::Task;
 use serde::Serialize;
 
 use super::Terminal;
@@ -116,6 +119,8 @@ impl RankOptions {
 #[derive(Serialize)]
 struct Summary {
     laplacian: Laplacian,
+    /// `null` for the papers' Laplacian.
+    cover: Option<CoverReport>,
     vertices: usize,
     harmonics: usize,
     seconds: chladni_harmonics::BuildSeconds,
@@ -147,6 +152,18 @@ fn is_folder(path: &Path) -> bool {
 fn gigabytes(text: &str) -> Result<f64, Error> {
     let value: f64 = text.parse().map_err(|_| Error::input("not a number"))?;
     if value > 0.0 && value < 1e9 { Ok(value) } else { Err(Error::input("a size in GB, above 0")) }
+}
+
+/// Writes the file or folder `path`; Ctrl-C stops that, too.
+fn written(
+    terminal: &Terminal,
+    path: &Path,
+    write: impl FnOnce(&Task) -> io::Result<()>,
+) -> Result<(), Error> {
+    terminal.watch("writing", write).map_err(|error| match terminal.task().check() {
+        Err(cancelled) => cancelled.into(),
+        Ok(()) => Error::unwritten(path, error),
+    })
 }
 
 impl Args {
@@ -181,7 +198,7 @@ impl Args {
         let wanted =
             (self.operator.is_some() || ranks.is_some()).then(|| Operator::with(&mesh, settings.laplacian));
         let operator = wanted.transpose().map_err(named)?;
-        let (body, report, of_ranks) = terminal
+        let (body, mut report, of_ranks) = terminal
             .watch("harmonics", |task| match (&operator, &ranks) {
                 (Some(operator), Some(ranks)) => {
                     Body::solve_on_ranks(&mesh, operator, &settings, ranks, task)
@@ -193,6 +210,11 @@ impl Args {
                     .map(|(body, report)| (body, report, None)),
             })
             .map_err(named)?;
+        // A basis from the cache comes without it.
+        if report.cover.is_none() && settings.laplacian == Laplacian::Delaunay {
+            let cover = terminal.watch("Laplacian", |_| CoverReport::of(&mesh));
+            report.cover = Some(cover.map_err(named)?);
+        }
         for warning in report.warnings(&body.basis.certificate) {
             terminal.warn(Warning::Plain(warning.to_string()));
         }
@@ -208,11 +230,11 @@ impl Args {
             )));
         }
         if let (Some(path), Some(operator)) = (&self.operator, &operator) {
-            write_operator(path, operator).map_err(|e| Error::unwritten(path, e))?;
+            written(terminal, path, |task| write_operator(path, operator, task))?;
         }
         if let Some(path) = &self.output {
             let write = if folder.is_some() { write_basis_folder } else { write_basis };
-            write(path, &body).map_err(|e| Error::unwritten(path, e))?;
+            written(terminal, path, |task| write(path, &body, task))?;
         }
         self.report(terminal, &body, &report, of_ranks)
     }
@@ -228,6 +250,7 @@ impl Args {
         if self.json {
             return terminal.json(&Summary {
                 laplacian: certificate.laplacian,
+                cover: report.cover,
                 vertices: basis.vertices(),
                 harmonics: basis.harmonics(),
                 seconds: report.seconds,
@@ -241,10 +264,11 @@ impl Args {
             });
         }
         terminal.result(format_args!(
-            "{} harmonics of {} vertices ({} Laplacian) in {:.2} s{}{}; residual {:.1e}, orthogonality {:.1e}, {}",
+            "{} harmonics of {} vertices ({} Laplacian{}) in {:.2} s{}{}; residual {:.1e}, orthogonality {:.1e}, {}",
             basis.harmonics(),
             basis.vertices(),
             certificate.laplacian,
+            report.cover.map_or_else(String::new, |cover| format!(": {cover}")),
             report.seconds.total,
             if report.cached { " (cached)" } else { "" },
             of_ranks.map_or_else(String::new, |of| by_ranks(&of)),

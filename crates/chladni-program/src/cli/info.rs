@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use chladni_harmonics::{CoverReport, HarmonicsError};
 use chladni_mesh::{Estimate, HealthReport, Known, ShapeSource, Topology};
 use serde::Serialize;
 
@@ -18,13 +19,15 @@ pub struct Info {
     json: bool,
 }
 
-/// The output of `--json`: the report and what had to be mended.
+/// The output of `--json`: the report, what had to be mended, and what is done for the Laplacian.
 #[derive(Serialize)]
 struct Printed {
     #[serde(flatten)]
     report: HealthReport,
     stands: Stands,
     mended: Vec<String>,
+    /// `null` where the mesh has no harmonics.
+    cover: Option<CoverReport>,
 }
 
 /// How the shape most probably stands, in the file's axes.
@@ -39,14 +42,14 @@ struct Stands {
 impl Info {
     /// Prints the report.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        let (report, mended, found) = terminal.watch("reading the mesh", |task| {
+        let (report, mended, found, cover) = terminal.watch("reading the mesh", |task| {
             let source = ShapeSource::named(&self.mesh);
             let loaded = source.load(None)?;
             let mended: Vec<String> = loaded.mended.iter().map(ToString::to_string).collect();
             // Samples are estimated, too: that shows how well it goes.
             let known = if source.stands().is_some() { Known::default() } else { source.known() };
             let found = Estimate::of(&loaded.mesh, known, task)?;
-            Ok::<_, Error>((loaded.health(), mended, found))
+            Ok::<_, Error>((loaded.health(), mended, found, CoverReport::of(&loaded.mesh)))
         })?;
         for line in &mended {
             terminal.warn(Warning::of(self.mesh.display(), line));
@@ -58,9 +61,10 @@ impl Info {
                 in_doubt: found.in_doubt,
                 because: found.evidence.words(),
             };
-            return terminal.json(&Printed { report, stands, mended });
+            return terminal.json(&Printed { report, stands, mended, cover: cover.ok() });
         }
         lines(&report).into_iter().try_for_each(|line| terminal.result(line))?;
+        terminal.result(format_args!("{:<22} {}", "Laplacian", operated(&cover)))?;
         let why = match found.in_doubt {
             true => "in doubt".to_owned(),
             false => format!("because {}", found.evidence.words()),
@@ -109,6 +113,11 @@ fn lines(report: &HealthReport) -> Vec<String> {
     lines
 }
 
+/// What is done to the shape for its Laplacian, or why it has none.
+fn operated(cover: &Result<CoverReport, HarmonicsError>) -> String {
+    cover.as_ref().map_or_else(|error| format!("none: {error}"), ToString::to_string)
+}
+
 /// `value` with six decimals or, where these would say little on a `scale` as small as this one, six digits.
 fn digits(value: f64, scale: f64) -> String {
     if scale.abs() < 1e-3 && value != 0.0 { format!("{value:.5e}") } else { format!("{:.6}", value + 0.0) }
@@ -142,6 +151,18 @@ fn described(topology: &Topology) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_done_for_the_laplacian_is_described_and_so_is_why_there_is_none() {
+        let ball = chladni_mesh::samples::icosphere(1);
+        assert_eq!(operated(&CoverReport::of(&ball)), "the mesh as it is, 0 edge flips");
+        let line = chladni_mesh::TriMesh {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            ..chladni_mesh::TriMesh::default()
+        };
+        assert!(operated(&CoverReport::of(&line)).starts_with("none: "));
+    }
 
     #[test]
     fn small_shapes_have_sizes_too() {

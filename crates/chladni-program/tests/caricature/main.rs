@@ -448,7 +448,10 @@ fn paper_mode_takes_the_plain_laplacian_and_the_papers_settings() {
         let said = desk.refused(line);
         assert!(said.contains("3 triangles meet at the edge of vertices 0 and 1"), "{line}: {said}");
     }
-    desk.ok("basis fan.obj -k 3");
+    for line in ["basis fan.obj -k 3", "info fan.obj"] {
+        let said = desk.ok(line);
+        assert!(said.contains("tufted cover") && said.contains("edge flip"), "{line}: {said}");
+    }
 }
 
 #[test]

@@ -188,6 +188,8 @@ fn harmonics_are_exported_for_numpy_and_cached() {
     let again =
         Run::of(&["basis", "sample:octopus", "-k", "24", "-o", text(&out), "--json"]).succeeded().json();
     assert_eq!(again["cached"], true);
+    assert_eq!(again["cover"], json["cover"]);
+    assert_eq!(json["cover"]["sheets"], 1, "the octopus is closed");
 }
 
 #[test]
