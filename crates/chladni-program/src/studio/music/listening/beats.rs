@@ -1,6 +1,6 @@
 //! The beat of the sound, and the user's corrections.
 
-use chladni_music::{BeatReading, ClockMessage, Taps};
+use chladni_music::{BeatReading, ClockMessage};
 use chladni_sound::{BeatMoment, Beats};
 
 use super::Listening;
