@@ -9,7 +9,7 @@ const act = (action) => room.act(action);
 
 export const choices = {
   choose: (item) => act({ do: "choose", item, on: !state.dances[item].chosen }),
-  perform: (item) => act({ do: "perform", item }),
+  perform: (first) => act({ do: "perform-gallery", first }),
   performs: "Stage",
   says: (item) => `Put dance ${item + 1} on stage`,
   name: (item) => `Dance ${item + 1}`,

@@ -56,8 +56,10 @@ pub enum Action {
     SetHarmonics { harmonics: u32 },
     /// Lets a voice, such as a layer of a caricature, listen to something else.
     SetVoice { voice: usize, settings: VoiceSettings },
-    /// Puts an item of the gallery on stage.
+    /// Puts an item of the gallery on stage, alone.
     Perform { item: usize },
+    /// Puts an item of the gallery on stage; where the beat steps, the others follow it in their order.
+    PerformGallery { first: usize },
     /// Puts the favorites on stage, beginning with one.
     #[serde(alias = "perform-favourites")]
     PerformFavorites { first: usize },
@@ -79,7 +81,10 @@ pub enum Action {
 impl Action {
     /// Whether it brings something on stage.
     pub fn opens_stage(&self) -> bool {
-        matches!(self, Self::Perform { .. } | Self::PerformFavorites { .. } | Self::Go)
+        matches!(
+            self,
+            Self::Perform { .. } | Self::PerformGallery { .. } | Self::PerformFavorites { .. } | Self::Go
+        )
     }
 
     /// The actions that set the knobs to a timbre.

@@ -25,6 +25,7 @@ pub struct Ensemble {
     voices: Voices,
     voice_item: Item,
     most_harmonics: Option<u32>,
+    wanted: u32,
 }
 
 #[derive(Clone, Debug)]
@@ -49,6 +50,7 @@ impl Ensemble {
             voices,
             voice_item: Item::default(),
             most_harmonics: None,
+            wanted: 0,
         }
     }
 
@@ -71,10 +73,16 @@ impl Ensemble {
         &self.dancer
     }
 
-    /// Limits the number of harmonics, whatever the instrument asks for, on a machine that does not keep up.
-    /// `None` removes the limit.
+    /// Limits the number of harmonics of mappings and voices, whatever the instrument asks for, on a machine that does not
+    /// keep up. `None` removes the limit.
     pub fn use_at_most(&mut self, harmonics: Option<u32>) {
         self.most_harmonics = harmonics;
+    }
+
+    /// How many harmonics the items that were played last use without the limit of [`use_at_most`](Self::use_at_most),
+    /// counted up to the highest. Only a limit below that saves work: harmonics without weight cost nothing.
+    pub fn harmonics_wanted(&self) -> u32 {
+        self.wanted
     }
 
     /// The items that `bands` and `beat` drive: S items of the gallery in order, or one while something is on
@@ -100,6 +108,7 @@ impl Ensemble {
             let found = instrument.item(id).ok_or(none)?;
             self.play_slot(slot, id, &found.genome, playing, bands)?;
         }
+        self.wanted = wanted(&self.slots[..cast.len()], instrument.parameters().harmonics, &self.voices);
         if let [to, from, ..] = &mut self.items[..]
             && scene.weight < 1.0
         {
@@ -124,6 +133,7 @@ impl Ensemble {
         for (slot, item) in shown.iter().enumerate() {
             self.play_slot(slot, item.id, &item.genome, playing, bands)?;
         }
+        self.wanted = wanted(&self.slots[..shown.len()], instrument.parameters().harmonics, &self.voices);
         Ok(self.voiced(shown.len()))
     }
 
@@ -159,6 +169,7 @@ impl Ensemble {
                 (slot, [item])
             }
         };
+        self.wanted = wanted(std::slice::from_ref(&slot), parameters.harmonics, &self.voices);
         items[0].terms.truncate(slot.player.terms());
         slot.player.play(bands, &mut items[0])?;
         items[0].terms.extend_from_slice(&self.voice_item.terms);
@@ -184,6 +195,9 @@ impl Ensemble {
             return Ok(());
         }
         self.voices.set_limit(instrument.parameters().get(Parameter::Limit))?;
+        // The harmonics of a unison are left out together, as in mappings.
+        let most = self.most_harmonics.filter(|most| (*most as usize) < self.dancer.harmonics());
+        self.voices.use_at_most(most.map(|most| self.dancer.unison(most).start as usize));
         for voice in 0..self.voices.count() {
             self.voices.tune(voice, instrument.voice(voice))?;
         }
@@ -217,6 +231,12 @@ impl Ensemble {
         player.play(bands, item)?;
         Ok(())
     }
+}
+
+/// How many harmonics these mappings, which may use `asked` of them, and the voices use, counted up to the highest.
+fn wanted(slots: &[Slot], asked: Option<u32>, voices: &Voices) -> u32 {
+    let highest = slots.iter().map(|slot| slot.player.harmonics_wanted()).max().unwrap_or(0);
+    highest.min(asked.unwrap_or(u32::MAX)).max(voices.harmonics_wanted())
 }
 
 impl Slot {

@@ -325,6 +325,12 @@ impl Instrument {
                 let id = self.gallery.item_mut(item)?.id;
                 self.stage.show_item(id, moment.at_beat, &self.favorites, &self.parameters);
             }
+            Action::PerformGallery { first } => {
+                self.gallery.item_mut(first)?;
+                let items = self.gallery.items().iter().map(|item| item.id).collect();
+                let (favorites, parameters) = (&self.favorites, &self.parameters);
+                self.stage.show_gallery(items, first, moment.at_beat, favorites, parameters);
+            }
             Action::PerformFavorites { first } => {
                 let count = self.favorites.len();
                 if first >= count {
@@ -335,9 +341,9 @@ impl Instrument {
             Action::CueUp { item } => self.stage.cue_up(self.gallery.item_mut(item)?.id),
             Action::Go => {
                 let Some((id, _)) = self.stage.next() else { return Err(MusicError::NothingNext) };
-                self.stage.show_item(id, moment.at_beat, &self.favorites, &self.parameters);
+                self.stage.go(id, moment.at_beat, &self.favorites, &self.parameters);
             }
-            Action::Crossfade { share } if share.is_finite() => self.stage.fade(share),
+            Action::Crossfade { share } if share.is_finite() => self.stage.fade(share, moment.at_beat),
             Action::Crossfade { share } => {
                 let (value, range) = (f64::from(share), "the finite numbers".to_owned());
                 return Err(MusicError::OutOfRange { name: "the fader", value, range });

@@ -75,6 +75,7 @@ mod stereo;
 mod stripes;
 mod swing;
 mod symmetry;
+mod taps;
 mod target;
 mod tempo;
 mod text_file;
@@ -129,6 +130,7 @@ pub use show::{BeatReading, FileRef, Looks, Recording, Show, SongRef, Stretch, V
 pub use sides::{SideSource, Sides};
 pub use stage::{Beat, Reaction, Scene, Stage, react, smooth};
 pub use symmetry::{Class, Rotation, Symmetry, SymmetryMethod, SymmetrySettings};
+pub use taps::{TappedBeats, Taps};
 pub use target::{CHOIRS, FORMS, Kind, REPEATS, Target, controls_page};
 pub use tempo::Tempo;
 pub use text_file::FORMAT_VERSION;

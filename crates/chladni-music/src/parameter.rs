@@ -114,7 +114,7 @@ impl Parameter {
             Self::Detail => "Gain of everything finer than the last harmonic",
             Self::NormalBlending => "0 is exact light, 1 the paper's softer look",
             Self::TransitionBeats => "Beats that a change on stage takes",
-            Self::BeatsPerStep => "Beats between two favorites",
+            Self::BeatsPerStep => "Beats between two dances that follow each other on stage",
             Self::TurnRad => "How far the beat turns the shape",
             Self::LightSwingRad => "How far the beat moves the lights",
             Self::LightPulse => "How much brighter the beat is",
@@ -203,7 +203,7 @@ pub enum Switch {
     BeatTurns,
     /// The beat moves the lights.
     BeatLights,
-    /// The beat steps to the next favorite.
+    /// The beat steps to the next dance on stage.
     BeatSteps,
     /// Left and right are swapped.
     FlipSides,
@@ -269,7 +269,9 @@ impl Switch {
         match self {
             Self::BeatTurns => "The beat turns the shape",
             Self::BeatLights => "The beat moves the lights",
-            Self::BeatSteps => "The beat steps through the favorites on stage",
+            Self::BeatSteps => {
+                "On stage the beat steps to the next favorite, or to the next dance of the gallery"
+            }
             Self::FlipSides => "Left and right are exchanged",
             Self::FlashLimit => "At most three flashes a second, for people with photosensitive epilepsy",
             Self::FlashFields => {

@@ -49,6 +49,8 @@ struct DrivingBand {
 #[derive(Clone, Debug)]
 pub struct Player {
     voiced: Vec<Voiced>,
+    /// See [`harmonics_wanted`](Self::harmonics_wanted).
+    wanted: u32,
     /// Ordered by the harmonics that they drive.
     drivers: Vec<DrivingBand>,
     band_count: usize,
@@ -135,10 +137,13 @@ impl Player {
                 }),
             }
         }
-        voiced.retain(|v| v.end as usize <= in_use && playing.choir.admits(dancer.classes[v.first as usize]));
+        voiced.retain(|v| playing.choir.admits(dancer.classes[v.first as usize]));
+        let wanted = voiced.iter().map(|v| v.end).max().unwrap_or(0);
+        voiced.retain(|v| v.end as usize <= in_use);
         let groups = grouped(&voiced, dancer, playing.form);
         Self {
             voiced,
+            wanted,
             drivers,
             band_count: bands,
             stereo_mu: playing.stereo_mu.unwrap_or(mapping.stereo_mu),
@@ -147,6 +152,11 @@ impl Player {
             dancer: dancer.clone(),
             scratch: Vec::with_capacity(2 * dancer.probes.count()),
         }
+    }
+
+    /// How many harmonics its mapping uses, counted up to the highest, if all may sound.
+    pub(crate) fn harmonics_wanted(&self) -> u32 {
+        self.wanted
     }
 
     /// How many terms its items have.

@@ -57,6 +57,20 @@ impl Pulses {
         }
     }
 
+    /// The places of the oldest one that is kept and of the last one, counted from the one with which they began.
+    pub(crate) fn places(&self) -> Option<(f64, f64)> {
+        Some((self.pulses.front()?.0, self.pulses.back()?.0))
+    }
+
+    /// How far from the line the pulse lies that is farthest from it, in seconds; 0 without a line.
+    pub(crate) fn farthest_off_secs(&self) -> f64 {
+        let (Some((due_secs, gap_secs)), Some((_, last_place))) = (self.line(), self.places()) else {
+            return 0.0;
+        };
+        let off = |&(place, secs): &(f64, f64)| (secs - due_secs - (place - last_place) * gap_secs).abs();
+        self.pulses.iter().map(off).fold(0.0, f64::max)
+    }
+
     /// When the last pulse should have come, and the time of a step: least squares.
     pub(crate) fn line(&self) -> Option<(f64, f64)> {
         let count = self.pulses.len();

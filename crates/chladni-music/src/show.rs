@@ -221,6 +221,7 @@ impl Show {
         let wrong = |r: &BeatReading| {
             !(-MOST_OCTAVES..=MOST_OCTAVES).contains(&r.octave)
                 || r.shift_secs.abs().partial_cmp(&MOST_SHIFT_SECS).is_none_or(|o| o.is_gt())
+                || r.tapped.is_some_and(|t| !t.has_tempo() || !is_time(t.at_secs.abs()))
         };
         if self.songs.iter().any(|song| wrong(&song.reading)) {
             return bad("the beats of a song cannot be read so".into());

@@ -58,14 +58,25 @@ const FADED: f32 = 0.996;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Shown {
     Item(ItemId),
-    /// The favorites in turn, from this one on.
-    Favorites(usize),
+    /// The dances of a list in turn, from this place on.
+    InTurn(List, usize),
 }
 
-/// The stage: at most one item, or the favorites in turn.
+/// Dances that follow each other on stage where the beat steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum List {
+    /// The favorites, as they are now.
+    Favorites,
+    /// The gallery, as it was when it came on stage.
+    Gallery,
+}
+
+/// The stage: at most one item, or the favorites or the gallery in turn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stage {
     shown: Option<Shown>,
+    /// The gallery that is shown in turn, in its order; else empty.
+    gallery: Vec<ItemId>,
     since_beat: f64,
     before: Option<ItemId>,
     /// The next item, and where the fader stood when it was chosen.
@@ -80,13 +91,15 @@ impl Stage {
         self.shown.is_none()
     }
 
-    /// The items that it names besides favorites in turn: the one shown, the one before it and the next one.
-    pub(crate) fn items(&self) -> impl Iterator<Item = ItemId> + use<> {
+    /// The items that it names besides favorites in turn: the one shown, the one before it and the next one, and a
+    /// gallery that is shown in turn.
+    pub(crate) fn items(&self) -> impl Iterator<Item = ItemId> {
         let shown = match self.shown {
             Some(Shown::Item(id)) => Some(id),
-            Some(Shown::Favorites(_)) | None => None,
+            Some(Shown::InTurn(..)) | None => None,
         };
-        [shown, self.before, self.next.map(|(id, _)| id)].into_iter().flatten()
+        let named = [shown, self.before, self.next.map(|(id, _)| id)];
+        named.into_iter().flatten().chain(self.gallery.iter().copied())
     }
 
     pub(crate) fn show_item(
@@ -106,7 +119,25 @@ impl Stage {
         favorites: &[GalleryItem],
         parameters: &Parameters,
     ) {
-        self.enter(Shown::Favorites(first), beat, favorites, parameters);
+        self.enter(Shown::InTurn(List::Favorites, first), beat, favorites, parameters);
+    }
+
+    /// Shows the items of a gallery in turn, beginning with the one at the place `first`.
+    pub(crate) fn show_gallery(
+        &mut self,
+        items: Vec<ItemId>,
+        first: usize,
+        beat: f64,
+        favorites: &[GalleryItem],
+        parameters: &Parameters,
+    ) {
+        self.enter(Shown::InTurn(List::Gallery, first), beat, favorites, parameters);
+        self.gallery = items;
+    }
+
+    /// Brings the next one on stage.
+    pub(crate) fn go(&mut self, id: ItemId, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) {
+        self.enter(self.once_come(id), beat, favorites, parameters);
     }
 
     pub(crate) fn clear(&mut self) {
@@ -129,22 +160,35 @@ impl Stage {
         self.next = Some((id, self.fader));
     }
 
-    /// Moves the fader; at its end the next one is on stage alone.
-    pub(crate) fn fade(&mut self, to: f32) {
+    /// Moves the fader; at its end the next one is on stage.
+    pub(crate) fn fade(&mut self, to: f32, beat: f64) {
         self.fader = to.clamp(0.0, 1.0);
         if let Some((id, share)) = self.next()
             && share >= FADED
             && self.shown.is_some()
         {
-            (self.shown, self.before, self.next) = (Some(Shown::Item(id)), None, None);
+            self.put(self.once_come(id), beat);
+            (self.before, self.next) = (None, None);
         }
+    }
+
+    /// What is shown once the next one has come. A gallery in turn goes on from it, where it has it.
+    fn once_come(&self, id: ItemId) -> Shown {
+        let place = self.gallery.iter().position(|known| *known == id);
+        place.map_or(Shown::Item(id), |place| Shown::InTurn(List::Gallery, place))
+    }
+
+    fn put(&mut self, shown: Shown, beat: f64) {
+        if !matches!(shown, Shown::InTurn(List::Gallery, _)) {
+            self.gallery.clear();
+        }
+        (self.shown, self.since_beat) = (Some(shown), beat);
     }
 
     fn enter(&mut self, shown: Shown, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) {
         self.before =
             self.scene(beat, favorites, parameters).map(|s| if s.weight < 0.5 { s.from } else { s.to });
-        self.shown = Some(shown);
-        self.since_beat = beat;
+        self.put(shown, beat);
         self.next = None;
     }
 
@@ -169,12 +213,12 @@ impl Stage {
         };
         match self.shown? {
             Shown::Item(id) => Some(entering(id, transition)),
-            Shown::Favorites(first) => {
-                let count = favorites.len();
+            Shown::InTurn(list, first) => {
+                let count = self.count(list, favorites);
                 if count == 0 {
                     return None;
                 }
-                let at = |step: usize| favorites.get(turns::index(first, step, count)).map(|i| i.id);
+                let at = |step: usize| self.at(list, turns::index(first, step, count), favorites);
                 let per_step = turns::beats_per_step(parameters);
                 let step = turns::steps(gone, parameters);
                 if step < 1.0 {

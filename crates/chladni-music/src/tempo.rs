@@ -9,7 +9,7 @@ pub(crate) const QUARTERS_PER_BAR: f64 = 4.0;
 /// The slowest and the fastest tempo, in beats per minute.
 const TEMPI_BPM: std::ops::RangeInclusive<f64> = 20.0..=400.0;
 /// A beat that comes sooner after another one than at the fastest tempo is the same, heard twice.
-const SAME_BEAT_SECS: f64 = 60.0 / *TEMPI_BPM.end();
+pub(crate) const SAME_BEAT_SECS: f64 = 60.0 / *TEMPI_BPM.end();
 /// Bars are missing where a gap is a whole number of them too long, but for this share of one.
 const BAR_TOLERANCE: f64 = 0.1;
 /// How often the tempo may be halved or doubled.

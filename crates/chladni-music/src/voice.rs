@@ -106,6 +106,7 @@ pub struct Voices {
     probes: Probes,
     box_diagonal: f32,
     limit: f32,
+    most_harmonics: usize,
     scratch: Vec<[f32; 3]>,
 }
 
@@ -138,7 +139,33 @@ impl Voices {
     /// No voices at all.
     pub(crate) fn silent(dancer: &Dancer) -> Self {
         let (probes, box_diagonal) = (dancer.probes.clone(), dancer.box_diagonal);
-        Self { voices: Vec::new(), probes, box_diagonal, limit: box_diagonal, scratch: Vec::new() }
+        let most_harmonics = usize::MAX;
+        Self {
+            voices: Vec::new(),
+            probes,
+            box_diagonal,
+            limit: box_diagonal,
+            most_harmonics,
+            scratch: Vec::new(),
+        }
+    }
+
+    /// Leaves out all harmonics from this one on, on a machine that does not keep up. `None` leaves out none.
+    pub fn use_at_most(&mut self, harmonics: Option<usize>) {
+        self.most_harmonics = harmonics.unwrap_or(usize::MAX);
+    }
+
+    /// How many harmonics the voices with a gain use, counted up to the highest, if none is left out.
+    pub(crate) fn harmonics_wanted(&self) -> u32 {
+        let heard = self.voices.iter().filter(|voice| voice.settings.gain != 0.0);
+        let wanted = heard.map(|voice| {
+            let highest = match &voice.term.coefficients {
+                Coefficients::Vector(c) => c.iter().rposition(|c| *c != [0.0; 3]),
+                Coefficients::Normal(c) => c.iter().rposition(|c| *c != 0.0),
+            };
+            highest.map_or(0, |k| k as u32 + 1)
+        });
+        wanted.max().unwrap_or(0)
     }
 
     /// How many there are.
@@ -194,8 +221,14 @@ impl Voices {
         }
         for (voice, term) in self.voices.iter().zip(&mut item.terms) {
             match (&mut term.coefficients, &voice.term.coefficients) {
-                (Coefficients::Vector(to), Coefficients::Vector(from)) => to.clone_from(from),
-                (Coefficients::Normal(to), Coefficients::Normal(from)) => to.clone_from(from),
+                (Coefficients::Vector(to), Coefficients::Vector(from)) => {
+                    to.clone_from(from);
+                    silence(to, self.most_harmonics, [0.0; 3]);
+                }
+                (Coefficients::Normal(to), Coefficients::Normal(from)) => {
+                    to.clone_from(from);
+                    silence(to, self.most_harmonics, 0.0);
+                }
                 _ => return Err(MusicError::Size { what: "terms of the same form", found: 0, expected: 1 }),
             }
             term.residual_gain = voice.term.residual_gain;
@@ -208,5 +241,12 @@ impl Voices {
             item.terms.iter_mut().for_each(|term| scale_term(term, scale));
         }
         Ok(reach)
+    }
+}
+
+/// Sets all coefficients from `first` on to zero.
+fn silence<T: Copy>(coefficients: &mut [T], first: usize, zero: T) {
+    if let Some(fine) = coefficients.get_mut(first..) {
+        fine.fill(zero);
     }
 }

@@ -140,6 +140,50 @@ fn voices_move_every_item_of_an_ensemble_and_a_session_keeps_them() {
     assert_eq!(Show::from_text(&text).unwrap().replay(shape).unwrap(), instrument);
 }
 
+#[test]
+fn voices_leave_out_what_a_slow_machine_does() {
+    let (_, dancer) = ready();
+    let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: 8 };
+    let mut instrument = Instrument::new(3, 6, shape).unwrap();
+    let loud = VoiceSettings { driver: Driver::Mid, gain: 1.0 };
+    instrument.apply(Moment::default(), Action::SetVoice { voice: 0, settings: loud }).unwrap();
+    let layer = Term { coefficients: Coefficients::Vector(vec![[0.001; 3]; K]), ..shift([0.0; 3]) };
+    let mut ensemble = Ensemble::new(dancer.clone()).with_voices(vec![layer]).unwrap();
+    let mid = [0.5; 8];
+    let mut loud_ones = |most: Option<u32>| {
+        ensemble.use_at_most(most);
+        let items = ensemble.play(&instrument, &mono(&mid), Beat::default()).unwrap();
+        let Coefficients::Vector(c) = &items[0].terms.last().unwrap().coefficients else { panic!() };
+        let loud = c.iter().rposition(|c| *c != [0.0; 3]).unwrap() + 1;
+        (loud, ensemble.harmonics_wanted())
+    };
+    assert_eq!(loud_ones(None), (K, K as u32));
+    let (loud, wanted) = loud_ones(Some(8));
+    assert!((2..=8).contains(&loud) && wanted == K as u32, "{loud}, {wanted}");
+    assert_eq!(loud_ones(None), (K, K as u32));
+}
+
+#[test]
+fn only_harmonics_that_a_mapping_drives_are_wanted() {
+    let (_, dancer) = ready();
+    let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: 8 };
+    let mut instrument = Instrument::new(3, 6, shape).unwrap();
+    let mut ensemble = Ensemble::new(dancer.clone());
+    let low = Mapping { transfer: vec![0.4; 8], amplification: vec![1.0; K], ..Mapping::rest(8, K) };
+    let mut wanted = |instrument: &Instrument, most: Option<u32>| {
+        ensemble.use_at_most(most);
+        let (mid, settings) = ([0.5; 8], Settings::default());
+        ensemble.audition(instrument, (&low, &settings), &mono(&mid), Beat::default()).unwrap();
+        ensemble.harmonics_wanted()
+    };
+    let of_low = wanted(&instrument, None);
+    assert!((7..K as u32).contains(&of_low), "{of_low}");
+    // The limit of the machine does not change what is wanted; that of the person does.
+    assert_eq!(wanted(&instrument, Some(3)), of_low);
+    instrument.apply(Moment::default(), Action::SetHarmonics { harmonics: 4 }).unwrap();
+    assert_eq!(wanted(&instrument, None), 4);
+}
+
 proptest! {
     #[test]
     fn no_sound_pushes_voices_beyond_the_limit(

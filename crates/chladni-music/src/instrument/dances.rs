@@ -39,7 +39,7 @@ impl Instrument {
         Ok(())
     }
 
-    /// Changes the favorites or how they follow each other. The one that is shown in turn stays on stage.
+    /// Changes the favorites, or how dances follow each other. The one that is shown in turn stays on stage.
     pub(super) fn staying_in_turn(
         &mut self,
         beat: f64,

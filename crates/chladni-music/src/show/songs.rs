@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::{TappedBeats, Taps};
+
 /// An external file that a show needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -49,9 +51,25 @@ pub struct BeatReading {
     /// How much later they are, within a minute.
     #[serde(default)]
     pub shift_secs: f64,
+    /// Beats that take the place of those that were found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tapped: Option<TappedBeats>,
 }
 
 impl BeatReading {
+    /// Takes taps to a song whose beats were found at `found_secs` (ascending). Four or more even ones that these do not
+    /// explain take their place; taps at their tempo, or at an octave of it, bring them back. True where the beats are
+    /// those of the taps.
+    pub fn hear(&mut self, taps: &Taps, found_secs: &[f64]) -> bool {
+        let Some((beats, is_found)) = taps.over(found_secs) else { return false };
+        if !is_found {
+            *self = Self { tapped: Some(beats), ..Self::default() };
+        } else if self.tapped.is_some() {
+            *self = Self::default();
+        }
+        !is_found
+    }
+
     /// Lets the beats come later by this much; all in all a minute at most.
     pub fn shift(&mut self, by_secs: f64) {
         if by_secs.is_finite() {
@@ -59,9 +77,12 @@ impl BeatReading {
         }
     }
 
-    /// The corrected beats (ascending).
+    /// The corrected beats (ascending). Beats that were tapped reach from the first to the last one that was found.
     pub fn of(self, beats_secs: &[f64]) -> Vec<f64> {
-        let mut read = beats_secs.to_vec();
+        let mut read: Vec<f64> = match self.tapped {
+            Some(tapped) => tapped.among(beats_secs).into_iter().map(|(_, secs)| secs).collect(),
+            None => beats_secs.to_vec(),
+        };
         for _ in 0..self.octave.clamp(0, MOST_OCTAVES) {
             let between = read.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
             let mut both: Vec<f64> = read.iter().copied().chain(between).collect();
@@ -179,11 +200,68 @@ mod tests {
 
     #[test]
     fn beats_are_read_twice_and_half_as_fast_and_later() {
-        let read = |octave, shift_secs| BeatReading { octave, shift_secs }.of(&[1.0, 2.0, 3.0]);
+        let read = |octave, shift_secs| BeatReading { octave, shift_secs, tapped: None }.of(&[1.0, 2.0, 3.0]);
         assert_eq!(read(0, 0.0), [1.0, 2.0, 3.0]);
         assert_eq!(read(1, 0.25), [1.25, 1.75, 2.25, 2.75, 3.25]);
         assert_eq!(read(-1, 0.0), [1.0, 3.0]);
         assert_eq!((read(i32::MIN, 0.0), read(i32::MAX, 0.0)), (read(-3, 0.0), read(3, 0.0)));
-        assert_eq!(BeatReading { octave: 3, shift_secs: 0.0 }.of(&[]), [0.0; 0]);
+        assert_eq!(BeatReading { octave: 3, ..BeatReading::default() }.of(&[]), [0.0; 0]);
+    }
+
+    /// The reading after taps at `bpm` from 20 s on, each 10 ms early or late, to a song that was found to have 93.
+    fn after_taps(mut reading: BeatReading, bpm: f64, count: u32) -> BeatReading {
+        let found_secs = found_secs();
+        let mut taps = Taps::default();
+        for n in 0..count {
+            let off_secs = if n % 2 == 0 { 0.01 } else { -0.01 };
+            taps.add(20.0 + f64::from(n) * 60.0 / bpm + off_secs);
+            reading.hear(&taps, &found_secs);
+        }
+        reading
+    }
+
+    fn found_secs() -> Vec<f64> {
+        (0..200).map(|n| 1.0 + f64::from(n) * 60.0 / 93.0).collect()
+    }
+
+    #[test]
+    fn even_taps_at_another_tempo_give_a_song_that_tempo() {
+        let found = BeatReading::default();
+        assert_eq!(after_taps(found, 140.0, 3), found);
+        for count in [4, 8, 30] {
+            let reading = after_taps(BeatReading { octave: 1, shift_secs: 0.2, tapped: None }, 140.0, count);
+            let tapped = reading.tapped.unwrap();
+            assert_eq!(reading, BeatReading { tapped: Some(tapped), ..found });
+            assert!(tapped.per_found == 1.5 && tapped.at_secs > 19.0, "{count}: {tapped:?}");
+        }
+        let tapped = after_taps(found, 140.0, 8);
+        let read = tapped.of(&found_secs());
+        let gap_secs = 60.0 / (1.5 * 93.0);
+        assert!(read.windows(2).all(|pair| (pair[1] - pair[0] - gap_secs).abs() < 1e-9));
+        assert!(read.iter().any(|beat| (beat - 20.0).abs() < 0.02), "the first tap is a beat");
+        assert!(read[0] - 1.0 < gap_secs && read.len() > 280);
+        let twice = BeatReading { octave: 1, ..tapped }.of(&found_secs());
+        assert_eq!(twice.len(), 2 * read.len() - 1);
+        // No simple ratio.
+        let tapped = after_taps(found, 115.0, 16).tapped.unwrap();
+        assert!((93.0 * tapped.per_found - 115.0).abs() < 0.5, "{tapped:?}");
+        // Nothing was found: there is nothing that can be read otherwise.
+        assert!(after_taps(found, 140.0, 8).of(&[3.0]).is_empty());
+    }
+
+    #[test]
+    fn taps_that_the_beats_explain_keep_them_and_bring_them_back() {
+        let found = BeatReading::default();
+        let other = after_taps(found, 140.0, 8);
+        for bpm in [93.0, 46.5, 186.0, 94.5] {
+            assert_eq!(after_taps(found, bpm, 8), found, "{bpm}");
+            assert_eq!(after_taps(other, bpm, 8), found, "{bpm}");
+        }
+        // Neither even nor apart.
+        let mut taps = Taps::default();
+        for secs in [20.0, 20.3, 21.0, 21.4, 22.3, 22.6, f64::NAN, 22.65, 22.7] {
+            taps.add(secs);
+            assert_eq!(taps.over(&found_secs()), None, "{secs}");
+        }
     }
 }

@@ -51,30 +51,30 @@ fn a_fader_brings_the_next_one_and_goes_back_for_the_one_after() {
     let (mut stage, parameters) = (Stage::default(), Parameters::default());
     stage.show_item(3, 0.0, &[], &parameters);
     let scene = |stage: &Stage| stage.scene(20.0, &[], &parameters).unwrap();
-    stage.fade(0.4);
+    stage.fade(0.4, 0.0);
     assert_eq!(scene(&stage).to, 3);
-    stage.fade(0.0);
+    stage.fade(0.0, 0.0);
     for (way, before, id) in [([0.0, 0.25, 0.5, 0.9], 3, 7), ([1.0, 0.75, 0.5, 0.1], 7, 9)] {
         stage.cue_up(id);
         let mut last = 0.0;
         for fader in way {
-            stage.fade(fader);
+            stage.fade(fader, 0.0);
             let now = scene(&stage);
             let weight = if now.to == id { now.weight } else { 0.0 };
             assert!(weight >= last && weight < 1.0 && (now.from == before), "{now:?}");
             last = weight;
         }
         assert!(last > 0.9);
-        stage.fade(if way[0] == 0.0 { 1.0 } else { 0.0 });
+        stage.fade(if way[0] == 0.0 { 1.0 } else { 0.0 }, 0.0);
         assert_eq!(scene(&stage), Scene { from: id, to: id, weight: 1.0 });
         assert_eq!(stage.next(), None);
     }
     // Without a stage nothing is shown, and who is next stays next.
     stage.clear();
     stage.cue_up(4);
-    stage.fade(1.0);
+    stage.fade(1.0, 0.0);
     assert!(stage.scene(1.0, &[], &parameters).is_none() && stage.next().is_some());
-    stage.fade(0.0);
+    stage.fade(0.0, 0.0);
     stage.show_item(4, 2.0, &[], &parameters);
     assert_eq!((stage.next(), scene(&stage).to), (None, 4));
 }

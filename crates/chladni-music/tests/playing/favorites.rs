@@ -139,3 +139,49 @@ fn a_favorite_that_is_one_no_longer_leaves_the_stage() {
     assert_eq!(instrument.scene(beat + 6.0), None);
     assert_eq!(instrument.with_beats(|secs| secs).unwrap(), instrument);
 }
+
+#[test]
+fn the_gallery_steps_on_the_beat_from_the_dance_that_was_put_on_stage() {
+    let mut instrument = instrument();
+    let ids: Vec<ItemId> = instrument.gallery().items().iter().map(|item| item.id).collect();
+    let steps = |on| Action::Switch { switch: Switch::BeatSteps, on };
+    let shown = |instrument: &Instrument, beat: f64| instrument.scene(beat).map(|scene| scene.to).unwrap();
+    apply(&mut instrument, 0.0, Action::Set { parameter: Parameter::BeatsPerStep, value: STEP as f32 });
+    apply(&mut instrument, 0.0, Action::PerformGallery { first: 4 });
+    assert_eq!(shown(&instrument, 10.0 * STEP), ids[4]);
+    apply(&mut instrument, 0.0, steps(true));
+    for (step, place) in [4, 5, 0, 1].into_iter().enumerate() {
+        assert_eq!(shown(&instrument, (step as f64 + 0.9) * STEP), ids[place], "step {step}");
+    }
+    // Another gallery changes nothing on stage, and what is turned off stays with the dance of now.
+    apply(&mut instrument, STEP, Action::NewGallery { seed: 78, size: 9 });
+    assert_eq!(shown(&instrument, 2.9 * STEP), ids[0]);
+    assert!(ids.iter().all(|id| instrument.item(*id).is_some()));
+    apply(&mut instrument, 2.9 * STEP, steps(false));
+    assert_eq!(shown(&instrument, 9.9 * STEP), ids[0]);
+    assert_eq!(instrument.with_beats(|secs| secs).unwrap(), instrument);
+    // Alone is alone.
+    apply(&mut instrument, 10.0 * STEP, steps(true));
+    apply(&mut instrument, 10.0 * STEP, Action::Perform { item: 0 });
+    assert_eq!(shown(&instrument, 15.0 * STEP), instrument.gallery().items()[0].id);
+    assert_eq!(instrument.item(ids[1]), None);
+    let before = instrument.clone();
+    let nowhere = Action::PerformGallery { first: 9 };
+    assert!(instrument.apply(Moment::default(), nowhere).is_err() && instrument == before);
+}
+
+#[test]
+fn the_gallery_goes_on_from_the_one_that_is_brought_by_hand() {
+    for by_fader in [false, true] {
+        let mut instrument = instrument();
+        let ids: Vec<ItemId> = instrument.gallery().items().iter().map(|item| item.id).collect();
+        apply(&mut instrument, 0.0, Action::Switch { switch: Switch::BeatSteps, on: true });
+        apply(&mut instrument, 0.0, Action::Set { parameter: Parameter::BeatsPerStep, value: STEP as f32 });
+        apply(&mut instrument, 0.0, Action::PerformGallery { first: 0 });
+        apply(&mut instrument, 4.0, Action::CueUp { item: 3 });
+        apply(&mut instrument, 8.0, if by_fader { Action::Crossfade { share: 1.0 } } else { Action::Go });
+        let shown = |beat: f64| instrument.scene(beat).map(|scene| scene.to);
+        assert_eq!([8.0, 7.0 + STEP, 9.0 + STEP].map(shown), [3, 3, 4].map(|place: usize| Some(ids[place])));
+        assert_eq!(instrument.next_on_stage(), None);
+    }
+}

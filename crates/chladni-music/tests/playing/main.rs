@@ -11,8 +11,9 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{Orientation, samples};
 use chladni_music::{
-    Action, Bands, Beat, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment, Parameters,
-    Player, Playing, Preset, Resonators, Show, Switch, Symmetry, Timbre, react, repertoire,
+    Action, Bands, Beat, BeatReading, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment,
+    Parameters, Player, Playing, Preset, Resonators, Show, SongRef, Switch, Symmetry, TappedBeats, Timbre, react,
+    repertoire,
 };
 use chladni_sound::{Spectrum, SpectrumAnalyzer, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};

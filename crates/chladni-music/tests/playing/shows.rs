@@ -188,6 +188,21 @@ fn a_session_replays_bit_for_bit_through_its_file() {
 }
 
 #[test]
+fn a_show_keeps_the_tempo_that_was_tapped_for_a_song() {
+    let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+    let tapped = Some(TappedBeats { per_found: 1.5, at_secs: 20.25 });
+    let reading = BeatReading { octave: -1, shift_secs: 0.125, tapped };
+    let song = SongRef { path: "sample:tune".into(), blake3: None, reading };
+    let show = Show { songs: vec![song], ..Show::of(&Instrument::new(1, 6, shape).unwrap()) };
+    let text = show.to_text().unwrap();
+    assert_eq!(Show::from_text(&text).unwrap().songs, show.songs);
+    for per_found in ["0.0", "1e9", "nan"] {
+        let wrong = text.replace("per_found = 1.5", &format!("per_found = {per_found}"));
+        assert!(wrong != text && Show::from_text(&wrong).is_err(), "{per_found}");
+    }
+}
+
+#[test]
 fn a_dance_stays_on_stage_when_another_gallery_begins() {
     let shape = GalleryShape { eigenvalues: octopus().dancer.eigenvalues.clone(), bands: BANDS };
     let at = |at_beat: f64| Moment { at_secs: 0.5 * at_beat, at_beat };

@@ -1,29 +1,46 @@
 //! Beats and bars, as corrected by hand and as the director takes them.
 
-use chladni_music::{BarLine, BeatReading};
+use chladni_music::{BarLine, BeatReading, TappedBeats};
 use chladni_sound::{Bar, Beats, ENERGY_RATE_HZ, Section};
 
 /// Beats as a person wants them read.
 pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
-    let factor = 2f64.powi(reading.octave);
+    let factor = 2f64.powi(reading.octave) * reading.tapped.map_or(1.0, |tapped| tapped.per_found);
+    let (bars, sections) = match reading.tapped {
+        Some(tapped) => in_bars_of(tapped, beats),
+        None => (beats.bars.clone(), beats.sections.clone()),
+    };
     Beats {
         tempo_bpm: factor * beats.tempo_bpm,
         beats_secs: reading.of(&beats.beats_secs),
-        confidence: beats.confidence,
+        // Who taps them knows.
+        confidence: reading.tapped.map_or(beats.confidence, |_| 1.0),
         other_octaves_bpm: beats.other_octaves_bpm.map(|bpm| factor * bpm),
         // A bar stays one, however its beats are counted.
-        bars: beats
-            .bars
-            .iter()
-            .map(|bar| Bar { at_secs: bar.at_secs + reading.shift_secs, ..*bar })
+        bars: (bars.into_iter())
+            .map(|bar| Bar { at_secs: bar.at_secs + reading.shift_secs, ..bar })
             .collect(),
-        sections: beats
-            .sections
-            .iter()
-            .map(|section| Section { at_secs: section.at_secs + reading.shift_secs, ..*section })
+        sections: (sections.into_iter())
+            .map(|section| Section { at_secs: section.at_secs + reading.shift_secs, ..section })
             .collect(),
         energy: beats.energy.clone(),
     }
+}
+
+/// The bars of beats that were tapped, and the sections: each begins with the nearest bar.
+fn in_bars_of(tapped: TappedBeats, found: &Beats) -> (Vec<Bar>, Vec<Section>) {
+    let firsts = tapped.among(&found.beats_secs).into_iter().filter(|(place, _)| *place == 0);
+    let bars: Vec<Bar> = firsts.map(|(_, at_secs)| Bar { at_secs, beats: 4 }).collect();
+    let nearest = |secs: f64| {
+        let begin = bars.iter().map(|bar| bar.at_secs);
+        begin.min_by(|a, b| (a - secs).abs().total_cmp(&(b - secs).abs()))
+    };
+    let sections = found.sections.iter();
+    let mut sections: Vec<Section> = sections
+        .filter_map(|section| Some(Section { at_secs: nearest(section.at_secs)?, ..*section }))
+        .collect();
+    sections.dedup_by_key(|section| section.at_secs);
+    (bars, sections)
 }
 
 /// The bars of a song, as a director gets them.
@@ -38,4 +55,28 @@ pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
         let begins_section = beats.sections.iter().any(|section| section.at_secs == bar.at_secs);
         BarLine { at_secs: bar.at_secs, secs, energy, begins_section }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beats_that_were_tapped_have_bars_and_sections_of_their_own() {
+        let section = |at_secs, name| Section { at_secs, name, energy: 0.5 };
+        let beats_secs: Vec<f64> = (0..60).map(|n| 1.0 + 0.75 * f64::from(n)).collect();
+        let bars = beats_secs.iter().step_by(4).map(|&at_secs| Bar { at_secs, beats: 4 }).collect();
+        let sections = vec![section(1.0, 'A'), section(22.0, 'B')];
+        let found =
+            Beats { tempo_bpm: 80.0, beats_secs, confidence: 0.3, bars, sections, ..Beats::default() };
+        let tapped = Some(TappedBeats { per_found: 1.5, at_secs: 20.5 });
+        let read = read_beats(&found, BeatReading { tapped, shift_secs: 0.25, octave: 0 });
+        assert_eq!((read.tempo_bpm, read.confidence), (120.0, 1.0));
+        assert!(read.beats_secs.windows(2).all(|pair| (pair[1] - pair[0] - 0.5).abs() < 1e-9));
+        assert!(read.bars.iter().all(|bar| read.beats_secs.contains(&bar.at_secs) && bar.beats == 4));
+        assert!(read.bars.windows(2).all(|pair| (pair[1].at_secs - pair[0].at_secs - 2.0).abs() < 1e-9));
+        let begins = read.sections.iter().map(|section| section.at_secs);
+        assert!(begins.zip([2.75, 22.75]).all(|(begin, expected)| (begin - expected).abs() < 1e-9));
+        assert_eq!(bar_lines(&read).filter(|bar| bar.begins_section).count(), 2);
+    }
 }

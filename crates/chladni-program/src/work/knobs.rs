@@ -77,7 +77,7 @@ pub const SWITCHES: &[(&str, &[Choice])] = &[
         &[
             (Switch::BeatTurns, "Turn the shape"),
             (Switch::BeatLights, "Move the lights"),
-            (Switch::BeatSteps, "Next favorite"),
+            (Switch::BeatSteps, "Next dance"),
             (Switch::Camera, "Choose shots"),
         ],
     ),

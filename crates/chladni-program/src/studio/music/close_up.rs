@@ -154,7 +154,7 @@ fn header(
     }
     let stage = egui::Button::new(text(ui, Icon::Presentation, "Stage"));
     if button(ui, stage, "perform", "Stage", STAGE.tooltip(ui.ctx())) {
-        wishes.push(Wish::Do(Action::Perform { item: index }));
+        wishes.push(Wish::Do(Action::PerformGallery { first: index }));
     }
     let name = text(ui, Icon::GitFork, "Lineage");
     lineage::menu(ui, &name, instrument, item, wishes);

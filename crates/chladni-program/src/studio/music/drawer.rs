@@ -158,7 +158,7 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     ui.label(RichText::new("Pace").strong());
     let used = pace.harmonics().map_or(harmonics.count(), |k| (k as usize).min(harmonics.count()));
     let text = format!(
-        "{used} of {} harmonics, {:.1} ms a frame before drawing",
+        "At most {used} of {} harmonics, {:.1} ms a frame before drawing",
         harmonics.count(),
         1e3 * pace.mean_secs()
     );

@@ -316,6 +316,7 @@ fn as_it_is(mut show: Show, view: View, on_stage: bool, favorites: usize) -> Sho
     }
     let mut now = |action| show.actions.push(LoggedAction { moment: Moment::default(), action });
     match view {
+        // Alone, even if the beat was set to step.
         View::CloseUp(item) => now(Action::Perform { item }),
         _ if on_stage => {}
         _ if favorites > 0 => {

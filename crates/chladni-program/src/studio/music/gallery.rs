@@ -52,7 +52,7 @@ pub fn overlay(
             legible(ui, cell.right_top() + vec2(-EDGE, 24.0), Align2::RIGHT_TOP, standing, font, ACCENT);
         }
         if response.double_clicked() {
-            wishes.push(Wish::Do(Action::Perform { item: index }));
+            wishes.push(Wish::Do(Action::PerformGallery { first: index }));
         } else if response.clicked() {
             wishes.push(Wish::Do(Action::Choose { item: index, on: !item.chosen }));
         }
@@ -129,7 +129,7 @@ fn marks(
     button(Icon::Lock, item.locked, LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
     button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: 0.2 }));
     button(Icon::Spline, false, DRAW, Wish::Show(View::CloseUp(index)));
-    button(Icon::Presentation, false, STAGE, Wish::Do(Action::Perform { item: index }));
+    button(Icon::Presentation, false, STAGE, Wish::Do(Action::PerformGallery { first: index }));
 }
 
 fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut Vec<Wish>) {
@@ -142,7 +142,7 @@ fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut 
                 ui.close();
             }
         };
-        entry(ui, Icon::Presentation, "Put on stage", Wish::Do(Action::Perform { item }));
+        entry(ui, Icon::Presentation, "Put on stage", Wish::Do(Action::PerformGallery { first: item }));
         entry(ui, Icon::Spline, "Name and draw …", Wish::Show(View::CloseUp(item)));
         let name = if favorite { "No favorite any more" } else { "Favorite" };
         entry(ui, Icon::Star, name, Wish::Do(Action::Favorite { item, on: !favorite }));

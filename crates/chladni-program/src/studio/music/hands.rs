@@ -312,7 +312,7 @@ fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
         Target::Favorite => Action::Favorite { item, on: !marks.favorite },
         Target::Lock => Action::Lock { item, on: !marks.locked },
         Target::Mutate => Action::Mutate { item, amount: 0.2 },
-        Target::Stage => Action::Perform { item },
+        Target::Stage => Action::PerformGallery { first: item },
         Target::Cue => Action::CueUp { item },
         _ => return None,
     }))

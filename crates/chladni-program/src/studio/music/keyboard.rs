@@ -109,7 +109,7 @@ impl MusicRoom {
             when(&mut wishes, LOCK, Wish::Do(Action::Lock { item, on: !marks.locked }));
             when(&mut wishes, MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
             when(&mut wishes, DRAW, Wish::Show(View::CloseUp(item)));
-            when(&mut wishes, STAGE, Wish::Do(Action::Perform { item }));
+            when(&mut wishes, STAGE, Wish::Do(Action::PerformGallery { first: item }));
             when(&mut wishes, NEXT_UP, Wish::Do(Action::CueUp { item }));
         }
         if concert.view() != View::Gallery {

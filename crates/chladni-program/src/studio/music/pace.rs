@@ -21,7 +21,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Harmonics in use; `None` is all.
+    /// At most this many harmonics are in use; `None` is all.
     pub fn harmonics(&self) -> Option<u32> {
         self.harmonics
     }
@@ -31,13 +31,13 @@ impl Pace {
         self.mean_secs
     }
 
-    /// Counts a frame that took this long before drawing, of a body of `all` harmonics. Returns a message
-    /// when the number in use changes.
-    pub fn frame(&mut self, took: Duration, all: usize) -> Option<String> {
-        self.count(took.as_secs_f64(), all as u32)
+    /// Counts a frame that took this long before drawing, of dances that use `wanted` harmonics if none are left out.
+    /// Returns a message when the number in use changes.
+    pub fn frame(&mut self, took: Duration, wanted: u32) -> Option<String> {
+        self.count(took.as_secs_f64(), wanted)
     }
 
-    fn count(&mut self, secs: f64, all: u32) -> Option<String> {
+    fn count(&mut self, secs: f64, wanted: u32) -> Option<String> {
         self.total_secs += secs;
         self.frames += 1;
         if self.frames < FRAMES {
@@ -45,15 +45,16 @@ impl Pace {
         }
         self.mean_secs = self.total_secs / f64::from(self.frames);
         (self.total_secs, self.frames) = (0.0, 0);
-        let now = self.harmonics.unwrap_or(all);
+        // Those above have no weight: to leave them out saves nothing.
+        let now = self.harmonics.map_or(wanted, |most| most.min(wanted));
         if self.mean_secs > BUDGET_SECS && now > FEWEST {
             let fewer = (now / 2).max(FEWEST);
             self.harmonics = Some(fewer);
             return Some(format!("This machine is too slow for {now} harmonics: {fewer} are in use."));
         }
-        if self.mean_secs < ROOM_SECS && now < all {
-            let more = (now * 2).min(all);
-            self.harmonics = (more < all).then_some(more);
+        if self.mean_secs < ROOM_SECS && now < wanted {
+            let more = (now * 2).min(wanted);
+            self.harmonics = (more < wanted).then_some(more);
             return Some(format!("There is room again: {more} harmonics are in use."));
         }
         None
@@ -78,5 +79,25 @@ mod tests {
             assert_eq!((messages(&mut pace, 0.002), pace.harmonics()), (1, harmonics));
         }
         assert_eq!(messages(&mut pace, 0.002), 0);
+    }
+
+    #[test]
+    fn harmonics_that_no_dance_uses_are_not_left_out() {
+        let mut pace = Pace::default();
+        let message = |pace: &mut Pace, secs, wanted| {
+            let said: Vec<String> = (0..FRAMES).filter_map(|_| pace.count(secs, wanted)).collect();
+            said.concat()
+        };
+        // Of a shape of 512, dances use the first 64.
+        assert!(message(&mut pace, 0.030, 64).contains("too slow for 64 harmonics: 32"));
+        assert_eq!(pace.harmonics(), Some(32));
+        assert!(
+            message(&mut pace, 0.002, 64).contains("64 harmonics are in use") && pace.harmonics().is_none()
+        );
+        // A limit above what is used stays, and says nothing.
+        assert!(message(&mut pace, 0.030, 512).contains("256 are in use"));
+        assert_eq!((message(&mut pace, 0.002, 64).as_str(), pace.harmonics()), ("", Some(256)));
+        assert!(message(&mut pace, 0.030, 64).contains("too slow for 64 harmonics: 32"));
+        assert_eq!((message(&mut pace, 0.030, 20).as_str(), pace.harmonics()), ("", Some(32)));
     }
 }

@@ -22,7 +22,7 @@ impl MusicRoom {
             return;
         }
         let (Some(concert), Some(_)) = (&self.concert, &self.listening) else { return };
-        // One that is left ends already.
+        // A recorder that is still there has ended; its file is being written.
         if concert.outgoing.recorder.is_some() {
             return shared.notices.warn(STILL_WRITTEN);
         }

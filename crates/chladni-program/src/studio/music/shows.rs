@@ -252,7 +252,7 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     let became = concert.instrument().gallery().items().get(item).map(|item| item.id);
     let became = became.ok_or_else(|| Error::other("the gallery is empty"))?;
     if on_stage {
-        concert.act(Action::Perform { item })?;
+        concert.act(Action::PerformGallery { first: item })?;
     }
     if let Some(caution) = caution {
         shared.notices.warn(caution);

@@ -150,7 +150,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
     let status = listening.player().status();
     let (mut play, mut remove) = (None, None);
     for song in 0..listening.songs().len() {
-        // Rows out of sight create fewer widgets: an id for each keeps that from changing those of the controls below.
+        // Rows out of sight create fewer widgets: with an id for each row, the ids of the controls below stay the same.
         let (chosen, out) = ui.push_id(("song", song), |ui| song_row(ui, listening, &status, song)).inner;
         play = play.or(chosen.then_some(song));
         remove = remove.or(out.then_some(song));

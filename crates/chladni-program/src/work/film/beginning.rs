@@ -13,7 +13,7 @@ use crate::work::held::leave_out;
 pub struct Beginning {
     /// The show to repeat; the next three are then ignored.
     pub show: Option<Box<Show>>,
-    /// The dance that is on stage.
+    /// The dance that is on stage; where the beat steps, others of a gallery follow.
     pub preset: Option<Preset>,
     /// Seed of all that is random. Without preset and gallery a dance is bred from its gallery, and without a
     /// seed, too, the direct mapping is on stage.
@@ -105,7 +105,7 @@ fn put_on_stage(
     seed: Option<u64>,
     gallery: Option<usize>,
 ) -> Vec<Action> {
-    let perform = Action::Perform { item: 0 };
+    let perform = Action::PerformGallery { first: 0 };
     match (preset, gallery, seed) {
         (Some(preset), ..) => vec![Action::Take { item: 0, preset: Box::new(preset) }, perform],
         (None, Some(_), _) => Vec::new(),

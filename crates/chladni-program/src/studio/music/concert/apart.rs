@@ -141,7 +141,8 @@ impl Concert {
 
 /// Passes on taps to clicks and flashes, and Escape, which leaves them.
 fn taps(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
-    // Where this is drawn inside the first window, that window counts its clicks already.
+    // Drawn inside the first window, this would see that window's pointer, whose presses on the tap field are counted
+    // there.
     let is_own = ctx.viewport_id() != ViewportId::ROOT;
     let pressed = is_own && ctx.input(|input| input.pointer.primary_pressed());
     let taps = ctx.input_mut(taken) + usize::from(pressed);

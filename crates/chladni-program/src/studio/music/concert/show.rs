@@ -176,7 +176,7 @@ impl Concert {
         if frame.is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
             self.synthesize(items, &settings)?;
             let took = (shared.now)().saturating_duration_since(frame.began);
-            if let Some(message) = self.pace.frame(took, self.ensemble.dancer().harmonics()) {
+            if let Some(message) = self.pace.frame(took, self.ensemble.harmonics_wanted()) {
                 self.ensemble.use_at_most(self.pace.harmonics());
                 shared.notices.update("harmonics in use", message);
             }

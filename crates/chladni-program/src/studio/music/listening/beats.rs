@@ -7,7 +7,8 @@ use super::Listening;
 use crate::work::read_beats;
 
 impl Listening {
-    /// A tap by hand: the beats of a fully known song are shifted to it, and an outer clock takes it as a beat.
+    /// A tap by hand: the beats of a fully known song are shifted to it, or take the tempo of several, and an outer clock
+    /// takes it as a beat.
     pub fn tap(&mut self) {
         if self.outer.wanted || self.follows_clock() {
             self.hear_clock(ClockMessage::Beat { in_bar: None }, self.last_secs);
@@ -17,15 +18,31 @@ impl Listening {
         }
         // A person taps to what is heard.
         let at_secs = self.clock.at_secs() - self.ahead_secs();
-        let stretch = self.hearing.stretch();
-        let known = self.known_beats().and_then(|(number, beats)| {
-            let song_secs = stretch?.song_secs_at(at_secs);
-            Some((number, gap_secs(&beats.beats_secs, song_secs)?))
-        });
-        match known {
-            Some((number, gap_secs)) => self.read_otherwise(number, |reading| reading.shift(gap_secs)),
-            None => self.ear.follower.tap(self.ear.follower.now_secs()),
+        let song_secs = self.hearing.stretch().map(|stretch| stretch.song_secs_at(at_secs));
+        let known = self.known_beats().map(|(number, _)| number).zip(song_secs);
+        let is_taken = known.is_some_and(|(number, song_secs)| self.tap_song(number, song_secs));
+        if !is_taken {
+            self.ear.follower.tap(self.ear.follower.now_secs());
         }
+    }
+
+    /// A tap to a song whose beats are known, in seconds of the song; false where it has none.
+    fn tap_song(&mut self, number: usize, song_secs: f64) -> bool {
+        let before = self.taps.take().filter(|(of, _)| *of == number);
+        let mut taps = before.map(|(_, taps)| taps).unwrap_or_default();
+        taps.add(song_secs);
+        let reading = self.repertoire.get(number).and_then(|song| {
+            let (found, mut reading) = (song.beats.as_ref()?, song.reading);
+            if !reading.hear(&taps, &found.beats_secs) {
+                let gap_secs = gap_secs(&reading.of(&found.beats_secs), song_secs)?;
+                reading.shift(gap_secs);
+            }
+            Some(reading)
+        });
+        self.taps = Some((number, taps));
+        let Some(reading) = reading else { return false };
+        self.read_otherwise(number, |known| *known = reading);
+        true
     }
 
     /// The beat half as fast.

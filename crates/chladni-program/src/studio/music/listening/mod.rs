@@ -16,7 +16,9 @@ pub use wanted::{Input, MOST_GAIN_DB};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use chladni_music::{BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Moment, Parameters, Stretch};
+use chladni_music::{
+    BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Moment, Parameters, Stretch, Taps,
+};
 use chladni_sound::{
     Beats, Level, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, SongTags, Spectrum, WavSample,
     sample_tune, write_wav,
@@ -52,6 +54,8 @@ pub struct Listening {
     by_ear: bool,
     /// The beats of the song are known.
     had_beats: bool,
+    /// Taps to a song with known beats, by its number.
+    taps: Option<(usize, Taps)>,
     last_beat: Beat,
     /// When that was heard.
     heard_at: Instant,
@@ -140,6 +144,7 @@ impl Listening {
             beats_changed: false,
             by_ear: true,
             had_beats: false,
+            taps: None,
             last_beat: Beat::default(),
             heard_at: Instant::now(),
             ear: Ear::new(44_100)?,
@@ -216,7 +221,7 @@ impl Listening {
         self.last_beat.count = at.at_beat.max(self.hearing.beat_at(at.at_secs).count);
         self.ear.beats = BeatCount::from(self.last_beat.count);
         self.outer.was_followed = false;
-        self.repertoire = songs;
+        (self.repertoire, self.taps) = (songs, None);
         let mut list: Vec<PathBuf> = Vec::new();
         for song in &self.repertoire {
             let path = if song.path == Path::new(TUNE) { self.tune.clone() } else { song.path.clone() };
