@@ -1,4 +1,5 @@
 // What lies over a gallery's picture: a button for each item, so that pointer, keys and screen readers reach it.
+import { small } from "./mapping.js";
 
 const made = [];
 /** Those of the room that is shown. */
@@ -19,16 +20,17 @@ function cell(item) {
   lock.textContent = "Lock";
   lock.title = "It keeps its place when others are bred";
   deeds.append(vary, lock, stage);
-  box.append(choose, favor, deeds);
-  return { box, choose, stage, favor, vary, lock };
+  const curves = small();
+  box.append(choose, curves.box, favor, deeds);
+  return { box, curves, choose, stage, favor, vary, lock };
 }
 
 /**
  * Lays the buttons over cells of a picture of `width` × `height` pixels: x, y, width and height of each. `choices` has
  * what they do, `choose(item)` and `perform(item)`; what the second is called, `performs` and, aloud, `says(item)`;
- * `name(item)` for items without a name; and, where there is such a thing, `favor(item)`, `lock(item)` and `vary(item)`. Items
- * may have a `text` in place of their number, and be `idle`: nothing is chosen by them.
- * Where `isNamed`, the texts are names.
+ * `name(item)` for items without a name; and, where there is such a thing, `favor(item)`, `lock(item)`, `vary(item)` and
+ * `curves(item)`, the small curves of its cell. Items may have a `text` in place of their number, and be `idle`: nothing
+ * is chosen by them. Where `isNamed`, the texts are names.
  */
 export function drawCells(parent, cells, items, width, height, choices) {
   current = choices;
@@ -39,12 +41,13 @@ export function drawCells(parent, cells, items, width, height, choices) {
     parent.append(next.box);
     made.push(next);
   }
-  made.forEach(({ box, choose, stage, favor, vary, lock }, item) => {
+  made.forEach(({ box, curves, choose, stage, favor, vary, lock }, item) => {
     const [x, y, w, h] = cells.slice(4 * item, 4 * item + 4);
     const { chosen = false, favorite = false, locked = false, name, idle = false, text = item + 1 } = items[item] ?? {};
     const at = `left:${(100 * x) / width}%;top:${(100 * y) / height}%;width:${(100 * w) / width}%;height:${(100 * h) / height}%`;
     if (box.dataset.at !== at) box.style.cssText = box.dataset.at = at;
     box.className = ["cell", chosen && "chosen", choices.isNamed && "named"].filter(Boolean).join(" ");
+    curves.show(choices.curves?.(item));
     choose.textContent = text;
     choose.disabled = idle;
     choose.setAttribute("aria-pressed", chosen);

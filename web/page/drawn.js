@@ -54,10 +54,16 @@ export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
   });
 }
 
-/** A fresh canvas: its brush, how many pixels one of the page has, and where places lie in it. */
-export function plane(canvas, curve, { left = 0, below = 0 } = {}) {
+/** Gives a canvas as many pixels as it takes on the screen: its width and height. */
+export function fit(canvas) {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.max(1, Math.round(side * devicePixelRatio)));
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  return [width, height];
+}
+
+/** A fresh canvas: its brush, how many pixels one of the page has, and where places lie in it. */
+export function plane(canvas, curve, { left = 0, below = 0 } = {}) {
+  const [width, height] = fit(canvas);
   const brush = canvas.getContext("2d");
   const [edge, aside, foot] = [EDGE, left, below].map((side) => side * devicePixelRatio);
   const x = (share) => aside + edge + share * (width - aside - 2 * edge);

@@ -1,9 +1,12 @@
 // The gallery of dances: what can be done with each, breeding, and its generations.
+import { paths } from "./mapping.js";
 import { of, on, say } from "./page.js";
 
-/** The room does `act(action)`, `breed()`, and `begin(seed, size)` another gallery. */
+/** The room does `act(action)`, `breed()`, and `begin(seed, size)` another gallery; it has t and a of a dance, `curves(item)`. */
 let room;
 let state;
+/** The small curves of each dance, with the number of what they were drawn from. */
+const drawn = [];
 
 const act = (action) => room.act(action);
 
@@ -16,6 +19,7 @@ export const choices = {
   favor: (item) => act({ do: "favorite", item, on: !state.dances[item].favorite }),
   lock: (item) => act({ do: "lock", item, on: !state.dances[item].locked }),
   vary: (item) => act({ do: "mutate", item, amount: 0.2 }),
+  curves: (item) => drawn[item]?.paths,
 };
 
 /** Breeds; where children are suggested, the page stands still for it. */
@@ -32,6 +36,9 @@ async function breed() {
 /** Shows what a concert's state says. */
 export function show(now) {
   state = now;
+  state.dances.forEach(({ curves }, item) => {
+    if (drawn[item]?.curves !== curves) drawn[item] = { curves, paths: paths(...room.curves(item)) };
+  });
   const chosen = state.dances.filter((dance) => dance.chosen).length;
   const least = state.settings.switches.suggest ? 1 : 2;
   of("breed").textContent = chosen >= least ? `Breed ${chosen}` : "Breed";

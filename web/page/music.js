@@ -6,6 +6,7 @@ import { Sound } from "./sound.js";
 import * as shows from "./shows.js";
 import * as songs from "./songs.js";
 import { ask, giveUp, obsolete, works } from "./work.js";
+import * as sounding from "./sounding.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
 import * as dance from "./dance.js";
@@ -92,6 +93,8 @@ function hear() {
   heard[sound.number] = song;
   const { rate_hz, left, right, beats, loud } = song.sound;
   concert.know_song(sound.number, song.name, rate_hz, left, right, beats, loud);
+  if (song.reading) concert.read_beats_as(sound.number, song.reading);
+  else song.reading = concert.reading(sound.number);
 }
 
 /** How often something was bred, loved or drawn that no file has. */
@@ -193,7 +196,7 @@ export async function openText(name, bytes) {
   if (!mayReplace("Open the show", "The show is not open: Save show keeps the dances that are here.")) return;
   const begin = (dancing) => {
     dancing.open_show(text);
-    return needs.songs.map((song) => songs.find(song) ?? { name: song });
+    return needs.songs.map((song) => songs.findForShow(song) ?? { name: song });
   };
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) {
     if (!await danceOn(needs.body, begin)) return;
@@ -309,6 +312,7 @@ const room = {
     parked?.concert.draw_by_processor();
   },
   drawn: (width, height) => {
+    sounding.show(concert);
     if (state.played || isAnotherOnStage()) refresh();
     drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, gallery.choices);
     films.tick();
@@ -394,7 +398,7 @@ function refresh() {
   const isLive = !!listening.microphone();
   films.show(isLive || state.played);
   of("listen").setAttribute("aria-pressed", isLive);
-  of("heard").hidden = !isLive;
+  of("heard").hidden = of("tap-beat").hidden = !isLive;
   of("where-in-song").hidden = isLive;
   of("song").textContent = of("song").title = songName();
   for (const id of ["previous", "next"]) of(id).hidden = songs.count() < 2 || isLive;
@@ -504,7 +508,11 @@ const onKey = attempt((event) => {
   // A film goes on beneath its dialog, whose buttons may have no focus.
   if (films.isFilmed() || document.querySelector("dialog[open]")) return undefined;
   if (event.target.closest("button, input, select, textarea, summary, dialog, [role=slider]")) return undefined;
-  const acts = { " ": playOrPause, PageUp: () => player.beside(-1), PageDown: () => player.beside(1) }[event.key];
+  const correct = (change) => () => sounding.correct(change);
+  const acts = {
+    " ": playOrPause, PageUp: () => player.beside(-1), PageDown: () => player.beside(1),
+    "[": correct("halve_beat"), "]": correct("double_beat"), t: correct("tap_beat"),
+  }[event.key];
   if (!acts) return undefined;
   event.preventDefault();
   return acts();
@@ -524,9 +532,10 @@ export function listen() {
   dance.listen(act, gallery.choices);
   const shared = { sound, concert: () => concert, endShow, hear, playAloud, refresh };
   player.listen(shared);
+  sounding.listen(shared);
   // Nothing is to be heard where the room was left, and a film has its song.
   listening.listen({ ...shared, mayListen: () => isHere() && !films.isFilmed(), passOver: player.passOver });
-  gallery.listen({ act, breed: () => { concert.breed(); edits++; refresh(); }, begin: newGallery });
+  gallery.listen({ act, breed: () => { concert.breed(); edits++; refresh(); }, begin: newGallery, curves: (item) => [concert.transfer(item), concert.amplification(item)] });
   on("play", playOrPause);
   plate.listen(holdStill);
   addEventListener("keydown", onKey);

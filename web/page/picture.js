@@ -53,6 +53,9 @@ export const stir = () => { stirredAt = performance.now(); };
 /** Whether a hand moves it, or did a moment ago. */
 export const isStirred = (now) => now - stirredAt <= REST;
 
+/** `count` numbers in the module's memory, from where they begin: only until the module works again. */
+export const floats = (from, count) => new Float32Array(memory.buffer, from, count);
+
 /** Draws for ever. */
 export function start(moduleMemory) {
   memory = moduleMemory;

@@ -5,7 +5,7 @@ import { ask, giveUp, obsolete, works } from "./work.js";
 /** Our own, which makes room for any other. */
 export const TUNE = "sample:tune";
 
-/** Each is what it is called and its file; what plays has its sound, too. */
+/** Each is what it is called and its file; what plays has its sound, too, and what was heard the `reading` of its beats. */
 const list = [];
 let playing;
 /** What comes after it, once it was asked for. */
@@ -19,6 +19,13 @@ export const names = () => list.map(({ name }) => name);
 
 /** A song by its name: one that was brought, or the tune. */
 export const find = (name) => list.find((song) => song.name === name) ?? (name === TUNE ? { name } : undefined);
+
+/** The same for a show, which says itself how its beats are read. */
+export function findForShow(name) {
+  const song = find(name);
+  if (song) song.reading = undefined;
+  return song;
+}
 
 /** Adds songs at the end of the list; gives the first of them. */
 export function add(files) {

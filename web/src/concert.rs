@@ -1,6 +1,7 @@
 //! One body that dances: the music room without a window. The page says which song plays and how large its picture
 //! is, and gets the pixels.
 
+mod beat;
 mod curves;
 mod doings;
 mod files;
@@ -18,13 +19,14 @@ use chladni_music::{
 };
 use chladni_program::work::{
     Error, Hearing, KnownSong, Lag, Playing, Programme, Recent, SandTable, ShowClock, Staging, along,
-    chooses_shots, look_named, look_on_stage, opening_looks, opening_view,
+    chooses_shots, look_named, look_on_stage, opening_looks, opening_view, read_beats,
 };
-use chladni_sound::Song;
+use chladni_sound::{Beats, Song};
 use chladni_synth::SynthModel;
 use chladni_view::{Device, Figure, Look, Mood, Rect};
 use wasm_bindgen::prelude::*;
 
+use self::beat::ShowSong;
 use self::live::Live;
 use self::playing::Script;
 use self::stage::{Figures, Stage};
@@ -58,8 +60,8 @@ pub struct Concert {
     viewpoint: Viewpoint,
     /// See [`took_ms`](Self::took_ms).
     took_ms: [f64; 2],
-    /// Names of its songs, by number.
-    songs: Vec<String>,
+    /// Its songs, by number.
+    songs: Vec<ShowSong>,
     stage: Stage,
 }
 
@@ -132,12 +134,14 @@ impl Concert {
         loud: f32,
     ) -> Result<(), JsError> {
         let mut song = KnownSong::of_loudness(Arc::new(Song { rate_hz, left, right }), loud);
-        song.beats = Some(serde_json::from_str(beats)?);
+        let beats: Beats = serde_json::from_str(beats)?;
+        self.songs.resize_with(self.songs.len().max(number + 1), ShowSong::default);
+        let known = &mut self.songs[number];
+        song.beats = Some(read_beats(&beats, known.reading));
+        (known.name, known.beats) = (name, Some(beats));
         self.hearing.know(number, song);
         // The page plays one song at a time, and decodes it again where it is wanted again.
         self.hearing.forget_samples_but(number);
-        self.songs.resize(self.songs.len().max(number + 1), String::new());
-        self.songs[number] = name;
         Ok(())
     }
 

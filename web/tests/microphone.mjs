@@ -89,6 +89,8 @@ export async function heard() {
     assert.ok(!(await page.evaluate(() => window.chladni.sound.isHeard)), "the song is silent meanwhile");
     assert.ok((await page.locator("#microphone option").count()) >= 1);
     assert.ok(await page.isHidden("#seek"));
+    await page.click("#tap-beat");
+    await until(page, () => document.getElementById("tempo").textContent.includes("BPM"));
     const other = await page.locator("#microphone option").last().getAttribute("value");
     await page.selectOption("#microphone", other);
     await listens(page);
@@ -107,6 +109,7 @@ export async function heard() {
     await page.click("#back");
     await page.click("#listen");
     await page.waitForSelector("#microphone", { state: "hidden" });
+    assert.ok(await page.isHidden("#tap-beat"));
     await still(page);
     await page.click("#play");
     await moves(page, "to the song again");

@@ -36,6 +36,46 @@ async function draws(page) {
   step("curves are drawn by pointer and by keys");
 }
 
+/** Until the tempo that is shown, in whole beats per minute, is this one. */
+const beatsAt = (page, bpm) => until(page, (bpm) => Math.abs(Number.parseInt(document.getElementById("tempo").textContent, 10) - bpm) <= 1, bpm);
+
+/** The tempo that is shown, once there is one. */
+async function tempo(page) {
+  await until(page, () => /^\d+\sBPM, \d+\s%\ssure$/.test(document.getElementById("tempo").textContent));
+  return Number.parseInt(await page.textContent("#tempo"), 10);
+}
+
+/** The spectrum of the sound has a middle and sides; the beat is halved and doubled, by buttons and by keys. Gives its tempo. */
+async function hears(page) {
+  await until(page, () => {
+    const canvas = document.getElementById("spectrum");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    const lit = [0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+      if (data[i + 3] < 128) continue;
+      if (data[i] > 1.5 * data[i + 2]) lit[0]++;
+      if (data[i + 2] > 1.5 * data[i]) lit[1]++;
+    }
+    return Math.min(...lit) > 20;
+  });
+  const bpm = await tempo(page);
+  await page.click("#double-beat");
+  await beatsAt(page, 2 * bpm);
+  await page.focus("#picture");
+  await page.keyboard.press("[");
+  await beatsAt(page, bpm);
+  await page.keyboard.press("]");
+  await beatsAt(page, 2 * bpm);
+  for (let i = 0; i < 2; i++) await page.click("#halve-beat");
+  await beatsAt(page, bpm / 2);
+  assert.ok(await page.isHidden("#tap-beat"), "the beat of a song is not tapped");
+  step(`the spectrum is drawn, and the beat, ${bpm} a minute, is halved and doubled`);
+  return bpm;
+}
+
+/** t and a as they are drawn in a cell of the gallery. */
+const smallCurves = (page, cell) => page.$$eval(`.cell:nth-child(${cell}) .mapping .line`, (lines) => lines.map((line) => line.getAttribute("d")));
+
 /** Drops a silent song of 70 minutes: of so few samples a second, and so coarse, that its file is small. */
 const dropLongSong = (page) => page.evaluate(() => {
   const [rate, frames] = [8000, 33_600_000];
@@ -196,6 +236,7 @@ export async function laptop() {
   await moves(page, "twelve dances");
   await page.waitForTimeout(3000);
   await shot("laptop-gallery");
+  const tuneBpm = await hears(page);
 
   await page.click(".cell:nth-child(2) .choose");
   await page.click(".cell:nth-child(7) .choose");
@@ -225,6 +266,9 @@ export async function laptop() {
   await ownColors(page);
   await drop(page, ["torus.obj", torus(60, 30)]);
   await until(page, () => window.chladni.state.body === "torus.obj");
+  await beatsAt(page, tuneBpm / 2);
+  await page.click("#double-beat");
+  await beatsAt(page, tuneBpm);
   await moves(page, "a mesh that was dropped");
   await shot("laptop-mesh");
   await drop(page, ["clicks.wav", song(12)]);
@@ -233,11 +277,17 @@ export async function laptop() {
   await moves(page, "a song that was dropped");
   step("a mesh and a song were dropped");
 
+  const songBpm = await tempo(page);
+  await page.click("#halve-beat");
+  await beatsAt(page, songBpm / 2);
   const before = await state(page);
   const saving = page.waitForEvent("download");
   await page.click("#save-show");
   const show = join(screens, "show.toml");
   await (await saving).saveAs(show);
+  assert.match(readFileSync(show, "utf8"), /^octave = -1$/m);
+  await page.click("#double-beat");
+  await beatsAt(page, songBpm);
   await page.click(".cell:nth-child(1) .choose");
   await page.click(".cell:nth-child(4) .choose");
   await page.click("#breed");
@@ -246,7 +296,8 @@ export async function laptop() {
   await until(page, (generation) => window.chladni.state.generation === generation, before.generation);
   const { dances, settings } = await state(page);
   assert.deepEqual({ dances, settings }, { dances: before.dances, settings: before.settings });
-  step("a show was saved and opened again");
+  await beatsAt(page, songBpm / 2);
+  step("a show was saved and opened again, and its beat is read as it was");
 
   await drop(page, ["broken.obj", Buffer.from("v 1 2\nf 1 2 3\n")]);
   await until(page, () => document.getElementById("status").className === "bad");
@@ -261,7 +312,13 @@ export async function laptop() {
   const preset = await saved(page);
   const presses = (cell, what) => page.locator(`.cell:nth-child(${cell}) .${what}`).dispatchEvent("click");
   await presses(12, "lock");
+  const curves = await smallCurves(page, 11);
+  assert.ok(curves.length === 2 && curves.every((curve) => /^M0\.0 .*L100\.0 /.test(curve)), `t and a: ${curves}`);
   await presses(11, "vary");
+  await until(page, (before) => {
+    const lines = [...document.querySelectorAll(".cell:nth-child(11) .mapping .line")];
+    return lines.some((line, i) => line.getAttribute("d") !== before[i]);
+  }, curves);
   await presses(11, "choose");
   assert.notDeepEqual(mapping(await saved(page)), mapping(preset));
   await presses(11, "choose");

@@ -1,6 +1,6 @@
-//! The two curves of the dance on stage, drawn by hand.
+//! The two curves of a dance; those of the one on stage are drawn by hand.
 
-use chladni_music::{Action, direct_transfer};
+use chladni_music::{Action, Mapping, direct_transfer};
 use chladni_program::work::drawn_curve;
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
@@ -36,14 +36,30 @@ impl Concert {
         self.instrument.gallery().items().iter().position(|item| item.id == scene.to)
     }
 
+    /// t of a dance of the gallery: from the lowest band of the sound to the highest, which harmonic each drives, from 0
+    /// for the first to 1 for the last.
+    ///
+    /// # Errors
+    /// A dance that is not there.
+    pub fn transfer(&self, item: usize) -> Result<Vec<f32>, JsError> {
+        Ok(self.mapping(item)?.transfer.clone())
+    }
+
+    /// a of a dance of the gallery: how strongly each harmonic answers, in [−1, 1].
+    ///
+    /// # Errors
+    /// A dance that is not there.
+    pub fn amplification(&self, item: usize) -> Result<Vec<f32>, JsError> {
+        Ok(self.mapping(item)?.amplification.clone())
+    }
+
     /// Gives a dance a ready-made curve, to begin from: `direct` (low sounds to low harmonics), `reversed`, `rest` (no
     /// harmonic answers), or `opposite` (what shrinks grows).
     ///
     /// # Errors
     /// A name that none has, and a dance that is not there.
     pub fn begin_curve(&mut self, item: usize, name: &str) -> Result<(), JsError> {
-        let items = self.instrument.gallery().items();
-        let mapping = &items.get(item).ok_or_else(|| JsError::new("there is no such dance"))?.genome;
+        let mapping = self.mapping(item)?;
         let transfer = |transfer| Action::SetTransfer { item, transfer };
         let amplification = |amplification| Action::SetAmplification { item, amplification };
         let action = match name {
@@ -57,6 +73,13 @@ impl Concert {
             _ => return Err(JsError::new("there is no such curve")),
         };
         Ok(self.act(action)?)
+    }
+}
+
+impl Concert {
+    fn mapping(&self, item: usize) -> Result<&Mapping, JsError> {
+        let found = self.instrument.gallery().items().get(item);
+        Ok(&found.ok_or_else(|| JsError::new("there is no such dance"))?.genome)
     }
 }
 

@@ -1,11 +1,12 @@
 //! Shows and presets, as the texts that the desktop reads and writes, too.
 
-use chladni_music::{Action, FileRef, Preset, Show, SongRef};
+use chladni_music::{Action, FileRef, Preset, Show};
 use chladni_program::work::{Hearing, ShowClock, cautions};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
+use super::beat::ShowSong;
 
 /// The files of a show that the page has to find by itself.
 #[derive(Serialize)]
@@ -42,7 +43,7 @@ impl Concert {
             body: Some(file(&self.name)),
             looks: Some(self.looks.clone()),
             viewpoint: self.viewpoint,
-            songs: self.songs.iter().map(|name| SongRef::of(file(name))).collect(),
+            songs: self.songs.iter().map(ShowSong::reference).collect(),
             heard: self.hearing.stretches().collect(),
             clock: self.clock_track(),
             duration_secs: Some(self.clock.at_secs()),
@@ -64,7 +65,7 @@ impl Concert {
         self.hearing = Hearing::continued(&show.heard, show.clock, at_secs);
         self.clock = ShowClock::from(at_secs);
         self.hearing.tune(at_secs, self.instrument.parameters());
-        self.songs = show.songs.into_iter().map(|song| song.path).collect();
+        self.songs = show.songs.into_iter().map(ShowSong::from).collect();
         self.viewpoint = show.viewpoint;
         self.looks = show.looks.unwrap_or_default();
         Ok(())

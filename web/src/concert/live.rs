@@ -75,6 +75,16 @@ impl Live {
     pub fn new_bars(&mut self, at_secs: f64) -> Vec<BarLine> {
         self.bars.drain(..).map(|bar| BarLine { at_secs, ..bar }).collect()
     }
+
+    /// The ear that listens.
+    pub fn ear(&self) -> &Ear {
+        &self.ear
+    }
+
+    /// The same, for corrections of its beat.
+    pub fn ear_mut(&mut self) -> &mut Ear {
+        &mut self.ear
+    }
 }
 
 #[wasm_bindgen]

@@ -8,6 +8,7 @@ use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
+use super::beat::ShowSong;
 
 /// The rest of a show.
 pub(super) struct Script {
@@ -50,7 +51,7 @@ impl Concert {
         (self.programme, self.before_sand, self.live) = (None, None, None);
         (self.hearing, self.clock) = (Hearing::default(), ShowClock::default());
         self.hearing.tune(0.0, self.instrument.parameters());
-        self.songs.clear();
+        self.songs = show.songs.into_iter().map(ShowSong::from).collect();
         Ok(())
     }
 

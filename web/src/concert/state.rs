@@ -1,11 +1,12 @@
 //! The state of a concert that the page shows beside its picture.
 
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hasher};
 
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-use chladni_music::{FormControl, Looks, Settings, Switch, Viewpoint};
+use chladni_music::{FormControl, Looks, Mapping, Settings, Switch, Viewpoint};
 
 use super::Concert;
 use super::knobs::{idle_knobs, timbre};
@@ -20,6 +21,16 @@ struct Dance<'a> {
     /// Its own strength and μ.
     gain: f32,
     stereo_mu: f32,
+    /// Another number where t or a is another one.
+    curves: u32,
+}
+
+fn hash_of_curves(mapping: &Mapping) -> u32 {
+    let mut hasher = DefaultHasher::new();
+    for value in mapping.transfer.iter().chain(&mapping.amplification) {
+        hasher.write_u32(value.to_bits());
+    }
+    hasher.finish() as u32
 }
 
 #[derive(Serialize)]
@@ -80,6 +91,7 @@ impl Concert {
                     locked: item.locked,
                     gain: item.genome.gain,
                     stereo_mu: item.genome.stereo_mu,
+                    curves: hash_of_curves(&item.genome),
                 })
                 .collect(),
             generation: gallery.current(),
