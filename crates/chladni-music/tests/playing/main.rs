@@ -12,8 +12,8 @@ use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{Orientation, samples};
 use chladni_music::{
     Action, Bands, Beat, BeatReading, Dancer, Ensemble, Form, GalleryShape, Instrument, Mapping, Moment,
-    Parameters, Player, Playing, Preset, Resonators, Show, SongRef, Switch, Symmetry, TappedBeats, Timbre, react,
-    repertoire,
+    Parameters, Player, Playing, Preset, Resonators, Show, SongRef, Switch, Symmetry, TappedBeats, Timbre,
+    react, repertoire,
 };
 use chladni_sound::{Spectrum, SpectrumAnalyzer, SpectrumSettings, sample_tune};
 use chladni_synth::{Item, displacements_f64};
