@@ -184,7 +184,7 @@ fn recorded(folder: &Path, trace: &Trace) -> (Window, Answers) {
 /// Steps for a while in the time that goes by for the song, too: with a clock of frames alone, a busy machine's window
 /// would see the song leap in each of them.
 fn run_for(window: &mut Window, secs: f64) {
-    let (start, from_secs) = (std::time::Instant::now(), window.ctx.input(|input| input.time));
+    let (start, from_secs) = (Instant::now(), window.ctx.input(|input| input.time));
     let mut steps = 0.0;
     // Effects that take frames, such as a wheel that runs out, need their number of frames however late these come.
     while start.elapsed().as_secs_f64() < secs || steps < 20.0 * secs {

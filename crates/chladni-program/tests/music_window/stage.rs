@@ -56,7 +56,7 @@ fn a_film_plays_behind_what_dances() {
     let (mut window, _folder) = enter_with(&format!("look = \"\"\npicture = {film:?}\n"));
     press_on(&mut window, "dance/1", Key::S);
     let (mut dark, mut bright) = (false, false);
-    let began = std::time::Instant::now();
+    let began = Instant::now();
     while !(dark && bright) {
         assert!(began.elapsed() < chladni_testdata::HANGS, "dark {dark}, bright {bright}");
         window.run_steps(5);

@@ -59,6 +59,7 @@ fn longest_wait<T>(work: impl FnOnce() -> T) -> (Duration, T) {
 
 /// Playback through a device follows the wall clock: attempts count during which the machine kept nobody waiting, and one
 /// of four must succeed.
+#[allow(clippy::print_stdout, reason = "a skipped test must say so")]
 fn undisturbed(mut measure: impl FnMut() -> (bool, String)) {
     let mut reports = Vec::new();
     for _ in 0..4 {
