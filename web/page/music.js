@@ -508,10 +508,11 @@ const onKey = attempt((event) => {
   // A film goes on beneath its dialog, whose buttons may have no focus.
   if (films.isFilmed() || document.querySelector("dialog[open]")) return undefined;
   if (event.target.closest("button, input, select, textarea, summary, dialog, [role=slider]")) return undefined;
-  const correct = (change) => () => sounding.correct(change);
+  // A key that is held is pressed once.
+  const correct = (change) => () => (event.repeat ? undefined : sounding.correct(change));
   const acts = {
     " ": playOrPause, PageUp: () => player.beside(-1), PageDown: () => player.beside(1),
-    "[": correct("halve_beat"), "]": correct("double_beat"), t: correct("tap_beat"),
+    "[": correct("halve_beat"), "]": correct("double_beat"), t: correct("tap_beat"), T: correct("tap_beat"),
   }[event.key];
   if (!acts) return undefined;
   event.preventDefault();

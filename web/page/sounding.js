@@ -68,10 +68,13 @@ export function show(concert) {
 
 /** Corrects the beat: `halve_beat`, `double_beat`, or `tap_beat`, which only the beat of a microphone takes. */
 export function correct(change) {
-  room.concert()[change]();
+  const concert = room.concert();
+  // Nothing dances yet.
+  if (!concert) return;
+  concert[change]();
   const song = songs.current();
   // Another shape dances to the same beats.
-  if (song && !listening.microphone()) song.reading = room.concert().reading(room.sound.number);
+  if (song && !listening.microphone()) song.reading = concert.reading(room.sound.number);
   room.refresh();
 }
 
