@@ -26,6 +26,7 @@ struct Group {
 
 /// Positions, normals, corners, UVs and paint.
 #[derive(PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there are as many as figures of one picture, all of one kind")]
 enum Source {
     Storage([Buffer; 5]),
     Textures([Texture; 5]),
