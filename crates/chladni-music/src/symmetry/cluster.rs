@@ -113,7 +113,8 @@ fn divide(run: Range<usize>, lambda: &[f64], gap: f64, groups: &mut Vec<Range<us
     let mut waiting = vec![run];
     while let Some(part) = waiting.pop() {
         let (least, greatest) = (lambda[part.start], lambda[part.end - 1]);
-        let most = if greatest - least < gap * greatest { LARGEST } else { LONGEST_RUN };
+        // Constants, whose eigenvalues are all 0, agree, too.
+        let most = if greatest - least <= gap * greatest { LARGEST } else { LONGEST_RUN };
         if part.len() <= most {
             groups.push(part);
             continue;
@@ -266,7 +267,8 @@ mod tests {
     fn constants_are_a_group_of_their_own() {
         let of = |zeros: usize| sizes([vec![0.0; zeros], vec![1.0, 1.0, 2.0]].concat());
         assert_eq!(of(3), [3, 2, 1]);
-        assert_eq!(of(30), [24, 6, 2, 1]);
+        assert_eq!(of(30), [30, 2, 1]);
+        assert_eq!(of(70), [64, 6, 2, 1]);
         assert!(sizes(Vec::new()).is_empty());
     }
 }
