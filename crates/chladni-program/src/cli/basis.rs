@@ -119,7 +119,7 @@ impl RankOptions {
 #[derive(Serialize)]
 struct Summary {
     laplacian: Laplacian,
-    /// `null` for the papers' Laplacian.
+    /// `null` for the papers' Laplacian, and for a basis from the cache.
     cover: Option<CoverReport>,
     vertices: usize,
     harmonics: usize,
@@ -198,7 +198,7 @@ impl Args {
         let wanted =
             (self.operator.is_some() || ranks.is_some()).then(|| Operator::with(&mesh, settings.laplacian));
         let operator = wanted.transpose().map_err(named)?;
-        let (body, mut report, of_ranks) = terminal
+        let (body, report, of_ranks) = terminal
             .watch("harmonics", |task| match (&operator, &ranks) {
                 (Some(operator), Some(ranks)) => {
                     Body::solve_on_ranks(&mesh, operator, &settings, ranks, task)
@@ -210,11 +210,6 @@ impl Args {
                     .map(|(body, report)| (body, report, None)),
             })
             .map_err(named)?;
-        // A basis from the cache comes without it.
-        if report.cover.is_none() && settings.laplacian == Laplacian::Delaunay {
-            let cover = terminal.watch("Laplacian", |_| CoverReport::of(&mesh));
-            report.cover = Some(cover.map_err(named)?);
-        }
         for warning in report.warnings(&body.basis.certificate) {
             terminal.warn(Warning::Plain(warning.to_string()));
         }

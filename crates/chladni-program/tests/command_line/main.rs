@@ -188,7 +188,7 @@ fn harmonics_are_exported_for_numpy_and_cached() {
     let again =
         Run::of(&["basis", "sample:octopus", "-k", "24", "-o", text(&out), "--json"]).succeeded().json();
     assert_eq!(again["cached"], true);
-    assert_eq!(again["cover"], json["cover"]);
+    assert!(again["cover"].is_null(), "no Laplacian was made");
     assert_eq!(json["cover"]["sheets"], 1, "the octopus is closed");
 }
 
