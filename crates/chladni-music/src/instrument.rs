@@ -166,6 +166,11 @@ impl Instrument {
         self.stage.scene(beat, &self.favorites, &self.parameters)
     }
 
+    /// Whether a gallery is on stage through which the beat steps.
+    pub fn steps_through_gallery(&self) -> bool {
+        self.stage.shows_gallery() && self.parameters.is_on(Switch::BeatSteps)
+    }
+
     /// The next item on stage, and how far the fader has brought it, in [0, 1].
     pub fn next_on_stage(&self) -> Option<(ItemId, f32)> {
         self.stage.next()

@@ -91,6 +91,11 @@ impl Stage {
         self.shown.is_none()
     }
 
+    /// Whether a gallery is shown, whose dances follow each other where the beat steps.
+    pub fn shows_gallery(&self) -> bool {
+        !self.gallery.is_empty()
+    }
+
     /// The items that it names besides favorites in turn: the one shown, the one before it and the next one, and a
     /// gallery that is shown in turn.
     pub(crate) fn items(&self) -> impl Iterator<Item = ItemId> {

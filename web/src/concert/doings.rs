@@ -23,6 +23,9 @@ impl Concert {
     pub fn act_text(&mut self, action: &str) -> Result<(), JsError> {
         let action: Action = serde_json::from_str(action)?;
         let ends_piloting = action.opens_stage() || action == Action::LeaveStage;
+        if self.programme.as_ref().is_some_and(|programme| programme.ends_before(&action, &self.instrument)) {
+            self.end_piloting()?;
+        }
         self.act(action)?;
         if ends_piloting {
             self.end_piloting()?;

@@ -149,7 +149,9 @@ fn the_gallery_steps_on_the_beat_from_the_dance_that_was_put_on_stage() {
     apply(&mut instrument, 0.0, Action::Set { parameter: Parameter::BeatsPerStep, value: STEP as f32 });
     apply(&mut instrument, 0.0, Action::PerformGallery { first: 4 });
     assert_eq!(shown(&instrument, 10.0 * STEP), ids[4]);
+    assert!(!instrument.steps_through_gallery());
     apply(&mut instrument, 0.0, steps(true));
+    assert!(instrument.steps_through_gallery());
     for (step, place) in [4, 5, 0, 1].into_iter().enumerate() {
         assert_eq!(shown(&instrument, (step as f64 + 0.9) * STEP), ids[place], "step {step}");
     }
@@ -164,6 +166,7 @@ fn the_gallery_steps_on_the_beat_from_the_dance_that_was_put_on_stage() {
     apply(&mut instrument, 10.0 * STEP, steps(true));
     apply(&mut instrument, 10.0 * STEP, Action::Perform { item: 0 });
     assert_eq!(shown(&instrument, 15.0 * STEP), instrument.gallery().items()[0].id);
+    assert!(!instrument.steps_through_gallery());
     assert_eq!(instrument.item(ids[1]), None);
     let before = instrument.clone();
     let nowhere = Action::PerformGallery { first: 9 };

@@ -127,8 +127,8 @@ keys! {
     BREED = key Enter, "Breed the chosen ones";
     BACK = command Z, "Back to the generation of the parents";
     FORTH = command_shift Z, "On to the generation after";
-    MARK_LEFT = key ArrowLeft, "Mark the dance to the left (on stage: the favorite before)";
-    MARK_RIGHT = key ArrowRight, "Mark the dance to the right (on stage: the next favorite)";
+    MARK_LEFT = key ArrowLeft, "Mark the dance to the left (on stage: the one before)";
+    MARK_RIGHT = key ArrowRight, "Mark the dance to the right (on stage: the one after)";
     MARK_ABOVE = key ArrowUp, "Mark the dance above";
     MARK_BELOW = key ArrowDown, "Mark the dance below";
     CHOOSE = key C, "Choose the marked dance as a parent, or no longer";

@@ -1,7 +1,8 @@
 //! The autopilot at work: dances, looks and strength change with the music, on any instrument.
 
 use chladni_music::{
-    Action, Autopilot, BarLine, Candidate, Form, Instrument, Parameter, Preset, Settings, Turn, repertoire,
+    Action, Autopilot, BarLine, Candidate, Form, GalleryItem, Instrument, Parameter, Preset, Settings, Turn,
+    repertoire,
 };
 
 use chladni_view::Look;
@@ -116,6 +117,17 @@ impl Programme {
         turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()
     }
 
+    /// Whether it ends before `action` rather than after it: the gallery that then returns has the dance that is put on stage,
+    /// and its others are to follow.
+    pub fn ends_before(&self, action: &Action, instrument: &Instrument) -> bool {
+        let Action::PerformGallery { first } = *action else { return false };
+        let gallery = instrument.gallery();
+        let dance = |items: &[GalleryItem]| items.get(first).map(|item| item.id);
+        let returning = gallery.generations().get(self.before.1);
+        let returning = returning.and_then(|generation| dance(&generation.items));
+        returning.is_some() && returning == dance(gallery.items())
+    }
+
     /// Actions that end the programme, once the stage is left or shows another dance: gallery and knobs return to
     /// where they were when it began.
     pub fn end(&self, instrument: &Instrument) -> Vec<Action> {
@@ -182,6 +194,22 @@ mod tests {
             }
             assert_eq!(instrument.parameters().form, Form::Modal);
         }
+    }
+
+    #[test]
+    fn it_ends_before_a_dance_of_the_gallery_that_returns_comes_on_stage() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
+        for i in 0..2 {
+            for action in programme.step(f64::from(i), true, &instrument) {
+                instrument.apply(Moment { at_secs: f64::from(i), at_beat: 0.0 }, action).unwrap();
+            }
+        }
+        // The last two places have dances of its own.
+        let ends_before = |first| programme.ends_before(&Action::PerformGallery { first }, &instrument);
+        assert_eq!([0, 3, 4, 5, 6].map(ends_before), [true, true, false, false, false]);
+        assert!(!programme.ends_before(&Action::Perform { item: 0 }, &instrument));
     }
 
     #[test]

@@ -151,6 +151,26 @@ fn a_look_chosen_by_hand_takes_the_place_of_the_autopilots() {
     assert_eq!((seen.look.as_str(), seen.material.as_str()), (of_autopilot, "clay"));
 }
 
+#[test]
+fn the_gallery_from_before_the_autopilot_follows_a_dance_that_ends_it() {
+    let answers = Answers::default();
+    let mut desk = Desk::begin(&answers);
+    desk.touch("beat-steps", 1.0);
+    desk.touch("autopilot", 1.0);
+    desk.until("the stage", |w| !shows(w, "12 items"));
+    desk.touch("stage", 2.0);
+    desk.touch("leave", 1.0);
+    desk.until("the gallery", |w| shows(w, "12 items"));
+    let file = desk.settings.with_file_name("taken-back.toml");
+    answers.add(&file);
+    desk.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    desk.until("the show", |_| file.exists());
+    let actions = Show::load(&file).unwrap().actions;
+    let place = |is: fn(&Action) -> bool| actions.iter().position(|line| is(&line.action)).unwrap();
+    let returns = place(|action| *action == Action::GoTo { generation: 0 });
+    assert!(returns < place(|action| *action == Action::PerformGallery { first: 1 }));
+}
+
 fn look_of(action: &Action) -> Option<&str> {
     if let Action::SetLook { look } = action { Some(look) } else { None }
 }

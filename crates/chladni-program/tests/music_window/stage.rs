@@ -1,5 +1,7 @@
 //! The stage: on a projector, and in a window of its own.
 
+use chladni_music::Action;
+
 use super::*;
 
 fn enter_with(music: &str) -> (Window, tempfile::TempDir) {
@@ -165,4 +167,34 @@ fn escape_ends_the_show_only_where_nothing_is_to_be_left_before() {
     window.key_press(Key::Escape);
     window.run_steps(4);
     assert!(!shows(&window, "On stage"));
+}
+
+#[test]
+fn arrows_go_through_the_gallery_where_the_beat_does() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
+    let mut window = enter(Opening { folders, chooser, ..Opening::default() });
+    // No beat comes between.
+    if plays(&window) {
+        click(&mut window, "play");
+    }
+    click(&mut window, "drawer/knobs");
+    control(&window, "beat-steps").click_accesskit();
+    window.run_steps(2);
+    press_on(&mut window, "dance/12", Key::S);
+    for key in [Key::ArrowRight, Key::ArrowLeft, Key::ArrowLeft, Key::Escape] {
+        window.key_press(key);
+        window.run_steps(4);
+    }
+    wait(&mut window, "the gallery", |w| shows(w, "12 items"));
+    let file = folder.path().join("turns.toml");
+    answers.add(&file);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    wait(&mut window, "the show", |_| file.exists());
+    let actions = Show::load(&file).unwrap().actions;
+    let put = actions.iter().filter_map(|line| match line.action {
+        Action::PerformGallery { first } => Some(first),
+        _ => None,
+    });
+    assert_eq!(put.collect::<Vec<_>>(), [11, 0, 11, 10]);
 }

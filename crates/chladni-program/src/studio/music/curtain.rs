@@ -86,13 +86,16 @@ impl Curtain {
             true => Some("H holds this dance · arrow keys show another · Escape leaves the stage"),
             false => None,
         };
-        let favorites = || match concert.instrument().favorites().len() {
+        let by_hand = || match concert.instrument().favorites().len() {
+            _ if concert.instrument().steps_through_gallery() => {
+                "Escape leaves the stage · arrow keys show another dance · F11 full screen".to_owned()
+            }
             0 | 1 => "Escape leaves the stage · F11 full screen".to_owned(),
             count => format!(
                 "Escape leaves the stage · arrow keys show another of {count} favorites · F11 full screen"
             ),
         };
-        let hint = hint.map_or_else(favorites, str::to_owned);
+        let hint = hint.map_or_else(by_hand, str::to_owned);
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
         let text = egui::RichText::new(hint).size(14.0).color(Color32::from_white_alpha(150));
         let place = egui::Rect::from_center_size(at, egui::vec2(ui.max_rect().width(), 20.0));

@@ -328,10 +328,37 @@ fn as_it_is(mut show: Show, view: View, on_stage: bool, favorites: usize) -> Sho
     }
     // What left the stage long ago does not come back to fade out.
     if let Some(last) = show.actions.iter().rposition(|line| line.action.opens_stage()) {
-        let leave = LoggedAction { moment: Moment::default(), action: Action::LeaveStage };
-        show.actions.insert(last, leave);
+        let line = |action| LoggedAction { moment: Moment::default(), action };
+        let opening = if goes_on_in_turn(&show.actions[..=last]) {
+            Vec::from(brought_at_once(&show.actions[..last]).map(line))
+        } else {
+            vec![line(Action::LeaveStage), show.actions[last].clone()]
+        };
+        show.actions.splice(last..=last, opening);
     }
     show.unheard()
+}
+
+/// Whether the last of these actions brings a dance from which a gallery on stage may go on in turn.
+fn goes_on_in_turn(actions: &[LoggedAction]) -> bool {
+    let mut latest_first = actions.iter().rev().map(|line| &line.action);
+    let is_brought = latest_first.next() == Some(&Action::Go);
+    let opens_or_leaves =
+        |action: &Action| *action == Action::LeaveStage || *action != Action::Go && action.opens_stage();
+    let before = latest_first.find(|action| opens_or_leaves(action));
+    is_brought && matches!(before, Some(Action::PerformGallery { .. }))
+}
+
+/// [`Action::Go`] without the transition, where something is on stage: by the fader, which then stands where it did after
+/// the actions `before`.
+fn brought_at_once(before: &[LoggedAction]) -> [Action; 4] {
+    let fade = |share| Action::Crossfade { share };
+    let stood = before.iter().rev().find_map(|line| match line.action {
+        Action::Crossfade { share } => Some(share),
+        _ => None,
+    });
+    // Its far end is one of both. It keeps the look, unlike what it stands for.
+    [fade(0.0), fade(1.0), fade(stood.unwrap_or(0.0)), Action::SetLook { look: String::new() }]
 }
 
 #[cfg(test)]
@@ -383,6 +410,35 @@ mod tests {
         let seen: Vec<_> = (0..4).map(|i| filmed.scene((f64::from(i) + 0.9) * step).unwrap().to).collect();
         let favorites: Vec<_> = instrument.favorites().iter().map(|item| item.id).collect();
         assert_eq!(seen, [favorites[0], favorites[1], favorites[2], favorites[0]]);
+    }
+
+    #[test]
+    fn a_gallery_in_turn_goes_on_from_the_dance_that_was_brought() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        // The fader stands nearer to one end or to the other.
+        for share in [0.25, 0.75] {
+            let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+            for (secs, action) in [
+                (0.0, Action::Switch { switch: Switch::BeatSteps, on: true }),
+                (1.0, Action::Crossfade { share }),
+                (2.0, Action::PerformGallery { first: 0 }),
+                (3.0, Action::SetLook { look: "ember".into() }),
+                (4.0, Action::CueUp { item: 3 }),
+                (5.0, Action::Go),
+            ] {
+                instrument.apply(Moment { at_secs: secs, at_beat: 2.0 * secs }, action).unwrap();
+            }
+            let filmed = as_it_is(Show::of(&instrument), View::Gallery, true, 0);
+            let filmed = filmed.replay(shape.clone()).unwrap();
+            let step = f64::from(Parameter::BeatsPerStep.initial());
+            let seen: Vec<_> =
+                (0..4).map(|i| filmed.scene((f64::from(i) + 0.9) * step).unwrap().to).collect();
+            let ids: Vec<_> = instrument.gallery().items().iter().map(|item| item.id).collect();
+            assert_eq!(seen, [ids[3], ids[4], ids[5], ids[0]]);
+            let first = filmed.scene(0.0).unwrap();
+            assert_eq!((first.from, first.to), (ids[3], ids[3]));
+            assert_eq!((filmed.fader(), filmed.look(), filmed.next_on_stage()), (share, None, None));
+        }
     }
 
     #[test]

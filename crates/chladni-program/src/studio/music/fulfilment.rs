@@ -1,6 +1,6 @@
 //! Doing what bars, drawers and keys have asked for.
 
-use chladni_music::{Action, Which};
+use chladni_music::Which;
 
 use super::MusicRoom;
 use super::drawer::Drawer;
@@ -46,9 +46,15 @@ impl MusicRoom {
                 concert.hold();
                 Ok(())
             }
-            Wish::StepFavorite(forward) if concert.is_piloted() => concert.overrule(forward),
+            Wish::StepFavorite(forward) | Wish::StepInTurn(forward) if concert.is_piloted() => {
+                concert.overrule(forward)
+            }
             Wish::StepFavorite(forward) => match concert.next_favorite(forward) {
-                Some(first) => concert.act(Action::PerformFavorites { first }),
+                Some(action) => concert.act(action),
+                None => Ok(()),
+            },
+            Wish::StepInTurn(forward) => match concert.next_in_turn(forward) {
+                Some(action) => concert.act(action),
                 None => Ok(()),
             },
             Wish::Keep(item) => {

@@ -82,8 +82,8 @@ impl MusicRoom {
         }
         when(&mut wishes, FILM, Wish::Film);
         if concert.on_stage() && !self.apart {
-            when(&mut wishes, MARK_LEFT, Wish::StepFavorite(false));
-            when(&mut wishes, MARK_RIGHT, Wish::StepFavorite(true));
+            when(&mut wishes, MARK_LEFT, Wish::StepInTurn(false));
+            when(&mut wishes, MARK_RIGHT, Wish::StepInTurn(true));
             return wishes;
         }
         when(&mut wishes, OPEN, Wish::Choose(Then::Open));

@@ -42,6 +42,8 @@ pub enum Wish {
     Press(Target),
     /// On stage: the favorite after (true) or before the one that plays.
     StepFavorite(bool),
+    /// The same, or the dance of the gallery where the beat steps through one.
+    StepInTurn(bool),
 }
 
 /// The use of the file that a person is asked for.

@@ -53,6 +53,11 @@ impl Apart {
         self.ensemble.use_at_most(harmonics);
     }
 
+    /// How many harmonics the dance on stage uses if none are left out.
+    pub fn harmonics_wanted(&self) -> u32 {
+        self.ensemble.harmonics_wanted()
+    }
+
     /// Computes the items on stage now.
     pub fn play(&mut self, instrument: &Instrument, bands: &Bands<'_>, beat: Beat) -> Result<(), Error> {
         self.items = self.ensemble.play(instrument, bands, beat)?.to_vec();
@@ -162,8 +167,8 @@ fn keys(ctx: &egui::Context, wishes: &mut Vec<Wish>) {
         (GO, Wish::Do(Action::Go)),
         (BLACKOUT, Wish::Press(Target::Blackout)),
         (FREEZE, Wish::Press(Target::Freeze)),
-        (MARK_LEFT, Wish::StepFavorite(false)),
-        (MARK_RIGHT, Wish::StepFavorite(true)),
+        (MARK_LEFT, Wish::StepInTurn(false)),
+        (MARK_RIGHT, Wish::StepInTurn(true)),
     ] {
         if key.pressed(ctx) {
             wishes.push(wish);

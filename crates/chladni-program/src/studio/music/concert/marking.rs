@@ -1,6 +1,6 @@
 //! The view, and the dances that are marked, chosen and loved.
 
-use chladni_music::{Action, Parameter, experiment};
+use chladni_music::{Action, GalleryItem, Parameter, experiment};
 
 use super::super::view::{Marks, View};
 use super::Concert;
@@ -48,11 +48,27 @@ impl Concert {
         experiment(&self.ensemble.dancer().classes, bands)
     }
 
-    /// Index of the favorite after or before the one on stage.
-    pub fn next_favorite(&self, forward: bool) -> Option<usize> {
-        let count = self.instrument.favorites().len();
-        let on_stage = self.instrument.scene(self.moment.at_beat).map(|scene| scene.to);
-        let now = self.instrument.favorites().iter().position(|item| Some(item.id) == on_stage);
+    /// Puts the dance after or before the one on stage there: of the gallery as it is now where the beat steps through a
+    /// gallery, else of the favorites.
+    pub fn next_in_turn(&self, forward: bool) -> Option<Action> {
+        if !self.instrument.steps_through_gallery() {
+            return self.next_favorite(forward);
+        }
+        let first = self.beside_the_one_on_stage(self.instrument.gallery().items(), forward)?;
+        Some(Action::PerformGallery { first })
+    }
+
+    /// Puts the favorite after or before the one on stage there.
+    pub fn next_favorite(&self, forward: bool) -> Option<Action> {
+        let first = self.beside_the_one_on_stage(self.instrument.favorites(), forward)?;
+        Some(Action::PerformFavorites { first })
+    }
+
+    /// Index of the dance after or before the one on stage; the first where that is none of these.
+    fn beside_the_one_on_stage(&self, dances: &[GalleryItem], forward: bool) -> Option<usize> {
+        let count = dances.len();
+        let on_stage = self.on_stage_now();
+        let now = dances.iter().position(|item| Some(item.id) == on_stage);
         let step = if forward { 1 } else { count.checked_sub(1)? };
         (count > 0).then(|| now.map_or(0, |now| (now + step) % count))
     }

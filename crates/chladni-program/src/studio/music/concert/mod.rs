@@ -245,6 +245,9 @@ impl Concert {
             self.judging.want();
             return Ok(());
         }
+        if self.piloted.as_ref().is_some_and(|piloted| piloted.ends_before(&action, &self.instrument)) {
+            self.end_piloting()?;
+        }
         self.instrument.apply(self.moment, action)?;
         if ends_piloting {
             self.end_piloting()?;

@@ -176,7 +176,9 @@ impl Concert {
         if frame.is_apart || self.pane.shown.as_ref().is_none_or(|shown| shown.pose != pose) {
             self.synthesize(items, &settings)?;
             let took = (shared.now)().saturating_duration_since(frame.began);
-            if let Some(message) = self.pace.frame(took, self.ensemble.harmonics_wanted()) {
+            // The limit is that of both windows.
+            let beside = self.apart.as_ref().filter(|_| frame.is_apart).map_or(0, Apart::harmonics_wanted);
+            if let Some(message) = self.pace.frame(took, self.ensemble.harmonics_wanted().max(beside)) {
                 self.ensemble.use_at_most(self.pace.harmonics());
                 shared.notices.update("harmonics in use", message);
             }
