@@ -40,22 +40,17 @@ impl FromStr for Fps {
     fn from_str(text: &str) -> Result<Self, Error> {
         let wrong =
             || Error::input("expected frames per second from 1 to 240, such as 30, 29.97 or 30000/1001");
-        let rate = |numerator: u32, denominator: u32| FrameRate { numerator, denominator };
         let rate = if let Some((n, d)) = text.split_once('/') {
-            rate(n.parse().map_err(|_| wrong())?, d.parse().map_err(|_| wrong())?)
-        } else if let Ok(whole) = text.parse::<u32>() {
-            rate(whole, 1)
-        } else {
-            let fps: f64 = text.parse().map_err(|_| wrong())?;
-            let ntsc = fps.fract() != 0.0 && (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
-            if ntsc {
-                rate(1000 * fps.ceil() as u32, 1001)
-            } else {
-                rate((fps * 1000.0).round() as u32, 1000)
+            FrameRate {
+                numerator: n.parse().map_err(|_| wrong())?,
+                denominator: d.parse().map_err(|_| wrong())?,
             }
+        } else {
+            FrameRate::decimal(text.parse().map_err(|_| wrong())?)
         };
         let fps = f64::from(rate.numerator) / f64::from(rate.denominator.max(1));
-        if rate.denominator > 0 && (1.0..=240.0).contains(&fps) { Ok(Self(rate)) } else { Err(wrong()) }
+        let is_wanted = FrameRate::WANTED_PER_SECOND.contains(&fps);
+        if rate.denominator > 0 && is_wanted { Ok(Self(rate)) } else { Err(wrong()) }
     }
 }
 
@@ -70,7 +65,7 @@ mod tests {
         assert_eq!(fps("29.97"), Some((30000, 1001)));
         assert_eq!(fps("23.976"), Some((24000, 1001)));
         assert_eq!(fps("12.5"), Some((12500, 1000)));
-        assert_eq!(fps("5.0"), Some((5000, 1000)));
+        assert_eq!(fps("5.0"), Some((5, 1)));
         assert!(["0", "1/0", "-3", "nan"].into_iter().all(|wrong| fps(wrong).is_none()));
         assert_eq!("640x360".parse::<Size>().unwrap(), Size { width: 640, height: 360 });
         assert!("640".parse::<Size>().is_err() && "0x5".parse::<Size>().is_err());

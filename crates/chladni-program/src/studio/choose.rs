@@ -44,7 +44,7 @@ impl Request {
         Self::new(Purpose::OpenSeveral, kinds, PathBuf::new())
     }
 
-    /// A file to write; `suggested` is a name, or a path, to start from.
+    /// A file to write, or a new folder if the kind has no extensions; `suggested` is a name, or a path, to start from.
     pub fn save(kinds: &[FileKind<'_>], suggested: &Path) -> Self {
         Self::new(Purpose::Save, kinds, suggested.to_owned())
     }
@@ -114,7 +114,7 @@ fn is_with_folder(path: &Path) -> bool {
 
 fn ask_the_system(request: &Request) -> Vec<PathBuf> {
     let mut dialog = rfd::FileDialog::new();
-    for (name, extensions) in &request.kinds {
+    for (name, extensions) in request.kinds.iter().filter(|(_, extensions)| !extensions.is_empty()) {
         dialog = dialog.add_filter(name, extensions);
     }
     if let Some(folder) = request.start.parent().filter(|_| is_with_folder(&request.start)) {

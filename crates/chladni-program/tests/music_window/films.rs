@@ -2,15 +2,16 @@
 
 use super::*;
 
-/// A window whose ball dances, with the form of a film that is to be `film.gif` in the folder.
-fn asked_for_a_film(folder: &Path) -> Window {
+/// A window whose ball dances for four seconds, with the form of a film that is to be `to` in the folder; and the answers to
+/// later questions.
+fn asked_for_a_film(folder: &Path, to: &str) -> (Window, Answers) {
     let (answers, files) = (Answers::default(), ball_and_song(folder).to_vec());
-    answers.add(folder.join("film.gif"));
-    let chooser = Box::new(answers);
+    answers.add(folder.join(to));
+    let chooser = Box::new(answers.clone());
     let mut window = enter(Opening { folders: folders(folder), chooser, files, ..Opening::default() });
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.run_steps(3);
-    window
+    (window, answers)
 }
 
 #[test]
@@ -38,6 +39,38 @@ fn what_dances_is_filmed_beside_the_window() {
     let film = std::fs::read(path("film.gif")).unwrap();
     assert_eq!(&film[..6], b"GIF89a");
     assert_eq!([film[6], film[7], film[8], film[9]], [128, 2, 104, 1], "640 × 360");
+}
+
+#[test]
+fn frames_and_their_sound_go_into_a_new_folder_at_any_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("take.1");
+    let (mut window, answers) = asked_for_a_film(folder.path(), "take.1");
+    click(&mut window, "size/640x360");
+    control(&window, "fps").set_value_accesskit(1.25);
+    window.run_steps(2);
+    click(&mut window, "film-frames");
+    assert!(answers.offered().is_empty(), "a folder has no extension");
+    wait(&mut window, "the film", |w| shows(w, "Filmed"));
+    let entries = frames.read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = entries.collect();
+    names.sort();
+    let mut expected: Vec<String> = (0..5).map(|frame| format!("frame-{frame:05}.png")).collect();
+    expected.push("sound.wav".to_owned());
+    assert_eq!(names, expected, "1.25 frames in each of four seconds");
+    let png = std::fs::read(frames.join("frame-00004.png")).unwrap();
+    let picture = chladni_view::Picture::decode(&png).unwrap();
+    assert_eq!((picture.width, picture.height), (640, 360));
+    let wav = std::fs::read(frames.join("sound.wav")).unwrap();
+    let song = std::fs::read(folder.path().join("song.wav")).unwrap();
+    assert_eq!((&wav[..4], wav.len()), (&b"RIFF"[..], song.len()), "all of the song");
+    // Nothing that is there is replaced.
+    answers.add(frames.clone());
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    click(&mut window, "film-frames");
+    wait(&mut window, "the reason", |w| shows(w, "holds files already"));
+    assert!(is_there(&window, "film-begin"));
 }
 
 #[test]
@@ -198,7 +231,7 @@ fn a_frame_of_a_film_is_the_picture_in_the_window_at_that_moment() {
 fn a_window_that_is_closed_while_it_films_waits_for_the_film() {
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("film.gif");
-    let mut window = asked_for_a_film(folder.path());
+    let (mut window, _) = asked_for_a_film(folder.path(), "film.gif");
     click(&mut window, "size/1280x720");
     click(&mut window, "fps/50");
     click(&mut window, "film-begin");
@@ -220,7 +253,7 @@ fn a_window_that_is_closed_while_it_films_waits_for_the_film() {
 #[test]
 fn a_film_that_ends_while_the_start_screen_is_there_is_announced() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = asked_for_a_film(folder.path());
+    let (mut window, _) = asked_for_a_film(folder.path(), "film.gif");
     click(&mut window, "size/640x360");
     click(&mut window, "fps/12");
     click(&mut window, "film-begin");
@@ -235,7 +268,7 @@ fn a_film_that_ends_while_the_start_screen_is_there_is_announced() {
 #[test]
 fn the_form_of_a_film_that_cannot_be_stays_open() {
     let folder = tempfile::tempdir().unwrap();
-    let mut window = asked_for_a_film(folder.path());
+    let (mut window, _) = asked_for_a_film(folder.path(), "film.gif");
     click(&mut window, "fps/60");
     click(&mut window, "film-begin");
     wait(&mut window, "the reason", |w| shows(w, "at most 50 frames"));

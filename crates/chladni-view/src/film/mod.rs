@@ -12,6 +12,7 @@ mod palette;
 mod raw;
 mod shoot;
 
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use chladni_task::temporary_beside;
@@ -37,9 +38,26 @@ pub struct FrameRate {
 }
 
 impl FrameRate {
+    /// Rates of films that a person may ask for, frames per second.
+    pub const WANTED_PER_SECOND: RangeInclusive<f64> = 1.0..=240.0;
+
     /// `fps` frames per second.
     pub const fn per_second(fps: u32) -> Self {
         Self { numerator: fps, denominator: 1 }
+    }
+
+    /// `fps` frames per second as a person writes them: 29.97 means NTSC's 30000/1001. Others are rounded to
+    /// thousandths. No frames at all where `fps` is not a number, or not above 0.
+    pub fn decimal(fps: f64) -> Self {
+        if fps.fract() == 0.0 {
+            return Self::per_second(fps as u32);
+        }
+        let is_ntsc = (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
+        if is_ntsc {
+            Self { numerator: 1000 * fps.ceil() as u32, denominator: 1001 }
+        } else {
+            Self { numerator: (fps * 1000.0).round() as u32, denominator: 1000 }
+        }
     }
 
     /// When frame `index` begins, seconds.

@@ -23,7 +23,7 @@ pub enum Purpose {
 pub struct Request {
     /// The purpose.
     pub purpose: Purpose,
-    /// Kinds of files: name and extensions without dots.
+    /// Kinds of files: name and extensions without dots; a folder that is to be named has none.
     pub kinds: Vec<(String, Vec<String>)>,
     /// Where to begin: a folder, or the file to be written.
     pub start: PathBuf,
@@ -350,6 +350,16 @@ mod tests {
         browser.retyped();
         assert!(!browser.is_chosen("igea.ply"));
         assert_eq!(browser.go_ahead(), Verdict::Done(vec![folder.path().join("Heads/max.obj")]));
+    }
+
+    #[test]
+    fn a_new_folder_is_named_without_an_extension() {
+        let folder = folder();
+        let kinds = vec![("Frames".into(), Vec::new())];
+        let start = folder.path().join("film");
+        let mut browser = Browser::new(Request { purpose: Purpose::Save, kinds, start: start.clone() });
+        assert!(browser.listing().unwrap().entries.iter().all(|entry| entry.is_folder));
+        assert_eq!(browser.go_ahead(), Verdict::Done(vec![start]));
     }
 
     #[test]

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use chladni_music::ItemId;
 
 use super::MusicRoom;
-use super::film::Filming;
 use super::lineage;
 use super::shows::write_show;
 use super::wish::Then;
@@ -15,6 +14,8 @@ use crate::studio::room::{Room, Shared};
 use crate::work::formats::{LISTS, MESHES, PROJECT, SONGS, TEXT};
 use crate::work::{Error, FILMS, PANORAMAS, PICTURES};
 
+/// Pictures and sound of a film, in a folder that is to be named.
+const FRAMES: FileKind<'static> = ("A new folder of PNG frames and WAV", &[]);
 /// Files of bindings.
 const BINDINGS: FileKind<'static> = ("Bindings", &[TEXT]);
 
@@ -39,7 +40,8 @@ impl MusicRoom {
                 Request::open_several(&[("All that dances or sounds", &all), ("Meshes", &MESHES), songs])
             }
             Then::AddSongs => Request::open_several(&[songs]),
-            Then::Film => Filming::where_to(),
+            Then::Film => self.filming.where_to(),
+            Then::Frames => Request::save(&[FRAMES], Path::new("dance")),
             Then::Record => Request::save(&[("Films", &["mp4"])], Path::new("set.mp4")),
             Then::SavePreset(_) => text("dance.toml"),
             Then::SaveShow | Then::SaveShowFirst => text("show.toml"),
@@ -72,7 +74,7 @@ impl MusicRoom {
         match then {
             Then::Open => self.open(files, shared),
             Then::AddSongs => self.append_songs(files, shared),
-            Then::Film => self.film_to(first, shared)?,
+            Then::Film | Then::Frames => self.film_to(first, then == Then::Frames, shared)?,
             Then::Record => self.record_to(first, None, shared)?,
             Then::SavePreset(item) => self.save_preset(item, first, shared)?,
             Then::SaveShow | Then::SaveShowFirst => {

@@ -7,6 +7,7 @@ use chladni_view::{FrameRate, Look, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
 use super::view::View;
+use super::wish::Then;
 use crate::studio::author_id::AuthorId;
 use crate::studio::file_window::Request;
 use crate::studio::job::{self, Job};
@@ -27,7 +28,7 @@ const SIZES: [(&str, [u32; 2]); 6] = [
     ("Upright", [1080, 1920]),
     ("Small", [640, 360]),
 ];
-/// Rates that are offered, in frames a second.
+/// Rates that are a click away, in frames a second.
 const RATES: [u32; 6] = [12, 24, 25, 30, 50, 60];
 /// The longest side of a film, in pixels.
 const LONGEST_SIDE: u32 = 8192;
@@ -58,13 +59,16 @@ enum What {
 struct Form {
     what: What,
     size: [u32; 2],
-    fps: u32,
+    /// Frames a second.
+    fps: f64,
     /// Range of the song or the show; to the end where `to_secs` is 0.
     from_secs: f64,
     to_secs: f64,
     /// By its name; none is the look of the dance itself.
     look: Option<&'static str>,
     titles: bool,
+    /// Whether there can be an MP4.
+    has_ffmpeg: bool,
 }
 
 /// The contents that could be filmed now.
@@ -98,31 +102,27 @@ impl Filming {
         if self.running.is_some() {
             return Err(Error::input("A film is being made already."));
         }
-        self.form.get_or_insert(Form::FIRST);
+        self.form.get_or_insert_with(|| Form { has_ffmpeg: ffmpeg_is_there(), ..Form::FIRST });
         Ok(())
     }
 
-    /// Draws the form; true once the person wants the film.
-    pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> bool {
-        let Some(form) = &mut self.form else { return false };
-        let (mut film, mut open) = (false, true);
+    /// Draws the form; once the person wants the film, says as what.
+    pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> Option<Then> {
+        let form = self.form.as_mut()?;
+        let (mut wanted, mut open) = (None, true);
         // Above older messages, below those that it causes itself.
         let dialog =
             egui::Window::new("Film").order(egui::Order::Foreground).collapsible(false).resizable(false);
         dialog.anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO).open(&mut open).show(ctx, |ui| {
             form.show(ui, window, show_secs);
             ui.add_space(theme::GAP);
-            film = ui
-                .button("Film to …")
-                .author_id("film-begin")
-                .on_hover_text("Choose where it goes, and begin")
-                .clicked();
+            wanted = form.choose_kind(ui);
         });
         if ctx.input(|input| input.key_pressed(egui::Key::Escape)) || !open {
             self.form = None;
-            return false;
+            return None;
         }
-        film
+        wanted
     }
 
     /// Whether the form is open: it has the keys.
@@ -130,24 +130,31 @@ impl Filming {
         self.form.is_some()
     }
 
-    /// Where a film can go to, to be asked.
-    pub fn where_to() -> Request {
+    /// Where a film in one file can go to, to be asked.
+    pub fn where_to(&self) -> Request {
         let kinds: [(&str, &[&str]); 3] = [
             ("MP4 with sound", &["mp4"]),
             ("GIF", &["gif"]),
             ("GLB with morph targets, for Blender", &["glb"]),
         ];
-        let (kinds, name) =
-            if ffmpeg_is_there() { (&kinds[..], "dance.mp4") } else { (&kinds[1..], "dance.gif") };
+        let has_ffmpeg = self.form.as_ref().is_some_and(|form| form.has_ffmpeg);
+        let (kinds, name) = if has_ffmpeg { (&kinds[..], "dance.mp4") } else { (&kinds[1..], "dance.gif") };
         Request::save(kinds, Path::new(name))
     }
 
-    /// Begins the film of the form.
-    pub fn begin(&mut self, scene: Scene, path: &Path, ctx: &egui::Context) -> Result<(), Error> {
+    /// Begins the film of the form, to a file or into a folder.
+    pub fn begin(
+        &mut self,
+        scene: Scene,
+        path: &Path,
+        is_folder: bool,
+        ctx: &egui::Context,
+    ) -> Result<(), Error> {
         let form = self.form.clone();
         let form = form.ok_or_else(|| Error::input("No film is made: its form was closed meanwhile."))?;
         let path = path.to_owned();
-        let film = form.film(scene, path.clone())?;
+        let output = if is_folder { into_folder(path.clone())? } else { Output::to(path.clone()) };
+        let film = form.film(scene, output)?;
         // The form stays where it has to be corrected.
         film.check()?;
         self.form = None;
@@ -197,11 +204,12 @@ impl Form {
     const FIRST: Self = Self {
         what: What::AsItIs,
         size: SIZES[0].1,
-        fps: 30,
+        fps: 30.0,
         from_secs: 0.0,
         to_secs: 0.0,
         look: None,
         titles: true,
+        has_ffmpeg: true,
     };
 
     fn show(&mut self, ui: &mut Ui, window: [u32; 2], show_secs: f64) {
@@ -244,8 +252,12 @@ impl Form {
         theme::group(ui, "Frames a second", |ui| {
             ui.horizontal(|ui| {
                 for fps in RATES {
-                    ui.selectable_value(&mut self.fps, fps, fps.to_string()).author_id(format!("fps/{fps}"));
+                    let button = ui.selectable_value(&mut self.fps, f64::from(fps), fps.to_string());
+                    button.author_id(format!("fps/{fps}"));
                 }
+                let label = ui.label("Rate");
+                let number = DragValue::new(&mut self.fps).range(FrameRate::WANTED_PER_SECOND);
+                ui.add(number.max_decimals(3)).labelled_by(label.id).author_id("fps");
             });
         });
         ui.label(RichText::new("Range").strong());
@@ -268,6 +280,27 @@ impl Form {
         });
     }
 
+    /// The buttons that begin; as what the film is wanted, once it is.
+    fn choose_kind(&self, ui: &mut Ui) -> Option<Then> {
+        if !self.has_ffmpeg {
+            let why = "There is no ffmpeg here, so no MP4: PNG frames and WAV have the sound without it.";
+            ui.label(RichText::new(why).color(theme::palette(ui).weak).small());
+        }
+        let mut wanted = None;
+        ui.horizontal(|ui| {
+            let folder = "Name a new folder for them, and begin";
+            for (name, id, tip, then) in [
+                ("Film to …", "film-begin", "Choose where it goes, and begin", Then::Film),
+                ("PNG frames and WAV to …", "film-frames", folder, Then::Frames),
+            ] {
+                if ui.button(name).author_id(id).on_hover_text(tip).clicked() {
+                    wanted = Some(then);
+                }
+            }
+        });
+        wanted
+    }
+
     fn choose_look(&mut self, ui: &mut Ui) {
         let own = "As it was seen";
         let shown = self.look.map_or_else(|| own.to_owned(), theme::capitalized);
@@ -283,10 +316,9 @@ impl Form {
         theme::checkbox(ui, &mut self.titles, "Titles of songs").on_hover_text(tip);
     }
 
-    fn film(&self, scene: Scene, path: PathBuf) -> Result<Film, Error> {
+    fn film(&self, scene: Scene, to: Output) -> Result<Film, Error> {
         let [width, height] = self.size;
-        let output = Output { width, height, rate: FrameRate::per_second(self.fps), ..Output::to(path) };
-        let output = Output { titles: self.titles, ..output };
+        let output = Output { width, height, rate: FrameRate::decimal(self.fps), titles: self.titles, ..to };
         let mut film = match self.what {
             What::TheShow => Film::of_show(scene.show, scene.body, scene.songs, output),
             What::AsItIs => {
@@ -307,6 +339,15 @@ impl Form {
         let duration_secs = (self.to_secs > 0.0).then_some(self.to_secs - self.from_secs);
         Ok(Film { start_secs: self.from_secs, duration_secs, ..film })
     }
+}
+
+/// Frames and sound go into a folder that holds nothing: its dialog does not ask before files are replaced.
+fn into_folder(folder: PathBuf) -> Result<Output, Error> {
+    if folder.read_dir().is_ok_and(|mut entries| entries.next().is_some()) {
+        let folder = folder.display();
+        return Err(Error::Input(format!("{folder}: holds files already; name a new folder for the frames")));
+    }
+    Ok(Output::frames(folder))
 }
 
 /// The show that begins where this one stands now, and lasts for one song.
@@ -382,7 +423,7 @@ mod tests {
                 on_stage: false,
                 favorites: 0,
             };
-            form.film(scene, PathBuf::from("film.gif")).unwrap()
+            form.film(scene, Output::to("film.gif".into())).unwrap()
         };
         let as_seen = film("", Form::FIRST);
         assert_eq!(as_seen.look, Look::EMBER);
@@ -494,7 +535,8 @@ mod tests {
             on_stage: false,
             favorites: 0,
         };
-        let begun = Filming::default().begin(scene, Path::new("film.gif"), &egui::Context::default());
+        let (path, ctx) = (Path::new("film.gif"), egui::Context::default());
+        let begun = Filming::default().begin(scene, path, false, &ctx);
         assert!(begun.unwrap_err().to_string().contains("form was closed"));
     }
 
@@ -511,7 +553,7 @@ mod tests {
                 on_stage,
                 favorites,
             };
-            Form::FIRST.film(scene, PathBuf::from("dance.glb"))
+            Form::FIRST.film(scene, Output::to("dance.glb".into()))
         };
         assert!(film(View::Gallery, false, 0).is_err());
         assert!(film(View::Gallery, true, 0).is_ok() && film(View::Gallery, false, 1).is_ok());

@@ -304,14 +304,20 @@ impl MusicRoom {
     /// Shows the form for a film while it is open, and asks where the film is to go.
     fn ask_for_a_film(&mut self, shared: &mut Shared<'_>) {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening)
-            && self.filming.show_form(&shared.ctx, concert.picture_size(), listening.at_secs())
+            && let Some(then) =
+                self.filming.show_form(&shared.ctx, concert.picture_size(), listening.at_secs())
         {
-            self.ask_for(Then::Film, shared);
+            self.ask_for(then, shared);
         }
     }
 
     /// Begins the film that was asked for.
-    pub(super) fn film_to(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
+    pub(super) fn film_to(
+        &mut self,
+        path: &Path,
+        is_folder: bool,
+        shared: &mut Shared<'_>,
+    ) -> Result<(), Error> {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
             let show = the_show(concert, listening, &self.names, shared, unread);
             let scene = Scene {
@@ -324,7 +330,7 @@ impl MusicRoom {
                 on_stage: concert.on_stage(),
                 favorites: concert.instrument().favorites().len(),
             };
-            self.filming.begin(scene, path, &shared.ctx)?;
+            self.filming.begin(scene, path, is_folder, &shared.ctx)?;
         }
         Ok(())
     }

@@ -55,6 +55,8 @@ pub enum Then {
     AddSongs,
     /// The film of the form is made.
     Film,
+    /// The same, as pictures in a folder and their sound.
+    Frames,
     /// The set is recorded from now on.
     Record,
     /// A dance is saved as a preset.

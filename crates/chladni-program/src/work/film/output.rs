@@ -73,6 +73,11 @@ impl Output {
         }
     }
 
+    /// To a folder of pictures, drawn like those of [`to`](Self::to), with the sound beside them.
+    pub fn frames(folder: PathBuf) -> Self {
+        Self { film: Some(folder), is_folder: true, ..Self::nowhere() }
+    }
+
     /// No file at all.
     pub fn nowhere() -> Self {
         Self {
