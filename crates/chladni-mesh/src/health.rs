@@ -133,10 +133,20 @@ impl HealthReport {
             },
         }
     }
+
+    /// Examines `mesh`, which the nodes of a glTF file may have placed: duplicate vertices are counted at the `stored`
+    /// positions, those before that, where there are any (see [`Loaded`](crate::Loaded)).
+    pub fn of_placed(mesh: &TriMesh, stored: Option<&[[f64; 3]]>) -> Self {
+        let mut report = Self::of(mesh);
+        if let Some(stored) = stored {
+            report.duplicate_vertices = duplicate_count(stored);
+        }
+        report
+    }
 }
 
 /// Vertices whose position an earlier vertex has too.
-pub(crate) fn duplicate_count(positions: &[[f64; 3]]) -> usize {
+fn duplicate_count(positions: &[[f64; 3]]) -> usize {
     places(positions).iter().zip(0_u32..).filter(|&(&first, v)| first != v).count()
 }
 

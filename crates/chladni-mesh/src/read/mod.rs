@@ -42,11 +42,7 @@ impl Loaded {
     /// The health report of the file. Where a glTF file places meshes by nodes, its count of
     /// duplicate vertices is that of the stored positions; all else is of the mesh as placed.
     pub fn health(&self) -> HealthReport {
-        let mut report = HealthReport::of(&self.mesh);
-        if let Some(stored) = &self.stored_positions {
-            report.duplicate_vertices = crate::health::duplicate_count(stored);
-        }
-        report
+        HealthReport::of_placed(&self.mesh, self.stored_positions.as_deref())
     }
 }
 

@@ -30,8 +30,17 @@ pub fn from_anywhere(path: &Path) -> PathBuf {
 /// # Errors
 /// [`Error::Mesh`], which names it.
 pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Error> {
+    Ok(loaded(source, watcher)?.mesh)
+}
+
+/// The same with the repairs.
+///
+/// # Errors
+/// As [`shape`] does.
+pub fn loaded(source: &ShapeSource, watcher: &impl Watcher) -> Result<Loaded, Error> {
     let loaded = watcher.watch("reading the mesh", |_| source.load(None))?;
-    Ok(mended(source, loaded, watcher))
+    warn_of_repairs(source, &loaded, watcher);
+    Ok(loaded)
 }
 
 /// The mesh in the `bytes` of a file called `name`; warns of repairs. Files that it names are not there.
@@ -41,14 +50,14 @@ pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Er
 pub fn shape_in(name: &str, bytes: &[u8], watcher: &impl Watcher) -> Result<TriMesh, Error> {
     let read = |_: &_| read_named_mesh(Path::new(name), bytes, &nothing_beside);
     let loaded = watcher.watch("reading the mesh", read).map_err(|error| Error::from(error).of(name))?;
-    Ok(mended(name, loaded, watcher))
+    warn_of_repairs(name, &loaded, watcher);
+    Ok(loaded.mesh)
 }
 
-fn mended(name: impl Display, loaded: Loaded, watcher: &impl Watcher) -> TriMesh {
+fn warn_of_repairs(name: impl Display, loaded: &Loaded, watcher: &impl Watcher) {
     for mended in &loaded.mended {
         watcher.warn(Warning::of(&name, mended));
     }
-    loaded.mesh
 }
 
 /// The mesh that users call `name`; warns of repairs.

@@ -84,13 +84,16 @@ impl Subject {
         Ok(subject)
     }
 
-    /// The shape of `project` to which its layers, made on another one, are still to be carried: the vertices that they name
-    /// are not this shape's.
+    /// The shape of `project`, its `mesh`, to which its layers, made on another one, are still to be carried: the vertices
+    /// that they name are not this shape's.
     ///
     /// # Errors
-    /// As [`of`](Self::of).
-    pub fn before_carrying(project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
-        let mesh = source::shape(&project.shape, watcher)?;
+    /// As [`of_mesh`](Self::of_mesh).
+    pub fn before_carrying(
+        mesh: TriMesh,
+        project: &mut Project,
+        watcher: &impl Watcher,
+    ) -> Result<Self, Error> {
         Ok(Self::decided(mesh, project, false, watcher)?.0)
     }
 

@@ -14,6 +14,7 @@ mod files;
 mod first_hour;
 mod following;
 mod gallery;
+mod health;
 mod layers;
 mod lost_device;
 mod menus;

@@ -286,7 +286,7 @@ fn one(
     };
     // Another shape need not stand as the project's own does.
     (own.shape, own.resolution, own.stands) = (shape.clone(), wanted, None);
-    let subject = Subject::before_carrying(&mut own, terminal)?;
+    let subject = Subject::before_carrying(source::shape(shape, terminal)?, &mut own, terminal)?;
     if let Some(from) = from {
         own = carry(project, from, &shape.to_string(), &subject.mesh, terminal)?;
     }

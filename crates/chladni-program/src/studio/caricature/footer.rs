@@ -1,12 +1,14 @@
-//! The foot of the layer panel: the shape's size, and its harmonics with their certificate.
+//! The foot of the layer panel: the shape's size and health, and its harmonics with their certificate.
 
 use std::time::Duration;
 
 use chladni_caricature::Action;
 use chladni_harmonics::{Basis, Certificate, Laplacian};
-use egui::{RichText, Ui};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{RichText, TextStyle, Ui};
 
 use super::edits::Edits;
+use super::health::Health;
 use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
@@ -21,7 +23,7 @@ const PAPER_MODE: &str = "The paper's plain cotangent Laplacian, which not every
                           with the paper's settings";
 
 /// Draws it.
-pub fn show(ui: &mut Ui, session: &Session, edits: &mut Edits) {
+pub fn show(ui: &mut Ui, session: &Session, health: &Health, edits: &mut Edits) {
     let palette = theme::palette(ui);
     let body = session.stack.body();
     ui.add_space(theme::GAP_SMALL);
@@ -33,15 +35,16 @@ pub fn show(ui: &mut Ui, session: &Session, edits: &mut Edits) {
     if let Some(rest) = slow_in {
         ui.ctx().request_repaint_after(rest.max(Duration::from_millis(100)));
     }
+    let slow = slow_in.is_some_and(|rest| rest.is_zero());
+    // Two numbers and a mark need a line of their own.
+    let is_long = session.subject.proxy.is_some();
+    if is_long {
+        vertices(ui, session, health, slow);
+    }
     ui.horizontal(|ui| {
-        let [worked_on, all] = [&session.subject.mesh, session.subject.whole()].map(|m| m.positions.len());
-        let vertices = match worked_on == all {
-            true => format!("{} vertices", grouped(all)),
-            false => format!("{} of {} vertices", grouped(worked_on), grouped(all)),
-        };
-        let slow = slow_in.is_some_and(|rest| rest.is_zero());
-        let text = if slow { BEHIND.into() } else { vertices };
-        ui.label(RichText::new(text).small().color(palette.weak));
+        if !is_long {
+            vertices(ui, session, health, slow);
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             let good = body.basis.certificate.is_precise();
             let (mark, color) =
@@ -69,6 +72,25 @@ pub fn show(ui: &mut Ui, session: &Session, edits: &mut Edits) {
         });
     });
     ui.add_space(theme::GAP_SMALL);
+}
+
+/// The number of vertices, with a mark where something was found in their file; or that what is shown is `slow` to follow.
+fn vertices(ui: &mut Ui, session: &Session, health: &Health, slow: bool) {
+    let (palette, font) = (theme::palette(ui), TextStyle::Small.resolve(ui.style()));
+    let [worked_on, all] = [&session.subject.mesh, session.subject.whole()].map(|m| m.positions.len());
+    let text = match worked_on == all {
+        _ if slow => BEHIND.to_owned(),
+        true => format!("{} vertices", grouped(all)),
+        false => format!("{} of {} vertices", grouped(worked_on), grouped(all)),
+    };
+    let mut marked = LayoutJob::default();
+    if health.is_worth_a_look() && !slow {
+        let mark = TextFormat::simple(font.clone(), palette.warning);
+        marked.append(&icon::label(Icon::CircleAlert, ""), 0.0, mark);
+    }
+    marked.append(&text, 0.0, TextFormat::simple(font, palette.weak));
+    let count = ui.label(marked).author_id("vertices");
+    health.show_on(count, session.stack.body().basis.certificate.laplacian);
 }
 
 /// The certificate in plain words.

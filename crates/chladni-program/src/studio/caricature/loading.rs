@@ -9,7 +9,8 @@ use chladni_mesh::{Estimate, Orientation, TriMesh};
 use chladni_task::Task;
 
 use super::evaluating::{Evaluated, Sight, on_own_threads};
-use crate::work::{Aside, Error, OwnLook, Subject, Warning, Watcher, body};
+use super::health::Unexamined;
+use crate::work::{Aside, Error, OwnLook, Subject, Warning, Watcher, body, source};
 
 /// A project that will replace the open one.
 pub struct Candidate {
@@ -47,6 +48,8 @@ pub struct Loaded {
     /// The recovery copy that the project comes from.
     pub recovered: Option<Recovered>,
     pub subject: Subject,
+    /// The same for its health report.
+    pub unexamined: Unexamined,
     pub stands: Estimate,
     /// What of it is seen first.
     pub sight: Sight,
@@ -68,9 +71,10 @@ pub fn load(
     let Candidate { mut project, path, recovered, made_on, found_moved, .. } = candidate;
     let aside = Aside::new(task);
     let name = project.shape.to_string();
+    let chladni_mesh::Loaded { mesh, mended, stored_positions } = source::loaded(&project.shape, &aside)?;
     let subject = match made_on {
-        Some(_) => Subject::before_carrying(&mut project, &aside)?,
-        None => Subject::of(&mut project, &aside)?,
+        Some(_) => Subject::before_carrying(mesh, &mut project, &aside)?,
+        None => Subject::of_mesh(mesh, &mut project, &aside)?,
     };
     let mesh = &subject.mesh;
     if let Some(message) = project.taken_over() {
@@ -89,7 +93,10 @@ pub fn load(
         }
         project = carried.project;
     }
-    let (body, _) = body::build(&name, mesh, project.harmonics, project.laplacian, &aside)?;
+    let (body, report) = body::build(&name, mesh, project.harmonics, project.laplacian, &aside)?;
+    // That of a proxy says nothing of the whole shape.
+    let cover = report.cover.filter(|_| subject.proxy.is_none());
+    let unexamined = Unexamined { whole: Arc::clone(subject.whole()), stored_positions, mended, cover };
     let look = OwnLook::of_subject(&name, &subject, &body, &aside);
     let stack = Stack::new(Arc::new(body))?;
     if project.layers().iter().any(|(_, layer)| layer.region.painted != Painted::Everywhere) {
@@ -106,6 +113,7 @@ pub fn load(
         is_carried,
         recovered,
         subject,
+        unexamined,
         stands,
         sight,
         evaluated,

@@ -14,6 +14,7 @@ mod files;
 mod footer;
 mod gallery;
 mod head_sliders;
+mod health;
 mod heat;
 mod ink_panel;
 mod keyboard;
@@ -55,6 +56,7 @@ use self::edits::Edits;
 use self::evaluating::Sight;
 use self::export::Export;
 use self::gallery::ShapesGallery;
+use self::health::Health;
 use self::heat::Heat;
 use self::landmarks::Picking;
 use self::layers::LayerList;
@@ -81,6 +83,8 @@ pub struct CaricatureRoom {
     /// The shape that is being loaded, to be seen before its harmonics are there.
     preview: Option<Preview>,
     session: Option<Session>,
+    /// What was found in the file of its shape.
+    health: Health,
     /// Waits until the user has decided about unsaved work.
     candidate: Option<Candidate>,
     export: Export,
@@ -263,6 +267,9 @@ impl CaricatureRoom {
             }
             self.stale |= changed;
         }
+        if let Err(why) = self.health.poll() {
+            shared.notices.failed(why);
+        }
     }
 
     /// Shows the document as it is now, and finds what can be found while the hand rests.
@@ -289,6 +296,7 @@ impl CaricatureRoom {
         let recovered = loaded.recovered.take();
         let (look, is_carried) = (loaded.look.take(), loaded.is_carried);
         let opened = loaded.path.as_deref().or(loaded.project.shape.file()).map(Path::to_owned);
+        let unexamined = std::mem::take(&mut loaded.unexamined);
         let session = Session::new(loaded);
         let body = session.stack.body();
         let positions = single(&body.positions);
@@ -300,6 +308,7 @@ impl CaricatureRoom {
         self.gallery = ShapesGallery::default();
         self.controls.named.forget();
         self.stage = Some(stage);
+        self.health = unexamined.begin(&shared.ctx);
         let earlier = self.session.replace(session);
         if is_carried {
             let stays = earlier.and_then(|earlier| earlier.path).map_or_else(String::new, |path| {
@@ -325,7 +334,9 @@ impl CaricatureRoom {
         let Some(session) = self.session.as_mut().filter(|_| self.loading.is_none()) else { return };
         let mut wants_mesh = false;
         egui::Panel::left("layers").resizable(false).exact_size(theme::PANEL_WIDTH - 40.0).show(ui, |ui| {
-            egui::Panel::bottom("shape").resizable(false).show(ui, |ui| footer::show(ui, session, edits));
+            egui::Panel::bottom("shape")
+                .resizable(false)
+                .show(ui, |ui| footer::show(ui, session, &self.health, edits));
             egui::ScrollArea::vertical().show(ui, |ui| {
                 let mut selected = session.selected;
                 let failed = session.failed_layers();
