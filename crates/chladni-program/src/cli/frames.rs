@@ -65,6 +65,7 @@ mod tests {
         assert_eq!(fps("29.97"), Some((30000, 1001)));
         assert_eq!(fps("23.976"), Some((24000, 1001)));
         assert_eq!(fps("12.5"), Some((12500, 1000)));
+        assert_eq!(fps("4.99"), Some((4990, 1000)));
         assert_eq!(fps("5.0"), Some((5, 1)));
         assert!(["0", "1/0", "-3", "nan"].into_iter().all(|wrong| fps(wrong).is_none()));
         assert_eq!("640x360".parse::<Size>().unwrap(), Size { width: 640, height: 360 });

@@ -64,6 +64,7 @@ fn frames_and_their_sound_go_into_a_new_folder_at_any_rate() {
     let wav = std::fs::read(frames.join("sound.wav")).unwrap();
     let song = std::fs::read(folder.path().join("song.wav")).unwrap();
     assert_eq!((&wav[..4], wav.len()), (&b"RIFF"[..], song.len()), "all of the song");
+    assert!(wav[44..].iter().any(|byte| *byte != 0), "silent");
     // Nothing that is there is replaced.
     answers.add(frames.clone());
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
@@ -71,6 +72,7 @@ fn frames_and_their_sound_go_into_a_new_folder_at_any_rate() {
     click(&mut window, "film-frames");
     wait(&mut window, "the reason", |w| shows(w, "holds files already"));
     assert!(is_there(&window, "film-begin"));
+    assert_eq!(std::fs::read(frames.join("frame-00004.png")).unwrap(), png);
 }
 
 #[test]

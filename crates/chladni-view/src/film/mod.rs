@@ -52,7 +52,7 @@ impl FrameRate {
         if fps.fract() == 0.0 {
             return Self::per_second(fps as u32);
         }
-        let is_ntsc = (fps.ceil() - fps / 0.999_000_999).abs() < 0.01;
+        let is_ntsc = (fps.ceil() / fps - 1.001).abs() < 2e-4;
         if is_ntsc {
             Self { numerator: 1000 * fps.ceil() as u32, denominator: 1001 }
         } else {

@@ -80,7 +80,18 @@ pub struct Browser {
 impl Browser {
     /// Begins where `request` says, or in the current folder.
     pub fn new(request: Request) -> Self {
-        let start = std::path::absolute(&request.start).unwrap_or_else(|_| PathBuf::from("/"));
+        let mut start = std::path::absolute(&request.start).unwrap_or_else(|_| PathBuf::from("/"));
+        let names_folder = request.purpose == Purpose::Save
+            && request.kinds.iter().all(|(_, extensions)| extensions.is_empty());
+        // A new folder has a name that nothing has yet.
+        if let Some(name) = request.start.file_name().filter(|_| names_folder && start.exists()) {
+            let name = name.to_string_lossy();
+            let free =
+                (2_u32..).map(|n| start.with_file_name(format!("{name}-{n}"))).find(|path| !path.exists());
+            if let Some(free) = free {
+                start = free;
+            }
+        }
         let (folder, typed) = if start.is_dir() {
             (start, String::new())
         } else {

@@ -38,6 +38,8 @@ const LONGEST_SIDE: u32 = 8192;
 pub struct Filming {
     form: Option<Form>,
     running: Option<Job<Made>>,
+    /// The folder of a film in pictures.
+    folder: Option<PathBuf>,
 }
 
 /// A film, and its warnings.
@@ -158,6 +160,7 @@ impl Filming {
         // The form stays where it has to be corrected.
         film.check()?;
         self.form = None;
+        self.folder = is_folder.then(|| path.clone());
         let label = format!("Filming {}", path.file_name().unwrap_or_default().to_string_lossy());
         self.running = Some(Job::start(label, ctx, move |task| {
             let aside = Aside::new(task);
@@ -175,7 +178,13 @@ impl Filming {
                 made.warnings.into_iter().for_each(|warning| shared.notices.warn(warning));
                 shared.notices.done(format!("Filmed {}", made.path.display()));
             }
-            Some(Err(why)) => shared.notices.failed(why),
+            Some(Err(why)) => match self.folder.as_ref().filter(|folder| folder.is_dir()) {
+                Some(folder) if matches!(why, Error::Cancelled) => {
+                    let folder = folder.display();
+                    shared.notices.done(format!("Cancelled; frames that were finished stay in {folder}"));
+                }
+                _ => shared.notices.failed(why),
+            },
         }
         self.running = None;
     }
@@ -185,7 +194,7 @@ impl Filming {
         self.running.as_ref().map(Job::label)
     }
 
-    /// Cancels the film being made, so that nothing half written stays: the window closes.
+    /// Cancels the film being made, so that nothing half written stays, except finished frames in a folder: the window closes.
     pub fn stop(&mut self) {
         if let Some(running) = self.running.take() {
             running.stop();
