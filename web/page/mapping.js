@@ -5,11 +5,24 @@ import { element } from "./page.js";
 const SVG = "http://www.w3.org/2000/svg";
 const CURVES = [["transfer", "t"], ["amplification", "a"]];
 
+/** As many points of a line as can be told apart. Where the processor composes the page, it draws them in every frame. */
+const POINTS = 64;
+
+/** At most `POINTS` values: of each stretch of `values` the one farthest from 0, so that no peak is lost. */
+function fewer(values) {
+  const count = Math.min(POINTS, values.length);
+  return Array.from({ length: count }, (_, i) => {
+    const [from, to] = [i, i + 1].map((each) => Math.floor((each * values.length) / count));
+    return values.slice(from, to).reduce((far, value) => (Math.abs(value) > Math.abs(far) ? value : far));
+  });
+}
+
 /** The path of values between `low` and `high` across a square of 100. */
-function path(values, low, high) {
+function path(all, low, high) {
+  const values = fewer(all);
   const x = (i) => (100 * i) / Math.max(1, values.length - 1);
   const y = (value) => (100 * (high - value)) / (high - low);
-  return `M${Array.from(values, (value, i) => `${x(i).toFixed(1)} ${y(value).toFixed(1)}`).join("L")}`;
+  return `M${values.map((value, i) => `${x(i).toFixed(1)} ${y(value).toFixed(1)}`).join("L")}`;
 }
 
 /** What `small().show` shows. */
