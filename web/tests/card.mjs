@@ -166,7 +166,12 @@ async function strobes(page) {
     };
     window.calm = () => { CanvasRenderingContext2D.prototype.getImageData = read; };
   });
-  await until(page, () => /^rgb/.test(document.getElementById("picture").style.background));
+  const { frames } = await page.evaluate(() => window.chladni);
+  await page.waitForTimeout(4000);
+  const rate = ((await page.evaluate(() => window.chladni.frames)) - frames) / 4;
+  // Every other picture is white.
+  if (rate > 8) await until(page, () => /^rgb/.test(document.getElementById("picture").style.background));
+  else step(`skipped: ${rate} pictures a second cannot flash more than three times`);
   // What is saved has the veil, too. Where pictures take seconds nothing strobes, so this one is judged beforehand.
   const laid = await page.evaluate(async () => {
     const { Concert } = await import("./chladni_web.js");
