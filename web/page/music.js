@@ -341,7 +341,9 @@ const act = attempt((action) => {
   refresh();
 });
 /** The dance that is saved: the one on stage, else the first that is chosen. */
-const theDance = () => JSON.parse(concert.curves())?.item ?? Math.max(0, state.dances.findIndex((dance) => dance.chosen));
+const theDance = () => concert.staged() ?? Math.max(0, state.dances.findIndex((dance) => dance.chosen));
+/** t and a of a dance of the gallery. */
+const curvesOf = (item) => [concert.transfer(item), concert.amplification(item)];
 /** The dance on stage of which controls were shown last. */
 let staged;
 /** Whether beats, or the autopilot, have brought another one; not while a hand is on what belongs to that. */
@@ -381,10 +383,12 @@ function refresh() {
   of("sweep").disabled = !state.sand;
   playlist.show();
   of("back").disabled = !state.on_stage;
-  const shown = JSON.parse(concert.curves());
-  of("draw").disabled = !shown;
-  of("draw").setAttribute("aria-pressed", drawing && !!shown);
-  curves.show(drawing ? shown : undefined);
+  const item = concert.staged();
+  const isDrawn = drawing && item !== undefined;
+  of("draw").disabled = item === undefined;
+  of("draw").setAttribute("aria-pressed", isDrawn);
+  const [transfer, amplification] = isDrawn ? curvesOf(item) : [];
+  curves.show(isDrawn ? { item, transfer, amplification } : undefined);
   of("pilot").setAttribute("aria-pressed", state.piloted);
   of("sand").setAttribute("aria-pressed", state.sand);
   // The plate at the front does not end a show that the room has left.
@@ -536,7 +540,7 @@ export function listen() {
   sounding.listen(shared);
   // Nothing is to be heard where the room was left, and a film has its song.
   listening.listen({ ...shared, mayListen: () => isHere() && !films.isFilmed(), passOver: player.passOver });
-  gallery.listen({ act, breed: () => { concert.breed(); edits++; refresh(); }, begin: newGallery, curves: (item) => [concert.transfer(item), concert.amplification(item)] });
+  gallery.listen({ act, breed: () => { concert.breed(); edits++; refresh(); }, begin: newGallery, curves: curvesOf });
   on("play", playOrPause);
   plate.listen(holdStill);
   addEventListener("keydown", onKey);

@@ -5,7 +5,7 @@ import { ask, giveUp, obsolete, works } from "./work.js";
 /** Our own, which makes room for any other. */
 export const TUNE = "sample:tune";
 
-/** Each is what it is called and its file; what plays has its sound, too, and what was heard the `reading` of its beats. */
+/** Each has a name and a file; the one that plays also has its sound, and each that was heard has the `reading` of its beats. */
 const list = [];
 let playing;
 /** What comes after it, once it was asked for. */

@@ -73,7 +73,7 @@ export function correct(change) {
   if (!concert) return;
   concert[change]();
   const song = songs.current();
-  // Another shape dances to the same beats.
+  // Kept with the song, so that another shape dances to the same beats.
   if (song && !listening.microphone()) song.reading = concert.reading(room.sound.number);
   room.refresh();
 }

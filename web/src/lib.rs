@@ -84,9 +84,7 @@ pub fn samples() -> Result<String, JsError> {
 pub fn kind(name: &str) -> String {
     let path = Path::new(name);
     match formats::kind(path) {
-        formats::Kind::Mesh if !formats::MESHES.contains(&formats::ending(path).as_str()) => {
-            "unknown".to_owned()
-        }
+        formats::Kind::Mesh if !formats::ends_in(path, &formats::MESHES) => "unknown".to_owned(),
         kind => format!("{kind:?}").to_lowercase(),
     }
 }

@@ -329,7 +329,7 @@ impl Layer {
 
     /// Whether it names vertices or places of the shape: in a region, by landmarks, or as a given ellipsoid or sphere. These
     /// are [`carried`](crate::Project::carried) to another shape.
-    pub fn names_places(&self) -> bool {
+    pub(crate) fn names_places(&self) -> bool {
         self.names_vertices()
             || self.region.painted != Painted::Everywhere
             || matches!(self.template, Template::Given(_))

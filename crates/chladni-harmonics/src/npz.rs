@@ -182,8 +182,8 @@ fn unless_cancelled(written: Result<()>, task: &Task) -> Result<()> {
 /// Adds `eigenvalues`, `mass`, `operator_vertex` and `eigenvectors` in the units of the file.
 fn add_basis(arrays: &mut impl Arrays, body: &Body, task: &Task) -> Result<()> {
     let basis = &body.basis;
-    let stage = task.stage("writing the harmonics", basis.harmonics() as u64);
     let (n, k) = (basis.vertices() as u64, basis.harmonics() as u64);
+    let stage = task.stage("writing the harmonics", k);
     let eigenvalues = basis.eigenvalues.iter().map(|l| body.eigenvalue_in_file(*l));
     arrays.add("eigenvalues", &[k], Order::C, eigenvalues)?;
     arrays.add("mass", &[n], Order::C, basis.mass.iter().map(|a| body.area_in_file(*a)))?;

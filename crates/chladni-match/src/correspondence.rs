@@ -62,8 +62,8 @@ impl Correspondence {
 /// `scaling` says so.
 ///
 /// # Errors
-/// Different numbers of vertices; different triangles, unless polygons are the same or only quads are divided along other
-/// diagonals (the order of triangles and of their corners does not matter); a mesh without a surface; vertices that all lie on one line.
+/// Different numbers of vertices; different triangles (in whatever order), unless both have the same polygons or differ
+/// only in the diagonals of quads; a mesh without a surface; vertices that all lie on one line.
 pub fn same_connectivity(
     shape: &TriMesh,
     template: &TriMesh,

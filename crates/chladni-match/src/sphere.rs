@@ -20,7 +20,7 @@ pub(crate) fn onto_sphere(closed: &Closed, side: Side, task: &Task) -> Result<Ve
     let mut x = closed.points.clone();
     let volume: f64 = closed.triangles.iter().map(|t| orientation(t.map(|v| x[v as usize]))).sum();
     if volume < 0.0 {
-        // Of an open surface whose inside was in doubt, its mirror image faces outward.
+        // A surface without a clear inside keeps its winding. Where it faces inward, its mirror image faces outward.
         x.iter_mut().for_each(|p| *p = -*p);
     }
     normalize_area(&mut x, &closed.triangles);

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use chladni_match::{Landmark, Match, MatchSettings, Method, match_shapes};
+use chladni_mesh::surface::vec3::distance;
 use chladni_mesh::{TriMesh, samples};
 use chladni_task::Task;
 
@@ -53,7 +54,7 @@ fn faces_that_look_inward_are_turned_for_the_match_and_reported() {
             assert!((report.mean_confidence - near.mean_confidence).abs() < 0.02, "{method:?}: {report:?}");
             assert!(report.flipped_triangles <= near.flipped_triangles + 20, "{method:?}: {report:?}");
             for (p, q) in found.correspondence.target.iter().zip(&known.correspondence.target) {
-                let distance = (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt();
+                let distance = distance(*p, *q);
                 assert!(distance < 0.3, "{method:?}: {distance}");
             }
             for (nth, side) in [(inward_shape, "shape"), (inward_template, "template")] {

@@ -23,7 +23,7 @@ pub struct HealthReport {
     /// How the faces are connected, as stored.
     #[serde(flatten)]
     pub topology: Topology,
-    /// Triangles (of divided polygons, too) of no area at all, repeated corners included.
+    /// Triangles of no area at all, those of divided polygons and those with repeated corners included.
     pub degenerate_triangles: usize,
     /// Vertices whose position an earlier vertex has too.
     pub duplicate_vertices: usize,

@@ -146,11 +146,9 @@ impl Director {
         Self { seed, count: 0, shots: vec![opening], bars: 0, planned_bars: 0, keeps_all: false }
     }
 
-    /// For a song whose bars are known.
-    pub fn of_song(seed: u64, bars: impl IntoIterator<Item = BarLine>) -> Self {
-        let mut director = Self { keeps_all: true, ..Self::live(seed) };
-        bars.into_iter().for_each(|bar| director.hear(bar));
-        director
+    /// For a song, in which one may go back: all shots are kept.
+    pub fn of_song(seed: u64) -> Self {
+        Self { keeps_all: true, ..Self::live(seed) }
     }
 
     /// Another one for live sound, with the same seed.
@@ -253,6 +251,12 @@ impl Director {
 mod tests {
     use super::*;
 
+    fn of_song(seed: u64, bars: Vec<BarLine>) -> Director {
+        let mut director = Director::of_song(seed);
+        bars.into_iter().for_each(|bar| director.hear(bar));
+        director
+    }
+
     fn bars(energy: impl Fn(usize) -> f32) -> Vec<BarLine> {
         let bar = |i: usize| BarLine {
             at_secs: 0.5 + 2.0 * i as f64,
@@ -266,7 +270,7 @@ mod tests {
     #[test]
     fn it_cuts_on_bar_lines_only_and_glides_between() {
         for seed in 0..20 {
-            let director = Director::of_song(seed, bars(|i| i as f32 / 96.0));
+            let director = of_song(seed, bars(|i| i as f32 / 96.0));
             let cuts: Vec<f64> = director.cuts().collect();
             assert!(cuts.len() > 8, "{cuts:?}");
             assert!(cuts.iter().all(|cut| ((cut - 0.5) / 2.0).fract() == 0.0));
@@ -287,7 +291,7 @@ mod tests {
 
     #[test]
     fn it_holds_while_it_is_quiet_and_two_shots_are_never_alike() {
-        let shots = |energy: f32| Director::of_song(7, bars(|_| energy)).shots;
+        let shots = |energy: f32| of_song(7, bars(|_| energy)).shots;
         let (quiet, loud) = (shots(0.1), shots(0.9));
         assert!(quiet.len() * 3 < loud.len(), "{} {}", quiet.len(), loud.len());
         assert!(loud.windows(2).all(|pair| pair[0].kind != pair[1].kind));
@@ -298,7 +302,7 @@ mod tests {
     #[test]
     fn whoever_hears_the_bars_one_by_one_sees_the_same() {
         let bars = bars(|i| [0.2, 0.5, 0.9][i / 8 % 3]);
-        let whole = Director::of_song(3, bars.clone());
+        let whole = of_song(3, bars.clone());
         let mut live = Director::live(3);
         let mut next = bars.into_iter().peekable();
         for i in 0..9000 {

@@ -62,13 +62,13 @@ impl Pulses {
         Some((self.pulses.front()?.0, self.pulses.back()?.0))
     }
 
-    /// How far from the line the pulse lies that is farthest from it, in seconds; 0 without a line.
-    pub(crate) fn farthest_off_secs(&self) -> f64 {
+    /// Whether all lie within `share` of a step of the line; true without a line.
+    pub(crate) fn are_even(&self, share: f64) -> bool {
         let (Some((due_secs, gap_secs)), Some((_, last_place))) = (self.line(), self.places()) else {
-            return 0.0;
+            return true;
         };
         let off = |&(place, secs): &(f64, f64)| (secs - due_secs - (place - last_place) * gap_secs).abs();
-        self.pulses.iter().map(off).fold(0.0, f64::max)
+        self.pulses.iter().all(|pulse| off(pulse) <= share * gap_secs)
     }
 
     /// When the last pulse should have come, and the time of a step: least squares.

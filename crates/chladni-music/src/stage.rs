@@ -92,7 +92,7 @@ impl Stage {
     }
 
     /// Whether a gallery is shown, whose dances follow each other where the beat steps.
-    pub fn shows_gallery(&self) -> bool {
+    pub(crate) fn shows_gallery(&self) -> bool {
         !self.gallery.is_empty()
     }
 

@@ -14,10 +14,10 @@ const MOST: usize = 16;
 const LONGEST_GAP_SECS: f64 = 2.0;
 /// Even taps lie this near to the straight line through them, as a share of the time between two.
 const EVEN: f64 = 0.15;
-/// Beats that go as taps do drift less far away from them, over all of them, as a share of the time between two. So the
-/// tempo of eight taps may be off by 4 %, and that of four, which is less exact, by 10 %.
+/// Beats at the tempo of the taps drift away from them by less than this from the first tap to the last, as a share of the
+/// time between two. So the tempo of eight taps may be off by 4 %, and that of four, which is less exact, by 10 %.
 const LARGEST_DRIFT: f64 = 0.3;
-/// With their octaves, the ratios that a tempo is found wrong by most often: 3/2 and 2/3, 3 and 1/3, 4/3 and 3/4.
+/// With their octaves, the ratios by which a found tempo is wrong most often: 3/2 and 2/3, 3 and 1/3, 4/3 and 3/4.
 const SIMPLE: [f64; 2] = [3.0 / 4.0, 4.0 / 3.0];
 /// The slowest and the fastest beats, for each that was found.
 const PER_FOUND: RangeInclusive<f64> = 0.05..=20.0;
@@ -70,7 +70,7 @@ impl Taps {
             return;
         }
         self.0.add(secs);
-        if self.0.line().is_some_and(|(_, gap_secs)| self.0.farthest_off_secs() > EVEN * gap_secs) {
+        if !self.0.are_even(EVEN) {
             self.0.clear();
             self.0.add(secs);
         }

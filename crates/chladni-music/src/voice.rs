@@ -151,7 +151,7 @@ impl Voices {
     }
 
     /// Leaves out all harmonics from this one on, on a machine that does not keep up. `None` leaves out none.
-    pub fn use_at_most(&mut self, harmonics: Option<usize>) {
+    pub(crate) fn use_at_most(&mut self, harmonics: Option<usize>) {
         self.most_harmonics = harmonics.unwrap_or(usize::MAX);
     }
 

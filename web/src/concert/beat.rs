@@ -7,9 +7,6 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-/// The beat of a song is halved or doubled at most this often, as on the desktop.
-const MOST_OCTAVES: i32 = 3;
-
 /// A song of the show.
 #[derive(Default)]
 pub(super) struct ShowSong {
@@ -39,7 +36,7 @@ impl Concert {
     /// Beats per minute of what is heard; 0 where no beat is known.
     pub fn tempo_bpm(&self) -> f64 {
         match &self.live {
-            Some(live) => live.ear().follower.moment().tempo_bpm,
+            Some(live) => live.ear.follower.moment().tempo_bpm,
             None => self.known_beats().map_or(0.0, |beats| beats.tempo_bpm),
         }
     }
@@ -47,7 +44,7 @@ impl Concert {
     /// The confidence of that beat, in [0, 1].
     pub fn beat_confidence(&self) -> f64 {
         match &self.live {
-            Some(live) => live.ear().follower.moment().confidence,
+            Some(live) => live.ear.follower.moment().confidence,
             None => f64::from(self.hearing.beat_at(self.clock.at_secs()).confidence),
         }
     }
@@ -58,7 +55,7 @@ impl Concert {
     /// No song is heard, and no microphone.
     pub fn halve_beat(&mut self) -> Result<(), JsError> {
         match &mut self.live {
-            Some(live) => live.ear_mut().follower.halve(),
+            Some(live) => live.ear.follower.halve(),
             None => self.change_octave(-1)?,
         }
         Ok(())
@@ -70,7 +67,7 @@ impl Concert {
     /// No song is heard, and no microphone.
     pub fn double_beat(&mut self) -> Result<(), JsError> {
         match &mut self.live {
-            Some(live) => live.ear_mut().follower.double(),
+            Some(live) => live.ear.follower.double(),
             None => self.change_octave(1)?,
         }
         Ok(())
@@ -83,7 +80,7 @@ impl Concert {
     pub fn tap_beat(&mut self) -> Result<(), JsError> {
         let why = "Here only the beat of a microphone can be tapped, not that of a song.";
         let live = self.live.as_mut().ok_or_else(|| JsError::new(why))?;
-        let follower = &mut live.ear_mut().follower;
+        let follower = &mut live.ear.follower;
         follower.tap(follower.now_secs());
         Ok(())
     }
@@ -131,7 +128,7 @@ impl Concert {
     /// The sound that was heard last, and the frequencies of its bands.
     fn spectrum(&self) -> Option<(&Spectrum, &[f32])> {
         let Some(live) = &self.live else { return self.hearing.spectrum() };
-        let analyzer = live.ear().analyzer();
+        let analyzer = live.ear.analyzer();
         Some((analyzer.spectrum(), analyzer.bands_hz()))
     }
 
@@ -148,11 +145,11 @@ impl Concert {
     /// Doubles the tempo of the song that is heard, or halves it for −1.
     fn change_octave(&mut self, by: i32) -> Result<(), Error> {
         let song = self.heard_song().and_then(|number| Some((number, self.songs.get(number)?.reading)));
-        let (number, reading) = song.ok_or_else(|| Error::input("No song is heard that has a beat."))?;
-        let octave = (reading.octave + by).clamp(-MOST_OCTAVES, MOST_OCTAVES);
+        let (number, mut reading) = song.ok_or_else(|| Error::input("No song is heard that has a beat."))?;
+        reading.change_octave(by);
         // A show that is played is the user's own from then on.
         self.script = None;
-        self.read_otherwise(number, BeatReading { octave, ..reading })
+        self.read_otherwise(number, reading)
     }
 
     fn read_otherwise(&mut self, number: usize, reading: BeatReading) -> Result<(), Error> {

@@ -2,34 +2,12 @@
 
 use chladni_music::{Action, Mapping, direct_transfer};
 use chladni_program::work::drawn_curve;
-use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
-#[derive(Serialize)]
-struct Curves<'a> {
-    /// The dance's place in the gallery.
-    item: usize,
-    transfer: &'a [f32],
-    amplification: &'a [f32],
-}
-
 #[wasm_bindgen]
 impl Concert {
-    /// t and a of the dance of the gallery that is on stage, as JSON; `null` where none is.
-    ///
-    /// # Errors
-    /// Bugs only.
-    pub fn curves(&self) -> Result<String, JsError> {
-        let items = self.instrument.gallery().items();
-        let curves = self.staged().map(|item| {
-            let mapping = &items[item].genome;
-            Curves { item, transfer: &mapping.transfer, amplification: &mapping.amplification }
-        });
-        Ok(serde_json::to_string(&curves)?)
-    }
-
     /// The place in the gallery of the dance on stage, which beats may change; none where none of the gallery is there.
     pub fn staged(&self) -> Option<usize> {
         let scene = self.instrument.scene(self.beat_at(self.clock.at_secs()))?;

@@ -9,7 +9,8 @@ use super::Concert;
 /// The latest live sound, and the ear that listens to it.
 pub(super) struct Live {
     rate_hz: u32,
-    ear: Ear,
+    /// The ear that listens.
+    pub ear: Ear,
     /// As long as the ear may want to hear at once; silence before the first sound.
     left: Vec<f32>,
     right: Vec<f32>,
@@ -59,8 +60,7 @@ impl Live {
             let missing = frames - kept.len();
             kept.splice(..0, std::iter::repeat_n(0.0, missing));
         }
-        let dt_secs =
-            (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).clamp(1e-3, Ear::LONGEST_SECS);
+        let dt_secs = (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).max(1e-3);
         self.beat = self.ear.beat();
         let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, dt_secs);
         Ok(Heard { at_secs, is_known: false, bands, harmony, beat: self.beat, fading: None })
@@ -74,16 +74,6 @@ impl Live {
     /// The bars that have begun since the last call, as of `at_secs` of the show.
     pub fn new_bars(&mut self, at_secs: f64) -> Vec<BarLine> {
         self.bars.drain(..).map(|bar| BarLine { at_secs, ..bar }).collect()
-    }
-
-    /// The ear that listens.
-    pub fn ear(&self) -> &Ear {
-        &self.ear
-    }
-
-    /// The same, for corrections of its beat.
-    pub fn ear_mut(&mut self) -> &mut Ear {
-        &mut self.ear
     }
 }
 

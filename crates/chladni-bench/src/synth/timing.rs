@@ -15,7 +15,7 @@ use chladni_program::work::Error;
 /// Frames measured: at least this many, and for at least this long.
 const FRAMES: usize = 3;
 const PATIENCE: Duration = Duration::from_millis(250);
-/// Anything slower than this is measured once: a software device takes seconds to draw the largest shapes.
+/// Anything slower than this is measured once: without a graphics card the largest shapes may take seconds.
 const SLOW: Duration = Duration::from_secs(1);
 
 /// The median time of `work` in seconds, after one run that warms up.

@@ -17,8 +17,9 @@ const AROUND: usize = 16;
 
 /// For each of `triangles` whether turning it round helps all of them to face outward.
 ///
-/// Across edges of two triangles, those that run against the larger area are turned if they do along most of their border
-/// (pieces that merely touch keep their winding); on a surface with one side none are.
+/// First, triangles that share an edge with one other are made to agree: those of the lesser area are turned if more edges
+/// disagree than they have open ones (pieces that merely touch keep their winding). On a surface with one side none is
+/// turned.
 /// Then a component is turned as a whole if its volume is negative: the volume of the cone from the surface to a point,
 /// for an open component from every one of its vertices. One that is too flat to have an inside keeps its winding. What
 /// lies within another component is turned if that is: the walls of a cavity face inward and should.
@@ -27,9 +28,8 @@ const AROUND: usize = 16;
 /// If a triangle names a vertex that is not there.
 pub fn inward_triangles(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<bool> {
     let (links, rims) = touching(triangles);
-    let areas: Vec<f64> =
-        triangles.iter().map(|t| 0.5 * length(doubled_area_normal(corners(positions, t)))).collect();
-    let (mut turned, one_sided) = against_most(&areas, &links, &rims);
+    let area = |t: usize| 0.5 * length(doubled_area_normal(corners(positions, &triangles[t])));
+    let (mut turned, one_sided) = against_most(triangles.len(), area, &links, &rims);
     let even: Vec<[u32; 3]> = triangles
         .iter()
         .zip(&turned)
@@ -72,20 +72,25 @@ fn touching(triangles: &[[u32; 3]]) -> (Vec<Link>, Vec<u32>) {
 
 /// For each triangle whether it runs against the larger area of what it is linked with, and does so with its like along
 /// most of their border; and a triangle of each surface with one side. `rims` are the triangles of open edges.
-fn against_most(areas: &[f64], links: &[Link], rims: &[u32]) -> (Vec<bool>, Vec<u32>) {
-    let (mut turned, mut one_sided) = (vec![false; areas.len()], Vec::new());
+fn against_most(
+    count: usize,
+    area: impl Fn(usize) -> f64,
+    links: &[Link],
+    rims: &[u32],
+) -> (Vec<bool>, Vec<u32>) {
+    let (mut turned, mut one_sided) = (vec![false; count], Vec::new());
     if links.iter().all(|(_, _, agree)| *agree) {
         return (turned, one_sided);
     }
-    let mut around: Vec<Vec<(usize, bool)>> = vec![Vec::new(); areas.len()];
+    let mut around: Vec<Vec<(usize, bool)>> = vec![Vec::new(); count];
     for &(a, b, agree) in links {
         around[a as usize].push((b as usize, agree));
         around[b as usize].push((a as usize, agree));
     }
-    let mut open_edges = vec![0_usize; areas.len()];
+    let mut open_edges = vec![0_usize; count];
     rims.iter().for_each(|t| open_edges[*t as usize] += 1);
-    let mut reached = vec![false; areas.len()];
-    for start in 0..areas.len() {
+    let mut reached = vec![false; count];
+    for start in 0..count {
         if std::mem::replace(&mut reached[start], true) {
             continue;
         }
@@ -107,7 +112,7 @@ fn against_most(areas: &[f64], links: &[Link], rims: &[u32]) -> (Vec<bool>, Vec<
         }
         let (mut kept, mut against) = (0.0, 0.0);
         for &t in &patch {
-            *(if turned[t] { &mut against } else { &mut kept }) += areas[t];
+            *(if turned[t] { &mut against } else { &mut kept }) += area(t);
         }
         let is_minority = |turned: bool| turned == (kept >= against);
         let open: usize = patch.iter().filter(|t| is_minority(turned[**t])).map(|t| open_edges[*t]).sum();

@@ -77,6 +77,11 @@ impl BeatReading {
         }
     }
 
+    /// Doubles their tempo this often, or halves it where `by` is below 0; three times at most, all in all.
+    pub fn change_octave(&mut self, by: i32) {
+        self.octave = self.octave.saturating_add(by).clamp(-MOST_OCTAVES, MOST_OCTAVES);
+    }
+
     /// The corrected beats (ascending). Beats that were tapped reach from the first to the last one that was found.
     pub fn of(self, beats_secs: &[f64]) -> Vec<f64> {
         let mut read: Vec<f64> = match self.tapped {

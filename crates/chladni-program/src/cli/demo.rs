@@ -69,7 +69,7 @@ fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
     terminal.wrote(&out)?;
     let (portrait, sheet, ink) = (Portrait::default(), SheetOptions::default(), InkOptions::default());
     // The sample has no colors of its own.
-    portrait::render(&mut made, &name, None, &project, &picture, &portrait, &sheet, &ink, None, terminal)?;
+    portrait::render(&mut made, &name, None, &project, &picture, &portrait, &sheet, &ink, terminal)?;
     terminal.wrote(&picture)
 }
 

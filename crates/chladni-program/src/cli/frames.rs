@@ -38,8 +38,12 @@ impl FromStr for Fps {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        let wrong =
-            || Error::input("expected frames per second from 1 to 240, such as 30, 29.97 or 30000/1001");
+        let wrong = || {
+            let (least, most) = FrameRate::WANTED_PER_SECOND.into_inner();
+            Error::input(format!(
+                "expected frames per second from {least} to {most}, such as 30, 29.97 or 30000/1001"
+            ))
+        };
         let rate = if let Some((n, d)) = text.split_once('/') {
             FrameRate {
                 numerator: n.parse().map_err(|_| wrong())?,

@@ -6,6 +6,7 @@ use chladni_task::write_atomic;
 use chladni_view::ink::{Drawing, Ink};
 use chladni_view::{Camera, Rect};
 
+use crate::work::formats::ends_in;
 use crate::work::outputs::check_endings;
 use crate::work::{Error, Inked, Pen};
 
@@ -114,7 +115,7 @@ impl InkOptions {
 }
 
 fn is_svg(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"))
+    ends_in(path, &["svg"])
 }
 
 /// Checks that a picture can be written at `path`, whose name must end in `.png` or `.svg`.

@@ -82,8 +82,7 @@ fn pixels(text: &str) -> Result<[u32; 2], Error> {
 }
 
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
-/// for none. The shape is called `name` and has its `own` look except in ink; `kept` is how its project says that it
-/// stands.
+/// for none. The shape is called `name` and has its `own` look except in ink.
 pub fn render(
     made: &mut Made,
     name: &str,
@@ -93,10 +92,9 @@ pub fn render(
     portrait: &Portrait,
     sheet: &SheetOptions,
     ink: &InkOptions,
-    kept: Option<Orientation>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let from = portrait.camera(name, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
+    let from = portrait.camera(name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
     let size = portrait.size();
     let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
         None

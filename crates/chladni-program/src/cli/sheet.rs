@@ -118,16 +118,16 @@ pub fn draw(
     let mut renderer = Renderer::new(device);
     let style = Style::default();
     let mut sheet = Picture::filled(width, height, [255; 4]);
+    let colors = own.and_then(OwnLook::colors);
     for (panel, (cell, camera)) in rows.iter().flatten().zip(placed(rows, camera, [width, height])) {
         // A heat map takes the place of the shape's own colors.
         let own = own.filter(|_| panel.shares.is_none());
-        let colors = own.and_then(OwnLook::colors);
         let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
         let shape = PictureShape {
             positions: &panel.positions,
             triangles,
             values: panel.shares.as_deref().map(|shares| (shares, scale)),
-            colors: colors.as_deref(),
+            colors: own.and(colors.as_deref()),
             image: own.and_then(OwnLook::image),
             markers: &panel.dots,
             ghost: panel.ghost.as_deref(),

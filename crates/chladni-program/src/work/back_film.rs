@@ -8,6 +8,7 @@ use chladni_view::Picture;
 use chladni_view::film::{add_input, ffmpeg};
 
 use super::Error;
+use super::formats::ends_in;
 
 /// The endings of films that may stand behind a shape.
 pub const FILMS: [&str; 5] = ["mp4", "m4v", "mkv", "mov", "webm"];
@@ -24,8 +25,7 @@ pub const LONGEST_LIVE_SIDE: usize = 960;
 
 /// Whether a file is taken for a film, by its ending.
 pub fn is_film(name: &str) -> bool {
-    let ending = Path::new(name).extension().and_then(|ending| ending.to_str());
-    ending.is_some_and(|ending| FILMS.iter().any(|known| known.eq_ignore_ascii_case(ending)))
+    ends_in(Path::new(name), &FILMS)
 }
 
 /// A film in a loop. It holds one picture at a time.

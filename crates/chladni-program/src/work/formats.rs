@@ -45,7 +45,7 @@ pub fn ends_in(path: &Path, endings: &[&str]) -> bool {
 }
 
 /// The ending of `path` in lower case; empty where it has none.
-pub fn ending(path: &Path) -> String {
+fn ending(path: &Path) -> String {
     path.extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase())
 }
 
@@ -69,12 +69,9 @@ pub fn is_project(path: &Path) -> bool {
 /// The files among `paths` that are opened by themselves: where there is a mesh or a project, what lies beside it with its
 /// materials and textures is read by it.
 pub fn without_companions(paths: &[PathBuf]) -> Vec<PathBuf> {
-    let is_shape = |path: &PathBuf| is_project(path) || MESHES.contains(&ending(path).as_str());
+    let is_shape = |path: &PathBuf| is_project(path) || ends_in(path, &MESHES);
     let has_shape = paths.iter().any(is_shape);
-    let is_companion = |path: &PathBuf| {
-        let ending = ending(path);
-        COMPANIONS.contains(&ending.as_str()) || PICTURES.contains(&ending.as_str())
-    };
+    let is_companion = |path: &PathBuf| ends_in(path, &COMPANIONS) || ends_in(path, &PICTURES);
     paths.iter().filter(|path| !has_shape || !is_companion(path)).cloned().collect()
 }
 

@@ -141,8 +141,7 @@ pub fn write(path: &Path, painted: &Painted, subject: &Subject, as_colors: bool)
     check(path)?;
     let (values, masked) = on_whole(painted, subject)?;
     let Some(format) = Format::of_path(path) else {
-        let is_archive = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("npz"));
-        let bytes = if is_archive { archive_of(&values) } else { npy_of(&values) };
+        let bytes = if ends_in(path, &["npz"]) { archive_of(&values) } else { npy_of(&values) };
         let written = bytes.and_then(|bytes| chladni_task::write_atomic(path, &bytes));
         return written.map(|()| masked).map_err(|error| Error::unwritten(path, error));
     };

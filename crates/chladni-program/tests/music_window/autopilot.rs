@@ -76,11 +76,7 @@ fn it_takes_over_eight_seconds_after_the_last_touch_and_obeys_its_keys() {
     press(&mut window, Key::Escape);
     assert!(!leans(&window));
 
-    let file = folder.path().join("leant.toml");
-    answers.add(file.clone());
-    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    wait(&mut window, "the show", |_| file.exists());
-    let actions = Show::load(&file).unwrap().actions;
+    let actions = saved_show(&mut window, &answers, &folder.path().join("leant.toml")).actions;
     let count = |is: fn(&Action) -> bool| actions.iter().filter(|line| is(&line.action)).count();
     assert_eq!(count(|action| matches!(action, Action::LeaveStage)), 2);
     // Twice by itself or A, and once for each arrow.
@@ -125,13 +121,6 @@ fn with_its_key(folder: &Path) -> (Window, Answers) {
     std::fs::write(settings, "harmonics = 24\n[music]\nleans_back = false\n").unwrap();
     let (files, chooser) = (ball_and_song(folder).to_vec(), Box::new(answers.clone()));
     (enter(Opening { folders, files, chooser, now: no_time, ..Opening::default() }), answers)
-}
-
-fn saved_show(window: &mut Window, answers: &Answers, file: &Path) -> Show {
-    answers.add(file);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    wait(window, "the show", |_| file.exists());
-    Show::load(file).unwrap()
 }
 
 #[test]

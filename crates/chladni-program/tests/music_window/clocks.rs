@@ -91,11 +91,7 @@ fn the_beat_comes_from_outside_and_goes_out_again() {
     window.run_steps(2);
     assert!(shows(&window, "The beat is that of the music") && !shows(&window, "45 BPM"));
     // A film of the show has these beats, too.
-    let file = folder.path().join("clocked.toml");
-    answers.add(file.clone());
-    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    wait(&mut window, "the show", |_| file.exists());
-    let show = Show::load(&file).unwrap();
+    let show = saved_show(&mut window, &answers, &folder.path().join("clocked.toml"));
     let tempi: Vec<f64> = show.clock.marks().iter().filter_map(|mark| mark.bpm).map(f64::round).collect();
     assert_eq!(tempi.first(), Some(&133.0), "{tempi:?}");
     assert!(tempi.contains(&90.0) && tempi.contains(&45.0), "{tempi:?}");

@@ -334,10 +334,7 @@ fn a_sheet_in_place_of_a_body_is_strewn_at_that_moment() {
     answers.add(path("sheet.obj"));
     window.key_press_modifiers(Modifiers::COMMAND, Key::O);
     wait(&mut window, "the sheet", |w| is_there(w, "form/modal") && is_chosen(w, "form/modal"));
-    answers.add(path("sheet.toml"));
-    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    wait(&mut window, "the show", |_| path("sheet.toml").exists());
-    let actions = Show::load(&path("sheet.toml")).unwrap().actions;
+    let actions = saved_show(&mut window, &answers, &path("sheet.toml")).actions;
     let strewn = |action: &Action| *action == Action::Switch { switch: Switch::Sand, on: true };
     assert!(actions.iter().any(|line| strewn(&line.action)));
     let times: Vec<f64> = actions.iter().map(|line| line.moment.at_secs).collect();

@@ -140,11 +140,7 @@ fn a_look_chosen_by_hand_takes_the_place_of_the_autopilots() {
     desk.until_settings_say(&["material = \"clay\""]);
     desk.touch("autopilot", 1.0);
     desk.until("the gallery", |w| shows(w, "12 items"));
-    let file = desk.settings.with_file_name("leant.toml");
-    answers.add(&file);
-    desk.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    desk.until("the show", |_| file.exists());
-    let show = Show::load(&file).unwrap();
+    let show = saved_show(&mut desk.window, &answers, &desk.settings.with_file_name("leant.toml"));
     let looks: Vec<&str> = show.actions.iter().filter_map(|line| look_of(&line.action)).collect();
     let [of_autopilot, ""] = looks[..] else { panic!("{looks:?}") };
     let seen = show.looks.unwrap();
@@ -162,10 +158,7 @@ fn the_gallery_from_before_the_autopilot_follows_a_dance_that_ends_it() {
     desk.touch("leave", 1.0);
     desk.until("the gallery", |w| shows(w, "12 items"));
     let file = desk.settings.with_file_name("taken-back.toml");
-    answers.add(&file);
-    desk.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    desk.until("the show", |_| file.exists());
-    let actions = Show::load(&file).unwrap().actions;
+    let actions = saved_show(&mut desk.window, &answers, &file).actions;
     let place = |is: fn(&Action) -> bool| actions.iter().position(|line| is(&line.action)).unwrap();
     let returns = place(|action| *action == Action::GoTo { generation: 0 });
     assert!(returns < place(|action| *action == Action::PerformGallery { first: 1 }));

@@ -69,7 +69,8 @@ fn plays(window: &Window) -> bool {
     control(window, "play").accesskit_node().label().as_deref() == Some("Pause")
 }
 
-/// A free UDP port below those that systems hand out by themselves: none takes it before the room does.
+/// A free UDP port below those that systems hand out by themselves, so that hardly another program takes it before the room
+/// does.
 fn free_port() -> u16 {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     loop {
@@ -79,6 +80,14 @@ fn free_port() -> u16 {
             return port;
         }
     }
+}
+
+/// Saves the show in a file that is not there yet, and reads it.
+fn saved_show(window: &mut Window, answers: &Answers, file: &Path) -> Show {
+    answers.add(file);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    wait(window, "the show", |_| file.exists());
+    Show::load(file).unwrap()
 }
 
 fn click(window: &mut Window, id: &str) {

@@ -187,11 +187,7 @@ fn arrows_go_through_the_gallery_where_the_beat_does() {
         window.run_steps(4);
     }
     wait(&mut window, "the gallery", |w| shows(w, "12 items"));
-    let file = folder.path().join("turns.toml");
-    answers.add(&file);
-    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    wait(&mut window, "the show", |_| file.exists());
-    let actions = Show::load(&file).unwrap().actions;
+    let actions = saved_show(&mut window, &answers, &folder.path().join("turns.toml")).actions;
     let put = actions.iter().filter_map(|line| match line.action {
         Action::PerformGallery { first } => Some(first),
         _ => None,

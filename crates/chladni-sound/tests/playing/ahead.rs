@@ -1,6 +1,6 @@
 //! A picture that is seen late is drawn for a moment ahead of what is heard.
 
-use chladni_sound::{PlayerEvent, PlayerState};
+use chladni_sound::PlayerEvent;
 
 use super::{paused_at, silent, wait, write_tone};
 
@@ -11,9 +11,7 @@ fn the_moment_that_is_shown_lies_ahead_of_the_one_that_is_heard_or_behind_it() {
     let player = silent();
     player.play_list(vec![song]);
     wait("half a second", || player.status().position_secs > 0.5);
-    player.pause();
-    wait("the pause", || player.status().state == PlayerState::Paused);
-    let mut heard = player.status().position_secs;
+    let mut heard = paused_at(&player);
     wait("stillness", || std::mem::replace(&mut heard, player.status().position_secs) == heard);
     for ahead_secs in [0.1, -0.1, 0.5] {
         player.show_ahead(ahead_secs);

@@ -60,13 +60,11 @@ fn longest_wait<T>(work: impl FnOnce() -> T) -> (Duration, T) {
 /// Playback through a device follows the wall clock: attempts count during which the machine kept nobody waiting, and one
 /// of four must succeed.
 #[allow(clippy::print_stdout, reason = "a skipped test must say so")]
-fn undisturbed(mut measure: impl FnMut() -> (bool, String)) {
+fn undisturbed(mut measure: impl FnMut() -> Result<(), String>) {
     let mut reports = Vec::new();
     for _ in 0..4 {
-        let (waited, (right, report)) = longest_wait(&mut measure);
-        if right {
-            return;
-        }
+        let (waited, measured) = longest_wait(&mut measure);
+        let Err(report) = measured else { return };
         if waited < Duration::from_millis(10) {
             reports.push(report);
         }
@@ -77,7 +75,7 @@ fn undisturbed(mut measure: impl FnMut() -> (bool, String)) {
     panic!("never right: {reports:#?}");
 }
 
-/// Pauses within a song that goes on for long; the time in it, which stands still from now on.
+/// Pauses a player whose song is far from its end; the position, which stands still from now on.
 fn paused_at(player: &Player) -> f64 {
     player.pause();
     wait("the pause", || player.status().state == PlayerState::Paused);
@@ -95,8 +93,7 @@ fn time_passes_in_silence_and_obeys() {
     assert_eq!(player.status().state, PlayerState::Playing);
     assert_eq!(player.status().device, None);
 
-    player.pause();
-    wait("the pause", || player.status().state == PlayerState::Paused);
+    paused_at(&player);
     // What the engine took in its last round may still be on its way; then it stands still, over many rounds.
     let mut still = (player.status().position_secs, 0);
     wait("that time stands still", || {
@@ -238,8 +235,7 @@ fn a_song_of_one_sample_that_repeats_leaves_the_player_time_to_obey() {
         started += player.events().count();
         started > 100
     });
-    player.pause();
-    wait("the pause", || player.status().state == PlayerState::Paused);
+    paused_at(&player);
     // Dropped, it waits for its thread, which obeys in the midst of them, too.
     player.play();
     drop(player);

@@ -1,6 +1,6 @@
 //! The parts of drawing that are made once on a device and shared by all its renderers.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use super::images::Common;
 use super::pipelines::{Layouts, Pipelines};
@@ -13,9 +13,9 @@ pub(super) struct Drawing {
     pub(super) layouts: Layouts,
     pub(super) pipelines: Pipelines,
     pub(super) common: Common,
-    finishing: OnceLock<Arc<finishing::Pipelines>>,
+    finishing: OnceLock<finishing::Pipelines>,
     /// For one sample a pixel, and for four.
-    focusing: [OnceLock<Arc<focus::Pipelines>>; 2],
+    focusing: [OnceLock<focus::Pipelines>; 2],
 }
 
 impl Drawing {
@@ -31,13 +31,13 @@ impl Drawing {
     }
 
     /// The pipelines of the finish; the first call compiles them.
-    pub(super) fn finishing(&self, device: &wgpu::Device) -> Arc<finishing::Pipelines> {
-        Arc::clone(self.finishing.get_or_init(|| Arc::new(finishing::Pipelines::new(device))))
+    pub(super) fn finishing(&self, device: &wgpu::Device) -> &finishing::Pipelines {
+        self.finishing.get_or_init(|| finishing::Pipelines::new(device))
     }
 
     /// The pipelines of depth of field; the first call for `samples` compiles them.
-    pub(super) fn focusing(&self, device: &wgpu::Device, samples: Samples) -> Arc<focus::Pipelines> {
+    pub(super) fn focusing(&self, device: &wgpu::Device, samples: Samples) -> &focus::Pipelines {
         let slot = &self.focusing[usize::from(samples == Samples::Four)];
-        Arc::clone(slot.get_or_init(|| Arc::new(focus::Pipelines::new(device, samples))))
+        slot.get_or_init(|| focus::Pipelines::new(device, samples))
     }
 }

@@ -1,7 +1,5 @@
 //! The finish of a picture on a graphics device: its passes, and the textures between them.
 
-use std::sync::Arc;
-
 use super::bindings::{IMAGE, SAMPLER, layout};
 use super::canvas::Canvas;
 use super::screen::{self, Pipes, group, smooth_sampler, texture, view};
@@ -14,7 +12,6 @@ const SMALL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// All that finishes pictures of one size.
 pub(crate) struct Finishing {
     size: [u32; 2],
-    pipelines: Arc<Pipelines>,
     uniform: wgpu::Buffer,
     bare: wgpu::TextureView,
     last: wgpu::Texture,
@@ -59,7 +56,7 @@ impl Finishing {
         Ok(())
     }
 
-    fn new(device: &wgpu::Device, pipelines: Arc<Pipelines>, size: [u32; 2]) -> Self {
+    fn new(device: &wgpu::Device, pipelines: &Pipelines, size: [u32; 2]) -> Self {
         let texture = |label, size, format, usage| texture(device, label, size, format, (1, usage));
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let small = size.map(|side| side.div_ceil(step(size[1])));
@@ -86,7 +83,7 @@ impl Finishing {
             (Pass::Down, one(&far_half), far.clone()),
         ];
         let finish = group([&bare, &near, &far, &view(&last)]);
-        Self { size, pipelines, uniform, bare, last, spreading, finish, before_secs: None }
+        Self { size, uniform, bare, last, spreading, finish, before_secs: None }
     }
 
     /// A picture had no finish: the next one has no trail of those before it.
@@ -108,14 +105,15 @@ impl Finishing {
         finish: &Finish,
         at_secs: f64,
     ) {
+        let pipelines = gpu.drawing().finishing(&gpu.device);
         let uniform = finish.uniform(self.size, at_secs, self.before_secs);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         if finish.bloom > 0.0 {
             for (pass, group, target) in &self.spreading {
-                self.pass(encoder, *pass, group, target);
+                pipelines.pass(encoder, *pass, group, target);
             }
         }
-        self.pass(encoder, Pass::Finish, &self.finish, &canvas.finished_view);
+        pipelines.pass(encoder, Pass::Finish, &self.finish, &canvas.finished_view);
         self.before_secs = (finish.trail_secs > 0.0).then_some(at_secs);
         if self.before_secs.is_some() {
             let [width, height] = self.size;
@@ -123,16 +121,6 @@ impl Finishing {
             let (from, to) = (canvas.finished.as_image_copy(), self.last.as_image_copy());
             encoder.copy_texture_to_texture(from, to, whole);
         }
-    }
-
-    fn pass(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        pass: Pass,
-        group: &wgpu::BindGroup,
-        target: &wgpu::TextureView,
-    ) {
-        screen::pass(encoder, &self.pipelines.made[pass as usize], group, &[target]);
     }
 }
 
@@ -166,5 +154,15 @@ impl Pipelines {
         let images = images.map(wgpu::BindingResource::TextureView);
         let all: Vec<_> = first.into_iter().chain(images).collect();
         group(device, &self.layout, &all)
+    }
+
+    fn pass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        pass: Pass,
+        group: &wgpu::BindGroup,
+        target: &wgpu::TextureView,
+    ) {
+        screen::pass(encoder, &self.made[pass as usize], group, &[target]);
     }
 }

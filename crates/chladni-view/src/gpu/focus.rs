@@ -1,7 +1,5 @@
 //! Depth of field on a graphics device: its passes, and the depths that they read.
 
-use std::sync::Arc;
-
 use wgpu::util::DeviceExt;
 
 use super::bindings::{IMAGE, SAMPLER, layout};
@@ -21,7 +19,6 @@ pub(super) const NUMBER: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 pub(crate) struct Focusing {
     size: [u32; 2],
     samples: Samples,
-    pipelines: Arc<Pipelines>,
     cells: Uniforms<Circle>,
     depth: wgpu::TextureView,
     sharp: wgpu::TextureView,
@@ -98,7 +95,7 @@ impl Focusing {
         Ok(kept.insert(fitting))
     }
 
-    fn new(device: &wgpu::Device, pipelines: Arc<Pipelines>, size: [u32; 2], samples: Samples) -> Self {
+    fn new(device: &wgpu::Device, pipelines: &Pipelines, size: [u32; 2], samples: Samples) -> Self {
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let image = |label, size, format| view(&texture(device, label, size, format, (1, drawn)));
         let (depths, by) = match pipelines.depths {
@@ -147,7 +144,6 @@ impl Focusing {
             small,
             spread,
             even,
-            pipelines,
         }
     }
 
@@ -168,7 +164,7 @@ impl Focusing {
         for cell in cells {
             self.cells.push(&Circle::new(finish, cell, self.size[1]));
         }
-        let pipelines = &self.pipelines;
+        let pipelines = gpu.drawing().focusing(&gpu.device, self.samples);
         if !cells.is_empty() {
             self.cells.upload(&gpu.device, &gpu.queue, &pipelines.cell);
         }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use chladni_caricature::{
     Base, Crossings, DEFAULT_HARMONICS, Project, Resolution, ShapeSource, Stack, Template,
 };
-use chladni_mesh::{Format, Orientation, TriMesh};
+use chladni_mesh::{Format, TriMesh};
 
 use super::Terminal;
 use super::gallery::GalleryOptions;
@@ -186,8 +186,7 @@ impl Caricature {
             self.layer.layer("caricature", template.clone(), painted, &project, &subject, terminal)?;
         project.push(layer)?;
         let pictures = self.pictures(self.render.as_deref());
-        let source = project.shape.clone();
-        finish(&source, subject, &project, project.stands, self.output.as_deref(), pictures, terminal)
+        finish(&project.shape, subject, &project, self.output.as_deref(), pictures, terminal)
     }
 
     /// The recipe `project` on one shape, as in [`one`].
@@ -282,7 +281,7 @@ fn one(
     let mut own = project.clone();
     let Some(shape) = other else {
         let subject = Subject::of(&mut own, terminal)?;
-        return finish(&own.shape, subject, &own, own.stands, output, pictures, terminal);
+        return finish(&own.shape, subject, &own, output, pictures, terminal);
     };
     // Another shape need not stand as the project's own does.
     (own.shape, own.resolution, own.stands) = (shape.clone(), wanted, None);
@@ -290,15 +289,14 @@ fn one(
     if let Some(from) = from {
         own = carry(project, from, &shape.to_string(), &subject.mesh, terminal)?;
     }
-    finish(shape, subject, &own, None, output, pictures, terminal)
+    finish(shape, subject, &own, output, pictures, terminal)
 }
 
-/// `project` on `subject`, which is called `shape` and stands as is `kept`, to its files.
+/// `project` on `subject`, which is called `shape`, to its files.
 fn finish(
     shape: &ShapeSource,
     subject: Subject,
     project: &Project,
-    kept: Option<Orientation>,
     output: Option<&Path>,
     pictures: Pictures<'_>,
     terminal: &Terminal,
@@ -326,11 +324,12 @@ fn finish(
     let look = if is_colored { OwnLook::of_subject(&name, subject, body, terminal) } else { None };
     let look = look.as_ref();
     if let Some(path) = path {
-        portrait::render(&mut made, &name, look, project, path, portrait, sheet, ink, kept, terminal)?;
+        portrait::render(&mut made, &name, look, project, path, portrait, sheet, ink, terminal)?;
         terminal.wrote(path)?;
     }
     if let Some(path) = &turntable.turntable {
-        let from = portrait.camera(&name, &made.sculpture.subject.mesh, kept, made.stands, terminal)?;
+        let from =
+            portrait.camera(&name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
         turntable.film(path, &made.sculpture, look, from, portrait.size(), ink, terminal)?;
         terminal.wrote(path)?;
     }

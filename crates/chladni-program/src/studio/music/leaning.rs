@@ -22,7 +22,7 @@ impl Leaning {
         self.since_secs = None;
     }
 
-    /// True once, when nothing was touched for a while in which `plays`: a shape is there and a song plays.
+    /// True once, when nothing was touched for a while. Only time in which a shape is there and a song `plays` counts.
     pub fn is_at_rest(&mut self, ctx: &Context, plays: bool) -> bool {
         let Some(since_secs) = &mut self.since_secs else { return false };
         // A pointer may be moved out of the way; a press means that the user wants something else.

@@ -10,6 +10,7 @@ use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 
 use super::performance::Means;
 use super::{preset_in, sound_beside, sound_in};
+use crate::work::formats::ends_in;
 use crate::work::outputs::{check_apart, check_arrays, check_distinct, check_file, check_film, check_folder};
 use crate::work::{Cast, Error, Piece};
 
@@ -65,11 +66,10 @@ impl Output {
     /// To one file: an animation where it ends in .glb, else a film in HD, 30 frames a second, drawn by
     /// whatever device there is.
     pub fn to(path: PathBuf) -> Self {
-        match path.extension() {
-            Some(ending) if ending.eq_ignore_ascii_case("glb") => {
-                Self { animation: Some(path), ..Self::nowhere() }
-            }
-            _ => Self { film: Some(path), ..Self::nowhere() },
+        if ends_in(&path, &["glb"]) {
+            Self { animation: Some(path), ..Self::nowhere() }
+        } else {
+            Self { film: Some(path), ..Self::nowhere() }
         }
     }
 

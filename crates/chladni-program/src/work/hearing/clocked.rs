@@ -89,7 +89,7 @@ impl Hearing {
         let fits = known.filter(|known| known.since_secs == since_secs && known.heard_secs <= at_secs);
         let mut filming = fits.unwrap_or_else(|| {
             // A performance played to a clock is filmed like live sound, whether a song or live input plays.
-            let director = Director::of_song(seed_at(since_secs), []);
+            let director = Director::of_song(seed_at(since_secs));
             ClockDirector { since_secs, heard_secs: since_secs - 1e-9, director }
         });
         let bars = self.bars_between(filming.heard_secs, at_secs);

@@ -30,7 +30,7 @@ impl Hearing {
         let (since_secs, seed) = (stretch.at_secs, seed_at(f64::INFINITY));
         let known = self.directors.get(&number);
         if known.is_none_or(|known| known.since_secs != since_secs || known.seed != seed) {
-            let mut director = Director::of_song(seed, []);
+            let mut director = Director::of_song(seed);
             let beats = self.songs.get(&number).and_then(|song| song.beats.as_ref());
             for bar in beats.into_iter().flat_map(bar_lines) {
                 let seed = seed_at(since_secs + (bar.at_secs - stretch.song_secs).max(0.0));

@@ -48,8 +48,8 @@ impl Concert {
         experiment(&self.ensemble.dancer().classes, bands)
     }
 
-    /// Puts the dance after or before the one on stage there: of the gallery as it is now where the beat steps through a
-    /// gallery, else of the favorites.
+    /// The action that brings the dance after or before the one on stage: of the gallery as it is now where the beat steps
+    /// through a gallery, else of the favorites.
     pub fn next_in_turn(&self, forward: bool) -> Option<Action> {
         if !self.instrument.steps_through_gallery() {
             return self.next_favorite(forward);
@@ -58,7 +58,7 @@ impl Concert {
         Some(Action::PerformGallery { first })
     }
 
-    /// Puts the favorite after or before the one on stage there.
+    /// The action that puts the favorite after or before the one on stage there; none without favorites.
     pub fn next_favorite(&self, forward: bool) -> Option<Action> {
         let first = self.beside_the_one_on_stage(self.instrument.favorites(), forward)?;
         Some(Action::PerformFavorites { first })

@@ -26,7 +26,7 @@ impl Listening {
         }
     }
 
-    /// A tap to a song whose beats are known, in seconds of the song; false where it has none.
+    /// Takes a tap at this time of a song, and reads its beats by it; false where no beats of it are known.
     fn tap_song(&mut self, number: usize, song_secs: f64) -> bool {
         let before = self.taps.take().filter(|(of, _)| *of == number);
         let mut taps = before.map(|(_, taps)| taps).unwrap_or_default();
@@ -52,9 +52,7 @@ impl Listening {
             return self.outer.tempo.halve(at_secs);
         }
         match self.known_beats().map(|(number, _)| number) {
-            Some(number) => {
-                self.read_otherwise(number, |reading| reading.octave = (reading.octave - 1).max(-3))
-            }
+            Some(number) => self.read_otherwise(number, |reading| reading.change_octave(-1)),
             None => self.ear.follower.halve(),
         }
     }
@@ -66,9 +64,7 @@ impl Listening {
             return self.outer.tempo.double(at_secs);
         }
         match self.known_beats().map(|(number, _)| number) {
-            Some(number) => {
-                self.read_otherwise(number, |reading| reading.octave = (reading.octave + 1).min(3))
-            }
+            Some(number) => self.read_otherwise(number, |reading| reading.change_octave(1)),
             None => self.ear.follower.double(),
         }
     }
