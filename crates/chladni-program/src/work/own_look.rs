@@ -1,11 +1,15 @@
 //! A shape's own colors: per vertex, or an image.
 
+mod atlas;
+mod materials;
+
 use chladni_harmonics::Body;
 use chladni_mesh::surface::places;
-use chladni_mesh::{Material, Proxy, Texture, TriMesh, linear_from_srgb, srgb_from_linear};
+use chladni_mesh::{Proxy, TriMesh, linear_from_srgb};
 use chladni_view::{Device, Paint, Picture, Skin, Topology, VertexPaint, ViewError};
 
-use super::{Subject, Warning, Watcher};
+use self::materials::picture_of_materials;
+use super::{Subject, Watcher};
 
 /// How the file says that the shape looks.
 #[derive(Debug)]
@@ -25,7 +29,7 @@ impl OwnLook {
     /// The look of `mesh`, which is called `name` and from which `body` was built; `None` where the file has
     /// none. Warns of parts that cannot be shown.
     pub fn of(name: &str, mesh: &TriMesh, body: &Body, watcher: &impl Watcher) -> Option<Self> {
-        if let Some((uvs, picture)) = texture(name, mesh, watcher) {
+        if let Some((uvs, picture)) = picture_of_materials(name, mesh, watcher) {
             return Some(Self::Image { corner_uvs: uvs.concat(), picture });
         }
         Some(Self::at_vertices(mesh.appearance.colors.as_deref()?, body))
@@ -35,7 +39,7 @@ impl OwnLook {
     /// shape's has there.
     pub fn of_subject(name: &str, subject: &Subject, body: &Body, watcher: &impl Watcher) -> Option<Self> {
         if let Some(proxy) = &subject.proxy
-            && let Some((uvs, picture)) = texture(name, proxy.whole(), watcher)
+            && let Some((uvs, picture)) = picture_of_materials(name, proxy.whole(), watcher)
         {
             return Some(Self::at_vertices(&sampled(proxy, &uvs, &picture), body));
         }
@@ -88,67 +92,6 @@ impl OwnLook {
     }
 }
 
-/// The image of `mesh`, which is called `name`, and where the corners of its triangles lie on it. Warns of parts that
-/// cannot be shown.
-fn texture(name: &str, mesh: &TriMesh, watcher: &impl Watcher) -> Option<(Vec<[[f32; 2]; 3]>, Picture)> {
-    let with_texture = |material| Some((material, read_texture(material)?));
-    let (material, texture) = mesh.appearance.materials.iter().find_map(with_texture)?;
-    let uvs = mesh.triangle_uvs()?;
-    let textures = mesh.appearance.materials.iter().filter(|m| m.base_color_texture.is_some()).count();
-    if textures > 1 {
-        let message = format!("has {textures} textures; the view shows the first, exports keep all");
-        watcher.warn(Warning::of(name, message));
-    }
-    let (bare, faces) = (faces_without_texture(mesh), mesh.face_count());
-    if bare > 0 {
-        let message =
-            format!("{bare} of {faces} faces have no texture; the view draws the first over them, too");
-        watcher.warn(Warning::of(name, message));
-    }
-    match Picture::decode(&texture.bytes) {
-        Ok(picture) => Some((uvs, tinted(picture, material.base_color))),
-        Err(error) => {
-            let message = format!("the texture {} cannot be shown: {error}", texture.name);
-            watcher.warn(Warning::of(name, message));
-            None
-        }
-    }
-}
-
-/// The texture of a material, if its file was read.
-fn read_texture(material: &Material) -> Option<&Texture> {
-    material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
-}
-
-/// The number of faces whose material has no texture, in a mesh whose faces have materials.
-fn faces_without_texture(mesh: &TriMesh) -> usize {
-    let look = &mesh.appearance;
-    let material = |index: &Option<u32>| look.materials.get((*index)? as usize);
-    let is_bare = |index: &&Option<u32>| material(index).is_none_or(|m| m.base_color_texture.is_none());
-    look.face_materials.iter().filter(is_bare).count()
-}
-
-/// `picture` times the color of its material, in linear light. Black, which some programs write beside a picture, changes
-/// nothing.
-fn tinted(mut picture: Picture, [r, g, b, _]: [f32; 4]) -> Picture {
-    let color = [r, g, b];
-    if color == [1.0; 3] || color == [0.0; 3] {
-        return picture;
-    }
-    let shades = color.map(|factor| {
-        std::array::from_fn::<u8, 256, _>(|byte| {
-            let linear = linear_from_srgb(byte as f64 / 255.0) * f64::from(factor);
-            (srgb_from_linear(linear) * 255.0).round() as u8
-        })
-    });
-    for pixel in picture.rgba.as_chunks_mut::<4>().0 {
-        for (channel, shades) in pixel.iter_mut().zip(&shades) {
-            *channel = shades[usize::from(*channel)];
-        }
-    }
-    picture
-}
-
 /// The linear-light color of `picture` at each vertex of `proxy`; `uvs` are those of the whole shape's triangles.
 fn sampled(proxy: &Proxy, uvs: &[[[f32; 2]; 3]], picture: &Picture) -> Vec<[f32; 4]> {
     let whole = proxy.whole();
@@ -159,18 +102,27 @@ fn sampled(proxy: &Proxy, uvs: &[[[f32; 2]; 3]], picture: &Picture) -> Vec<[f32;
     for (vertex, uv) in whole.triangles.as_flattened().iter().zip(uvs.as_flattened()) {
         uv_of[place[*vertex as usize] as usize] = *uv;
     }
-    let at = |vertex: &u32| pixel_at(picture, uv_of[place[*vertex as usize] as usize]);
+    let at = |vertex: &u32| linear(pixel_at(picture, uv_of[place[*vertex as usize] as usize]));
     proxy.whole_vertex().iter().map(at).collect()
 }
 
-/// The linear-light color at `(u, v)`, v upward; beyond its edges the picture is repeated.
-fn pixel_at(picture: &Picture, uv: [f32; 2]) -> [f32; 4] {
+/// The pixel at `(u, v)`, v upward; beyond its edges the picture is repeated.
+fn pixel_at(picture: &Picture, uv: [f32; 2]) -> [u8; 4] {
     let [u, v] = uv.map(|x| if (0.0..=1.0).contains(&x) { x } else { x.rem_euclid(1.0) });
     let index = |share: f32, side: u32| ((share * side as f32) as u32).min(side.saturating_sub(1));
     let pixel = picture.pixel(index(u, picture.width), index(1.0 - v, picture.height));
-    let [r, g, b, alpha] = pixel.unwrap_or([255; 4]).map(|byte| f32::from(byte) / 255.0);
-    let [r, g, b] = [r, g, b].map(|channel| linear_from_srgb(f64::from(channel)) as f32);
-    [r, g, b, alpha]
+    pixel.unwrap_or([255; 4])
+}
+
+fn linear([r, g, b, alpha]: [u8; 4]) -> [f32; 4] {
+    let [r, g, b] = [r, g, b].map(|channel| linear_from_srgb(f64::from(channel) / 255.0) as f32);
+    [r, g, b, f32::from(alpha) / 255.0]
+}
+
+/// The middle of a triangle.
+#[cfg(test)]
+fn middle(corners: [[f32; 2]; 3]) -> [f32; 2] {
+    [0, 1].map(|axis| corners.iter().map(|uv| uv[axis]).sum::<f32>() / 3.0)
 }
 
 /// A shape's own colors on the device that draws it.
@@ -215,7 +167,7 @@ mod tests {
     use super::*;
     use chladni_caricature::{Project, ProxyKey, Resolution, ShapeSource};
     use chladni_harmonics::BasisSettings;
-    use chladni_mesh::{CornerUvs, samples};
+    use chladni_mesh::{CornerUvs, Material, Texture, samples};
     use chladni_task::Task;
 
     #[test]
@@ -243,38 +195,6 @@ mod tests {
         assert!(matches!(OwnLook::of("shape", &mesh, &body, &aside), Some(OwnLook::Colors(_))));
         let warnings = aside.warnings();
         assert!(warnings.len() == 1 && warnings[0].to_string().contains("skin.png"), "{warnings:?}");
-    }
-
-    #[test]
-    fn a_texture_has_its_materials_color_and_faces_without_one_are_told() {
-        let mut mesh = samples::icosphere(1);
-        let body = Body::build(&mesh, &BasisSettings::new(4), &Task::new()).unwrap();
-        let skin = Picture { width: 2, height: 1, rgba: vec![255, 188, 0, 255, 0, 0, 255, 128] };
-        let texture = |bytes: Vec<u8>| Some(Texture { name: "skin.png".into(), bytes: bytes.into() });
-        let material = |base_color, base_color_texture| Material {
-            base_color,
-            base_color_texture,
-            ..Material::named("skin")
-        };
-        let corners = vec![0; 3 * mesh.triangles.len()];
-        mesh.appearance.uvs = Some(CornerUvs { points: vec![[0.5, 0.5]], corners });
-        // One whose file was not read, one that is shown, and one without.
-        mesh.appearance.materials = vec![
-            material([1.0; 4], texture(Vec::new())),
-            material([1.0, 0.5, 0.0, 0.25], texture(skin.to_png().unwrap())),
-            material([0.0, 1.0, 0.0, 1.0], None),
-        ];
-        let mut face_materials = vec![Some(1); mesh.triangles.len()];
-        face_materials[3..8].copy_from_slice(&[Some(2), Some(2), None, Some(0), Some(2)]);
-        mesh.appearance.face_materials = face_materials;
-        let task = Task::new();
-        let aside = Aside::new(&task);
-        let Some(OwnLook::Image { picture, .. }) = OwnLook::of("ball", &mesh, &body, &aside) else {
-            panic!()
-        };
-        assert_eq!(picture.rgba, [255, 137, 0, 255, 0, 0, 0, 128]);
-        let said: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
-        assert!(said.iter().any(|said| said.contains("4 of 80 faces have no texture")), "{said:?}");
     }
 
     #[test]

@@ -1,0 +1,241 @@
+//! The picture that a mesh's materials make.
+
+use std::collections::HashMap;
+
+use chladni_mesh::{Material, Texture, TriMesh, linear_from_srgb, srgb_from_linear};
+use chladni_view::Picture;
+
+use super::atlas::{MOST_PIXELS, atlas, shrink};
+use crate::work::{Warning, Watcher};
+
+/// So many materials are shown, faces with others in white.
+const MOST_MATERIALS: usize = 1024;
+
+/// The picture of the materials of `mesh`, which is called `name`, and where the corners of its triangles lie on it, v
+/// upward. `None` where no face has a texture and all have one color, or vertices have colors of their own. Warns of what
+/// cannot be shown.
+pub fn picture_of_materials(
+    name: &str,
+    mesh: &TriMesh,
+    watcher: &impl Watcher,
+) -> Option<(Vec<[[f32; 2]; 3]>, Picture)> {
+    let uvs = mesh.triangle_uvs();
+    let (mut drawn, mut of_triangle) = drawn(mesh, uvs.is_some());
+    if drawn.len() > MOST_MATERIALS {
+        let message = format!("has {} materials; {MOST_MATERIALS} are shown, others in white", drawn.len());
+        watcher.warn(Warning::of(name, message));
+        drawn.truncate(MOST_MATERIALS);
+        of_triangle.iter_mut().for_each(|of| *of = (*of).min(MOST_MATERIALS));
+        drawn.push(Drawn::PLAIN);
+    }
+    let textures = drawn.iter().filter(|one| one.texture.is_some()).count() as u64;
+    // One alone keeps its size.
+    let pixels = if drawn.len() > 1 { MOST_PIXELS / textures.max(1) } else { u64::MAX };
+    let (mut shown, mut is_coarse) = (0, false);
+    let mut pictures = Vec::with_capacity(drawn.len());
+    for one in &drawn {
+        let mut picture = one.texture.and_then(|texture| decoded(name, texture, watcher));
+        shown += usize::from(picture.is_some());
+        if let Some(picture) = &mut picture {
+            is_coarse |= shrink(picture, pixels);
+        }
+        pictures.push(picture.map_or_else(|| one.plain(), |picture| tinted(picture, one.color)));
+    }
+    let is_one_color = || pictures.windows(2).all(|pair| pair[0] == pair[1]);
+    if shown == 0 && (mesh.appearance.colors.is_some() || is_one_color()) {
+        return None;
+    }
+    let mut uvs = uvs.unwrap_or_else(|| vec![[[0.5; 2]; 3]; of_triangle.len()]);
+    if pictures.len() == 1 {
+        return Some((uvs, pictures.pop()?));
+    }
+    let (picture, had_to_shrink) = atlas(pictures, &of_triangle, &mut uvs);
+    if is_coarse || had_to_shrink {
+        let message = "has large textures; the view shows them smaller, exports keep all";
+        watcher.warn(Warning::of(name, message));
+    }
+    Some((uvs, picture))
+}
+
+/// How a material is drawn.
+#[derive(Clone, Copy)]
+struct Drawn<'a> {
+    texture: Option<&'a Texture>,
+    /// In linear light.
+    color: [f32; 3],
+}
+
+impl<'a> Drawn<'a> {
+    /// As faces without a material.
+    const PLAIN: Drawn<'static> = Drawn { texture: None, color: [1.0; 3] };
+
+    fn of(material: &'a Material, has_uvs: bool) -> Self {
+        let [r, g, b, _] = material.base_color;
+        Self { texture: read_texture(material).filter(|_| has_uvs), color: [r, g, b] }
+    }
+
+    /// Two that agree in this are drawn in one way.
+    fn key(&self) -> (Option<*const u8>, [u32; 3]) {
+        (self.texture.map(|texture| texture.bytes.as_ptr()), self.color.map(f32::to_bits))
+    }
+
+    /// A pixel of its color.
+    fn plain(&self) -> Picture {
+        let [r, g, b] = self.color.map(|linear| (srgb_from_linear(f64::from(linear)) * 255.0).round() as u8);
+        Picture::filled(1, 1, [r, g, b, 255])
+    }
+}
+
+/// What the triangles of `mesh` are drawn in, and for each triangle its index there.
+fn drawn(mesh: &TriMesh, has_uvs: bool) -> (Vec<Drawn<'_>>, Vec<usize>) {
+    let look = &mesh.appearance;
+    if look.face_materials.is_empty() {
+        // Nothing says so, but a texture is meant for something.
+        let first = look.materials.iter().find(|material| read_texture(material).is_some());
+        let drawn = first.map_or(Drawn::PLAIN, |material| Drawn::of(material, has_uvs));
+        return (vec![drawn], vec![0; mesh.triangles.len()]);
+    }
+    let (mut drawn, mut known) = (Vec::new(), HashMap::new());
+    let of_triangle = mesh.triangle_materials().into_iter().map(|index| {
+        let material = index.and_then(|index| look.materials.get(index as usize));
+        let one = material.map_or(Drawn::PLAIN, |material| Drawn::of(material, has_uvs));
+        *known.entry(one.key()).or_insert_with(|| {
+            drawn.push(one);
+            drawn.len() - 1
+        })
+    });
+    let of_triangle = of_triangle.collect();
+    (drawn, of_triangle)
+}
+
+/// The texture of a material, if its file was read.
+fn read_texture(material: &Material) -> Option<&Texture> {
+    material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
+}
+
+fn decoded(name: &str, texture: &Texture, watcher: &impl Watcher) -> Option<Picture> {
+    Picture::decode(&texture.bytes)
+        .inspect_err(|error| {
+            let message = format!("the texture {} cannot be shown: {error}", texture.name);
+            watcher.warn(Warning::of(name, message));
+        })
+        .ok()
+}
+
+/// `picture` times the color of its material, in linear light. Black, which some programs write beside a picture, changes
+/// nothing.
+fn tinted(mut picture: Picture, color: [f32; 3]) -> Picture {
+    if color == [1.0; 3] || color == [0.0; 3] {
+        return picture;
+    }
+    let shades = color.map(|factor| {
+        std::array::from_fn::<u8, 256, _>(|byte| {
+            let linear = linear_from_srgb(byte as f64 / 255.0) * f64::from(factor);
+            (srgb_from_linear(linear) * 255.0).round() as u8
+        })
+    });
+    for pixel in picture.rgba.as_chunks_mut::<4>().0 {
+        for (channel, shades) in pixel.iter_mut().zip(&shades) {
+            *channel = shades[usize::from(*channel)];
+        }
+    }
+    picture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{middle, pixel_at};
+    use super::*;
+    use crate::work::Aside;
+    use chladni_mesh::{CornerUvs, samples};
+    use chladni_task::Task;
+
+    fn texture(bytes: Vec<u8>) -> Option<Texture> {
+        Some(Texture { name: "skin.png".into(), bytes: bytes.into() })
+    }
+
+    fn material(base_color: [f32; 4], base_color_texture: Option<Texture>) -> Material {
+        Material { base_color, base_color_texture, ..Material::named("skin") }
+    }
+
+    /// A ball of four materials: one whose file was not read, an image, and two without, of which one is black. Every corner lies in
+    /// the left half of the image.
+    fn dressed() -> TriMesh {
+        let mut mesh = samples::icosphere(1);
+        let skin = Picture { width: 2, height: 1, rgba: vec![255, 188, 0, 255, 0, 0, 255, 128] };
+        let corners = vec![0; 3 * mesh.triangles.len()];
+        mesh.appearance.uvs = Some(CornerUvs { points: vec![[0.25, 0.5]], corners });
+        mesh.appearance.materials = vec![
+            material([0.0, 0.0, 1.0, 1.0], texture(Vec::new())),
+            material([1.0, 0.5, 0.0, 0.25], texture(skin.to_png().unwrap())),
+            material([0.0, 1.0, 0.0, 1.0], None),
+            material([0.0, 0.0, 0.0, 1.0], None),
+        ];
+        mesh.appearance.face_materials = vec![Some(1); mesh.triangles.len()];
+        mesh
+    }
+
+    #[test]
+    fn a_texture_alone_has_its_materials_color() {
+        let mesh = dressed();
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let (uvs, picture) = picture_of_materials("ball", &mesh, &aside).unwrap();
+        assert_eq!(picture.rgba, [255, 137, 0, 255, 0, 0, 0, 128]);
+        assert_eq!(Some(uvs), mesh.triangle_uvs());
+        assert!(aside.warnings().is_empty());
+    }
+
+    #[test]
+    fn every_face_has_the_look_of_its_material() {
+        let mut mesh = dressed();
+        mesh.appearance.face_materials[3..8].copy_from_slice(&[Some(2), Some(3), None, Some(0), Some(2)]);
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let (uvs, picture) = picture_of_materials("ball", &mesh, &aside).unwrap();
+        for (t, material) in mesh.triangle_materials().into_iter().enumerate() {
+            let expected = match material {
+                None => [255; 4],
+                Some(0) => [0, 0, 255, 255],
+                Some(1) => [255, 137, 0, 255],
+                Some(2) => [0, 255, 0, 255],
+                _ => [0, 0, 0, 255],
+            };
+            assert_eq!(pixel_at(&picture, middle(uvs[t])), expected, "triangle {t}");
+        }
+        assert!(aside.warnings().is_empty());
+    }
+
+    #[test]
+    fn one_color_is_no_look_and_those_of_vertices_come_first() {
+        let mut mesh = dressed();
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        mesh.appearance.uvs = None;
+        assert!(picture_of_materials("ball", &mesh, &aside).is_none(), "a texture without places on it");
+        mesh.appearance.face_materials[7] = Some(2);
+        assert!(picture_of_materials("ball", &mesh, &aside).is_some());
+        mesh.appearance.colors = Some(vec![[1.0; 4]; mesh.positions.len()]);
+        assert!(picture_of_materials("ball", &mesh, &aside).is_none());
+        assert!(aside.warnings().is_empty());
+    }
+
+    #[test]
+    fn of_very_many_materials_the_first_are_shown() {
+        let mut mesh = samples::icosphere(3);
+        let color = |i: usize| [(i % 256) as f32 / 255.0, (i / 256) as f32 / 255.0, 0.0, 1.0];
+        mesh.appearance.materials = (0..mesh.triangles.len()).map(|i| material(color(i), None)).collect();
+        mesh.appearance.face_materials = (0..mesh.triangles.len() as u32).map(Some).collect();
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let (uvs, picture) = picture_of_materials("ball", &mesh, &aside).unwrap();
+        let seen = |t: usize| pixel_at(&picture, middle(uvs[t]));
+        assert_eq!(seen(MOST_MATERIALS), [255; 4]);
+        assert!(seen(MOST_MATERIALS - 1)[2] == 0 && seen(0) == [0, 0, 0, 255]);
+        let warnings = aside.warnings();
+        assert!(
+            warnings.len() == 1 && warnings[0].to_string().contains("has 1280 materials"),
+            "{warnings:?}"
+        );
+    }
+}
