@@ -135,7 +135,7 @@ pub enum OwnPaint {
 }
 
 impl OwnPaint {
-    /// Those of `look`.
+    /// Those of `look`; an image that is too large for the device is made smaller.
     ///
     /// # Errors
     /// Colors that the device cannot hold.
@@ -147,6 +147,10 @@ impl OwnPaint {
                 Self::Colors(paint)
             }
             OwnLook::Image { picture, .. } => {
+                let limit = device.longest_side();
+                let smaller =
+                    (picture.width.max(picture.height) > limit).then(|| picture.clone().thumbnail(limit));
+                let picture = smaller.as_ref().unwrap_or(picture);
                 Self::Image(Skin::new(device, picture.width, picture.height, &picture.rgba)?)
             }
         })
