@@ -82,18 +82,11 @@ impl Picture {
 
     /// The whole picture, made smaller where it is wider or higher than `side` pixels.
     pub fn thumbnail(self, side: u32) -> Self {
-        let (width, height) = (self.width, self.height);
-        let largest = width.max(height);
-        if largest <= side {
+        if self.width.max(self.height) <= side {
             return self;
         }
-        let shrunk = |length: u32| {
-            u32::try_from(u64::from(length) * u64::from(side) / u64::from(largest)).unwrap_or(side).max(1)
-        };
-        let Some(image) = image::RgbaImage::from_raw(width, height, self.rgba) else {
-            return Self::default();
-        };
-        let image = image::imageops::thumbnail(&image, shrunk(width), shrunk(height));
+        let image = image::RgbaImage::from_raw(self.width, self.height, self.rgba);
+        let Some(image) = image.map(|image| shrunk(image, side)) else { return Self::default() };
         Self { width: image.width(), height: image.height(), rgba: image.into_raw() }
     }
 
@@ -125,6 +118,14 @@ impl Picture {
         Ok(bytes)
     }
 
+    /// Width and height of a PNG or JPEG file, 64 megapixels at most, which is not decoded.
+    ///
+    /// # Errors
+    /// [`ViewError::Image`] where the bytes do not begin such an image.
+    pub fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
+        size_of(bytes)
+    }
+
     /// Decodes a PNG or JPEG file, 64 megapixels at most.
     ///
     /// # Errors
@@ -139,23 +140,46 @@ impl Picture {
     }
 }
 
+/// `image`, made smaller where it is wider or higher than `side` pixels.
+pub(crate) fn shrunk(image: image::RgbaImage, side: u32) -> image::RgbaImage {
+    let (width, height) = image.dimensions();
+    let largest = width.max(height);
+    if largest <= side {
+        return image;
+    }
+    let shrunk = |length: u32| {
+        u32::try_from(u64::from(length) * u64::from(side) / u64::from(largest)).unwrap_or(side).max(1)
+    };
+    image::imageops::thumbnail(&image, shrunk(width), shrunk(height))
+}
+
 /// The largest picture that is decoded, in pixels.
 const MOST_PIXELS: u64 = 64 << 20;
 
-/// A PNG, JPEG or Radiance HDR file of 64 megapixels at most, and whether its numbers are linear light.
-pub(crate) fn read(bytes: &[u8]) -> Result<(image::DynamicImage, bool), ViewError> {
-    let failed = |error: &dyn std::fmt::Display| ViewError::Image(error.to_string());
-    let open = || {
-        image::ImageReader::new(std::io::Cursor::new(bytes))
-            .with_guessed_format()
-            .map_err(|error| failed(&error))
-    };
-    let (width, height) = open()?.into_dimensions().map_err(|error| failed(&error))?;
+type Reader<'a> = image::ImageReader<std::io::Cursor<&'a [u8]>>;
+
+fn open(bytes: &[u8]) -> Result<Reader<'_>, ViewError> {
+    image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|error| failed(&error))
+}
+
+fn failed(error: &dyn std::fmt::Display) -> ViewError {
+    ViewError::Image(error.to_string())
+}
+
+/// Width and height of an image file of 64 megapixels at most.
+fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
+    let (width, height) = open(bytes)?.into_dimensions().map_err(|error| failed(&error))?;
     // The decoder's limit counts the bytes of the file's own colors; four channels of a gray picture take more.
     if u64::from(width) * u64::from(height) > MOST_PIXELS {
         return Err(ViewError::Image(format!("{width} × {height} pixels are more than 64 megapixels")));
     }
-    let mut reader = open()?;
+    Ok([width, height])
+}
+
+/// A PNG, JPEG or Radiance HDR file of 64 megapixels at most, and whether its numbers are linear light.
+pub(crate) fn read(bytes: &[u8]) -> Result<(image::DynamicImage, bool), ViewError> {
+    size_of(bytes)?;
+    let mut reader = open(bytes)?;
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(16_384);
     limits.max_image_height = Some(16_384);

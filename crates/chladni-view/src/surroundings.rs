@@ -19,7 +19,7 @@ impl Surroundings {
     /// The same light, with another picture behind.
     ///
     /// # Errors
-    /// [`ViewError::Size`] for a picture that is too long for the device.
+    /// [`ViewError::Size`] for a picture without pixels.
     pub fn before(self, on: impl Into<Device>, behind: &Picture) -> Result<Self, ViewError> {
         let Self { behind, .. } = Self::new(on, Some(behind), None)?;
         Ok(Self { behind, ..self })
@@ -28,7 +28,7 @@ impl Surroundings {
     /// Uploads the given pictures. The picture behind fills a cell and is cropped to fit.
     ///
     /// # Errors
-    /// [`ViewError::Size`] for a picture that is too long for the device.
+    /// [`ViewError::Size`] for a picture without pixels.
     pub fn new(
         on: impl Into<Device>,
         behind: Option<&Picture>,

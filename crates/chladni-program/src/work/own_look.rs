@@ -147,10 +147,6 @@ impl OwnPaint {
                 Self::Colors(paint)
             }
             OwnLook::Image { picture, .. } => {
-                let limit = device.longest_side();
-                let smaller =
-                    (picture.width.max(picture.height) > limit).then(|| picture.clone().thumbnail(limit));
-                let picture = smaller.as_ref().unwrap_or(picture);
                 Self::Image(Skin::new(device, picture.width, picture.height, &picture.rgba)?)
             }
         })

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Held, Pyramid};
 use crate::gpu;
+use crate::picture::shrunk;
 use crate::{Device, ViewError};
 
 /// An image to wrap around a shape.
@@ -13,20 +14,22 @@ pub struct Skin {
 }
 
 impl Skin {
-    /// Takes `width` × `height` sRGB pixels, the first row at the top (v = 1), and makes its mipmaps.
+    /// Takes `width` × `height` sRGB pixels, the first row at the top (v = 1), and makes its mipmaps. An image whose sides
+    /// are too long for the device is made smaller.
     ///
     /// # Errors
-    /// [`ViewError::Size`] where a side is 0 or too long for the device, [`ViewError::Shape`]
-    /// where the bytes are not 4 · width · height.
+    /// [`ViewError::Size`] where a side is 0, [`ViewError::Shape`] where the bytes are not 4 · width · height.
     pub fn new(on: impl Into<Device>, width: u32, height: u32, rgba: &[u8]) -> Result<Self, ViewError> {
         let device = on.into();
         let limit = device.longest_side();
-        if width == 0 || height == 0 || width > limit || height > limit {
+        if width == 0 || height == 0 {
             return Err(ViewError::Size { width, height, limit });
         }
         let picture = image::RgbaImage::from_raw(width, height, rgba.to_vec()).ok_or_else(|| {
             ViewError::Shape(format!("{} bytes for an image of {width}×{height}", rgba.len()))
         })?;
+        let picture = shrunk(picture, limit);
+        let (width, height) = picture.dimensions();
         let levels = u32::BITS - width.max(height).leading_zeros();
         // Each is made from the one before; made from the whole picture, every level would cost as much as
         // the first.

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use chladni_mesh::{Material, Texture, TriMesh, linear_from_srgb, srgb_from_linear};
-use chladni_view::Picture;
+use chladni_view::{Picture, ViewError};
 
-use super::atlas::{MOST_PIXELS, atlas, shrink};
+use super::atlas::Atlas;
 use crate::work::{Warning, Watcher};
 
 /// So many materials are shown, faces with others in white.
@@ -28,32 +28,29 @@ pub fn picture_of_materials(
         of_triangle.iter_mut().for_each(|of| *of = (*of).min(MOST_MATERIALS));
         drawn.push(Drawn::PLAIN);
     }
-    let textures = drawn.iter().filter(|one| one.texture.is_some()).count() as u64;
-    // One alone keeps its size.
-    let pixels = if drawn.len() > 1 { MOST_PIXELS / textures.max(1) } else { u64::MAX };
-    let (mut shown, mut is_coarse) = (0, false);
-    let mut pictures = Vec::with_capacity(drawn.len());
-    for one in &drawn {
-        let mut picture = one.texture.and_then(|texture| decoded(name, texture, watcher));
-        shown += usize::from(picture.is_some());
-        if let Some(picture) = &mut picture {
-            is_coarse |= shrink(picture, pixels);
-        }
-        pictures.push(picture.map_or_else(|| one.plain(), |picture| tinted(picture, one.color)));
-    }
-    let is_one_color = || pictures.windows(2).all(|pair| pair[0] == pair[1]);
-    if shown == 0 && (mesh.appearance.colors.is_some() || is_one_color()) {
+    let mut textures = Textures { name, watcher, sizes: HashMap::new(), pictures: HashMap::new() };
+    let sizes: Vec<[u32; 2]> = drawn.iter().map(|one| textures.size(one).unwrap_or([1, 1])).collect();
+    if drawn.iter().all(|one| textures.size(one).is_none())
+        && (mesh.appearance.colors.is_some() || drawn.iter().all(|one| one.color == drawn[0].color))
+    {
         return None;
     }
     let mut uvs = uvs.unwrap_or_else(|| vec![[[0.5; 2]; 3]; of_triangle.len()]);
-    if pictures.len() == 1 {
-        return Some((uvs, pictures.pop()?));
+    if let [one] = drawn[..] {
+        return Some((uvs, tinted(textures.picture(&one, u32::MAX)?, one.color)));
     }
-    let (picture, had_to_shrink) = atlas(pictures, &of_triangle, &mut uvs);
-    if is_coarse || had_to_shrink {
-        let message = "has large textures; the view shows them smaller, exports keep all";
+    let atlas = Atlas::of(&sizes, &of_triangle, &mut uvs);
+    let mut pictures = Vec::with_capacity(drawn.len());
+    for (i, one) in drawn.iter().enumerate() {
+        watcher.task().check().ok()?;
+        let picture = textures.picture(one, atlas.side(i));
+        pictures.push(picture.map_or_else(|| one.plain(), |picture| tinted(picture, one.color)));
+    }
+    if atlas.is_coarse {
+        let message = "has large or often repeated textures; the view shows them smaller, exports keep all";
         watcher.warn(Warning::of(name, message));
     }
+    let picture = atlas.lay_out(&pictures, &of_triangle, &mut uvs);
     Some((uvs, picture))
 }
 
@@ -113,13 +110,45 @@ fn read_texture(material: &Material) -> Option<&Texture> {
     material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
 }
 
-fn decoded(name: &str, texture: &Texture, watcher: &impl Watcher) -> Option<Picture> {
-    Picture::decode(&texture.bytes)
-        .inspect_err(|error| {
-            let message = format!("the texture {} cannot be shown: {error}", texture.name);
-            watcher.warn(Warning::of(name, message));
-        })
-        .ok()
+/// Textures that several materials may have, each of which is read once.
+struct Textures<'a, W> {
+    name: &'a str,
+    watcher: &'a W,
+    /// By where their bytes lie.
+    sizes: HashMap<*const u8, Option<[u32; 2]>>,
+    /// By that and their longest side.
+    pictures: HashMap<(*const u8, u32), Option<Picture>>,
+}
+
+impl<W: Watcher> Textures<'_, W> {
+    /// The size of what is drawn; `None` without a texture that can be shown.
+    fn size(&mut self, drawn: &Drawn<'_>) -> Option<[u32; 2]> {
+        let texture = drawn.texture?;
+        let (name, watcher) = (self.name, self.watcher);
+        let read = || shown(name, texture, Picture::size_of(&texture.bytes), watcher);
+        *self.sizes.entry(texture.bytes.as_ptr()).or_insert_with(read)
+    }
+
+    /// The texture in its own colors, made smaller where its longest side has more than `side` pixels.
+    fn picture(&mut self, drawn: &Drawn<'_>, side: u32) -> Option<Picture> {
+        self.size(drawn)?;
+        let texture = drawn.texture?;
+        let (name, watcher) = (self.name, self.watcher);
+        let read = || {
+            let picture = shown(name, texture, Picture::decode(&texture.bytes), watcher)?;
+            Some(picture.thumbnail(side))
+        };
+        self.pictures.entry((texture.bytes.as_ptr(), side)).or_insert_with(read).clone()
+    }
+}
+
+/// What was read of a texture, or a warning.
+fn shown<T>(name: &str, texture: &Texture, read: Result<T, ViewError>, watcher: &impl Watcher) -> Option<T> {
+    read.inspect_err(|error| {
+        let message = format!("the texture {} cannot be shown: {error}", texture.name);
+        watcher.warn(Warning::of(name, message));
+    })
+    .ok()
 }
 
 /// `picture` times the color of its material, in linear light. Black, which some programs write beside a picture, changes
