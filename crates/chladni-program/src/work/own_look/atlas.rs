@@ -171,6 +171,7 @@ fn lay(picture: &Picture, size: [u32; 2], [left, top]: [u32; 2], sheet: &mut Pic
 mod tests {
     use super::super::{middle, pixel_at};
     use super::*;
+    use proptest::prelude::*;
 
     const RED: [u8; 4] = [255, 0, 0, 255];
     const GREEN: [u8; 4] = [0, 255, 0, 255];
@@ -273,6 +274,58 @@ mod tests {
             let (_, [width, height]) = in_rows(&inner);
             let pixels = u64::from(width) * u64::from(height);
             assert!(atlas.is_coarse && pixels < 4 * MOST_PIXELS, "{:?}: {width}×{height}", &sizes[..2]);
+        }
+    }
+
+    /// The color of the pixel (x, y) of picture `i`.
+    fn color(i: usize, x: u32, y: u32) -> [u8; 4] {
+        [i as u8, x as u8, y as u8, 255]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #[test]
+        fn each_point_of_a_triangle_is_where_it_was_on_its_repeated_picture(
+            sizes in prop::collection::vec([1_u32..40, 1_u32..40], 1..6),
+            // A picture, the copy of it where a triangle begins, and its corners over seven copies from there.
+            triangles in prop::collection::vec(
+                (0_usize..6, [-3_i32..4, -3..4], prop::array::uniform3([0.0_f32..1.0, 0.0..1.0])),
+                1..20,
+            ),
+            [a, b] in [0.05_f32..0.45, 0.05_f32..0.45],
+        ) {
+            let pictures: Vec<Picture> = sizes.iter().enumerate().map(|(i, &[width, height])| {
+                let pixels = (0..height).flat_map(|y| (0..width).map(move |x| color(i, x, y)));
+                Picture { width, height, rgba: pixels.flatten().collect() }
+            }).collect();
+            let of_triangle: Vec<usize> = triangles.iter().map(|(of, ..)| of % sizes.len()).collect();
+            // In the middle of a pixel.
+            let corner = |of: usize, copy: [i32; 2], at: [f32; 2]| [0, 1].map(|axis| {
+                let side = sizes[of][axis] as f32;
+                copy[axis] as f32 + ((7.0 * side * at[axis]).floor() + 0.5) / side
+            });
+            let mut uvs: Vec<[[f32; 2]; 3]> = triangles
+                .iter()
+                .zip(&of_triangle)
+                .map(|((_, copy, corners), &of)| corners.map(|at| corner(of, *copy, at)))
+                .collect();
+            let inside = |corners: &[[f32; 2]; 3]| {
+                [0, 1].map(|axis| a * corners[0][axis] + b * corners[1][axis] + (1.0 - a - b) * corners[2][axis])
+            };
+            let expected: Vec<[f32; 2]> = uvs.iter().map(inside).collect();
+            let atlas = Atlas::of(&sizes, &of_triangle, &mut uvs);
+            prop_assert!(!atlas.is_coarse);
+            let sheet = atlas.lay_out(&pictures, &of_triangle, &mut uvs);
+            for ((corners, &of), was) in uvs.iter().zip(&of_triangle).zip(&expected) {
+                // Where it is clear in which pixel.
+                let is_near_edge = |axis: usize| {
+                    let pixels = was[axis] * sizes[of][axis] as f32;
+                    (pixels - pixels.round()).abs() < 0.02
+                };
+                if !is_near_edge(0) && !is_near_edge(1) {
+                    prop_assert_eq!(pixel_at(&sheet, inside(corners)), pixel_at(&pictures[of], *was));
+                }
+            }
         }
     }
 }
