@@ -93,7 +93,7 @@ pub use request::{
 pub use rest::{RestShape, bends};
 pub use samples::Samples;
 pub use scene::{Cell, Figure, Grain, Grains, IDENTITY, Marker, Paint, Wire};
-pub use style::{Background, Curve, Floor, Gradient, Light, Lights, Material};
+pub use style::{Background, Curve, Floor, Gradient, Light, Lights, Material, srgb_bytes};
 pub use surroundings::{Panorama, Surroundings};
 
 /// The examples of README.md, compiled.

@@ -9,6 +9,7 @@ use crate::film::shoot;
 use crate::{
     Background, Camera, Canvas, Cell, Device, Figure, Film, ItemBuffers, Lights, Marker, Material, Paint,
     Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, framing, layout,
+    srgb_bytes,
 };
 
 /// One shape to be drawn, each in a cell of its own.
@@ -212,8 +213,7 @@ impl Loaded {
             Painted::Values(paint, scale)
         } else if let Some(colors) = shape.colors {
             let paint = VertexPaint::new(on, vertices);
-            let bytes: Vec<[u8; 4]> =
-                colors.iter().map(|c| c.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)).collect();
+            let bytes: Vec<[u8; 4]> = colors.iter().copied().map(srgb_bytes).collect();
             paint.write_colors(on, &bytes)?;
             Painted::Colors(paint)
         } else if let Some((picture, _)) = shape.image {

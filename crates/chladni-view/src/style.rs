@@ -1,5 +1,7 @@
 //! Materials, lights and backgrounds: a small studio.
 
+use std::sync::LazyLock;
+
 /// Linear light of an sRGB-encoded channel, both in [0, 1] (IEC 61966-2-1).
 pub(crate) fn decoded(c: f32) -> f32 {
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
@@ -13,6 +15,17 @@ pub(crate) fn encoded(c: f32) -> f32 {
 /// A linear-light RGB color of an sRGB one, each channel in [0, 1].
 pub(crate) fn linear(color: [u8; 3]) -> [f32; 3] {
     color.map(|c| decoded(f32::from(c) / 255.0))
+}
+
+/// Linear light of each of the 256 steps of an sRGB channel.
+pub(crate) static LINEAR: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|i| decoded(i as f32 / 255.0)));
+
+/// Eight bits a channel, RGB as sRGB, of a linear-light RGBA color; channels outside [0, 1] are clipped.
+pub fn srgb_bytes([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
+    let byte = |c: f32| (c * 255.0).round() as u8;
+    let [r, g, b] = [r, g, b].map(|c| byte(encoded(c.clamp(0.0, 1.0))));
+    [r, g, b, byte(alpha.clamp(0.0, 1.0))]
 }
 
 /// How a surface answers to light.

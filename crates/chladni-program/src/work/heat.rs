@@ -1,7 +1,7 @@
 //! Heat maps: a quantity of the caricature for each vertex.
 
 use chladni_caricature::{EvaluatedLayer, Evaluation, LayerId, MatchRequest, Matched, Project, Stack};
-use chladni_view::{ColorMap, Scale};
+use chladni_view::{ColorMap, Scale, srgb_bytes};
 
 use super::place_colors;
 
@@ -66,7 +66,7 @@ pub enum Coating {
     Region(Vec<f32>),
     /// Places on the material to look at: 0 is bare, 1 is marked.
     Marks(Vec<f32>),
-    /// A color for each vertex, in linear light.
+    /// A color for each vertex, sRGB.
     Colors(Vec<[u8; 4]>),
 }
 
@@ -152,8 +152,8 @@ pub fn coating(quantity: Quantity, harmonic: usize, map: ColorMap, seen: &Seen<'
             scaled(ColorMap::BlueRed, harmonic.iter().map(|h| *h as f32).collect())
         }
         Quantity::Place => {
-            let bytes = |color: [f32; 4]| color.map(|c| (c * 255.0).round() as u8);
-            Coating::Colors(place_colors(&seen.stack.original().positions).into_iter().map(bytes).collect())
+            let colors = place_colors(&seen.stack.original().positions);
+            Coating::Colors(colors.into_iter().map(srgb_bytes).collect())
         }
     })
 }

@@ -6,7 +6,7 @@ mod materials;
 use chladni_harmonics::Body;
 use chladni_mesh::surface::places;
 use chladni_mesh::{Proxy, TriMesh, linear_from_srgb};
-use chladni_view::{Device, Paint, Picture, Skin, Topology, VertexPaint, ViewError};
+use chladni_view::{Device, Paint, Picture, Skin, Topology, VertexPaint, ViewError, srgb_bytes};
 
 use self::materials::picture_of_materials;
 use super::{Subject, Watcher};
@@ -14,7 +14,7 @@ use super::{Subject, Watcher};
 /// How the file says that the shape looks.
 #[derive(Debug)]
 pub enum OwnLook {
-    /// A linear-light color for each of the N operator vertices.
+    /// An sRGB color for each of the N operator vertices.
     Colors(Vec<[u8; 4]>),
     /// An image, and where its corners lie on each triangle's.
     Image {
@@ -49,7 +49,7 @@ impl OwnLook {
     /// Its linear-light colors, as a picture's shape takes them; `None` for an image.
     pub fn colors(&self) -> Option<Vec<[f32; 4]>> {
         match self {
-            Self::Colors(bytes) => Some(bytes.iter().map(|c| c.map(|c| f32::from(c) / 255.0)).collect()),
+            Self::Colors(bytes) => Some(bytes.iter().copied().map(linear).collect()),
             Self::Image { .. } => None,
         }
     }
@@ -67,7 +67,7 @@ impl OwnLook {
         let mut bytes = vec![[255; 4]; body.positions.len()];
         for (color, vertex) in colors.iter().zip(&body.operator_vertex) {
             if let Some(at) = vertex.and_then(|vertex| bytes.get_mut(vertex as usize)) {
-                *at = color.map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8);
+                *at = srgb_bytes(*color);
             }
         }
         Self::Colors(bytes)
@@ -179,12 +179,14 @@ mod tests {
         let aside = Aside::new(&task);
         assert!(OwnLook::of("shape", &mesh, &body, &aside).is_none());
 
-        let color = |v: usize| [v as f32 / n as f32, 0.5, 2.0, 1.0];
+        // The file's own eight bits, dark ones, too, come out as they were.
+        let byte = |v: usize| (v * 255 / n) as u8;
+        let light = |byte: u8| linear_from_srgb(f64::from(byte) / 255.0) as f32;
+        let color = |v: usize| [light(byte(v)), light(3), 2.0, 0.5];
         mesh.appearance.colors = Some((0..n).map(color).collect());
         let Some(OwnLook::Colors(bytes)) = OwnLook::of("shape", &mesh, &body, &aside) else { panic!() };
         for (v, operator) in body.operator_vertex.iter().enumerate() {
-            let expected = [(255.0 * v as f32 / n as f32).round() as u8, 128, 255, 255];
-            assert_eq!(bytes[operator.unwrap() as usize], expected);
+            assert_eq!(bytes[operator.unwrap() as usize], [byte(v), 3, 255, 128]);
         }
 
         let texture = Texture { name: "skin.png".into(), bytes: (*b"no picture").into() };

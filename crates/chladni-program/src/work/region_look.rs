@@ -1,6 +1,7 @@
 //! The look of a region on the shape while it is chosen.
 
-use chladni_view::Material;
+use chladni_mesh::linear_from_srgb;
+use chladni_view::{Material, srgb_bytes};
 
 /// Color of painted places, sRGB: distinct from clay with any color vision.
 pub const PAINTED: [u8; 3] = [52, 122, 190];
@@ -9,16 +10,17 @@ pub const RING: [u8; 3] = [236, 170, 70];
 /// Color of marked places, sRGB.
 pub const MARKED: [u8; 3] = [214, 40, 30];
 
-/// The material's color where `values` are 0, `tint` where they are 1; linear light.
+/// The material's color where `values` are 0, `tint` where they are 1; sRGB.
 pub fn tints(values: &[f32], tint: [u8; 3], material: Material) -> Vec<[u8; 4]> {
-    let linear = |c: u8| (f32::from(c) / 255.0).powf(2.2);
+    let linear = |c: u8| linear_from_srgb(f64::from(c) / 255.0) as f32;
     let (bare, painted) = (material.color.map(linear), tint.map(linear));
-    let mixed = |share: &f32| {
-        let share = share.clamp(0.0, 1.0) * 0.85;
-        let channel = |i: usize| ((bare[i] + (painted[i] - bare[i]) * share) * 255.0).round() as u8;
-        [channel(0), channel(1), channel(2), 255]
-    };
-    values.iter().map(mixed).collect()
+    // While somebody paints, for every vertex: from a table.
+    let mixed: [[u8; 4]; 256] = std::array::from_fn(|step| {
+        let share = step as f32 / 255.0 * 0.85;
+        let [r, g, b] = [0, 1, 2].map(|i| bare[i] + (painted[i] - bare[i]) * share);
+        srgb_bytes([r, g, b, 1.0])
+    });
+    values.iter().map(|share| mixed[usize::from((share.clamp(0.0, 1.0) * 255.0).round() as u8)]).collect()
 }
 
 /// A region with the part under the pointer, fainter. A region that is everywhere would hide it.

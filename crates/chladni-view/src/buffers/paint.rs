@@ -33,8 +33,8 @@ impl VertexPaint {
         self.write(&on.into(), bytemuck::cast_slice(values))
     }
 
-    /// Writes one linear-light RGBA color a vertex, eight bits a channel, for
-    /// [`Paint::Colors`](crate::Paint::Colors).
+    /// Writes one sRGB color a vertex, eight bits a channel, for [`Paint::Colors`](crate::Paint::Colors): those of
+    /// [`srgb_bytes`](crate::srgb_bytes). Between vertices their light is mixed.
     ///
     /// # Errors
     /// [`ViewError::Shape`] where the count differs, or another device holds the paint.

@@ -2,14 +2,14 @@
 
 use image::RgbaImage;
 
-use crate::style::linear;
+use crate::style::LINEAR;
 
 /// Levels of an image, the largest first, in linear light.
 #[derive(Debug)]
 pub(crate) struct Pyramid {
     levels: Vec<RgbaImage>,
-    /// Linear light of eight bits of sRGB.
-    linear: Box<[f32; 256]>,
+    /// [`LINEAR`], at hand.
+    linear: &'static [f32; 256],
 }
 
 /// Samples along the longer side of a pixel's footprint.
@@ -17,7 +17,7 @@ const ANISOTROPY: f32 = 4.0;
 
 impl Pyramid {
     pub(crate) fn new(levels: impl Iterator<Item = RgbaImage>) -> Self {
-        Self { levels: levels.collect(), linear: Box::new(std::array::from_fn(|i| linear([i as u8; 3])[0])) }
+        Self { levels: levels.collect(), linear: &LINEAR }
     }
 
     /// Linear light at `uv`, v down, where a step to the right changes it by `right` and one down by

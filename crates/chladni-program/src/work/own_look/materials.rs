@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use chladni_mesh::{Material, Texture, TriMesh, linear_from_srgb, srgb_from_linear};
-use chladni_view::{Picture, ViewError};
+use chladni_view::{Picture, ViewError, srgb_bytes};
 
 use super::atlas::Atlas;
 use crate::work::{Warning, Watcher};
@@ -78,8 +78,8 @@ impl<'a> Drawn<'a> {
 
     /// A pixel of its color.
     fn plain(&self) -> Picture {
-        let [r, g, b] = self.color.map(|linear| (srgb_from_linear(f64::from(linear)) * 255.0).round() as u8);
-        Picture::filled(1, 1, [r, g, b, 255])
+        let [r, g, b] = self.color;
+        Picture::filled(1, 1, srgb_bytes([r, g, b, 1.0]))
     }
 }
 

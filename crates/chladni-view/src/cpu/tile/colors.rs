@@ -4,6 +4,7 @@ use super::super::batch::{Answered, PLACES};
 use super::super::curves::{clamp, max, min, mix, smoothstep};
 use super::super::subjects::Coat;
 use super::Tile;
+use crate::style::LINEAR;
 
 impl Tile<'_, '_> {
     /// The bare colors of the batch, linear light.
@@ -11,6 +12,7 @@ impl Tile<'_, '_> {
         let (prepared, subject) = (&self.picture.prepared.figures[figure], &self.picture.subjects[figure]);
         let batch = &mut *self.scratch.batch;
         let [low, scale, map, _] = prepared.uniform.scale;
+        let linear: &[f32; 256] = &LINEAR;
         batch.glow.fill(prepared.uniform.glow[0]);
         for i in 0..batch.count {
             let triangle = batch.triangle[i] as usize;
@@ -30,9 +32,8 @@ impl Tile<'_, '_> {
                 }
                 Coat::Colors(colors) => {
                     let corners = subject.triangles[triangle].map(|v| colors[v as usize]);
-                    std::array::from_fn(|channel| {
-                        (0..3).map(|k| weights[k] * f32::from(corners[k][channel])).sum::<f32>() / 255.0
-                    })
+                    let light = |k: usize, channel: usize| linear[usize::from(corners[k][channel])];
+                    std::array::from_fn(|channel| (0..3).map(|k| weights[k] * light(k, channel)).sum())
                 }
                 Coat::Answer(..) => return self.answered(figure),
                 Coat::Skin(image) => {

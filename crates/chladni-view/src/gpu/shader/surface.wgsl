@@ -166,7 +166,7 @@ fn corner_vertex(@builtin(vertex_index) corner: u32) -> CornerSurface {
     let kind = u32(figure.back.w);
     var paint = vec3f(0.0);
     if kind == 1u { paint.x = bitcast<f32>(paint_at(v)); }
-    if kind == 2u { paint = unpack4x8unorm(paint_at(v)).rgb; }
+    if kind == 2u { paint = to_linear(unpack4x8unorm(paint_at(v)).rgb); }
     // Images begin at the top, v at the bottom.
     if kind == 3u {
         let uv = uv_of(corner);
