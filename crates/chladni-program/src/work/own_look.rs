@@ -38,12 +38,10 @@ impl OwnLook {
     /// The same of a shape as it is worked on. A proxy has no texture: its vertices have the colors that the whole
     /// shape's has there.
     pub fn of_subject(name: &str, subject: &Subject, body: &Body, watcher: &impl Watcher) -> Option<Self> {
-        if let Some(proxy) = &subject.proxy
-            && let Some((uvs, picture)) = picture_of_materials(name, proxy.whole(), watcher)
-        {
-            return Some(Self::at_vertices(&sampled(proxy, &uvs, &picture), body));
+        match texture_colors(name, subject, watcher) {
+            Some(colors) => Some(Self::at_vertices(&colors, body)),
+            None => Self::of(name, &subject.mesh, body, watcher),
         }
-        Self::of(name, &subject.mesh, body, watcher)
     }
 
     /// Its linear-light colors, as a picture's shape takes them; `None` for an image.
@@ -90,6 +88,14 @@ impl OwnLook {
             _ => Topology::new(device, vertices, triangles),
         }
     }
+}
+
+/// For each vertex of a proxy the linear-light color that the materials of the whole shape, which is called `name`, have
+/// there; `None` without a proxy or such materials. Warns of what cannot be shown.
+pub fn texture_colors(name: &str, subject: &Subject, watcher: &impl Watcher) -> Option<Vec<[f32; 4]>> {
+    let proxy = subject.proxy.as_ref()?;
+    let (uvs, picture) = picture_of_materials(name, proxy.whole(), watcher)?;
+    Some(sampled(proxy, &uvs, &picture))
 }
 
 /// The linear-light color of `picture` at each vertex of `proxy`; `uvs` are those of the whole shape's triangles.

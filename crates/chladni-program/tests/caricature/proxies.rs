@@ -1,5 +1,7 @@
 //! Shapes that are worked on through a proxy.
 
+use chladni_mesh::Material;
+
 use super::projects::morph_sum;
 use super::*;
 
@@ -53,13 +55,26 @@ fn the_sliders_of_a_glb_add_up_to_the_result() {
 }
 
 #[test]
-fn a_dance_as_a_glb_has_only_the_proxy_and_says_so() {
+fn a_dance_as_a_glb_has_only_the_proxy_with_the_colors_of_its_materials_and_says_so() {
     let desk = desk();
-    desk.ok("project new large.ply -o p.chladni -k 24 --proxy 1500");
+    let mut mesh = desk.mesh("large.ply");
+    let material = |name, base_color| Material { base_color, ..Material::named(name) };
+    mesh.appearance.materials =
+        vec![material("left", [1.0, 0.0, 0.0, 1.0]), material("right", [0.0, 0.0, 1.0, 1.0])];
+    let is_right = |t: &[u32; 3]| mesh.positions[t[0] as usize][0] > 10.0;
+    mesh.appearance.face_materials = mesh.triangles.iter().map(|t| Some(is_right(t).into())).collect();
+    save_mesh(&mesh, &desk.path("painted.obj")).unwrap();
+    desk.ok("project new painted.obj -o p.chladni -k 24 --proxy 1500");
     let dance = desk.run("dance p.chladni sample:tune -k 24 --duration 1 -o dance.glb");
     let message = String::from_utf8(dance.stderr).unwrap();
     assert!(dance.status.success() && message.contains("only the vertices that are worked on"), "{message}");
-    assert!(desk.mesh("dance.glb").positions.len() < 10_000);
+    let dance = desk.mesh("dance.glb");
+    assert!(dance.positions.len() < 10_000);
+    let colors = dance.appearance.colors.unwrap();
+    for (p, color) in dance.positions.iter().zip(colors).filter(|(p, _)| (p[0] - 10.0).abs() > 0.5) {
+        let expected = if p[0] > 10.0 { [0.0, 0.0, 1.0, 1.0] } else { [1.0, 0.0, 0.0, 1.0] };
+        assert_eq!(color, expected, "at {p:?}");
+    }
 }
 
 #[test]

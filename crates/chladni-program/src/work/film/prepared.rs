@@ -21,11 +21,11 @@ use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::earlier_frames;
-use crate::work::{Cast, Error, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat};
+use crate::work::{Cast, Error, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, texture_colors};
 
 /// Said of a dance that becomes a GLB: as detail turns, the whole shape's displacements are no sums of targets.
-const ONLY_THE_PROXY: &str = "the GLB of a dance has only the vertices that are worked on, without textures \
-                              (a project made with --proxy 0 dances with all)";
+const ONLY_THE_PROXY: &str = "the GLB of a dance has only the vertices that are worked on, with textures as their \
+                              colors (a project made with --proxy 0 dances with all)";
 
 /// All that is needed before the first frame.
 pub(super) struct Prepared {
@@ -103,7 +103,13 @@ impl Prepared {
         if wanted.output.shows_rest {
             performance.show_rest();
         }
-        Ok(Self { mesh: subject.mesh, body, box_diagonal, songs, performance })
+        let mut mesh = subject.mesh.clone();
+        if wanted.output.animation.is_some()
+            && let Some(colors) = texture_colors(&wanted.body, &subject, watcher)
+        {
+            Arc::make_mut(&mut mesh).appearance.colors = Some(colors);
+        }
+        Ok(Self { mesh, body, box_diagonal, songs, performance })
     }
 
     /// Draws `range` into a file or a pipe.
