@@ -447,10 +447,15 @@ export const tool = {
 
 export function open() {
   showPicture(room);
-  if (sitting) return;
+  if (sitting) {
+    // The other room's picture is still there.
+    ink.again();
+    sitting.redraw();
+    return;
+  }
   // A project waits for its mesh: there is nothing to work on yet, but something to open.
   empty(true);
-  of("cells").replaceChildren();
+  wall.drawWall(1, 1);
 }
 
 /** Whether there is no shape: what needs one rests, and the picture of the other room is not seen. */

@@ -52,5 +52,12 @@ async function close() {
 export function listen(musicRoom) {
   room = musicRoom;
   on("listen", () => (opened ? stop() : listenTo()));
-  of("microphone").addEventListener("change", attempt(() => listenTo(of("microphone").value)));
+  of("microphone").addEventListener("change", attempt(async () => {
+    try {
+      await listenTo(of("microphone").value);
+    } finally {
+      // One that cannot be opened leaves the one before.
+      if (opened) of("microphone").value = opened.id;
+    }
+  }));
 }

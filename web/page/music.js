@@ -187,6 +187,11 @@ export async function openText(name, bytes) {
     needs.songs = needs.songs.map(base);
     needs.body &&= base(needs.body);
   } catch {
+    // The autopilot's dances go with it.
+    if (state.piloted) {
+      concert.autopilot(false);
+      refresh();
+    }
     // The place that the window takes, too.
     const free = state.dances.findLastIndex(({ chosen, locked, favorite }) => !chosen && !locked && !favorite);
     concert.open_preset(free < 0 ? state.dances.length - 1 : free, text);
@@ -504,6 +509,11 @@ export async function know(tune) {
   if (songs.current()) return;
   sound.load(songs.begin(decoded).sound, true);
   hear();
+  // Sound was asked for before there was any.
+  if (isHere() && sound.playing && sound.context) {
+    await playAloud();
+    refresh();
+  }
 }
 
 /** Keys of the desktop, where nothing else has them: in full screen there are no controls. */
@@ -571,9 +581,14 @@ export function listen() {
   of("gain").addEventListener("input", () => act({ do: "set", parameter: "gain", value: Number(of("gain").value) }));
   of("shape").addEventListener("change", attempt(() => {
     const name = of("shape").value;
-    if (name) return mayReplace() && danceOn(name);
-    // Until a file has been chosen, the shape is the one that is there.
+    if (name && mayReplace()) {
+      const dances = danceOn(name);
+      const mine = visit;
+      // Where it does not come, the shape is the one that is there.
+      return dances.finally(() => { if (mine === visit) refresh(); });
+    }
+    // Until a file has been chosen, too.
     refresh();
-    return of("file").click();
+    return name ? undefined : of("file").click();
   }));
 }

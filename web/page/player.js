@@ -11,10 +11,16 @@ let turn = 0;
 /** The song that was asked for last, until it plays. */
 let wanted;
 
-/** A song that was asked for is not wanted any more; gives the number of this wish. */
-export function passOver() {
+/** A new wish: what was asked for before is not wanted any more. Gives its number. */
+function wish() {
   wanted = undefined;
   return ++turn;
+}
+
+/** A song that was asked for does not come any more. */
+export function passOver() {
+  wish();
+  repeatAsChosen();
 }
 
 function unreadable(error) {
@@ -22,10 +28,11 @@ function unreadable(error) {
   room.refresh();
 }
 
-/** Plays a song of the list; one that cannot be read leaves it to the next. */
-async function playSong(song) {
+/** Plays a song of the list; one that cannot be read leaves it to the next. Unless it `begins`, it is heard only if the one
+ * before it was. */
+async function playSong(song, begins = true) {
   const { sound } = room;
-  const mine = passOver();
+  const mine = wish();
   const { pauses } = sound;
   room.endShow();
   while (song) {
@@ -34,11 +41,11 @@ async function playSong(song) {
       const decoded = await songs.soundOf(song);
       if (mine !== turn) return;
       // A pause meanwhile has the last word.
-      const aloud = sound.isHeard || (!!song.file && pauses === sound.pauses);
+      const aloud = sound.isHeard || (begins && !!song.file && pauses === sound.pauses);
       songs.play(song, decoded);
       sound.load(decoded, isRepeated());
       room.hear();
-      if (listening.microphone()) await listening.stop();
+      if (begins && listening.microphone()) await listening.stop();
       if (aloud) await room.playAloud();
       songs.prepare(unreadable);
       break;
@@ -50,7 +57,10 @@ async function playSong(song) {
       if (error.name === "AbortError" && sound.hasEnded) sound.pause();
     }
   }
-  if (mine === turn) wanted = undefined;
+  if (mine === turn) {
+    wanted = undefined;
+    repeatAsChosen();
+  }
   goOn();
   room.refresh();
 }
@@ -84,14 +94,19 @@ function ended() {
 /** Whether the song that plays begins anew at its end. */
 export const isRepeated = () => playlist.repeats() === "song" || (playlist.repeats() === "list" && songs.count() === 1);
 
+/** Songs of shows follow one another as they did. */
+function repeatAsChosen() {
+  if (!room.concert()?.plays_show()) room.sound.setRepeats(isRepeated());
+}
+
 const ofTheList = {
   plays: attempt((song) => playSong(song)),
   takesOut: attempt(async (song) => {
     if (song === wanted) passOver();
     const next = songs.takeOut(song);
-    if (next) await playSong(next);
+    if (next) await playSong(next, false);
     else {
-      room.sound.setRepeats(isRepeated());
+      repeatAsChosen();
       goOn();
       prepareNext();
     }
@@ -99,7 +114,7 @@ const ofTheList = {
   }),
   reordered: prepareNext,
   louder: (volume) => room.sound.setVolume(volume),
-  repeats: () => { if (!room.concert().plays_show()) room.sound.setRepeats(isRepeated()); },
+  repeats: repeatAsChosen,
 };
 
 export function listen(musicRoom) {
