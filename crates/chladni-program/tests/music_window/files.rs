@@ -319,6 +319,22 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
 }
 
 #[test]
+fn what_was_begun_with_a_dance_ends_where_another_show_comes() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
+    let mut window = enter(Opening { folders, chooser, ..Opening::default() });
+    let show = folder.path().join("empty.toml");
+    saved_show(&mut window, &answers, &show);
+    click(&mut window, "drawer/shelf");
+    point_at(&mut window, "dance/4");
+    click(&mut window, "keep");
+    assert!(is_there(&window, "shelf/keep"));
+    answers.add(show);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    wait(&mut window, "the other show", |w| !is_there(w, "shelf/keep"));
+}
+
+#[test]
 fn a_sheet_in_place_of_a_body_is_strewn_at_that_moment() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);

@@ -170,6 +170,25 @@ fn escape_ends_the_show_only_where_nothing_is_to_be_left_before() {
 }
 
 #[test]
+fn the_dance_that_was_to_be_next_still_is_once_another_is_on_stage() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
+    let mut window = enter(Opening { folders, chooser, ..Opening::default() });
+    press_on(&mut window, "dance/5", Key::N);
+    press_on(&mut window, "dance/2", Key::S);
+    for key in [Key::R, Key::Escape] {
+        window.key_press(key);
+        window.run_steps(4);
+    }
+    wait(&mut window, "the gallery", |w| shows(w, "12 items"));
+    let actions = saved_show(&mut window, &answers, &folder.path().join("next.toml")).actions;
+    let actions: Vec<Action> = actions.into_iter().map(|line| line.action).collect();
+    let cued = Action::CueUp { item: 4 };
+    let expected = [cued.clone(), Action::PerformGallery { first: 1 }, cued, Action::Go, Action::LeaveStage];
+    assert!(actions.ends_with(&expected), "{actions:?}");
+}
+
+#[test]
 fn arrows_go_through_the_gallery_where_the_beat_does() {
     let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
     let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));

@@ -37,6 +37,11 @@ struct Form {
 }
 
 impl Shelf {
+    /// Closes the form.
+    pub fn forget_form(&mut self) {
+        self.form = None;
+    }
+
     /// Reads the folder when it is first needed; a file that is not a preset is reported and left alone.
     pub fn ready(&mut self, folder: Option<&Path>, notices: &mut Notices) {
         if self.read {

@@ -7,6 +7,7 @@ use chladni_music::{
 };
 
 use super::concert::Concert;
+use super::hands::Taken;
 use super::listening::{Listening, ShowSong};
 use super::recorder::Recorder;
 use super::view::View;
@@ -177,6 +178,10 @@ impl MusicRoom {
         if let Err(why) = concert.replay(show) {
             return shared.notices.error(format!("{}: {why}", path.display()));
         }
+        // What was begun with a dance of the show before: its items may have the same numbers.
+        self.taken = Taken::default();
+        self.drawers.shelf.forget_form();
+        self.asking = self.asking.filter(|then| !matches!(then, Then::SavePreset(_)));
         if self.keepsake.opened(path) {
             concert.mark_unsaved();
         }
@@ -211,6 +216,7 @@ impl MusicRoom {
             let at_beat = show.actions.last().map_or(0.0, |line| line.moment.at_beat);
             let ends = Moment { at_secs: show.ends_secs(), at_beat };
             listening.go_on(songs, &show.heard, show.clock.clone(), ends);
+            concert.go_on_at(ends);
         }
     }
 }

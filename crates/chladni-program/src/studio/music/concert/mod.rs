@@ -248,9 +248,17 @@ impl Concert {
         if self.piloted.as_ref().is_some_and(|piloted| piloted.ends_before(&action, &self.instrument)) {
             self.end_piloting()?;
         }
+        // One that was chosen in the gallery to be next is still that once something is on stage.
+        let waits = self.instrument.next_on_stage().map(|(id, _)| id);
+        let waits = waits.filter(|_| !self.on_stage() && action.opens_stage() && action != Action::Go);
         self.instrument.apply(self.moment, action)?;
         if ends_piloting {
             self.end_piloting()?;
+        }
+        if let Some(id) = waits.filter(|id| self.on_stage_now() != Some(*id))
+            && let Some(item) = self.instrument.gallery().items().iter().position(|known| known.id == id)
+        {
+            self.instrument.apply(self.moment, Action::CueUp { item })?;
         }
         let count = self.instrument.gallery().items().len();
         if matches!(self.view, View::CloseUp(item) if item >= count) {
@@ -292,9 +300,9 @@ impl Concert {
         on_stage.or(self.pane.shown.as_ref()).map_or([1280, 720], |shown| shown.staged.size())
     }
 
-    /// Where the viewer stands.
+    /// Where the viewer stands, but for what a hand has moved that gives it back to the camera.
     pub fn viewpoint(&self) -> Viewpoint {
-        self.viewpoint
+        self.hand.home(self.viewpoint)
     }
 
     /// Recomputes the beats of all logged actions.
@@ -310,11 +318,18 @@ impl Concert {
         self.instrument = show.replay(shape)?;
         // It played the other show.
         (self.piloted, self.marked) = (None, None);
+        // Items of another show may have the same numbers.
+        (self.judging, self.draft) = (Judging::default(), None);
         self.outgoing.change_show();
         self.mark_saved();
         self.view = View::Gallery;
         (self.viewpoint, self.hand) = (show.viewpoint, Hand::default());
         Ok(())
+    }
+
+    /// What is done from now on is done at this moment of the show, until a frame tells a later one.
+    pub fn go_on_at(&mut self, moment: Moment) {
+        self.moment = moment;
     }
 
     /// Replays on this body all actions made on another.

@@ -128,6 +128,11 @@ impl Hand {
         self.hold = None;
     }
 
+    /// Where the viewer stands once the hand has given the view back, which is at `viewpoint` now.
+    pub fn home(&self, viewpoint: Viewpoint) -> Viewpoint {
+        self.hold.map_or(viewpoint, |hold| hold.home)
+    }
+
     fn is_returning(&self, now_secs: f64) -> bool {
         self.hold.is_some_and(|hold| now_secs - hold.at_secs > LET_GO_SECS)
     }
@@ -155,6 +160,8 @@ mod tests {
         let (home, mut hand) = (Viewpoint::default(), Hand::default());
         let mut viewpoint = Viewpoint { yaw_rad: 1.0, ..home };
         hand.over(2.0, (home, true), &mut viewpoint, Framing::default());
+        // What a show keeps.
+        assert_eq!((viewpoint.yaw_rad, hand.home(viewpoint)), (1.0, home));
         hand.let_go(&mut viewpoint);
         assert_eq!(viewpoint, home);
         // Of the gallery.

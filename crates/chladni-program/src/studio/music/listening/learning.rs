@@ -65,6 +65,7 @@ impl Listening {
                 Learned::Nothing(why) => {
                     song.given_up = true;
                     let message = "Until another song plays it is heard as live input is";
+                    let why = why.filter(|_| heard == Some(number));
                     self.warnings.extend(why.map(|why| format!("{why}. {message}.")));
                 }
             }
@@ -72,10 +73,71 @@ impl Listening {
         let Some(number) = heard else { return };
         let has_samples = self.hearing.song(number).is_some_and(|known| known.song.frames() > 0);
         let studied = self.study.as_ref().is_some_and(|study| study.number == number);
-        let Some(song) = self.repertoire.get(number).filter(|song| !song.given_up) else { return };
-        if !has_samples && !studied {
-            let path = if song.path == Path::new(TUNE) { &self.tune } else { &song.path };
-            self.study = Some(Study::begin(number, path, song.beats.is_some(), &self.ctx));
+        let Some(song) = self.repertoire.get(number) else { return };
+        if has_samples || song.given_up {
+            self.study_those_before();
+        } else if !studied {
+            self.study = Some(Study::begin(number, self.path_of(song), song.beats.is_some(), &self.ctx));
         }
+    }
+
+    /// Finds the beats of songs that were heard before, so that they count as they do in a film.
+    fn study_those_before(&mut self) {
+        let is_done = |number: usize| {
+            self.repertoire.get(number).is_none_or(|song| song.beats.is_some() || song.given_up)
+        };
+        if self.study.as_ref().is_some_and(|study| !is_done(study.number)) {
+            return;
+        }
+        let number = self.hearing.stretches().filter_map(|stretch| stretch.song).find(|n| !is_done(*n));
+        if let Some((number, song)) = number.and_then(|n| Some((n, self.repertoire.get(n)?))) {
+            self.study = Some(Study::begin(number, self.path_of(song), false, &self.ctx));
+        }
+    }
+
+    /// The file of a song.
+    fn path_of<'a>(&'a self, song: &'a ShowSong) -> &'a Path {
+        if song.path == Path::new(TUNE) { &self.tune } else { &song.path }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use chladni_music::{ClockTrack, Moment, Parameters, Stretch};
+    use chladni_sound::{WavSample, sample_tune, write_wav};
+
+    use super::*;
+
+    #[test]
+    fn the_beats_of_songs_that_were_heard_before_are_found_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let songs = ["first.wav", "second.wav"].map(|name| {
+            let path = folder.path().join(name);
+            write_wav(&path, &sample_tune(), WavSample::Int16).unwrap();
+            ShowSong::new(path, BeatReading::default())
+        });
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let stretch = |at_secs: f64, song: usize| Stretch {
+            at_secs,
+            song: Some(song),
+            song_secs: 0.0,
+            playing: true,
+            crossfade_secs: 0.0,
+        };
+        let at = Moment { at_secs: 20.0, at_beat: 0.0 };
+        listening.go_on(Vec::from(songs), &[stretch(0.0, 1), stretch(10.0, 0)], ClockTrack::default(), at);
+        let began = Instant::now();
+        while listening.repertoire.iter().any(|song| song.beats.is_none()) {
+            let gone_secs = began.elapsed();
+            assert!(gone_secs < chladni_testdata::HANGS, "they are not looked for");
+            let now_secs = gone_secs.as_secs_f64();
+            listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        // As in a film of the show, which knows both.
+        let beats = listening.beats_at(10.0);
+        assert!(beats > 10.0, "{beats}");
     }
 }

@@ -64,14 +64,14 @@ impl Listening {
     /// Goes on at the present tempo, whatever is heard; or listens again.
     pub fn lock(&mut self, on: bool) {
         if on && !self.follows_clock() {
-            let BeatMoment { tempo_bpm, .. } = self.beat_moment();
-            self.outer.tempo.set(tempo_bpm, self.last_beat.count, self.shown_secs());
-            self.outer.was_followed = self.outer.tempo.is_known();
-            self.outer.is_of_music = self.outer.was_followed;
+            let mut tempo = Tempo::default();
+            tempo.set(self.beat_moment().tempo_bpm, self.last_beat.count, self.shown_secs());
+            if !tempo.is_known() {
+                return self.warnings.push("There is no tempo to hold yet.".into());
+            }
+            self.outer.tempo = tempo;
+            (self.outer.was_followed, self.outer.is_of_music) = (true, true);
             self.film_anew();
-        }
-        if on && !self.outer.tempo.is_known() {
-            return self.warnings.push("There is no tempo to hold yet.".into());
         }
         self.outer.tempo.lock(on);
         if !on {
@@ -218,6 +218,15 @@ mod tests {
             listening.lock(false);
         }
         assert!(!listening.follows_clock());
+    }
+
+    #[test]
+    fn a_clock_that_is_not_followed_is_no_tempo_to_hold() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        listening.hear_clock(ClockMessage::Tempo { bpm: 90.0 }, 1.0);
+        listening.lock(true);
+        assert!(!listening.is_locked() && !listening.follows_clock());
+        assert!(listening.messages().iter().any(|message| message.contains("no tempo to hold")));
     }
 
     #[test]
