@@ -144,12 +144,12 @@ impl Template {
         self == other || given || (portrait(self) && portrait(other))
     }
 
-    /// Whether landmarks that were set on this template are wrong on the `next` one: on another mesh, unless both are portraits,
-    /// or one file that was moved.
+    /// Whether landmarks that were set on this template are wrong on the `next` one: on another mesh, unless it is one file
+    /// that was moved. Portraits with other sliders are meshes of their own.
     pub fn loses_landmarks_to(&self, next: &Self) -> bool {
         let has_same_vertices = match (self, next) {
             (Self::File(one), Self::File(two)) => one.file_name() == two.file_name(),
-            _ => self.alike(next),
+            _ => self == next,
         };
         self.is_mesh() && next.is_mesh() && !has_same_vertices
     }

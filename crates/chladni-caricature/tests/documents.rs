@@ -397,3 +397,18 @@ fn landmarks_go_with_the_template_that_they_were_set_on() {
     history.undo().unwrap();
     assert_eq!(history.project().layers()[0].1.matching.landmarks.len(), 3);
 }
+
+#[test]
+fn landmarks_of_a_head_go_where_its_sliders_make_another_mesh_of_it() {
+    let mut layer = Layer::new("a", Template::Sample("portrait".into()));
+    layer.matching.landmarks = vec![chladni_match::Landmark { shape: 5, template: 9 }; 3];
+    let mut history = History::new(empty());
+    history.apply(&Action::Add { index: 0, layer: Box::new(layer) }, None).unwrap();
+    let id = history.project().layers()[0].0;
+    let landmarks = |history: &History| history.project().layers()[0].1.matching.landmarks.len();
+    let to = Property::Template(Template::Sample("portrait?nose=0.50".into()));
+    history.apply(&Action::Set { layer: id, to }, None).unwrap();
+    assert_eq!(landmarks(&history), 0);
+    history.undo().unwrap();
+    assert_eq!(landmarks(&history), 3);
+}

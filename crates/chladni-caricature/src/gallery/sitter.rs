@@ -145,9 +145,9 @@ impl Sitter {
         self.templates.len()
     }
 
-    /// Whether it is compared with `template`.
-    pub fn compares_with(&self, template: &Template) -> bool {
-        self.templates.iter().any(|against| against.template == *template)
+    /// Whether it is compared with `template`, matched so.
+    pub fn compares_with(&self, template: &Template, matching: &MatchSettings) -> bool {
+        self.templates.iter().any(|against| against.template == *template && against.matching == *matching)
     }
 
     /// Whether variants of `other` mean the same here: both have the same parts by name, and the same templates.

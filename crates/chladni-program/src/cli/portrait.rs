@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use chladni_caricature::{Action, Evaluation, LayerId, Model, Project, Property, Stack};
+use chladni_caricature::{Action, Evaluation, LayerId, Model, Painted, Project, Property, Stack};
 use chladni_mesh::{Orientation, TriMesh};
 use chladni_task::write_atomic;
 use chladni_view::{
@@ -199,9 +199,19 @@ fn panel_of(
             vec![Portrayed { shares, ..Portrayed::plain(base) }]
         }
         Panel::Region => {
-            let mask = evaluation.layers.last().and_then(|layer| layer.mask.as_deref());
-            let shares = mask.map_or_else(|| vec![1.0; base.len()], <[f32]>::to_vec);
-            vec![Portrayed { shares: Some(shares), ..Portrayed::plain(base) }]
+            // A layer that does not act has none.
+            let anew = || {
+                let region = &project.layer(top)?.region;
+                let painted = region.painted.values(&stack.surface().file_positions());
+                let is_everywhere = region.painted == Painted::Everywhere;
+                if is_everywhere {
+                    Some(painted)
+                } else {
+                    region.smoothing.apply(stack.body(), &painted).ok()
+                }
+            };
+            let mask = evaluation.layers.last().and_then(|layer| layer.mask.clone()).or_else(anew);
+            vec![Portrayed { shares: mask.map(|mask| mask.to_vec()), ..Portrayed::plain(base) }]
         }
         Panel::Coordinate | Panel::Normal | Panel::Distance => {
             let model = match panel {

@@ -143,7 +143,12 @@ impl AddLayer {
             }
             project.resolution = Resolution::Whole;
         }
-        let subject = Subject::of(&mut project, terminal)?;
+        let mut subject = Subject::of(&mut project, terminal)?;
+        if self.layer.needs_all_vertices() && subject.proxy.is_some() {
+            // As it decides by itself where a project says nothing.
+            project.resolution = Resolution::Whole;
+            subject = Subject::of(&mut project, terminal)?;
+        }
         let painted = self.region.painted(&shape, &subject, terminal)?;
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;

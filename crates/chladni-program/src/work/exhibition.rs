@@ -109,6 +109,7 @@ mod tests {
     use crate::work::Aside;
     use chladni_caricature::GALLERY_SIZE;
     use chladni_harmonics::{BasisSettings, Body};
+    use chladni_match::Landmark;
     use chladni_task::Task;
 
     #[test]
@@ -158,8 +159,12 @@ mod tests {
         let other = Some((Template::Sphere, MatchSettings::default()));
         let other = Exhibition::open(Some(&bred), &mesh, &mut finer, other, &Aside::new(&task)).unwrap();
         assert!(other.chosen().1 && other.gallery.favorites().is_empty());
-        assert!(
-            other.sitter.compares_with(&Template::Sphere) && !bred.sitter.compares_with(&Template::Sphere)
-        );
+        let compares = |shown: &Exhibition, matching: &MatchSettings| {
+            shown.sitter.compares_with(&Template::Sphere, matching)
+        };
+        let matching = MatchSettings::default();
+        assert!(compares(&other, &matching) && !compares(&bred, &matching));
+        let landmarks = vec![Landmark { shape: 0, template: 0 }];
+        assert!(!compares(&other, &MatchSettings { landmarks, ..matching }));
     }
 }

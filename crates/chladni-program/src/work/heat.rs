@@ -123,8 +123,11 @@ pub fn coating(quantity: Quantity, harmonic: usize, map: ColorMap, seen: &Seen<'
             Coating::Region(values.to_vec())
         }
         Quantity::Region => {
-            let everywhere = || vec![1.0; body.positions.len()];
-            Coating::Region(seen.layer()?.mask.as_ref().map_or_else(everywhere, |mask| mask.to_vec()))
+            let painted = &seen.project.layer(seen.selected?)?.region.painted;
+            // A layer that does not act has none: as it was painted.
+            let mask = seen.layer()?.mask.clone();
+            let mask = mask.unwrap_or_else(|| painted.values(&seen.stack.surface().file_positions()));
+            Coating::Region(mask.to_vec())
         }
         Quantity::Confidence => {
             let mut values = vec![0.0; body.positions.len()];

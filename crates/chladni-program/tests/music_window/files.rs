@@ -290,7 +290,6 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let [ball, song] = ball_and_song(folder.path());
-    // However long this takes, no song ends.
     let side = vec![0.0; 120 * 22_050];
     let silence = Song { rate_hz: 22_050, left: side.clone(), right: side };
     for wav in [song, path("other.wav")] {
@@ -311,6 +310,8 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
     let mut window = open(opening, [1000.0, 640.0]);
     wait(&mut window, "the show", |w| shows(w, "6 items"));
     click(&mut window, "drawer/songs");
+    // However long the rest takes, no song ends.
+    click(&mut window, "repeat/song");
     assert!(shows(&window, "Remove song") && shows(&window, "Remove other"));
     // The show's own is the one that plays.
     wait(&mut window, "its song", |w| is_chosen(w, "song/1"));

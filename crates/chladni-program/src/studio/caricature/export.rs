@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_caricature::Template;
+use chladni_caricature::{LayerState, Template};
 use chladni_mesh::Format;
 use chladni_task::write_atomic;
 use chladni_view::{Background, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
@@ -187,9 +187,10 @@ impl CaricatureRoom {
         if session.is_settling() {
             shared.notices.warn(STILL_SETTLING);
         }
-        for id in session.failed_layers() {
-            let name = session.project().layer(id).map_or_else(String::new, |layer| layer.name.clone());
-            shared.notices.warn(format!("Written without the layer {name}, whose match has failed."));
+        for layer in &session.shown.evaluation.layers {
+            if let LayerState::Failed(why) = &layer.state {
+                shared.notices.warn(format!("Written without the layer {}: {why}", layer.name));
+            }
         }
         let label = format!("Writing {}", path.file_name().unwrap_or_default().to_string_lossy());
         let shot = stage.shot(self.look, self.export.background(ui));

@@ -1,6 +1,6 @@
 //! The stack of layers: names, eyes, solo, order. The topmost layer is the topmost row.
 
-use chladni_caricature::{Action, Layer, LayerId, Project, Property};
+use chladni_caricature::{Action, Layer, LayerId, MatchRequest, Project, Property};
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
@@ -58,9 +58,12 @@ impl LayerList {
         let count = project.layers().len();
         let mut dropped: Option<(LayerId, usize)> = None;
         for (index, (id, layer)) in project.layers().iter().enumerate().rev() {
-            let has_failed = failed.contains(id);
-            let row =
-                |ui: &mut Ui| self.row(ui, project, (pictures, has_failed), *id, layer, selected, edits);
+            let failure = failed.contains(id).then(|| {
+                let request = MatchRequest::of(layer);
+                let is_matched = request.is_some_and(|request| session.stack.matched(&request).is_some());
+                if layer.template.is_mesh() && !is_matched { "Has no template" } else { "Does nothing" }
+            });
+            let row = |ui: &mut Ui| self.row(ui, project, (pictures, failure), *id, layer, selected, edits);
             let row = ui.push_id(id.0, row).inner;
             row.dnd_set_drag_payload(*id);
             if let Some(dragged) = row.dnd_release_payload::<LayerId>() {
@@ -82,7 +85,7 @@ impl LayerList {
         &mut self,
         ui: &mut Ui,
         project: &Project,
-        (pictures, has_failed): (&Thumbnails, bool),
+        (pictures, failure): (&Thumbnails, Option<&str>),
         id: LayerId,
         layer: &Layer,
         selected: &mut Option<LayerId>,
@@ -117,7 +120,7 @@ impl LayerList {
                     edits.set(id, Property::Enabled(!layer.enabled));
                 }
                 let acts = project.acts(layer);
-                thumbnail(ui, pictures.of(id), acts && !has_failed);
+                thumbnail(ui, pictures.of(id), acts && failure.is_none());
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     let tip = if layer.solo { "Show the other layers again" } else { "Only this layer" };
                     let color = if layer.solo { palette.accent } else { weak };
@@ -138,9 +141,9 @@ impl LayerList {
                         let text = RichText::new(&layer.name);
                         let text = if acts { text } else { text.color(weak) };
                         self.name(ui, id, text, edits);
-                        let (summary, color) = match has_failed {
-                            true => (icon::label(Icon::TriangleAlert, "Has no template"), palette.error),
-                            false => (format!("μ {:.2}  {}", layer.effective_mu(), layer.model), weak),
+                        let (summary, color) = match failure {
+                            Some(why) => (icon::label(Icon::TriangleAlert, why), palette.error),
+                            None => (format!("μ {:.2}  {}", layer.effective_mu(), layer.model), weak),
                         };
                         let summary = RichText::new(summary).small().color(color);
                         ui.add(egui::Label::new(summary).truncate().selectable(false));

@@ -84,7 +84,7 @@ fn template(
         ui.add_space(theme::GAP_SMALL);
     }
     analytic::show(ui, session, id, &layer.template, edits);
-    head_sliders::show(ui, id, &layer.template, edits);
+    head_sliders::show(ui, id, layer, edits, shared);
     // A running match is shown in place of the report, so that the layout does not jump.
     if let Some(running) = session.running_match() {
         job::show_progress(ui, running);
@@ -196,13 +196,15 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 
+/// Said where another template takes the place of the one on which landmarks were picked.
+pub const LANDMARKS_GONE: &str =
+    "The landmarks belonged to the template before and are gone: pick new ones, or undo.";
+
 /// Gives a layer another template, and says what becomes of its landmarks.
 fn replace(layer: &Layer, id: LayerId, template: Template, edits: &mut Edits, shared: &mut Shared<'_>) {
     let steps = replacement(layer, template);
     if steps.len() > 1 {
-        shared
-            .notices
-            .warn("The landmarks belonged to the template before and are gone: pick new ones, or undo.");
+        shared.notices.warn(LANDMARKS_GONE);
     }
     edits.together(steps.into_iter().map(|to| Action::Set { layer: id, to }).collect());
 }

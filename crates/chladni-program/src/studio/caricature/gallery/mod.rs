@@ -169,8 +169,8 @@ impl GalleryView {
             self.surprise(&ctx);
         }
         let (given, project) = (Exhibition::template_of(session.project()), session.project());
-        if let (Some((template, _)), Some(shown)) = (&given, &self.shown)
-            && !shown.sitter.compares_with(template)
+        if let (Some((template, matching)), Some(shown)) = (&given, &self.shown)
+            && !shown.sitter.compares_with(template, matching)
         {
             let name = format!("Against {}", template_name(template, project));
             let tip = "A new gallery, in which they are compared with the template of the topmost layer, too. \

@@ -1,5 +1,9 @@
 //! The gallery of a shape, which outlives that it is closed.
 
+use std::sync::Arc;
+
+use chladni_caricature::{Layer, LayerId, MatchRequest, Template};
+use chladni_match::MatchSettings;
 use egui::Ui;
 
 use super::super::edits::Edits;
@@ -63,7 +67,7 @@ impl ShapesGallery {
                 seed: view.seed,
                 ..GalleryView::begin(session, view.given, view.shown.or(view.before), ui.ctx())
             },
-            None => GalleryView::begin(session, Exhibition::template_of(session.project()), None, ui.ctx()),
+            None => GalleryView::begin(session, matched_template(session), None, ui.ctx()),
         };
         match self.view.insert(view).show(ui, session, look, shared, edits) {
             Ok(true) => {}
@@ -75,4 +79,15 @@ impl ShapesGallery {
         }
         Ok(true)
     }
+}
+
+/// The template of the topmost layer with a mesh, unless its match has failed.
+fn matched_template(session: &Session) -> Option<(Template, MatchSettings)> {
+    let failed = session.failed_layers();
+    let (template, matching) = Exhibition::template_of(session.project())?;
+    let wanted = MatchRequest { template: template.clone(), matching: matching.clone() };
+    let has_failed = |(id, layer): &(LayerId, Arc<Layer>)| {
+        failed.contains(id) && MatchRequest::of(layer).as_ref() == Some(&wanted)
+    };
+    (!session.project().layers().iter().any(has_failed)).then_some((template, matching))
 }

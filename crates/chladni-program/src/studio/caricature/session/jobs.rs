@@ -109,6 +109,9 @@ impl Session {
         let (harmonics, laplacian) = (self.project().harmonics, self.project().laplacian);
         if self.asked != (harmonics, laplacian) {
             self.asked = (harmonics, laplacian);
+            self.solving = None;
+        }
+        if self.asked != self.solved && self.solving.is_none() {
             let (mesh, name) = (Arc::clone(&self.subject.mesh), self.project().shape.to_string());
             let work = move |task: &Task| {
                 let aside = Aside::new(task);
@@ -120,18 +123,7 @@ impl Session {
         let Some(outcome) = self.solving.as_ref().and_then(Job::ended) else { return Ok(None) };
         self.solving = None;
         if outcome.is_err() {
-            // Restores the last values that solved. A project saved with values that its shape cannot have would not
-            // open again, and one saved with a cancelled solve would open with that solve.
-            let (harmonics, laplacian) = self.solved;
-            let mut back = Vec::new();
-            if self.project().harmonics != harmonics {
-                back.push(Edit::Once(Action::SetHarmonics(harmonics)));
-            }
-            if self.project().laplacian != laplacian {
-                back.push(Edit::Once(Action::SetLaplacian(laplacian)));
-            }
-            self.asked = self.solved;
-            self.apply(back)?;
+            self.restore_solved()?;
         }
         let (body, warnings) = outcome?;
         self.solved = self.asked;
@@ -142,6 +134,32 @@ impl Session {
         self.crossings = CrossingMeter::default();
         self.refresh();
         Ok(Some(warnings))
+    }
+
+    /// Restores the last values that solved. A project saved with values that its shape cannot have would not open again,
+    /// and one saved with a cancelled solve would open with that solve.
+    fn restore_solved(&mut self) -> Result<(), Error> {
+        self.asked = self.solved;
+        // By the way that led here, so that no step back leads here again: forth where it was a step back.
+        for back in [false, true] {
+            if self.travel(back).is_some() {
+                if (self.project().harmonics, self.project().laplacian) == self.solved {
+                    return Ok(());
+                }
+                self.travel(!back);
+            }
+        }
+        // Something else was done meanwhile.
+        let (harmonics, laplacian) = self.solved;
+        let mut edits = Vec::new();
+        if self.project().harmonics != harmonics {
+            edits.push(Edit::Once(Action::SetHarmonics(harmonics)));
+        }
+        if self.project().laplacian != laplacian {
+            edits.push(Edit::Once(Action::SetLaplacian(laplacian)));
+        }
+        self.apply(edits)?;
+        Ok(())
     }
 
     /// Counts where the result passes through itself, while the hand rests. True where the count

@@ -301,9 +301,23 @@ mod tests {
         let (mut session, outcome) = in_paper_mode(&fan);
         assert!(outcome.unwrap_err().to_string().contains("3 triangles meet"));
         assert_eq!((of(&session), session.project().laplacian), (Laplacian::Delaunay, Laplacian::Delaunay));
-        // Nothing is left to be solved.
+        // Nothing is left to be solved, and no step back leads there again.
         assert_eq!(session.pump_harmonics(&egui::Context::default()).unwrap(), None);
         assert!(session.solving().is_none());
+        assert_eq!((session.history.undo_label(), session.history.redo_label()), (None, Some("Laplacian")));
+    }
+
+    #[test]
+    fn harmonics_that_are_there_are_not_solved_for_again() {
+        let project = Project::new(ShapeSource::Sample("ring".into()), 12);
+        let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
+        let (mut session, ctx) = (Session::new(loaded), egui::Context::default());
+        session.apply(vec![Edit::Once(Action::SetHarmonics(24))]).unwrap();
+        assert_eq!(session.pump_harmonics(&ctx).unwrap(), None);
+        assert!(session.travel(true).is_some());
+        assert_eq!(session.pump_harmonics(&ctx).unwrap(), None);
+        assert!(session.solving().is_none());
+        assert_eq!(session.stack.body().basis.harmonics(), 12);
     }
 
     #[test]
