@@ -27,6 +27,31 @@ fn only_material(path: &Path) -> Material {
 }
 
 #[test]
+fn meshes_that_are_saved_at_once_keep_their_own_textures_and_libraries() {
+    for _ in 0..5 {
+        let folder = tempfile::tempdir().unwrap();
+        let start = std::sync::Barrier::new(8);
+        let bytes = |i: u8| [&b"\x89PNG\r\n\x1a\n"[..], &[i; 1 << 16]].concat();
+        let path = |i: u8| folder.path().join(format!("{i}.obj"));
+        let save = |i: u8| {
+            let texture = Texture { name: "skin.png".into(), bytes: bytes(i).into() };
+            let mesh = triangle_of(Material { base_color_texture: Some(texture), ..Material::named("skin") });
+            start.wait();
+            save_mesh(&mesh, &path(i)).unwrap();
+        };
+        std::thread::scope(|scope| {
+            for i in 0..8 {
+                let save = &save;
+                scope.spawn(move || save(i));
+            }
+        });
+        for i in 0..8 {
+            assert_eq!(only_material(&path(i)).base_color_texture.unwrap().bytes[..], bytes(i), "{i}");
+        }
+    }
+}
+
+#[test]
 fn a_library_of_another_mesh_is_not_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

@@ -32,7 +32,7 @@ mod recovery;
 
 pub use atomic_file::{
     Draft, create_folder, folder_of, persist, private_folder, temporary_beside, write_atomic,
-    write_atomic_private, write_atomic_with,
+    write_atomic_private, write_atomic_with, write_new,
 };
 pub use other_program::{Needs, apart, other_program};
 pub use percent::percent_decoded;

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::io::{BufRead, BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use chladni_task::{open_file, read_file, write_atomic};
+use chladni_task::{open_file, read_file, write_atomic, write_new};
 
 use crate::appearance::srgb_from_linear;
 use crate::{CornerUvs, Material, MeshError, TriMesh};
@@ -176,17 +176,23 @@ fn save_beside(
     for name in names {
         let file: PathBuf = path.with_file_name(&name);
         // A file that cannot be read, such as a pipe or a longer one, is another file.
-        match read_file(&file, bytes.len() as u64) {
+        let there = || read_file(&file, bytes.len() as u64);
+        let written = match there() {
             Ok(there) if there == bytes => return Ok(name),
-            Err(error) if error.kind() == ErrorKind::NotFound => {}
-            _ if own == Some(&name) => {}
-            _ => {
+            _ if own == Some(&name) => write_atomic(&file, bytes),
+            Err(error) if error.kind() == ErrorKind::NotFound => write_new(&file, bytes),
+            _ => Err(ErrorKind::AlreadyExists.into()),
+        };
+        match written {
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                // Another program may just have put the same one there.
+                if there().is_ok_and(|there| there == bytes) {
+                    return Ok(name);
+                }
                 wanted.get_or_insert(name);
-                continue;
             }
+            written => return written.map(|()| name).map_err(MeshError::Io),
         }
-        write_atomic(&file, bytes).map_err(MeshError::Io)?;
-        return Ok(name);
     }
     let wanted = wanted.unwrap_or_default();
     Err(MeshError::Io(std::io::Error::other(format!("no free name for a file like {wanted}"))))

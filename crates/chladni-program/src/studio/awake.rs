@@ -4,12 +4,12 @@ use std::process::{Child, Stdio};
 
 use chladni_task::{Needs, other_program};
 
-/// The program that holds off sleep while it runs, and its arguments.
+/// The program that holds off sleep while another one runs, and its arguments. That one, `cat`, ends with its input, which the
+/// system closes when we end, however that comes.
 const KEEPER: Option<(&str, &[&str])> = if cfg!(target_os = "linux") {
-    let until_ended = &["--what=idle:sleep", "--who=Chladni", "--why=A dance is shown", "sleep", "86400"];
-    Some(("systemd-inhibit", until_ended))
+    Some(("systemd-inhibit", &["--what=idle:sleep", "--who=Chladni", "--why=A dance is shown", "cat"]))
 } else if cfg!(target_os = "macos") {
-    Some(("caffeinate", &["-d", "-i"]))
+    Some(("caffeinate", &["-d", "-i", "cat"]))
 } else {
     None
 };
@@ -44,7 +44,7 @@ impl Awake {
         };
         let silent = other_program(program, Needs::Desktop)
             .args(arguments)
-            .stdin(Stdio::null())
+            .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn();
@@ -69,5 +69,28 @@ impl Awake {
 impl Drop for Awake {
     fn drop(&mut self) {
         self.let_go();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    #[cfg(unix)]
+    #[test]
+    fn what_keeps_the_screen_awake_ends_with_us() {
+        let Some((_, arguments)) = KEEPER else { return };
+        let until = arguments.iter().position(|argument| !argument.starts_with('-')).unwrap();
+        let mut command = std::process::Command::new(arguments[until]);
+        let mut kept = command.args(&arguments[until + 1..]).stdin(Stdio::piped()).spawn().unwrap();
+        assert!(kept.try_wait().unwrap().is_none());
+        // As the system does when we are killed.
+        drop(kept.stdin.take());
+        let began = Instant::now();
+        while kept.try_wait().unwrap().is_none() {
+            assert!(began.elapsed() < chladni_testdata::HANGS, "it would keep the screen awake for ever");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use super::file_window::{self, Purpose, Request};
+use crate::work::formats::ends_in;
 
 /// A kind of file: its name in a dialog and its extensions, without dots.
 pub type FileKind<'a> = (&'a str, &'a [&'a str]);
@@ -31,6 +32,36 @@ pub trait Chooser {
     fn trouble(&mut self) -> Option<String> {
         None
     }
+}
+
+/// Asks where to save a file of any of `kinds`. Its name gets the first one's ending unless it has one of `endings`
+/// already: `igea 1.2` has an extension, but not ours.
+pub fn ask_where_to_save(
+    chooser: &mut dyn Chooser,
+    kinds: &[FileKind<'_>],
+    endings: &[&str],
+    suggested: &Path,
+) -> Option<PathBuf> {
+    let ending = kinds.first()?.1.first()?;
+    let mut suggested = suggested.to_owned();
+    loop {
+        match with_ending(chooser.save(kinds, &suggested)?, endings, ending) {
+            // The dialog asks before it replaces a file, but it did not know the name with the ending added.
+            (path, true) if path.exists() => suggested = path,
+            (path, _) => return Some(path),
+        }
+    }
+}
+
+/// `path`, with `ending` added unless it has one of `endings`; and whether it was added.
+pub fn with_ending(path: PathBuf, endings: &[&str], ending: &str) -> (PathBuf, bool) {
+    if ends_in(&path, endings) {
+        return (path, false);
+    }
+    let mut name = path.into_os_string();
+    name.push(".");
+    name.push(ending);
+    (PathBuf::from(name), true)
 }
 
 impl Request {

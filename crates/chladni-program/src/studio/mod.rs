@@ -87,6 +87,8 @@ pub struct Studio {
     now: fn() -> Instant,
     settings: Settings,
     saved_settings: Settings,
+    /// Those that could not be written, if it failed.
+    refused_settings: Option<Settings>,
     /// When they were written last.
     settings_written: Option<Instant>,
     notices: Notices,
@@ -176,6 +178,7 @@ impl Studio {
             handover,
             inherited_secs,
             saved_settings: settings.clone(),
+            refused_settings: None,
             settings_written: None,
             settings,
             folders,
@@ -284,7 +287,7 @@ impl Studio {
     /// Keeps the preferences where they have changed: at once, but no more than once a second while a fader moves.
     fn save_settings(&mut self, ctx: &egui::Context) {
         const PAUSE: Duration = Duration::from_secs(1);
-        if self.settings == self.saved_settings {
+        if self.settings == self.saved_settings || self.refused_settings.as_ref() == Some(&self.settings) {
             return;
         }
         let gone = self.settings_written.map_or(PAUSE, |saved| saved.elapsed());
@@ -309,6 +312,9 @@ impl Studio {
                 )),
                 Err(error) => {
                     self.notices.warn(format!("{}: preferences could not be kept: {error}", path.display()));
+                    // With the next change, or in the end, they may.
+                    self.refused_settings = Some(self.settings.clone());
+                    return;
                 }
             }
         }
@@ -389,5 +395,32 @@ impl eframe::App for Studio {
 
     fn on_exit(&mut self) {
         self.leave();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn preferences_that_could_not_be_written_are_written_later() {
+        let home = tempfile::tempdir().unwrap();
+        let [path, away] = ["settings.toml", "away"].map(|name| home.path().join(name));
+        Settings::default().save(&path).unwrap();
+        let ctx = egui::Context::default();
+        let folders = Folders { settings: Some(path.clone()), ..Folders::default() };
+        let opening = Opening { folders, ..Opening::default() };
+        let mut studio = Studio::on(&ctx, Screen::processor(&ctx, None), opening);
+        // A folder lies there for a while.
+        std::fs::rename(&path, &away).unwrap();
+        std::fs::create_dir(&path).unwrap();
+        studio.settings.light = true;
+        studio.write_settings();
+        std::fs::remove_dir(&path).unwrap();
+        std::fs::rename(&away, &path).unwrap();
+        studio.settings.harmonics = 128;
+        studio.write_settings();
+        let kept = Settings::load(&path).unwrap();
+        assert!(kept.light && kept.harmonics == 128);
     }
 }

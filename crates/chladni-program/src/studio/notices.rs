@@ -96,10 +96,14 @@ impl Notices {
         self.errors += usize::from(severity == Severity::Error);
         self.shown.retain(|notice| notice.text != text);
         self.shown.push(Notice { severity, text, is_shown: false, since: None, matter: None });
-        if self.shown.len() > MOST {
+        let before = self.shown.len() - 1;
+        if before >= MOST {
             // An error is to be read.
-            let oldest = self.shown.iter().position(|notice| notice.severity != Severity::Error);
-            self.shown.remove(oldest.unwrap_or(0));
+            let oldest = self.shown[..before].iter().position(|notice| notice.severity != Severity::Error);
+            // Beside errors alone, what is no error is one more.
+            if let Some(oldest) = oldest.or((severity == Severity::Error).then_some(0)) {
+                self.shown.remove(oldest);
+            }
         }
     }
 
@@ -163,4 +167,24 @@ fn show_notice(ui: &mut egui::Ui, notice: &Notice) -> bool {
             .inner
     })
     .inner
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_new_is_seen_beside_errors_that_nobody_has_read() {
+        let mut notices = Notices::default();
+        let texts = |notices: &Notices| -> Vec<String> {
+            notices.shown.iter().map(|notice| notice.text.clone()).collect()
+        };
+        (0..MOST).for_each(|i| notices.error(format!("error {i}")));
+        notices.warn("left out");
+        assert_eq!((texts(&notices).len(), texts(&notices).last().unwrap().as_str()), (MOST + 1, "left out"));
+        notices.update("matter", "later");
+        assert_eq!((texts(&notices).len(), texts(&notices).last().unwrap().as_str()), (MOST + 1, "later"));
+        (0..9).for_each(|i| notices.error(format!("another {i}")));
+        assert!(texts(&notices).len() <= MOST + 1 && texts(&notices).contains(&"another 8".to_owned()));
+    }
 }

@@ -106,9 +106,8 @@ impl Settings {
     /// # Errors
     /// Those of [`save`](Self::save) and [`set_aside`](Self::set_aside).
     pub fn save_beside(&self, before: &Self, path: &Path) -> io::Result<Option<PathBuf>> {
-        let merged = || self.over(before, &Self::load(path)?);
-        match path.exists().then(merged) {
-            Some(Ok(merged)) => merged.save(path).map(|()| None),
+        match path.exists().then(|| Self::load(path)) {
+            Some(Ok(others)) => self.over(before, &others)?.save(path).map(|()| None),
             Some(Err(_)) => {
                 let aside = Self::set_aside(path)?;
                 self.save(path).map(|()| Some(aside))
@@ -133,6 +132,10 @@ impl Settings {
     pub fn remember(&mut self, path: &Path) {
         // The next run may start in another folder.
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        // Preferences are text, which cannot name it.
+        if path.to_str().is_none() {
+            return;
+        }
         self.recent.retain(|known| *known != path);
         self.recent.insert(0, path);
         self.recent.truncate(RECENT);
@@ -316,5 +319,20 @@ mod tests {
             }
         }
         assert!(read > 10 && refused > 10, "{read} {refused}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_whose_name_is_no_text_keeps_no_preferences_from_being_written() {
+        use std::os::unix::ffi::OsStrExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        let before = Settings::default();
+        before.save(&path).unwrap();
+        let mut settings = Settings { light: true, ..before.clone() };
+        settings.remember(Path::new(std::ffi::OsStr::from_bytes(b"/caf\xe9.ogg")));
+        assert_eq!(settings.save_beside(&before, &path).unwrap(), None);
+        assert!(Settings::load(&path).unwrap().light);
     }
 }

@@ -178,3 +178,36 @@ fn marked(triangles: &[[u32; 3]], some: &[u32], vertices: usize) -> Vec<f32> {
     }
     values
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    use chladni_caricature::{Layer, Painted, ShapeSource, Template};
+    use chladni_harmonics::{BasisSettings, Body};
+    use chladni_task::Task;
+
+    #[test]
+    fn the_region_of_a_layer_that_is_off_is_as_it_was_painted() {
+        let mesh = chladni_mesh::samples::icosphere(2);
+        let body = Arc::new(Body::build(&mesh, &BasisSettings::new(16), &Task::new()).unwrap());
+        let half: Arc<[f32]> = (0..body.positions.len()).map(|v| (v % 2) as f32).collect();
+        let mut stack = Stack::new(body).unwrap();
+        let mut layer = Layer { enabled: false, ..Layer::new("off", Template::Sphere) };
+        layer.region.painted = Painted::Vertices(half.clone());
+        let mut project = Project::new(ShapeSource::Sample("ball".into()), 16);
+        let id = project.push(layer).unwrap();
+        let evaluation = stack.evaluate(&project);
+        let seen = Seen {
+            project: &project,
+            stack: &stack,
+            evaluation: &evaluation,
+            selected: Some(id),
+            folds: &[],
+            crossings: &[],
+        };
+        let region = coating(Quantity::Region, 0, ColorMap::Viridis, &seen);
+        assert!(matches!(region, Some(Coating::Region(values)) if values == half.to_vec()));
+    }
+}

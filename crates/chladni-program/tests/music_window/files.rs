@@ -320,6 +320,17 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
 }
 
 #[test]
+fn a_show_is_saved_under_a_name_that_opens_again() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
+    let mut window = enter(Opening { folders, chooser, ..Opening::default() });
+    answers.add(folder.path().join("gig 3.5"));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    wait(&mut window, "the show", |_| folder.path().join("gig 3.5.toml").exists());
+    assert!(!folder.path().join("gig 3.5").exists());
+}
+
+#[test]
 fn what_was_begun_with_a_dance_ends_where_another_show_comes() {
     let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
     let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));

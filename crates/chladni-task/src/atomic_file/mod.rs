@@ -52,6 +52,14 @@ pub fn write_atomic_private(path: &Path, bytes: &[u8]) -> io::Result<()> {
     replace(&Disk, path, Readers::Owner, |file| file.write_all(bytes)).map_err(advised)
 }
 
+/// As [`write_atomic`], but only where nothing is at `path`: of several programs that write there at once, one does.
+///
+/// # Errors
+/// As [`write_atomic_with`]; [`io::ErrorKind::AlreadyExists`] where something is there, a link included.
+pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    add(&Disk, path, bytes).map_err(advised)
+}
+
 /// Flushes a complete file from [`temporary_beside`] to the disk and renames it to `path`, as
 /// [`write_atomic_with`] does.
 ///
@@ -75,6 +83,15 @@ fn replace(
         buffered.flush()?;
     }
     finish(system, file, path, readers)
+}
+
+fn add(system: &dyn System, path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = create(system, path, "")?;
+    Draft { file: file.as_file_mut(), system }.write_all(bytes)?;
+    permissions::give(file.as_file(), None, Readers::Usual, folder_of(path))?;
+    system.sync(file.as_file())?;
+    system.rename_new(file, path)?;
+    system.sync_folder(folder_of(path))
 }
 
 fn finish(system: &dyn System, file: NamedTempFile, path: &Path, readers: Readers) -> io::Result<()> {
@@ -196,6 +213,26 @@ fn advised(error: io::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_several_that_write_a_new_file_one_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new");
+        let start = std::sync::Barrier::new(8);
+        let write = |i: u8| {
+            start.wait();
+            write_new(&path, &[i; 1 << 16]).map(|()| i)
+        };
+        let written: Vec<io::Result<u8>> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..8).map(|i| scope.spawn(move || write(i))).collect();
+            threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        let (done, refused): (Vec<_>, Vec<_>) = written.into_iter().partition(Result::is_ok);
+        let kinds: Vec<io::ErrorKind> = refused.into_iter().map(|error| error.unwrap_err().kind()).collect();
+        assert_eq!(kinds, [io::ErrorKind::AlreadyExists; 7]);
+        assert_eq!(std::fs::read(&path).unwrap(), [done.into_iter().next().unwrap().unwrap(); 1 << 16]);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "drafts are gone");
+    }
 
     #[test]
     fn a_folder_that_is_not_there_is_named_without_the_temporary_file() {

@@ -24,6 +24,16 @@ pub(super) trait System: std::fmt::Debug {
         Ok(())
     }
 
+    /// As [`rename`](Self::rename), but only where nothing is at `path`.
+    fn rename_new(&self, file: NamedTempFile, path: &Path) -> io::Result<()> {
+        match file.persist_noclobber(path) {
+            Ok(_) => Ok(()),
+            Err(failure) if failure.error.kind() == io::ErrorKind::AlreadyExists => Err(failure.error),
+            // A file system that knows no way to do both at once.
+            Err(failure) => self.rename(failure.file, path),
+        }
+    }
+
     /// Flushes a folder, which makes a new name in it permanent.
     fn sync_folder(&self, folder: &Path) -> io::Result<()> {
         if !cfg!(unix) {

@@ -10,10 +10,10 @@ use egui::{DragValue, RichText, Ui};
 
 use super::CaricatureRoom;
 use super::center::update_stage;
-use super::files::ask_where_to_save;
 use super::overlay::backdrop;
 use super::session::Session;
 use crate::studio::author_id::AuthorId;
+use crate::studio::choose::ask_where_to_save;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;

@@ -19,42 +19,13 @@ use super::preview::Preview;
 use super::session::Session;
 use super::shot::{Pose, Shot};
 use super::single;
-use crate::studio::choose::{Chooser, FileKind};
+use crate::studio::choose::{FileKind, ask_where_to_save};
 use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::unsaved::{Answer, Question};
-use crate::work::formats::{MESHES, PROJECT, ends_in, is_project, opened_elsewhere, without_companions};
+use crate::work::formats::{MESHES, PROJECT, is_project, opened_elsewhere, without_companions};
 use crate::work::{Error, layer_against};
-
-/// Asks where to save a file of any of `kinds`. Its name gets the first one's ending unless it has one of `endings`
-/// already: `igea 1.2` has an extension, but not ours.
-pub(super) fn ask_where_to_save(
-    chooser: &mut dyn Chooser,
-    kinds: &[FileKind<'_>],
-    endings: &[&str],
-    suggested: &Path,
-) -> Option<PathBuf> {
-    let ending = kinds.first()?.1.first()?;
-    let mut suggested = suggested.to_owned();
-    let mut choose = |suggested: &Path| {
-        let chosen = chooser.save(kinds, suggested)?;
-        if ends_in(&chosen, endings) {
-            return Some((chosen, false));
-        }
-        let mut name = chosen.into_os_string();
-        name.push(".");
-        name.push(ending);
-        Some((PathBuf::from(name), true))
-    };
-    loop {
-        match choose(&suggested)? {
-            // The dialog asks before it replaces a file, but it did not know the name with the ending added.
-            (path, true) if path.exists() => suggested = path,
-            (path, _) => return Some(path),
-        }
-    }
-}
 
 impl CaricatureRoom {
     /// Asks for meshes or a project and opens them.

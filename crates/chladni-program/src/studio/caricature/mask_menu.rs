@@ -5,9 +5,9 @@ use chladni_mesh::Format;
 use egui::{RichText, Ui};
 
 use super::edits::Edits;
-use super::files::ask_where_to_save;
 use super::session::Session;
 use crate::studio::author_id::AuthorId;
+use crate::studio::choose::ask_where_to_save;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::outputs::check_apart;

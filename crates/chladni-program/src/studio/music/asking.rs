@@ -8,7 +8,7 @@ use super::MusicRoom;
 use super::lineage;
 use super::shows::write_show;
 use super::wish::Then;
-use crate::studio::choose::FileKind;
+use crate::studio::choose::{FileKind, with_ending};
 use crate::studio::file_window::Request;
 use crate::studio::room::{Room, Shared};
 use crate::work::formats::{LISTS, MESHES, PROJECT, SONGS, TEXT};
@@ -57,9 +57,22 @@ impl MusicRoom {
 
     /// Does what files were asked for, once they are chosen.
     pub(super) fn follow_dialog(&mut self, shared: &mut Shared<'_>) {
-        let Some(files) = shared.chooser.answer() else { return };
-        let (Some(then), Some(first)) = (self.asking.take(), files.first()) else { return };
-        if let Err(why) = self.go_on(then, first, &files, shared) {
+        let Some(mut files) = shared.chooser.answer() else { return };
+        let (Some(then), Some(first)) = (self.asking.take(), files.first_mut()) else { return };
+        if matches!(then, Then::SavePreset(_) | Then::SaveShow | Then::SaveShowFirst | Then::ExportBindings) {
+            // Under another ending, as in `gig 3.5`, it would not open again.
+            let (path, is_added) = with_ending(first.clone(), &[TEXT], TEXT);
+            first.clone_from(&path);
+            if is_added && path.exists() {
+                // The dialog, which asks before it replaces a file, did not know this name.
+                if shared.chooser.begin(Request { start: path, ..self.request(then) }) {
+                    self.asking = Some(then);
+                }
+                return;
+            }
+        }
+        let first = first.clone();
+        if let Err(why) = self.go_on(then, &first, &files, shared) {
             shared.notices.failed(why);
         }
     }

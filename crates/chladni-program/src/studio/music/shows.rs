@@ -13,6 +13,7 @@ use super::recorder::Recorder;
 use super::view::View;
 use super::wish::Then;
 use super::{MusicRoom, Names};
+use crate::studio::choose::ask_where_to_save;
 use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
@@ -130,9 +131,8 @@ impl MusicRoom {
         if self.listening.is_none() || !self.concert.as_ref().is_some_and(Concert::has_unsaved_work) {
             return true;
         }
-        let Some(path) = shared.chooser.save(&[("Text", &[TEXT])], Path::new("show.toml")) else {
-            return false;
-        };
+        let asked = ask_where_to_save(shared.chooser, &[("Text", &[TEXT])], &[TEXT], Path::new("show.toml"));
+        let Some(path) = asked else { return false };
         // The show hears live input again from it.
         if self.end_recording(shared) {
             shared.notices.warn("The recording was ended, so that the show can name it.");

@@ -5,11 +5,11 @@ use chladni_match::{MatchSettings, load_landmarks, write_landmarks};
 use egui::{RichText, Ui};
 
 use super::super::edits::Edits;
-use super::super::files::ask_where_to_save;
 use super::super::layers::icon_button;
 use super::super::session::Session;
 use super::color;
 use crate::studio::author_id::AuthorId;
+use crate::studio::choose::ask_where_to_save;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::LANDMARKS;
 use crate::studio::room::Shared;
