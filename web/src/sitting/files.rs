@@ -106,8 +106,8 @@ impl Sitting {
         Ok(self.act_once(&Action::Paint { layer, edit: PaintEdit::Set(painted) })?)
     }
 
-    /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`. Layers whose match has failed
-    /// are left out, with a note.
+    /// The result as a mesh: `glb`, with a slider for each layer, `obj`, `ply` or `stl`. Layers that cannot act are left
+    /// out, with a note that says why.
     ///
     /// # Errors
     /// Another format, a shape that the format cannot hold, or layers that are still worked on.
@@ -119,8 +119,8 @@ impl Sitting {
         }
         self.settle()?;
         for layer in &self.evaluation.layers {
-            if matches!(layer.state, LayerState::Failed(_)) {
-                self.notes.push(format!("Written without the layer {}, whose match has failed.", layer.name));
+            if let LayerState::Failed(why) = &layer.state {
+                self.notes.push(format!("Written without the layer {}: {why}", layer.name));
             }
         }
         let sculpture = Sculpture {
