@@ -4,7 +4,7 @@
 use chladni_caricature::MAX_MU;
 use chladni_view::{
     Camera, ColorMap, Device, Marker, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style,
-    render_placed,
+    layout, render_placed,
 };
 
 use crate::work::{Error, OwnLook};
@@ -88,22 +88,26 @@ impl Portrayed {
 
 /// Where the panels of `rows` go, row by row, seen from where `camera` looks, fitted to all.
 pub fn placed(rows: &[Vec<Portrayed>], mut camera: Camera, [width, height]: [u32; 2]) -> Vec<(Rect, Camera)> {
-    let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1) as u32;
-    let (cell_width, cell_height) = ((width / columns).max(1), (height / rows.len().max(1) as u32).max(1));
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(1).max(1);
+    let area = Rect::of_size(width, height);
+    // They fill the sheet: some may be a pixel wider or higher than others.
+    let cells = layout::grid(area, rows.len(), columns, 0, rows.len() * columns);
+    let cells: Vec<Rect> =
+        cells.into_iter().map(|c| Rect { width: c.width.max(1), height: c.height.max(1), ..c }).collect();
+    let narrowest = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
+    let lowest = cells.iter().map(|cell| cell.height).min().unwrap_or(1);
     let all = rows
         .iter()
         .flatten()
         .flat_map(|panel| panel.positions.iter().chain(panel.ghost.iter().flatten()).copied());
-    camera.fit(all, cell_width as f32 / cell_height as f32, 0.92);
-    let cell = |row: u32, column: u32| Rect {
-        x: column * cell_width,
-        y: row * cell_height,
-        width: cell_width,
-        height: cell_height,
+    camera.fit(all, narrowest, 0.92);
+    // All at one scale.
+    let seen = |cell: &Rect| {
+        let distance = camera.distance * cell.height as f32 / lowest as f32;
+        (*cell, Camera { distance, ..camera })
     };
-    let cells =
-        (0..).zip(rows).flat_map(|(row, panels)| (0..).zip(panels).map(move |(column, _)| (row, column)));
-    cells.map(|(row, column)| (cell(row, column), camera)).collect()
+    let filled = cells.chunks(columns).zip(rows).flat_map(|(cells, panels)| &cells[..panels.len()]);
+    filled.map(seen).collect()
 }
 
 /// Draws rows of shapes with the same triangles in their `own` look, seen from where `camera` looks, fitted to all.
@@ -145,4 +149,31 @@ pub fn draw(
         sheet.paste(&picture, cell.x, cell.y);
     }
     Ok(sheet)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_fill_the_sheet_at_one_scale() {
+        let panel = || Portrayed::of(vec![[-1.0, -2.0, 0.0], [1.0, 2.0, 0.5]]);
+        for (shape, size) in [(vec![3], [1600, 900]), (vec![2, 2, 2, 1, 2, 2, 2], [300, 900])] {
+            let rows: Vec<Vec<Portrayed>> =
+                shape.iter().map(|panels| (0..*panels).map(|_| panel()).collect()).collect();
+            let placed = placed(&rows, Camera::default(), size);
+            assert_eq!(placed.len(), shape.iter().sum::<usize>());
+            let (last, _) = placed.last().unwrap();
+            assert_eq!([last.x + last.width, last.y + last.height], size);
+            for (cell, camera) in &placed {
+                let pixels_of_one = cell.height as f32 / camera.distance;
+                let (first, seen) = &placed[0];
+                assert!((pixels_of_one * seen.distance / first.height as f32 - 1.0).abs() < 1e-5);
+            }
+        }
+        // More panels than pixels.
+        let rows = vec![(0..18).map(|_| panel()).collect::<Vec<_>>()];
+        let placed = placed(&rows, Camera::default(), [16, 16]);
+        assert!(placed.iter().all(|(cell, _)| cell.width == 1 && cell.x < 16));
+    }
 }

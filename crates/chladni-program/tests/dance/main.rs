@@ -292,6 +292,20 @@ fn a_gallery_is_no_animation_which_is_said_before_any_work() {
 }
 
 #[test]
+fn an_animation_takes_looks_that_feel_speed() {
+    use chladni_program::work::{Aside, film};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.glb");
+    let look = chladni_music::Action::SetLook { look: "spark".into() };
+    let beginning = film::Beginning { changes: vec![look], ..film::Beginning::default() };
+    let output = film::Output::to(path.clone());
+    let mut film = film::Film::new("sample:octopus".into(), "sample:tune".into(), beginning, output);
+    (film.harmonics, film.duration_secs) = (24, Some(0.5));
+    film::make(film, &Aside::new(&chladni_task::Task::new())).map(drop).unwrap();
+    assert!(path.exists());
+}
+
+#[test]
 fn bad_input_is_refused_with_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let gif = folder.path().join("x.gif");

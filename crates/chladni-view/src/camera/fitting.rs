@@ -59,6 +59,13 @@ impl Camera {
         self.target = target.to_array();
     }
 
+    /// Sets the depth range to reach all `points`, wherever the camera stands.
+    pub fn reach_all(&mut self, points: impl IntoIterator<Item = [f32; 3]>) {
+        let target = Vec3::from(self.target);
+        let finite = points.into_iter().map(Vec3::from).filter(|p| p.is_finite());
+        self.reach = finite.fold(1e-6, |reach, p| reach.max(p.distance(target)));
+    }
+
     /// Goes back, without turning or shifting, until `points` lie in a frame of `aspect` to `fill` of its
     /// sides; true where they did not yet.
     pub fn hold(&mut self, points: impl IntoIterator<Item = [f32; 3]>, aspect: f32, fill: f32) -> bool {
@@ -179,5 +186,31 @@ impl Camera {
         let target = Vec3::from(self.target);
         self.target = (center + up * (target - center).dot(up)).to_array();
         self.hold(turned, aspect, fill);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Rect, View};
+
+    #[test]
+    fn nothing_is_cut_off_after_the_view_was_shifted() {
+        let corners = (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 1.0 } else { -1.0 }));
+        let points: Vec<[f32; 3]> = corners.map(|[x, y, z]: [f32; 3]| [0.5 * x, 0.5 * y, 2.0 * z]).collect();
+        let cell = Rect::of_size(200, 200);
+        let mut camera = Camera::looking(View::Right);
+        camera.fit(points.iter().copied(), 1.0, 0.9);
+        camera.pan(90.0, 0.0, 200.0);
+        let is_seen = |camera: &Camera| {
+            [View::Back, View::Front].into_iter().all(|view| {
+                let mut camera = *camera;
+                camera.look(view);
+                points.iter().all(|p| camera.project(*p, cell).is_some_and(|(_, z)| (0.0..=1.0).contains(&z)))
+            })
+        };
+        assert!(!is_seen(&camera));
+        camera.reach_all(points.iter().copied());
+        assert!(is_seen(&camera));
     }
 }

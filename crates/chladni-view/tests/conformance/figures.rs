@@ -157,7 +157,7 @@ impl Model {
 /// How a picture is made of a model.
 pub type Drawn = fn(&Model, [u32; 2]) -> Picture;
 
-pub const LOOKS: [(&str, Drawn); 28] = [
+pub const LOOKS: [(&str, Drawn); 29] = [
     ("clay", |m, size| m.draw(size[0], size[1], &[m.cell(&[m.figure()], size)])),
     ("pearl under dramatic light", |m, size| {
         let figures = [Figure { material: Material::PEARL, ..m.figure() }];
@@ -178,6 +178,10 @@ pub const LOOKS: [(&str, Drawn); 28] = [
     ("heat map", |m, size| {
         let scale = Scale { map: ColorMap::BlueRed, low: -0.5, high: 0.5 };
         let figures = [Figure { paint: Paint::Values(&m.values, scale), ..m.figure() }];
+        m.draw(size[0], size[1], &[m.cell(&figures, size)])
+    }),
+    ("colors", |m, size| {
+        let figures = [Figure { paint: Paint::Colors(&m.colors), ..m.figure() }];
         m.draw(size[0], size[1], &[m.cell(&figures, size)])
     }),
     ("colors and wires", |m, size| {

@@ -238,7 +238,9 @@ impl Performance {
         let mut done = Done::default();
         for frame in frames {
             task.check()?;
-            let (Shot { time_secs, .. }, items) = self.play(frame, seconds)?;
+            let (Shot { time_secs, count, .. }, mut items) = self.play(frame, seconds)?;
+            // Where they were is for pictures alone.
+            items.truncate(count);
             let form = self.instrument.parameters().form;
             each(form, &items)?;
             done.recording.push(time_secs, form, items.first().unwrap_or(&Item::default()));

@@ -18,22 +18,22 @@ pub struct Titles(Vec<(f64, Caption)>);
 impl Titles {
     /// Titles of `songs`, by number, as they are heard in a film that begins at `start_secs`.
     pub fn of(songs: &[(String, BeatReading)], heard: &[Stretch], start_secs: f64) -> Self {
-        let mut shown: Vec<(f64, &str)> = Vec::new();
+        // What begins when, no song included.
+        let mut begun: Vec<(f64, Option<&str>)> = Vec::new();
         let mut last = None;
         for stretch in heard {
-            let Some((number, (name, _))) = stretch.song.and_then(|n| Some((n, songs.get(n)?))) else {
-                last = None;
-                continue;
-            };
-            if last.replace(number) != Some(number) {
-                shown.push((stretch.at_secs, name.as_str()));
+            let song = stretch.song.and_then(|number| Some((number, songs.get(number)?)));
+            let number = song.map(|(number, _)| number);
+            if number != last {
+                begun.push((stretch.at_secs, song.map(|(_, (name, _))| name.as_str())));
             }
+            last = number;
         }
         // A song that began before the film is named at the film's beginning.
-        let before = shown.partition_point(|(at_secs, _)| *at_secs <= start_secs);
-        let shown = shown.into_iter().skip(before.saturating_sub(1));
-        let shown = shown.map(|(at_secs, name)| (at_secs.max(start_secs), caption_of(name))).collect();
-        Self(shown)
+        let before = begun.partition_point(|(at_secs, _)| *at_secs <= start_secs);
+        let shown = begun.into_iter().skip(before.saturating_sub(1));
+        let shown = shown.filter_map(|(at_secs, name)| Some((at_secs.max(start_secs), caption_of(name?))));
+        Self(shown.collect())
     }
 
     /// Draws the title of this time of the show over a picture.
@@ -78,6 +78,7 @@ mod tests {
         let last = [named(9.0, "the second"), named(25.0, "sample tune")];
         assert_eq!(titles(0.0), [&[named(0.0, "first")][..], &last].concat());
         assert_eq!(titles(5.0), [&[named(5.0, "first")][..], &last].concat());
+        assert_eq!(titles(22.0), [named(25.0, "sample tune")]);
         assert_eq!(titles(30.0), [named(30.0, "sample tune")]);
         let mut titles = Titles::of(&songs, &heard, 0.0);
         let mut light = |at_secs: f64| {

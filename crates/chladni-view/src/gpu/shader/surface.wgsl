@@ -102,7 +102,7 @@ fn color_vertex(
     @location(2) color: vec4f,
 ) -> ColoredSurface {
     let s = surface(position, normal);
-    return ColoredSurface(s.clip, s.at, s.normal, color.rgb, s.map_at, s.map_step);
+    return ColoredSurface(s.clip, s.at, s.normal, to_linear(color.rgb), s.map_at, s.map_step);
 }
 
 // The palette position and glow of a vertex that has left its rest.

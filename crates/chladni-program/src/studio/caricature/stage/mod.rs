@@ -231,6 +231,14 @@ impl Stage {
             self.viewport.invalidate();
         } else if self.by_hand {
             self.stood = None;
+            // A hand may have shifted it: what lies far from its middle must not be cut off.
+            if std::mem::take(&mut self.grown) {
+                let before = self.camera.reach;
+                self.camera.reach_all(shown);
+                if self.camera.reach != before {
+                    self.viewport.invalidate();
+                }
+            }
         } else if std::mem::take(&mut self.grown) {
             let before = (self.camera.target, self.camera.distance);
             let stood = self.stood.take().unwrap_or(before);
