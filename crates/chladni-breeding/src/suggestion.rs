@@ -113,8 +113,8 @@ impl Preference {
     }
 }
 
-/// The numbers of the candidates to show, one for each place of the gallery. [`Gallery::breed_from`] does
-/// not use those of locked places.
+/// The numbers of the candidates to show, one for each place of the gallery. Those of locked places are 0, which
+/// [`Gallery::breed_from`] does not use.
 ///
 /// # Errors
 /// [`BreedingError::NotEnoughParents`] if nothing is chosen; the errors of `describer`.
@@ -132,7 +132,10 @@ pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -
     let locked = gallery.items().iter().filter(|item| item.locked);
     let locked: Vec<Descriptor> =
         locked.map(|item| describer.describe(&item.genome)).collect::<Result<_, _>>()?;
-    Ok(farthest_first(&described, &order, &locked, places).into_iter().map(|i| i as u16).collect())
+    let shown = farthest_first(&described, &order, &locked, places - locked.len());
+    let mut shown = shown.into_iter().map(|i| i as u16);
+    let for_place = |is_locked: bool| if is_locked { 0 } else { shown.next().unwrap_or(0) };
+    Ok(gallery.items().iter().map(|item| item.locked).map(for_place).collect())
 }
 
 /// The indices of `count` items of `described` that differ most from each other.

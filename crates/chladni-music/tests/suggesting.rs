@@ -64,6 +64,15 @@ fn suggested_galleries_differ_more_than_bred_ones_and_repeat_from_their_numbers(
     }
 }
 
+#[test]
+fn the_best_suggestion_is_shown_where_the_first_place_is_locked() {
+    let (mut instrument, describer) = instrument(1);
+    choose(&mut instrument, &[3, 4, 5]);
+    let best = suggest(instrument.gallery(), &describer).unwrap()[0];
+    instrument.apply(Moment::default(), Action::Lock { item: 0, on: true }).unwrap();
+    assert_eq!(suggest(instrument.gallery(), &describer).unwrap()[1], best);
+}
+
 /// A person who always clicks the most similar ones chooses twins, and twins have twins, which a preference likes
 /// best.
 #[test]

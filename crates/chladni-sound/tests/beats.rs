@@ -171,6 +171,30 @@ fn taps_faster_or_slower_than_all_tracked_tempi_are_obeyed() {
 }
 
 #[test]
+fn a_key_that_bounces_takes_no_tempo_away() {
+    let mut follower = BeatFollower::new(44_100).unwrap();
+    let mut step = 0_usize;
+    // 10 ms at a time of a click every half second.
+    let mut listen = |follower: &mut BeatFollower, steps: usize| {
+        for _ in 0..steps {
+            let mut block = vec![0.0; 441];
+            if step.is_multiple_of(50) {
+                block.iter_mut().enumerate().for_each(|(n, x)| *x = if n % 2 == 0 { 0.8 } else { -0.8 });
+            }
+            follower.push(&block, &block);
+            step += 1;
+        }
+    };
+    listen(&mut follower, 1200);
+    for after in [0, 3, 47] {
+        listen(&mut follower, after);
+        follower.tap(follower.now_secs());
+        let bpm = follower.moment().tempo_bpm;
+        assert!((bpm - 120.0).abs() < 5.0, "{bpm} after {after} steps");
+    }
+}
+
+#[test]
 fn beats_at_half_the_speed_take_twice_as_long() {
     let rate_hz = 44_100;
     let mut follower = BeatFollower::new(rate_hz).unwrap();

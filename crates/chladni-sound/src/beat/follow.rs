@@ -180,8 +180,11 @@ impl BeatFollower {
     }
 
     /// Takes a tap of the user at a time. Each tap sets the phase at once; from the second tap on, also the
-    /// tempo.
+    /// tempo. A tap within 67 ms of another one is a key that bounces.
     pub fn tap(&mut self, secs: f64) {
+        if self.taps.bounces(secs) {
+            return;
+        }
         let tapped = self.taps.add(secs).map(|gap_secs| self.tracked(gap_secs * ONSET_RATE_HZ));
         self.speed = tapped.map_or(1.0, |(_, speed)| speed);
         self.counted_secs = Some(secs);
@@ -203,7 +206,7 @@ impl BeatFollower {
     }
 
     /// The period to track where the time between taps is `gap` frames, and how many beats are announced per tracked one:
-    /// only tempi of the meter can be tracked. Taps that are faster still, as where a key bounces, have no tempo.
+    /// only tempi of the meter can be tracked. Taps that are faster still have no tempo.
     fn tracked(&self, gap: f64) -> (f64, f64) {
         let periods = || self.meter.tempi.iter().map(|tempo| tempo.period as f64);
         let (shortest, longest) = (periods().fold(f64::MAX, f64::min), periods().fold(0.0, f64::max));
@@ -348,7 +351,16 @@ fn keep<T>(waiting: &mut VecDeque<T>, value: T) {
     waiting.push_back(value);
 }
 
+/// Four beats for each of the fastest tempo that is tracked are not so near.
+const BOUNCE_SECS: f64 = 0.0675;
+
 impl Taps {
+    /// Whether a tap is the echo of the last one.
+    fn bounces(&self, secs: f64) -> bool {
+        let last = self.count.checked_sub(1).map(|i| self.secs[i]);
+        last.is_some_and(|last| (0.0..BOUNCE_SECS).contains(&(secs - last)))
+    }
+
     /// The time between taps, once there are two. A pause of 2 s starts over.
     fn add(&mut self, secs: f64) -> Option<f64> {
         let last = self.count.checked_sub(1).map(|i| self.secs[i]);

@@ -7,7 +7,7 @@ use chladni_task::open_file;
 use symphonia::core::codecs::audio::{AudioDecoder, well_known};
 use symphonia::core::errors::Error as CodecError;
 use symphonia::core::formats::probe::Hint;
-use symphonia::core::formats::well_known::{FORMAT_ID_ISOMP4, FORMAT_ID_OGG};
+use symphonia::core::formats::well_known::{FORMAT_ID_ADTS, FORMAT_ID_ISOMP4, FORMAT_ID_MKV, FORMAT_ID_OGG};
 use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo};
 use symphonia::core::io::{MediaSource, MediaSourceStream};
 use symphonia::core::meta::{MetadataOptions, StandardTag, StandardVisualKey};
@@ -70,6 +70,8 @@ pub struct SongReader {
     /// After a seek: the frame of the container that was requested, until a packet shows which one was
     /// reached.
     sought: Option<u64>,
+    /// When the first sound begins, in ticks; 0 but in Matroska, which counts from the codec's delay.
+    first_ticks: i64,
     interleaved: Vec<f32>,
     stereo: Vec<f32>,
     /// Whether `stereo` holds a block that has not been returned yet.
@@ -128,6 +130,7 @@ impl SongReader {
             position: 0,
             skip: audible.skip,
             sought: None,
+            first_ticks: 0,
             interleaved: Vec::new(),
             stereo: Vec::new(),
             pending: false,
@@ -297,6 +300,7 @@ impl SongReader {
 
     fn seek_container(&mut self, frame: u64) -> bool {
         self.ticks_of(frame).is_some_and(|ticks| {
+            let ticks = ticks.saturating_add(self.first_ticks).max(0);
             let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.track_id };
             self.format.seek(SeekMode::Accurate, to).is_ok()
         })
@@ -323,8 +327,12 @@ impl SongReader {
     /// Takes the rate and the number of channels of the first sound. From now on ticks can be counted in frames.
     fn begin(&mut self, rate_hz: u32, channels: usize) {
         (self.rate_hz, self.channels) = (rate_hz, channels);
-        if self.format.format_info().format == FORMAT_ID_ISOMP4 {
-            self.declared_frames = self.declared_frames.map(|ticks| self.frame_of(ticks));
+        match self.format.format_info().format {
+            FORMAT_ID_ISOMP4 => {
+                self.declared_frames = self.declared_frames.map(|ticks| self.frame_of(ticks));
+            }
+            FORMAT_ID_MKV => self.declared_frames = self.frames_of_file(),
+            _ => {}
         }
         let Audible { skip, frames, in_ticks } = self.audible;
         if in_ticks {
@@ -332,6 +340,14 @@ impl SongReader {
             self.audible = Audible { skip: self.frame_of(skip), frames, in_ticks: false };
             self.skip = self.audible.skip;
         }
+    }
+
+    /// The length of the file, as Matroska states it: not that of a track.
+    fn frames_of_file(&self) -> Option<u64> {
+        let info = self.format.media_info();
+        let (base, duration) = info.time_base.zip(info.duration)?;
+        let ticks = u128::from(duration.get()) * u128::from(base.numer.get());
+        u64::try_from(ticks * u128::from(self.rate_hz) / u128::from(base.denom.get())).ok()
     }
 
     /// How many frames of the link are still to be heard, as far as it states that.
@@ -402,6 +418,9 @@ impl SongReader {
         })?;
         crate::check_rate(&self.name, rate_hz)?;
         if self.rate_hz == 0 {
+            if self.format.format_info().format == FORMAT_ID_MKV {
+                self.first_ticks = packet.pts.get();
+            }
             self.begin(rate_hz, channels.count());
         } else if self.rate_hz != rate_hz {
             return Err(SoundError::Damaged {
@@ -412,7 +431,8 @@ impl SongReader {
         let frames = self.interleaved.len() / channels.count();
         if let Some(target) = self.sought.take() {
             // The decoder has already trimmed the samples that the packet names.
-            let start = packet.pts.get().saturating_add_unsigned(packet.trim_start.get()).max(0);
+            let start = packet.pts.get().saturating_add_unsigned(packet.trim_start.get());
+            let start = start.saturating_sub(self.first_ticks).max(0);
             let landed = self.frame_of(start.unsigned_abs());
             self.skip = target.saturating_sub(landed);
             self.position += landed.saturating_sub(target);
@@ -426,9 +446,11 @@ impl SongReader {
     }
 
     /// Counts missing frames. Some container readers skip damage silently, which the length in the header
-    /// reveals. That of an MP3 may be an estimate.
+    /// reveals. That of an MP3 or of ADTS may be an estimate, and Matroska's is that of its pictures, too.
     fn count_missing(&mut self) {
-        let known = self.decoder.codec_params().codec != well_known::CODEC_ID_MP3;
+        let format = self.format.format_info().format;
+        let known = self.decoder.codec_params().codec != well_known::CODEC_ID_MP3
+            && ![FORMAT_ID_ADTS, FORMAT_ID_MKV].contains(&format);
         let stated = self.link_frames().filter(|_| known).unwrap_or(0);
         self.missing_frames = self.missing_before + stated.saturating_sub(self.position);
     }

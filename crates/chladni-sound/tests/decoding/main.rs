@@ -149,6 +149,54 @@ fn every_format_that_ffmpeg_writes_comes_back_in_place() {
     }
 }
 
+#[test]
+fn matroska_has_a_length_and_is_sought_to_a_millisecond() {
+    let folder = tempfile::tempdir().unwrap();
+    let (song, source) = (chirp(48_000), folder.path().join("source.wav"));
+    write_wav(&source, &song, WavSample::Float32).unwrap();
+    for (name, codec) in [("opus.webm", "libopus"), ("vorbis.mka", "libvorbis"), ("aac.mka", "aac")] {
+        let path = folder.path().join(name);
+        if !ffmpeg(&source, &["-c:a", codec], &path) {
+            eprintln!("skipped {name}: ffmpeg is not here or cannot write it");
+            continue;
+        }
+        let mut reader = SongReader::open(&path).unwrap();
+        let stated = reader.total_frames().unwrap();
+        assert!(stated.abs_diff(96_000) < 2_500, "{name}: {stated}");
+        let whole = Song::open(&path).unwrap();
+        reader.seek(50_000).unwrap();
+        let mut left = Vec::new();
+        while left.len() < 8000 {
+            left.extend(reader.next_block().unwrap().unwrap().iter().step_by(2));
+        }
+        let (shift, error) = alignment(&whole.left[50_000..58_000], &left[..8000], 1300);
+        assert!(shift.abs() <= 48, "{name}: {shift} {error}");
+    }
+}
+
+#[test]
+fn adts_that_is_whole_misses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("source.wav");
+    // Noise, so that frames differ in length: what the reader guesses from their mean is too long.
+    let mut state = 1_u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 25) as f32 - 0.25
+    };
+    let left: Vec<f32> = (0..60 * 44_100).map(|_| noise()).collect();
+    write_wav(&source, &Song { rate_hz: 44_100, right: left.clone(), left }, WavSample::Int16).unwrap();
+    for rate in ["64k", "96k", "128k"] {
+        let path = folder.path().join(format!("{rate}.aac"));
+        if !ffmpeg(&source, &["-c:a", "aac", "-b:a", rate, "-f", "adts"], &path) {
+            return eprintln!("skipped: ffmpeg is not here or cannot write ADTS");
+        }
+        let mut reader = SongReader::open(&path).unwrap();
+        while reader.next_block().unwrap().is_some() {}
+        assert_eq!(reader.damage(), None, "{rate}");
+    }
+}
+
 /// The clock of an MP4 need not tick once a frame: with HE-AAC it ticks twice.
 #[test]
 fn an_edit_list_counts_ticks_of_the_clock_and_not_frames() {
