@@ -49,6 +49,8 @@ struct Hand {
     at: Option<f32>,
     /// The last position to which it moved its target. While the target stays there, the control owns it.
     put: Option<f32>,
+    /// Since then the device was sent another position.
+    was_sent: bool,
     /// Where its target stood when it was turned last, since the last feedback: movements of a control within one frame
     /// have not reached the target yet.
     seen: Option<f32>,
@@ -214,15 +216,22 @@ impl Bindings {
             let shows =
                 standing(binding.target, binding.number).and_then(|share| binding.control.message(share));
             // A fader that is being moved shows the position already; a message would fight the hand.
-            let is_there = hand.put.is_some() && hand.put.and_then(|at| binding.control.message(at)) == shows;
+            let put = hand.put.filter(|_| !hand.was_sent);
+            let is_there = put.is_some() && put.and_then(|at| binding.control.message(at)) == shows;
             if let Some(message) = shows.filter(|message| hand.shown != Some(*message)) {
                 hand.shown = Some(message);
                 if !is_there {
+                    hand.was_sent = true;
                     messages.push((binding.device.clone(), message));
                 }
             }
         }
         messages
+    }
+
+    /// Controls were moved unseen: nothing is known of where they stand.
+    pub fn forget_hands(&mut self) {
+        self.hands.iter_mut().for_each(|hand| *hand = Hand::default());
     }
 
     /// Returns whether there was room for it.
@@ -260,6 +269,7 @@ impl Hand {
             stays || passes || (value - now).abs() < NEAR
         });
         self.put = has.then_some(value);
+        self.was_sent &= !has;
         self.seen = now.filter(|_| has);
         has
     }

@@ -42,6 +42,8 @@ pub struct Tempo {
     beat_place: Option<f64>,
     /// The position in the song, in quarters, at the last tick.
     position: f64,
+    /// A message has said where the next tick falls.
+    is_placed: bool,
     grid: Option<Grid>,
     runs: bool,
     /// Beats per quarter, as a power of two; and the whole number of beats that is added.
@@ -62,6 +64,7 @@ impl Default for Tempo {
             beat_place: None,
             // Until the position is known, the first tick is assumed to be a beat.
             position: -1.0 / TICKS_PER_QUARTER,
+            is_placed: false,
             grid: None,
             // Many clocks run without ever sending a start message.
             runs: true,
@@ -94,6 +97,8 @@ impl Tempo {
                 if let Some(grid) = self.grid.as_mut().filter(|_| !self.runs) {
                     grid.at_secs = at_secs;
                 }
+                // One that has never stopped goes on from where the beat has come to meanwhile.
+                self.is_placed |= !self.runs;
                 self.runs = true;
                 self.ticks.clear();
             }
@@ -201,7 +206,8 @@ impl Tempo {
     }
 
     fn tick(&mut self, at_secs: f64) {
-        let silent = self.ticks.add(at_secs);
+        let begins = self.ticks.last_secs().is_none() && !std::mem::take(&mut self.is_placed);
+        let silent = self.ticks.add(at_secs) || begins;
         if self.runs {
             self.position += 1.0 / TICKS_PER_QUARTER;
         }
@@ -224,6 +230,11 @@ impl Tempo {
         }
     }
 
+    /// Whether ticks have come until now.
+    fn ticks_come(&self, at_secs: f64) -> bool {
+        self.ticks.last_secs().is_some_and(|last_secs| at_secs - last_secs <= self.ticks.longest_gap_secs)
+    }
+
     /// Counts ticks whose times are unknown: the tempo stays the previous one until enough ticks are heard.
     fn skip(&mut self, ticks: u32) {
         if self.runs {
@@ -231,13 +242,16 @@ impl Tempo {
         }
         // A line through the ticks on both sides of the gap would be too flat.
         self.ticks.clear();
+        self.is_placed = true;
     }
 
     fn stop(&mut self, at_secs: f64) {
         if let Some(grid) = self.grid.filter(|_| self.runs) {
-            // Stops at the tick that was heard last, or at the current count if there were no ticks.
-            let quarters = if self.ticks.last_secs().is_none() { grid.at(at_secs) } else { self.position };
-            self.grid = Some(Grid { quarters, at_secs, ..grid });
+            // Stops at the tick that was heard last, or at the current count if there were none of late.
+            if !self.ticks_come(at_secs) {
+                self.position = grid.at(at_secs);
+            }
+            self.grid = Some(Grid { quarters: self.position, at_secs, ..grid });
         }
         self.runs = false;
     }
@@ -248,6 +262,7 @@ impl Tempo {
         let count = self.shown.max(self.count(at_secs).unwrap_or(0.0));
         self.runs = true;
         self.position = quarters - 1.0 / TICKS_PER_QUARTER;
+        self.is_placed = true;
         let gap_secs = self.ticks.line().map_or(0.0, |(_, gap_secs)| gap_secs);
         if let Some(grid) = self.grid {
             self.grid = Some(Grid { quarters, at_secs: at_secs + gap_secs, ..grid });
@@ -274,7 +289,7 @@ impl Tempo {
             None => quarters.round(),
         };
         let moved = whole - quarters;
-        let ticks = self.ticks.last_secs().is_some_and(|last| at_secs - last <= self.ticks.longest_gap_secs);
+        let ticks = self.ticks_come(at_secs);
         let line = self.beats.line().filter(|(_, gap)| TEMPI_BPM.contains(&(60.0 / gap)) && !ticks);
         match (line, self.grid) {
             (Some((due_secs, gap_secs)), _) => {

@@ -120,7 +120,7 @@ impl Sitting {
         self.settle()?;
         for layer in &self.evaluation.layers {
             if let LayerState::Failed(why) = &layer.state {
-                self.notes.push(format!("Written without the layer {}: {why}", layer.name));
+                self.notes.push(format!("Written without the layer {}: {why}.", layer.name));
             }
         }
         let sculpture = Sculpture {

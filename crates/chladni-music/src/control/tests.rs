@@ -188,6 +188,31 @@ proptest! {
 }
 
 #[test]
+fn a_motor_fader_follows_its_target_back_to_where_a_hand_had_put_it() {
+    let target = Target::Parameter(Parameter::StereoMu);
+    let device = Binding { device: "desk".into(), ..binding(knob(1, 0).control, target) };
+    let mut bindings = Bindings::new(vec![device]);
+    let mut parameters = Parameters::default();
+    let mut sent = |bindings: &mut Bindings, parameters: &mut Parameters, value: f32| {
+        parameters.set(Parameter::StereoMu, value).unwrap();
+        bindings.feedback(&|target, number| target.standing(number, parameters), &|_| true)
+    };
+    parameters.set(Parameter::StereoMu, 0.0).unwrap();
+    assert!(touch(&mut bindings, &knob(1, 0), &parameters).is_some());
+    assert!(touch(&mut bindings, &knob(1, 64), &parameters).is_some());
+    let put = 64.0 / 127.0;
+    assert!(sent(&mut bindings, &mut parameters, put).is_empty());
+    assert!(sent(&mut bindings, &mut parameters, put).is_empty());
+    let desk = |value| vec![("desk".to_owned(), [0xb2, 1, value])];
+    assert_eq!(sent(&mut bindings, &mut parameters, 1.0), desk(127));
+    assert_eq!(sent(&mut bindings, &mut parameters, put), desk(64));
+    // A hand that has moved unseen takes over softly.
+    bindings.forget_hands();
+    assert!(touch(&mut bindings, &knob(1, 115), &parameters).is_none());
+    assert!(touch(&mut bindings, &knob(1, 60), &parameters).is_some());
+}
+
+#[test]
 fn a_fader_that_is_moved_fast_keeps_its_target_and_is_not_driven_against_the_hand() {
     let target = Target::Parameter(Parameter::StereoMu);
     let device = Binding { device: "desk".into(), ..binding(knob(1, 0).control, target) };

@@ -14,6 +14,33 @@ fn play(tempo: &mut Tempo, (from_secs, bpm, ticks): (f64, f64, u32), jitter_secs
 }
 
 #[test]
+fn ticks_go_on_from_the_beat_that_runs_already() {
+    // Taps, and two minutes later a clock that never said where it is; and one that was silent for 30 s before it
+    // continues, stopped meanwhile or not.
+    let taps = |tempo: &mut Tempo| {
+        (0..8).for_each(|i| tempo.hear(ClockMessage::Beat { in_bar: None }, 0.5 * f64::from(i)));
+    };
+    let ticks = |tempo: &mut Tempo| {
+        play(tempo, (0.0, 120.0, 193), 0.0, 0);
+    };
+    let begins: [(&dyn Fn(&mut Tempo), &[ClockMessage]); 3] = [
+        (&taps, &[]),
+        (&ticks, &[ClockMessage::Continue]),
+        (&ticks, &[ClockMessage::Stop, ClockMessage::Continue]),
+    ];
+    for (nth, (begin, said)) in begins.into_iter().enumerate() {
+        let mut tempo = Tempo::default();
+        begin(&mut tempo);
+        let before = tempo.at(60.0).count;
+        assert!(before > 100.0, "{nth}: {before}");
+        said.iter().for_each(|message| tempo.hear(*message, 60.0));
+        let at_secs = play(&mut tempo, (60.1, 120.0, 49), 0.0, 0);
+        let gone = tempo.at(at_secs).count - before;
+        assert!((gone - 2.2).abs() < 1.0, "{nth}: {gone}");
+    }
+}
+
+#[test]
 fn jitter_is_filtered() {
     for (seed, bpm) in [(1, 61.3), (2, 120.0), (3, 174.0)] {
         let mut tempo = Tempo::default();

@@ -72,12 +72,11 @@ impl Drop for Awake {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
     use std::time::Instant;
 
-    #[cfg(unix)]
     #[test]
     fn what_keeps_the_screen_awake_ends_with_us() {
         let Some((_, arguments)) = KEEPER else { return };

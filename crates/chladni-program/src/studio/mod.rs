@@ -318,7 +318,7 @@ impl Studio {
                 }
             }
         }
-        self.saved_settings = self.settings.clone();
+        (self.saved_settings, self.refused_settings) = (self.settings.clone(), None);
     }
 }
 

@@ -11,7 +11,7 @@ use crate::work::Error;
 
 /// How long a message that is not an error stays once it was on screen.
 const LINGER: Duration = Duration::from_secs(6);
-/// How many are on screen at once.
+/// How many are on screen at once, and one more where these are errors and it is none.
 const MOST: usize = 5;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,14 +96,12 @@ impl Notices {
         self.errors += usize::from(severity == Severity::Error);
         self.shown.retain(|notice| notice.text != text);
         self.shown.push(Notice { severity, text, is_shown: false, since: None, matter: None });
-        let before = self.shown.len() - 1;
-        if before >= MOST {
+        while self.shown.len() > MOST {
             // An error is to be read.
-            let oldest = self.shown[..before].iter().position(|notice| notice.severity != Severity::Error);
-            // Beside errors alone, what is no error is one more.
-            if let Some(oldest) = oldest.or((severity == Severity::Error).then_some(0)) {
-                self.shown.remove(oldest);
-            }
+            let before = &self.shown[..self.shown.len() - 1];
+            let oldest = before.iter().position(|notice| notice.severity != Severity::Error);
+            let Some(oldest) = oldest.or((severity == Severity::Error).then_some(0)) else { break };
+            self.shown.remove(oldest);
         }
     }
 
@@ -185,6 +183,6 @@ mod tests {
         notices.update("matter", "later");
         assert_eq!((texts(&notices).len(), texts(&notices).last().unwrap().as_str()), (MOST + 1, "later"));
         (0..9).for_each(|i| notices.error(format!("another {i}")));
-        assert!(texts(&notices).len() <= MOST + 1 && texts(&notices).contains(&"another 8".to_owned()));
+        assert!(texts(&notices).len() == MOST && texts(&notices).contains(&"another 8".to_owned()));
     }
 }

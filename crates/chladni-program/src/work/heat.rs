@@ -19,7 +19,7 @@ pub enum Quantity {
     Difference,
     /// The region of the selected layer as it was painted.
     Painted,
-    /// The region as it acts, smoothed.
+    /// The region as it acts, smoothed; as it was painted where its layer does not act.
     Region,
     /// How far the match is to be trusted.
     Confidence,

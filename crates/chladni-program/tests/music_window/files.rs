@@ -337,8 +337,9 @@ fn what_was_begun_with_a_dance_ends_where_another_show_comes() {
     let mut window = enter(Opening { folders, chooser, ..Opening::default() });
     let show = folder.path().join("empty.toml");
     saved_show(&mut window, &answers, &show);
-    click(&mut window, "drawer/shelf");
     point_at(&mut window, "dance/4");
+    window.key_press(Key::E);
+    window.run_steps(3);
     click(&mut window, "keep");
     assert!(is_there(&window, "shelf/keep"));
     answers.add(show);

@@ -30,6 +30,7 @@ pub(super) trait System: std::fmt::Debug {
             Ok(_) => Ok(()),
             Err(failure) if failure.error.kind() == io::ErrorKind::AlreadyExists => Err(failure.error),
             // A file system that knows no way to do both at once.
+            Err(_) if path.symlink_metadata().is_ok() => Err(io::ErrorKind::AlreadyExists.into()),
             Err(failure) => self.rename(failure.file, path),
         }
     }

@@ -189,7 +189,7 @@ impl CaricatureRoom {
         }
         for layer in &session.shown.evaluation.layers {
             if let LayerState::Failed(why) = &layer.state {
-                shared.notices.warn(format!("Written without the layer {}: {why}", layer.name));
+                shared.notices.warn(format!("Written without the layer {}: {why}.", layer.name));
             }
         }
         let label = format!("Writing {}", path.file_name().unwrap_or_default().to_string_lossy());

@@ -59,9 +59,14 @@ impl MusicRoom {
     pub(super) fn follow_dialog(&mut self, shared: &mut Shared<'_>) {
         let Some(mut files) = shared.chooser.answer() else { return };
         let (Some(then), Some(first)) = (self.asking.take(), files.first_mut()) else { return };
-        if matches!(then, Then::SavePreset(_) | Then::SaveShow | Then::SaveShowFirst | Then::ExportBindings) {
+        let endings: &[&str] = match then {
+            Then::SavePreset(_) | Then::SaveShow | Then::SaveShowFirst | Then::ExportBindings => &[TEXT],
+            Then::Record => &["mp4", "m4v"],
+            _ => &[],
+        };
+        if let Some(ending) = endings.first() {
             // Under another ending, as in `gig 3.5`, it would not open again.
-            let (path, is_added) = with_ending(first.clone(), &[TEXT], TEXT);
+            let (path, is_added) = with_ending(first.clone(), endings, ending);
             first.clone_from(&path);
             if is_added && path.exists() {
                 // The dialog, which asks before it replaces a file, did not know this name.

@@ -145,7 +145,7 @@ impl MusicRoom {
         }
         let now = Now {
             at_secs: now_secs,
-            beat: listening.beat(),
+            beat: listening.sent_beat(),
             beat_at: listening.heard_at(),
             tempo_bpm: listening.beat_moment().tempo_bpm,
             progress: listening.progress(),

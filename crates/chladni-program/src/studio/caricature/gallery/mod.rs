@@ -29,6 +29,7 @@ mod wall;
 pub use of_shape::ShapesGallery;
 
 use cell::Wanted;
+use of_shape::matched_template;
 use wall::Wall;
 
 /// The result of a job.
@@ -168,7 +169,7 @@ impl GalleryView {
         if button(ui, Icon::Dices, "Surprise me", tip, ready) || (ready && idle && SURPRISE.pressed(&ctx)) {
             self.surprise(&ctx);
         }
-        let (given, project) = (Exhibition::template_of(session.project()), session.project());
+        let (given, project) = (matched_template(session), session.project());
         if let (Some((template, matching)), Some(shown)) = (&given, &self.shown)
             && !shown.sitter.compares_with(template, matching)
         {

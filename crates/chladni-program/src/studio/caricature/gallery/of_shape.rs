@@ -82,7 +82,7 @@ impl ShapesGallery {
 }
 
 /// The template of the topmost layer with a mesh, unless its match has failed.
-fn matched_template(session: &Session) -> Option<(Template, MatchSettings)> {
+pub(super) fn matched_template(session: &Session) -> Option<(Template, MatchSettings)> {
     let failed = session.failed_layers();
     let (template, matching) = Exhibition::template_of(session.project())?;
     let wanted = MatchRequest { template: template.clone(), matching: matching.clone() };

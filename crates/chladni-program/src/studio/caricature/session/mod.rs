@@ -309,10 +309,11 @@ mod tests {
 
     #[test]
     fn harmonics_that_are_there_are_not_solved_for_again() {
-        let project = Project::new(ShapeSource::Sample("ring".into()), 12);
+        let project = Project::new(ShapeSource::Sample("head".into()), 12);
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
         let (mut session, ctx) = (Session::new(loaded), egui::Context::default());
-        session.apply(vec![Edit::Once(Action::SetHarmonics(24))]).unwrap();
+        // So many that they are not there yet when it is undone.
+        session.apply(vec![Edit::Once(Action::SetHarmonics(1024))]).unwrap();
         assert_eq!(session.pump_harmonics(&ctx).unwrap(), None);
         assert!(session.travel(true).is_some());
         assert_eq!(session.pump_harmonics(&ctx).unwrap(), None);

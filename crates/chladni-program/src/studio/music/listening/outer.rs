@@ -100,6 +100,12 @@ impl Listening {
         self.last_beat
     }
 
+    /// The same for others, to whom a pause is none.
+    pub fn sent_beat(&self) -> Beat {
+        let runs = self.follows_clock() || self.live.is_some() || self.plays_songs();
+        Beat { confidence: if runs { self.last_beat.confidence } else { 0.0 }, ..self.last_beat }
+    }
+
     /// When that was, for those who go on counting from it.
     pub fn heard_at(&self) -> Instant {
         self.heard_at
@@ -227,6 +233,20 @@ mod tests {
         listening.lock(true);
         assert!(!listening.is_locked() && !listening.follows_clock());
         assert!(listening.messages().iter().any(|message| message.contains("no tempo to hold")));
+    }
+
+    #[test]
+    fn others_are_sent_no_beat_in_a_pause() {
+        let mut listening = listening();
+        listening.last_beat.confidence = 1.0;
+        let began = std::time::Instant::now();
+        while listening.sent_beat().confidence != 0.0 {
+            assert!(began.elapsed() < chladni_testdata::HANGS);
+            listening.player.pause();
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        listening.lock(true);
+        assert_eq!(listening.sent_beat().confidence, 1.0);
     }
 
     #[test]

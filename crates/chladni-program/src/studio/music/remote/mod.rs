@@ -95,6 +95,9 @@ impl Remote {
         let said = said.filter(|said| self.leader.follows(said, own));
         let mut clock: Vec<_> = said.map(|said| (said.message, said.came)).collect();
         let forgets = std::mem::take(&mut self.forgets);
+        if forgets {
+            self.bindings.forget_hands();
+        }
         let touched: Vec<Touch> = self.midi.iter().flat_map(Midi::touches).collect();
         for touch in touched.into_iter().filter(|_| !forgets) {
             self.touch(&touch, parameters, standing, &mut cues);
