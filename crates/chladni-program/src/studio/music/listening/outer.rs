@@ -95,12 +95,7 @@ impl Listening {
         }
     }
 
-    /// The beat, as it was heard last.
-    pub fn beat(&self) -> Beat {
-        self.last_beat
-    }
-
-    /// The same for others, to whom a pause is none.
+    /// The beat, as it was heard last, for others, to whom a pause has none.
     pub fn sent_beat(&self) -> Beat {
         let runs = self.follows_clock() || self.live.is_some() || self.plays_songs();
         Beat { confidence: if runs { self.last_beat.confidence } else { 0.0 }, ..self.last_beat }
@@ -239,7 +234,7 @@ mod tests {
     fn others_are_sent_no_beat_in_a_pause() {
         let mut listening = listening();
         listening.last_beat.confidence = 1.0;
-        let began = std::time::Instant::now();
+        let began = Instant::now();
         while listening.sent_beat().confidence != 0.0 {
             assert!(began.elapsed() < chladni_testdata::HANGS);
             listening.player.pause();
