@@ -193,7 +193,7 @@ fn a_motor_fader_follows_its_target_back_to_where_a_hand_had_put_it() {
     let device = Binding { device: "desk".into(), ..binding(knob(1, 0).control, target) };
     let mut bindings = Bindings::new(vec![device]);
     let mut parameters = Parameters::default();
-    let mut sent = |bindings: &mut Bindings, parameters: &mut Parameters, value: f32| {
+    let sent = |bindings: &mut Bindings, parameters: &mut Parameters, value: f32| {
         parameters.set(Parameter::StereoMu, value).unwrap();
         bindings.feedback(&|target, number| target.standing(number, parameters), &|_| true)
     };
