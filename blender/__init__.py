@@ -175,6 +175,9 @@ class Work:
             if key is None or key.name in now.values():
                 key = target.shape_key_add(name=name, from_mix=False)
             key.data.foreach_set("co", (rest + displacement).ravel())
+            # One that was there may have been muted, limited, masked, or made relative to another key.
+            key.relative_key, key.vertex_group, key.mute = keys.reference_key, "", False
+            key.slider_min, key.slider_max = min(key.slider_min, 0.0), max(key.slider_max, 1.0)
             key.value = 1.0
             now[name] = key.name
         self.put_away(keys, before, now)

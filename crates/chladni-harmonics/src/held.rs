@@ -51,7 +51,7 @@ impl Body {
         let (inner, mut report) = Pencil::new(&stiffness, &mass)?.solve_and_choose(settings, choose, task)?;
         let mut vectors = memory::vectors(n, inner.harmonics(), keep, memory::free(settings))?;
         (report.vertices, report.held) = (n, n - free.len());
-        report.cover = operator.cover;
+        (report.cover, report.without_area) = (operator.cover, operator.without_area);
         if report.short_of_memory.is_none() {
             report.short_of_memory = keep.short_of(1, 1, n, inner.harmonics());
         }

@@ -193,3 +193,14 @@ fn points_without_a_surface_are_refused() {
         assert!(refused.contains(word), "{refused}");
     }
 }
+
+#[test]
+fn a_part_without_area_is_named_where_borders_are_held_too() {
+    let mut mesh = rectangle(10);
+    let n = mesh.positions.len() as u32;
+    mesh.positions.extend([[30.0; 3], [40.0; 3], [60.0; 3]]);
+    mesh.triangles.push([n, n + 1, n + 2]);
+    let (body, report) = Body::with_held_border(&mesh, &BasisSettings::new(5), &Task::new()).unwrap();
+    let warnings = report.warnings(&body.basis.certificate);
+    assert!(warnings.contains(&BasisWarning::WithoutArea { parts: 1 }), "{warnings:?}");
+}

@@ -27,8 +27,9 @@ pub struct FlashGuard {
     places: [Places; 4],
     area: FlashArea,
     stripes: Stripes,
-    /// How black places and stripes made it, and when.
-    held: Option<(f64, u8)>,
+    /// How black places and stripes made it, and when. Of 255, and with its fraction: a step of a fast screen is less than
+    /// one.
+    held: Option<(f64, f64)>,
 }
 
 impl Default for FlashGuard {
@@ -57,24 +58,36 @@ impl FlashGuard {
     /// nothing, except where more changes fall into a second than ever before.
     pub fn veil(&mut self, time_secs: f64, picture: &Histogram) -> Veil {
         self.places.iter_mut().for_each(|places| places.forget(time_secs));
-        let least = self.least(time_secs, picture);
-        self.held = Some((time_secs, least));
+        let (least, held) = self.least(time_secs, picture);
+        self.held = Some((time_secs, held));
         let veil = self.mean_veil(time_secs, picture, least);
         self.limiter.show(time_secs, picture.luminance(veil));
         self.places.iter_mut().for_each(|places| places.show(time_secs, picture, veil));
         veil
     }
 
-    /// How black parts of the picture need it.
-    fn least(&mut self, time_secs: f64, picture: &Histogram) -> u8 {
-        let (since_secs, held) = self.held.unwrap_or((time_secs, 0));
-        let (gone_secs, held) = ((time_secs - since_secs).max(0.0), f64::from(held));
-        let kept = (held - 255.0 * gone_secs / LIFT_SECS).max(0.0).ceil() as u8;
-        let soon = (held + 255.0 * gone_secs / LOWER_SECS).min(255.0) as u8;
+    /// How black parts of the picture need it, and from where that goes on.
+    fn least(&mut self, time_secs: f64, picture: &Histogram) -> (u8, f64) {
+        let (since_secs, held) = self.held.unwrap_or((time_secs, 0.0));
+        let gone_secs = (time_secs - since_secs).max(0.0);
+        let kept = (held - 255.0 * gone_secs / LIFT_SECS).max(0.0);
+        let soon = (held + 255.0 * gone_secs / LOWER_SECS).min(255.0);
+        let clearest = kept.ceil() as u8;
+        let blackest = (soon as u8).max(clearest);
         self.stripes.look(picture);
         let striped = |opacity| self.stripes.are_too_many(picture, Veil::black(opacity), self.area);
-        let least = thinnest(kept, |opacity| opacity >= soon.max(kept) || !striped(opacity));
-        thinnest(least, |opacity| !self.would_flash(picture, Veil::black(opacity)))
+        let for_stripes = thinnest(clearest, |opacity| opacity >= blackest || !striped(opacity));
+        let least = thinnest(for_stripes, |opacity| !self.would_flash(picture, Veil::black(opacity)));
+        let goes_on = if least > for_stripes {
+            f64::from(least)
+        } else if least == blackest && striped(least) {
+            soon
+        } else if least == clearest {
+            kept
+        } else {
+            f64::from(least)
+        };
+        (least, goes_on)
     }
 
     /// The veil that the mean luminance needs, at least as black as `least`. Where parts need black, the mean may

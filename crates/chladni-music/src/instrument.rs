@@ -252,6 +252,7 @@ impl Instrument {
     }
 
     fn act(&mut self, moment: Moment, action: &Action) -> Result<(), MusicError> {
+        let waited = self.stage.next().is_some();
         match *action {
             Action::Choose { item, on } => self.gallery.choose(item, on)?,
             Action::Breed => self.gallery.breed()?,
@@ -360,7 +361,8 @@ impl Instrument {
             }
         }
         // Another dance comes in the show's own look; who wants another says so afterwards.
-        if action.opens_stage() || *action == Action::LeaveStage {
+        let is_faded_in = matches!(action, Action::Crossfade { .. }) && waited && self.stage.next().is_none();
+        if action.opens_stage() || *action == Action::LeaveStage || is_faded_in {
             self.look.clear();
         }
         self.staying.retain(|item| self.stage.items().any(|id| id == item.id));

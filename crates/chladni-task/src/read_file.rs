@@ -30,12 +30,16 @@ pub fn read_file(path: &Path, most_bytes: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The content of a file as text; otherwise the same as [`read_file`].
+/// The content of a file as text, without the mark with which some programs begin UTF-8; otherwise the same as [`read_file`].
 ///
 /// # Errors
 /// Those of [`read_file`], and [`io::ErrorKind::InvalidData`] if the content is not UTF-8.
 pub fn read_text_file(path: &Path, most_bytes: u64) -> io::Result<String> {
-    String::from_utf8(read_file(path, most_bytes)?)
+    let mut bytes = read_file(path, most_bytes)?;
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    String::from_utf8(bytes)
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not a text in UTF-8"))
 }
 
@@ -62,6 +66,14 @@ fn in_words(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_text_is_read_without_its_mark() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("list.txt");
+        std::fs::write(&path, b"\xef\xbb\xbfa.obj\n").unwrap();
+        assert_eq!(read_text_file(&path, 99).unwrap(), "a.obj\n");
+    }
 
     #[test]
     fn a_file_is_read_up_to_its_bound() {

@@ -6,14 +6,16 @@ use super::components::{self, Kind};
 use super::plan::inertia;
 use super::problem::{Problem, Profile};
 use super::{Solved, Wanted, or_dense, plan, solve_connected, where_it_fits};
-use crate::{Basis, BasisSettings, HarmonicsError, Pencil, canonical};
+use crate::{Basis, BasisSettings, HarmonicsError, Pencil, SymmetricSparse, canonical};
 
-/// Shares of a bound on the largest eigenvalue: below the first, an eigenvalue counts as zero, and the
-/// search for others begins there; the second is how far rounding may push one below zero; the third is the
-/// smallest shift.
+/// Shares of a bound on the largest eigenvalue: below the first, an eigenvalue of S beside its own diagonal counts as zero, and
+/// the search for others begins there; the second is how far rounding may push one below zero; the third is the smallest
+/// shift.
 const FIRST: f64 = 1e-13;
 const BELOW_ZERO: f64 = 1e-10;
 const LEAST_LIFT: f64 = 1e-10;
+/// The least of that diagonal, as a share of its largest value: smaller ones may be rounding.
+const LEAST_DIAGONAL: f64 = 1e-10;
 /// The number of counts taken in that search, and how many of the first assume evenly spread eigenvalues.
 const ROUNDS: usize = 60;
 const PROPORTIONAL: usize = 5;
@@ -48,10 +50,14 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
     let mut problem = Problem::given(pencil)?;
     let bound = pencil.bound() * problem.stretch();
     // Zeros are counted by inertia: by value, a zero cannot be distinguished from anything small compared
-    // with the lift.
+    // with the lift. How many there are, and how many are negative, depends on S alone (Sylvester), so they are counted
+    // beside its own diagonal: beside M a single small mass lifts what counts as zero above all others.
     let (spacing, zeros) = if bound > 0.0 {
-        check_signs(&problem, bound, &mut profile)?;
-        let zeros = inertia(&problem, FIRST * bound, &mut profile)?.1;
+        let own = own_diagonal(pencil.stiffness);
+        let alone = Pencil::lumped(pencil.stiffness, &own);
+        let (scaled, largest) = (Problem::given(alone)?, alone.bound());
+        check_signs(&scaled, largest, &mut profile)?;
+        let zeros = inertia(&scaled, FIRST * largest, &mut profile)?.1;
         // Where all wanted ones are 0, as far as the first that is not.
         let (among, steps) = if zeros < harmonics { (harmonics, harmonics) } else { (zeros + 1, 1) };
         (above(&problem, bound, among, &mut profile, task)? / steps as f64, zeros)
@@ -81,6 +87,13 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
     }
     canonical::orient(&mut solved.basis);
     Ok(solved)
+}
+
+/// The diagonal of S, as a mass with which the largest eigenvalue is about 1.
+fn own_diagonal(stiffness: &SymmetricSparse) -> Vec<f64> {
+    let least = LEAST_DIAGONAL * stiffness.largest_diagonal();
+    let usual = |value: f64| if value.max(least) > 0.0 { value.max(least) } else { 1.0 };
+    stiffness.diagonal().into_iter().map(usual).collect()
 }
 
 /// Refuses negative eigenvalues.
@@ -135,7 +148,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{BasisSettings, Operator, SymmetricSparse};
+    use crate::{ConsistentPencil, Operator};
 
     fn solved(pencil: &Pencil, harmonics: usize) -> Basis {
         let (basis, report) = pencil.solve(&BasisSettings::new(harmonics), &Task::new()).unwrap();
@@ -221,6 +234,30 @@ mod tests {
             let first = solved(&pencil, harmonics).eigenvalues[0];
             assert!((first - 1.0).abs() < 1e-6, "{first}");
         }
+    }
+
+    #[test]
+    fn a_light_part_makes_no_other_eigenvalue_zero_and_no_negative_one_pass() {
+        let sphere = Operator::of(&samples::icosphere(3)).unwrap();
+        let n = sphere.vertices();
+        let column = |v: usize| sphere.stiffness.column(v).filter(move |(i, _)| *i >= v);
+        let entries = (0..n).flat_map(|v| column(v).map(move |(i, s)| (i, v, s)));
+        let stiffness = SymmetricSparse::from_entries(n + 1, entries.chain([(n, n, 1.0)])).unwrap();
+        let mass: Vec<f64> = sphere.mass.iter().copied().chain([1e-14]).collect();
+        let pencil = Pencil::new(&stiffness, &mass).unwrap();
+        let (basis, _) = pencil.solve(&BasisSettings::new(10), &Task::new()).unwrap();
+        let alone = solved(&sphere.pencil(), 10);
+        for (value, exact) in basis.eigenvalues.iter().zip(&alone.eigenvalues) {
+            assert!((value - exact).abs() < 1e-4, "{value} for {exact}");
+        }
+        // A negative one beside a mass matrix that is nearly singular.
+        let c = 1.0 - 1e-9;
+        let stiffness = SymmetricSparse::from_entries(3, [(0, 0, -0.1), (1, 1, 1.0), (2, 2, 1.0)]).unwrap();
+        let mass =
+            SymmetricSparse::from_entries(3, [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (2, 1, c)]).unwrap();
+        let pencil = ConsistentPencil::new(&stiffness, &mass).unwrap();
+        let refused = pencil.solve(&BasisSettings::new(2), &Task::new()).unwrap_err().to_string();
+        assert!(refused.contains("negative eigenvalues"), "{refused}");
     }
 
     #[test]

@@ -130,6 +130,19 @@ fn guarded(rate: f64, pictures: &[&Histogram]) -> (f64, Veil) {
     (count.longest_stripes_secs(), last)
 }
 
+/// A step of theirs is less than one of a veil.
+#[test]
+fn fast_screens_are_darkened_and_clear_again_in_the_same_time() {
+    let bars = picture(|x, _| bar(x / 16.0, 0.5, [255, 0]));
+    let plain = picture(|_, _| 120);
+    for rate in [144.0, 400.0, 1000.0] {
+        let (striped, over) = (vec![&bars; rate as usize], vec![&plain; 2 * rate as usize]);
+        let (secs, veil) = guarded(rate, &striped);
+        assert!(secs < 0.5 && matches!(veil, Veil::Black(_)), "{rate} a second: seen for {secs} s, {veil:?}");
+        assert_eq!(guarded(rate, &[striped, over].concat()).1, Veil::Clear, "{rate} a second");
+    }
+}
+
 #[test]
 fn stripes_are_darkened_within_half_a_second_and_no_more_than_they_must() {
     let bars = [0.0, 0.25, 0.5, 0.75].map(|phase| picture(|x, _| bar(x / 16.0 + phase, 0.5, [255, 0])));

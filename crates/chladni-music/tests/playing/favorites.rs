@@ -51,6 +51,20 @@ fn a_dance_that_is_drawn_or_renamed_is_the_same_in_all_generations() {
     assert!(instrument.apply(Moment::default(), wrong).is_err() && instrument == before);
 }
 
+#[test]
+fn a_dance_that_is_brought_comes_in_the_shows_own_look_by_key_and_by_fader() {
+    for bring in [Action::Go, Action::Crossfade { share: 1.0 }] {
+        let mut instrument = instrument();
+        apply(&mut instrument, 0.0, Action::Perform { item: 0 });
+        apply(&mut instrument, 0.0, Action::SetLook { look: "Ember".into() });
+        apply(&mut instrument, 1.0, Action::CueUp { item: 3 });
+        apply(&mut instrument, 2.0, Action::Crossfade { share: 0.5 });
+        assert_eq!(instrument.look(), Some("Ember"));
+        apply(&mut instrument, 8.0, bring.clone());
+        assert_eq!(instrument.look(), None, "{bring:?}");
+    }
+}
+
 /// Three favorites in turn.
 fn three() -> (Instrument, [ItemId; 4]) {
     let mut instrument = instrument();

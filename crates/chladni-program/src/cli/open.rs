@@ -21,7 +21,7 @@ pub struct Open {
     live: Option<Option<String>>,
     /// Close by itself after this many seconds of a song, and print as JSON how the frames came and
     /// whether the sound kept in step.
-    #[arg(long, value_name = "SECS", requires = "files")]
+    #[arg(long, value_name = "SECS", value_parser = seconds, requires = "files")]
     measure: Option<f64>,
     /// Close as soon as the shape is on screen, and print as JSON how many seconds that took.
     #[arg(long, requires = "files", conflicts_with = "measure")]
@@ -37,6 +37,11 @@ pub struct Open {
     /// Width and height of what -o gets, in pixels; those of the stage unless given.
     #[arg(long, value_name = "WIDTHxHEIGHT", requires = "output")]
     size: Option<Size>,
+}
+
+fn seconds(text: &str) -> Result<f64, Error> {
+    let secs = text.parse().ok().filter(|secs: &f64| secs.is_finite() && *secs > 0.0);
+    secs.ok_or_else(|| Error::input("must be a number of seconds above 0"))
 }
 
 impl Open {

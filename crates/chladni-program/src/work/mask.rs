@@ -44,6 +44,9 @@ pub fn read(path: &Path, channel: Option<&str>, subject: &Subject) -> Result<Pai
     let vertices = subject.whole().positions.len();
     let values = match Format::of_path(path) {
         Some(format) => of_mesh(path, &ShapeSource::named(path).load(None)?, format, channel)?,
+        None if channel.is_some() && ends_in(path, &["npy"]) => {
+            return Err(refused(path, "is one array: --mask-channel is for an .npz or a mesh"));
+        }
         None => of_array(path, vertices, read_numbers(path, channel.unwrap_or(MASK), vertices))?,
     };
     painted(values, subject.whole(), subject).map_err(|why| refused(path, why))

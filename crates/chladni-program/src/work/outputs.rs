@@ -233,7 +233,7 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
 }
 
 /// Whether files that are written to both paths would be one file, which need not be there.
-fn is_one_place(a: &Path, b: &Path) -> bool {
+pub fn is_one_place(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
     a == b || is_same_file(a, b) || real(a).is_some_and(|place| real(b) == Some(place))
 }

@@ -18,6 +18,10 @@ pub struct Programme {
     looks: Vec<&'static str>,
     /// Factor on the gain of each turn.
     gain: f32,
+    /// The gain that the last turn set, and its own part of that.
+    set: Option<(f32, f32)>,
+    /// What the last dance's preset said.
+    named: Settings,
     /// Bars up to then were heard.
     heard_secs: f64,
     turns: usize,
@@ -61,6 +65,8 @@ impl Programme {
             dances,
             looks,
             gain: instrument.parameters().get(Parameter::Gain),
+            set: None,
+            named: Settings::default(),
             heard_secs: at_secs,
             turns: 0,
             form: None,
@@ -71,7 +77,7 @@ impl Programme {
 
     /// On a flat sheet, where that is one: other forms than the modal one would not leave its plane.
     pub fn on_sheet(self, is_flat: bool) -> Self {
-        Self { form: is_flat.then_some(Form::Modal), ..self }
+        Self { form: is_flat.then_some(Form::Modal), set: None, ..self }
     }
 
     /// In the look that there is, where that was chosen.
@@ -101,6 +107,7 @@ impl Programme {
 
     /// Hears the bars that begin up to `at_secs`; returns the actions to do, and when.
     pub fn hear(&mut self, bars: &[BarLine], at_secs: f64, instrument: &Instrument) -> Vec<(f64, Action)> {
+        self.follow_gain(instrument);
         self.heard_secs = at_secs;
         let mut actions = Vec::new();
         for bar in bars {
@@ -113,6 +120,7 @@ impl Programme {
 
     /// The actions that bring the next dance on at once, or the one before.
     pub fn step(&mut self, at_secs: f64, forward: bool, instrument: &Instrument) -> Vec<Action> {
+        self.follow_gain(instrument);
         let turn = self.autopilot.step(at_secs, forward);
         turn.into_iter().flat_map(|turn| self.actions(turn, instrument)).collect()
     }
@@ -152,6 +160,14 @@ impl Programme {
         actions
     }
 
+    /// Somebody has turned the gain since: it changes around that from now on.
+    fn follow_gain(&mut self, instrument: &Instrument) {
+        let now = instrument.parameters().get(Parameter::Gain);
+        if let Some((_, share)) = self.set.filter(|(value, _)| *value != now) {
+            (self.gain, self.set) = (now / share, Some((now, share)));
+        }
+    }
+
     /// The actions that put a turn on stage. The last two places of the gallery are used in turns, since the dance
     /// before it is still seen while it leaves.
     fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
@@ -159,10 +175,14 @@ impl Programme {
         let item = instrument.gallery().items().len().saturating_sub(1 + self.turns % 2);
         let mut preset = self.dances.get(turn.dance).cloned();
         if let Some(preset) = &mut preset {
+            let own = preset.settings.clone();
+            bring_back(&mut preset.settings, &self.named, &self.before.0);
+            self.named = own;
             self.held.iter().for_each(|change| leave_out(change, &mut preset.settings));
         }
         let (low, high) = Parameter::Gain.range();
         let value = (self.gain * turn.gain).clamp(low, high);
+        self.set = Some((value, turn.gain));
         let is_held = self.held.iter().any(|change| matches!(change, Action::SetForm { .. }));
         let form = self.form.filter(|_| !is_held).map(|form| Action::SetForm { form });
         // The show's own look suits the body, so the first turn has that; but not a sheet without its sand.
@@ -175,6 +195,23 @@ impl Programme {
             let perform = Action::Perform { item };
             [take].into_iter().chain(form.clone()).chain([gain, perform]).chain(look.clone())
         })
+    }
+}
+
+/// What the `last` dance said and `settings` do not stands where it stood `before` all of them.
+fn bring_back(settings: &mut Settings, last: &Settings, before: &Settings) {
+    settings.form = settings.form.or(last.form.and(before.form));
+    settings.choir = settings.choir.or(last.choir.and(before.choir));
+    settings.harmonics = settings.harmonics.or(last.harmonics.and(before.harmonics));
+    for knob in last.knobs.keys() {
+        if let Some(value) = before.knobs.get(knob) {
+            settings.knobs.entry(*knob).or_insert(*value);
+        }
+    }
+    for switch in last.switches.keys() {
+        if let Some(on) = before.switches.get(switch) {
+            settings.switches.entry(*switch).or_insert(*on);
+        }
     }
 }
 
@@ -193,6 +230,58 @@ mod tests {
                 instrument.apply(Moment { at_secs: f64::from(i), at_beat: 0.0 }, action).unwrap();
             }
             assert_eq!(instrument.parameters().form, Form::Modal);
+        }
+    }
+
+    /// The name of the next dance, once it is on stage.
+    fn turn(programme: &mut Programme, instrument: &mut Instrument, at_secs: f64) -> Option<String> {
+        let mut name = None;
+        for action in programme.step(at_secs, true, instrument) {
+            if let Action::Take { preset, .. } = &action {
+                name = Some(preset.name.clone());
+            }
+            instrument.apply(Moment { at_secs, at_beat: 0.0 }, action).unwrap();
+        }
+        name
+    }
+
+    #[test]
+    fn what_one_dance_sets_stays_with_it() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let mut kept = instrument.preset(&instrument.gallery().items()[0], Vec::new());
+        kept.name = "kept".into();
+        kept.settings.harmonics = Some(8);
+        kept.settings.knobs.insert(Parameter::Limit, 0.05);
+        let limit = instrument.parameters().get(Parameter::Limit);
+        let mut programme = Programme::new(&instrument, vec![kept], 0.0, 0).unwrap();
+        let mut came = 0;
+        for i in 0..60 {
+            let name = turn(&mut programme, &mut instrument, f64::from(i)).unwrap();
+            let (harmonics, now) =
+                (instrument.parameters().harmonics, instrument.parameters().get(Parameter::Limit));
+            if name == "kept" {
+                came += 1;
+                assert_eq!((harmonics, now), (Some(8), 0.05));
+            } else {
+                assert_eq!((harmonics, now), (None, limit), "{name}, turn {i}");
+            }
+        }
+        assert!(came > 0);
+    }
+
+    #[test]
+    fn a_gain_that_is_turned_meanwhile_is_the_one_around_which_it_changes() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
+        turn(&mut programme, &mut instrument, 0.0);
+        let turned = Action::Set { parameter: Parameter::Gain, value: 3.0 };
+        instrument.apply(Moment { at_secs: 0.5, at_beat: 0.0 }, turned).unwrap();
+        for i in 1..20 {
+            turn(&mut programme, &mut instrument, f64::from(i));
+            let gain = instrument.parameters().get(Parameter::Gain);
+            assert!((1.99..=4.51).contains(&gain), "{gain} in turn {i}");
         }
     }
 

@@ -215,6 +215,37 @@ fn a_batch_gives_every_mesh_a_file_of_its_own_and_replaces_none() {
     assert_eq!(std::fs::read(desk.path("many/head.v1.png")).unwrap(), b"a texture");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_batch_replaces_no_shape_that_a_link_leads_to() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni -k 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    for folder in ["many", "out"] {
+        std::fs::create_dir(desk.path(folder)).unwrap();
+    }
+    save_mesh(&lump(1.0), &desk.path("many/a.obj")).unwrap();
+    std::os::unix::fs::symlink(desk.path("many/a.obj"), desk.path("out/a.obj")).unwrap();
+    let before = std::fs::read(desk.path("many/a.obj")).unwrap();
+    assert!(desk.refused("caricature --recipe p.chladni --batch many -o out").contains("one of the shapes"));
+    assert_eq!(std::fs::read(desk.path("many/a.obj")).unwrap(), before);
+    let said = desk.refused("caricature --recipe p.chladni --batch many -o new --render new");
+    assert!(said.contains("textures of the OBJ results"), "{said}");
+}
+
+#[test]
+fn samples_of_a_batch_have_files_of_their_own() {
+    let desk = Desk::new();
+    desk.ok("project new shape.obj -o p.chladni -k 16");
+    desk.ok("project add-layer p.chladni --template self:scale=0.5");
+    let text = std::fs::read_to_string(desk.path("p.chladni")).unwrap();
+    // No template is there, so that nothing is solved.
+    std::fs::write(desk.path("p.chladni"), text.replace("self:scale=0.5", "absent.obj")).unwrap();
+    std::fs::write(desk.path("list.txt"), "sample:portrait?nose=0.3\nsample:portrait?nose=0.6\n").unwrap();
+    let said = desk.refused("caricature --recipe p.chladni --batch list.txt -o .");
+    assert!(said.contains("2 of 2 shapes failed") && said.contains("absent.obj"), "{said}");
+}
+
 #[test]
 fn a_batch_whose_results_cannot_be_written_fails_with_code_1() {
     let desk = Desk::new();

@@ -9,7 +9,7 @@ use chladni_mesh::{Format, ShapeSource};
 
 use super::{Caricature, made_on, one};
 use crate::cli::Terminal;
-use crate::work::outputs::{check_apart, check_folder, mesh_format};
+use crate::work::outputs::{check_apart, check_folder, is_one_place, mesh_format};
 use crate::work::{Error, Warning, Watcher};
 
 impl Caricature {
@@ -77,7 +77,11 @@ impl Caricature {
             let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
             std::fs::canonicalize(path).ok()
         };
-        let folders: HashSet<&Path> = shapes.iter().filter_map(|shape| shape.parent()).collect();
+        let is_sample = |shape: &Path| ShapeSource::sample_name(shape).is_some();
+        let files = || shapes.iter().filter(|shape| !is_sample(shape));
+        let folders: HashSet<&Path> = files().filter_map(|shape| shape.parent()).collect();
+        // Also where a link leads there.
+        let read: HashSet<PathBuf> = files().filter_map(|shape| shape.canonicalize().ok()).collect();
         let asked = [
             (Some(results), "results there would replace the shapes"),
             (self.render.as_deref(), "pictures there would replace those of the shapes"),
@@ -91,22 +95,36 @@ impl Caricature {
         let mut owners: HashMap<PathBuf, &Path> = HashMap::new();
         let mut planned = Vec::with_capacity(shapes.len());
         for shape in shapes {
-            let stem = shape.file_stem().unwrap_or_default();
             // A format that can be written is kept; the others become PLY, which keeps every digit.
-            let extension = match mesh_format(shape) {
-                Ok(_) => shape.extension().unwrap_or_default(),
-                Err(_) => "ply".as_ref(),
+            let (stem, extension) = match mesh_format(shape) {
+                _ if is_sample(shape) => (shape.as_os_str(), "ply".as_ref()),
+                Ok(_) => (shape.file_stem().unwrap_or_default(), shape.extension().unwrap_or_default()),
+                Err(_) => (shape.file_stem().unwrap_or_default(), "ply".as_ref()),
             };
             let output = named(results, stem, extension);
             let render = self.render.as_ref().map(|folder| named(folder, stem, "png".as_ref()));
             for path in std::iter::once(&output).chain(&render) {
                 check_apart(path, of_recipe)?;
+                if path.canonicalize().is_ok_and(|place| read.contains(&place)) {
+                    let path = path.display();
+                    return Err(Error::input(format_args!(
+                        "{path}: is one of the shapes; choose another folder"
+                    )));
+                }
                 if let Some(other) = owners.insert(path.clone(), shape) {
                     let (path, other, shape) = (path.display(), other.display(), shape.display());
                     return Err(Error::input(format_args!("{other} and {shape} would both become {path}")));
                 }
             }
             planned.push((output, render));
+        }
+        // Beside an OBJ lie its textures, under names of their own.
+        let is_obj = |path: &Path| mesh_format(path).is_ok_and(|format| format == Format::Obj);
+        if let Some(pictures) = self.render.as_deref().filter(|pictures| is_one_place(results, pictures))
+            && planned.iter().any(|(output, _)| is_obj(output))
+        {
+            let why = "pictures there could take the place of textures of the OBJ results: choose another folder for them";
+            return Err(Error::input(format_args!("{}: {why}", pictures.display())));
         }
         Ok(planned)
     }

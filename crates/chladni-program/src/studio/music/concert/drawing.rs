@@ -141,7 +141,7 @@ impl Concert {
         }
     }
 
-    /// Shows the last picture again, as it was but for the black of the stage.
+    /// Shows the last picture again, as it was but for the black of the stage and for a veil, which lifts.
     pub(super) fn repaint(
         &mut self,
         ui: &mut Ui,
@@ -150,6 +150,10 @@ impl Concert {
     ) -> Result<(), Error> {
         ui.allocate_rect(rect, egui::Sense::hover());
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        if limited && self.pane.judged {
+            self.pane.veil = self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram());
+            self.moving |= self.pane.veil != Veil::Clear;
+        }
         self.project(ui, projection, rect, self.pane.texture(limited));
         self.cover(ui, rect);
         self.send(limited)

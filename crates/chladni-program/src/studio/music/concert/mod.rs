@@ -251,8 +251,9 @@ impl Concert {
         // One that was chosen in the gallery to be next is still that once something is on stage.
         let waits = self.instrument.next_on_stage().map(|(id, _)| id);
         let waits = waits.filter(|_| !self.on_stage() && action.opens_stage() && action != Action::Go);
+        let fades = matches!(action, Action::Crossfade { .. }) && self.instrument.next_on_stage().is_some();
         self.instrument.apply(self.moment, action)?;
-        if ends_piloting {
+        if ends_piloting || fades && self.instrument.next_on_stage().is_none() {
             self.end_piloting()?;
         }
         if let Some(id) = waits.filter(|id| self.on_stage_now() != Some(*id))
