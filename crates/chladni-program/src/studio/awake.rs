@@ -81,7 +81,7 @@ mod tests {
     fn what_keeps_the_screen_awake_ends_with_us() {
         let Some((_, arguments)) = KEEPER else { return };
         let until = arguments.iter().position(|argument| !argument.starts_with('-')).unwrap();
-        let mut command = std::process::Command::new(arguments[until]);
+        let mut command = other_program(arguments[until], Needs::Desktop);
         let mut kept = command.args(&arguments[until + 1..]).stdin(Stdio::piped()).spawn().unwrap();
         assert!(kept.try_wait().unwrap().is_none());
         // As the system does when we are killed.

@@ -5,7 +5,7 @@ use chladni_mesh::samples::{SLIDERS, portrait_name, portrait_sliders};
 use egui::Ui;
 
 use super::edits::Edits;
-use super::matches::LANDMARKS_GONE;
+use super::landmarks;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, id: LayerId, layer: &Layer, edits: &mut Edits, shared: 
             theme::row(ui, &theme::capitalized(&name.replace('-', " ")), about, |ui| {
                 let slider = ui.add(theme::slider(&mut values[place], -1.0..=1.0).fixed_decimals(2));
                 if theme::is_edited(&slider) && !layer.matching.landmarks.is_empty() {
-                    shared.notices.warn(LANDMARKS_GONE);
+                    shared.notices.warn(landmarks::GONE);
                 }
                 let head = || Property::Template(Template::Sample(portrait_name(&values)));
                 edits.drag(id, &slider, head);

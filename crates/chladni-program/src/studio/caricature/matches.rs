@@ -196,15 +196,11 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 
-/// Said where another template takes the place of the one on which landmarks were picked.
-pub const LANDMARKS_GONE: &str =
-    "The landmarks belonged to the template before and are gone: pick new ones, or undo.";
-
 /// Gives a layer another template, and says what becomes of its landmarks.
 fn replace(layer: &Layer, id: LayerId, template: Template, edits: &mut Edits, shared: &mut Shared<'_>) {
     let steps = replacement(layer, template);
     if steps.len() > 1 {
-        shared.notices.warn(LANDMARKS_GONE);
+        shared.notices.warn(landmarks::GONE);
     }
     edits.together(steps.into_iter().map(|to| Action::Set { layer: id, to }).collect());
 }

@@ -27,6 +27,9 @@ use crate::studio::viewport::{self, Viewport};
 use crate::work::landmarks::{self, Gesture, Picks, Side, Which};
 use crate::work::{Aside, Error, template_mesh};
 
+/// Said where another template takes the place of the one on which they were picked.
+pub const GONE: &str = "The landmarks belonged to the template before and are gone: pick new ones, or undo.";
+
 /// How near a landmark the pointer must be to grab it, in window points.
 const GRIP: f32 = 12.0;
 
