@@ -29,8 +29,8 @@ pub fn picture_of_materials(
         drawn.push(Drawn::PLAIN);
     }
     let mut textures = Textures { name, watcher, sizes: HashMap::new(), pictures: HashMap::new() };
-    let sizes: Vec<[u32; 2]> = drawn.iter().map(|one| textures.size(one).unwrap_or([1, 1])).collect();
-    if drawn.iter().all(|one| textures.size(one).is_none())
+    let sizes: Vec<Option<[u32; 2]>> = drawn.iter().map(|one| textures.size(one)).collect();
+    if sizes.iter().all(Option::is_none)
         && (mesh.appearance.colors.is_some() || drawn.iter().all(|one| one.color == drawn[0].color))
     {
         return None;
@@ -39,6 +39,7 @@ pub fn picture_of_materials(
     if let [one] = drawn[..] {
         return Some((uvs, tinted(textures.picture(&one, u32::MAX)?, one.color)));
     }
+    let sizes: Vec<[u32; 2]> = sizes.into_iter().map(|size| size.unwrap_or([1, 1])).collect();
     let atlas = Atlas::of(&sizes, &of_triangle, &mut uvs);
     let mut pictures = Vec::with_capacity(drawn.len());
     for (i, one) in drawn.iter().enumerate() {

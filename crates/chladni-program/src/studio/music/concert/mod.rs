@@ -248,10 +248,10 @@ impl Concert {
         if self.piloted.as_ref().is_some_and(|piloted| piloted.ends_before(&action, &self.instrument)) {
             self.end_piloting()?;
         }
+        let next = self.instrument.next_on_stage().map(|(id, _)| id);
+        let fades = matches!(action, Action::Crossfade { .. }) && next.is_some();
         // One that was chosen in the gallery to be next is still that once something is on stage.
-        let waits = self.instrument.next_on_stage().map(|(id, _)| id);
-        let waits = waits.filter(|_| !self.on_stage() && action.opens_stage() && action != Action::Go);
-        let fades = matches!(action, Action::Crossfade { .. }) && self.instrument.next_on_stage().is_some();
+        let waits = next.filter(|_| !self.on_stage() && action.opens_stage() && action != Action::Go);
         self.instrument.apply(self.moment, action)?;
         if ends_piloting || fades && self.instrument.next_on_stage().is_none() {
             self.end_piloting()?;

@@ -77,7 +77,8 @@ impl Listening {
         if has_samples || song.given_up {
             self.study_those_before();
         } else if !studied {
-            self.study = Some(Study::begin(number, self.path_of(song), song.beats.is_some(), &self.ctx));
+            self.study =
+                Some(Study::begin(number, self.file_of(&song.path), song.beats.is_some(), &self.ctx));
         }
     }
 
@@ -91,13 +92,13 @@ impl Listening {
         }
         let number = self.hearing.stretches().filter_map(|stretch| stretch.song).find(|n| !is_done(*n));
         if let Some((number, song)) = number.and_then(|n| Some((n, self.repertoire.get(n)?))) {
-            self.study = Some(Study::begin(number, self.path_of(song), false, &self.ctx));
+            self.study = Some(Study::begin(number, self.file_of(&song.path), false, &self.ctx));
         }
     }
 
-    /// The file of a song.
-    fn path_of<'a>(&'a self, song: &'a ShowSong) -> &'a Path {
-        if song.path == Path::new(TUNE) { &self.tune } else { &song.path }
+    /// The file of the song that a show names so.
+    pub(super) fn file_of<'a>(&'a self, named: &'a Path) -> &'a Path {
+        if named == Path::new(TUNE) { &self.tune } else { named }
     }
 }
 

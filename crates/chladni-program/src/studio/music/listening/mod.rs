@@ -13,7 +13,7 @@ pub use ear::Loudness;
 pub use outer::Progress;
 pub use wanted::{Input, MOST_GAIN_DB};
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use chladni_music::{
@@ -30,7 +30,6 @@ use outer::Outer;
 use wanted::Wanted;
 
 use super::study::{SongCover, Study};
-use crate::work::source::TUNE;
 use crate::work::{BeatCount, Ear, Error, Heard, Hearing, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
@@ -224,9 +223,9 @@ impl Listening {
         (self.repertoire, self.taps) = (songs, None);
         let mut list: Vec<PathBuf> = Vec::new();
         for song in &self.repertoire {
-            let path = if song.path == Path::new(TUNE) { self.tune.clone() } else { song.path.clone() };
-            if !list.contains(&path) {
-                list.push(path);
+            let path = self.file_of(&song.path);
+            if !list.iter().any(|known| known == path) {
+                list.push(path.to_owned());
             }
         }
         if !list.is_empty() {

@@ -6,7 +6,6 @@ use chladni_sound::{PlayerState, Repeat};
 
 use super::super::study::SongCover;
 use super::{Listening, ShowSong};
-use crate::work::source::TUNE;
 
 impl Listening {
     /// The playlist.
@@ -31,8 +30,8 @@ impl Listening {
     /// Adds songs at the end of the list; what is heard goes on. Returns the number of the first.
     pub fn append(&mut self, songs: Vec<PathBuf>) -> usize {
         let first = self.songs.len();
-        let file = |song: PathBuf| if song == Path::new(TUNE) { self.tune.clone() } else { song };
-        self.songs.extend(songs.into_iter().map(file));
+        let files: Vec<PathBuf> = songs.iter().map(|song| self.file_of(song).to_owned()).collect();
+        self.songs.extend(files);
         self.player.set_songs(self.songs.clone());
         first
     }
@@ -201,6 +200,7 @@ mod tests {
     use chladni_music::{BeatReading, ClockTrack, Moment, Parameters};
 
     use super::*;
+    use crate::work::source::TUNE;
 
     fn listening() -> Listening {
         Listening::start(&egui::Context::default(), 1.0, None).unwrap()
