@@ -125,6 +125,16 @@ def the_addon_makes_shape_keys():
     check("keys of both layers are new", len(keys) == count + 2 and [key.value for key in keys][-2:] == [1, 1])
     check("and that of the one layer does not add to them", keys[alone].value == 0)
 
+    settings.project, settings.template, settings.name = "", "ellipsoid", "Muted"
+    bpy.ops.object.chladni_caricature()
+    muted = keys["Muted"]
+    muted.mute, muted.vertex_group, muted.relative_key = True, "top", keys["Only the top"]
+    muted.slider_min, muted.slider_max, muted.value = 0.0, 0.25, 0.25
+    bpy.ops.object.chladni_caricature()
+    alone = keys["Muted"]
+    free = not alone.mute and alone.vertex_group == "" and alone.relative_key == target.data.shape_keys.reference_key
+    check("a renewed key acts on the whole basis again", free and alone.value == 1 and alone.slider_max >= 1)
+
     settings.mask, settings.template = "nowhere", "ellipsoid"
     check("a group that is not there is an error in words", "no vertex group" in refused())
     settings.mask, settings.template, settings.project = "", "project", ""
