@@ -58,7 +58,8 @@ pub struct Outputs(Arc<Mutex<Ports>>);
 struct Ports {
     /// They are opened when they are there.
     wanted: HashSet<String>,
-    open: HashMap<String, MidiOutputConnection>,
+    /// By name; and the node of the card.
+    open: HashMap<String, (Option<u64>, MidiOutputConnection)>,
 }
 
 impl Outputs {
@@ -78,7 +79,7 @@ impl Outputs {
             return;
         }
         let mut ports = lock(&self.0);
-        let Some(connection) = ports.open.get_mut(device) else { return };
+        let Some((_, connection)) = ports.open.get_mut(device) else { return };
         if connection.send(message).is_err() {
             // It is gone, or is opened anew at the next look.
             ports.open.remove(device);
@@ -92,20 +93,20 @@ impl Outputs {
         let ports: Vec<_> = looking
             .ports()
             .into_iter()
-            .filter_map(|port| Some((lasting(&looking.port_name(&port).ok()?), port)))
-            .filter(|(name, _)| !is_own(name))
+            .filter_map(|port| Some((lasting(&looking.port_name(&port).ok()?), node_of(&port.id()), port)))
+            .filter(|(name, ..)| !is_own(name))
             .collect();
         let mut known = lock(&self.0);
-        known.open.retain(|name, _| ports.iter().any(|(there, _)| there == name));
-        for (name, port) in &ports {
+        known.open.retain(|name, (node, _)| ports.iter().any(|(there, now, _)| there == name && now == node));
+        for (name, node, port) in &ports {
             if known.wanted.contains(name)
                 && !known.open.contains_key(name)
                 && let Ok(connection) = output()?.connect(port, CLIENT)
             {
-                known.open.insert(name.clone(), connection);
+                known.open.insert(name.clone(), (*node, connection));
             }
         }
-        Ok(ports.into_iter().map(|(name, _)| name).collect())
+        Ok(ports.into_iter().map(|(name, ..)| name).collect())
     }
 }
 
@@ -123,6 +124,29 @@ fn lasting(name: &str) -> String {
     }
 }
 
+/// The card that ALSA gives a port's client: the kernel numbers them from 16 on, four for each card.
+#[cfg(any(test, target_os = "linux"))]
+fn card_of(id: &str) -> Option<u32> {
+    let client: u32 = id.split_once(':')?.0.parse().ok()?;
+    (16..128).contains(&client).then(|| (client - 16) / 4)
+}
+
+/// The number of the card's node in the file system; none where there are no such nodes, or for programs. A device that was
+/// unplugged and is back between two looks has the name and the number it had, but another node, and hears nothing of an
+/// old connection.
+#[cfg(target_os = "linux")]
+fn node_of(id: &str) -> Option<u64> {
+    use std::os::unix::fs::MetadataExt;
+    let card = card_of(id)?;
+    Some(std::fs::metadata(format!("/dev/snd/controlC{card}")).ok()?.ino())
+}
+
+/// Other systems give a device another number each time.
+#[cfg(not(target_os = "linux"))]
+fn node_of(_: &str) -> Option<u64> {
+    None
+}
+
 impl Midi {
     /// Starts to look for devices. Finding none is not an error.
     pub fn start() -> std::io::Result<Self> {
@@ -138,7 +162,7 @@ impl Midi {
             let mut open = HashMap::new();
             while !ended.load(Ordering::Relaxed) {
                 let there = look(&mut open, &sender).and_then(|()| sent_to.look());
-                let mut names: Vec<String> = open.values().map(|(name, _)| String::clone(name)).collect();
+                let mut names: Vec<String> = open.values().map(|input| input.name.clone()).collect();
                 names.sort();
                 let failure = there.as_ref().err().map(ToString::to_string);
                 *lock(&seen) = Devices { names, outputs: there.unwrap_or_default(), failure };
@@ -235,7 +259,15 @@ impl Sender {
     }
 }
 
-type Open = HashMap<String, (String, MidiInputConnection<()>)>;
+/// By the port's number; its name, and the node of the card.
+type Open = HashMap<String, Input>;
+
+struct Input {
+    name: String,
+    node: Option<u64>,
+    /// Listens until it is dropped.
+    _connection: MidiInputConnection<()>,
+}
 
 /// Connects new ports and drops missing ones.
 fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
@@ -251,7 +283,7 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
     };
     let looking = input()?;
     let ports = looking.ports();
-    open.retain(|id, _| ports.iter().any(|port| port.id() == *id));
+    open.retain(|id, input| ports.iter().any(|port| port.id() == *id) && node_of(id) == input.node);
     for port in ports {
         let id = port.id();
         // A device that disappears meanwhile is handled the next time.
@@ -262,8 +294,9 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
         let mut sender = sender.clone();
         let (from, device) = (Arc::from(id.as_str()), Arc::from(lasting(&name)));
         let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(&from, &device, bytes);
+        let node = node_of(&id);
         if let Ok(connection) = input()?.connect(&port, CLIENT, listen, ()) {
-            open.insert(id, (name, connection));
+            open.insert(id, Input { name, node, _connection: connection });
         }
     }
     Ok(())
@@ -277,6 +310,14 @@ mod tests {
     fn a_device_keeps_its_name() {
         let names = ["nanoKONTROL2:nanoKONTROL2 MIDI 1 24:0", "Launchpad Mini 3", "Port 1:2 A"].map(lasting);
         assert_eq!(names, ["nanoKONTROL2:nanoKONTROL2 MIDI 1", "Launchpad Mini 3", "Port 1:2 A"]);
+    }
+
+    #[test]
+    fn ports_of_cards_are_known() {
+        assert_eq!(
+            ["16:0", "24:0", "27:1", "128:0", "14:0", "a"].map(card_of),
+            [Some(0), Some(2), Some(2), None, None, None]
+        );
     }
 
     #[test]
