@@ -134,21 +134,21 @@ impl AddLayer {
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
         let shape = project.shape.to_string();
-        if self.layer.needs_all_vertices() && matches!(project.resolution, Resolution::Proxy(_)) {
-            if project.names_vertices() {
-                return Err(Error::input(format_args!(
-                    "{}: is worked on with a part of its vertices, and --match same needs all: begin anew with --proxy 0",
-                    self.project.display()
-                )));
+        let subject = if self.layer.needs_all_vertices() {
+            if matches!(project.resolution, Resolution::Proxy(_)) {
+                if project.names_vertices() {
+                    return Err(Error::input(format_args!(
+                        "{}: is worked on with a part of its vertices, and --match same needs all: begin anew with \
+                         --proxy 0",
+                        self.project.display()
+                    )));
+                }
+                project.resolution = Resolution::Whole;
             }
-            project.resolution = Resolution::Whole;
-        }
-        let mut subject = Subject::of(&mut project, terminal)?;
-        if self.layer.needs_all_vertices() && subject.proxy.is_some() {
-            // As it decides by itself where a project says nothing.
-            project.resolution = Resolution::Whole;
-            subject = Subject::of(&mut project, terminal)?;
-        }
+            Subject::whole_of(&mut project, terminal)?
+        } else {
+            Subject::of(&mut project, terminal)?
+        };
         let painted = self.region.painted(&shape, &subject, terminal)?;
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;

@@ -65,7 +65,16 @@ impl Subject {
         Self::of_mesh(mesh, project, watcher)
     }
 
-    /// The same of a mesh that is in memory.
+    /// The shape of `project` with all of its vertices, however many they are, unless the project states a proxy.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn whole_of(project: &mut Project, watcher: &impl Watcher) -> Result<Self, Error> {
+        let mesh = source::shape(&project.shape, watcher)?;
+        Ok(Self::decided(mesh, project, true, watcher)?.0)
+    }
+
+    /// The same as [`of`](Self::of) of a mesh that is in memory.
     ///
     /// # Errors
     /// [`Error::Input`] where the proxy that the project asks for cannot be made, or is not the one whose
