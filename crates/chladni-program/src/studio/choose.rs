@@ -145,8 +145,15 @@ fn is_with_folder(path: &Path) -> bool {
 
 fn ask_the_system(request: &Request) -> Vec<PathBuf> {
     let mut dialog = rfd::FileDialog::new();
+    let is_read = request.purpose != Purpose::Save;
     for (name, extensions) in request.kinds.iter().filter(|(_, extensions)| !extensions.is_empty()) {
-        dialog = dialog.add_filter(name, extensions);
+        // Dialogs of Linux tell `a.OBJ` from `a.obj`.
+        let capitals = extensions.iter().filter(|_| is_read).map(|extension| extension.to_uppercase());
+        let shown: Vec<String> = extensions.iter().cloned().chain(capitals).collect();
+        dialog = dialog.add_filter(name, &shown);
+    }
+    if is_read {
+        dialog = dialog.add_filter("All files", &["*"]);
     }
     if let Some(folder) = request.start.parent().filter(|_| is_with_folder(&request.start)) {
         dialog = dialog.set_directory(folder);

@@ -75,6 +75,11 @@ impl Studio {
         }
     }
 
+    /// Whether a question about closing is open.
+    pub(super) fn is_closing(&self) -> bool {
+        !matches!(self.closing, Closing::No)
+    }
+
     fn ask_to_save(&mut self, ctx: &egui::Context, unsaved: &[String], errors: usize) {
         match Question::CLOSING.ask(ctx, unsaved) {
             None => {}

@@ -65,6 +65,8 @@ impl egui::Plugin for Ring {
 pub fn install(ctx: &egui::Context) {
     theme::install(ctx);
     ctx.add_plugin(Ring::default());
+    // Sizes are the preferences'; egui's own keys for them would take turns with ours.
+    ctx.options_mut(|options| options.zoom_with_keyboard = false);
 }
 
 /// Whether a text field, or a number that is being typed, had the focus at the end of the frame before.

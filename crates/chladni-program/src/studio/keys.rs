@@ -29,6 +29,7 @@ keys! {
     SWITCH_ROOM = command Tab, "The other room";
     ZOOM_IN = command Plus, "Larger text and controls";
     ZOOM_OUT = command Minus, "Smaller text and controls";
+    ZOOM_RESET = command Num0, "Text and controls of the usual size";
     FULL_SCREEN = key F11, "Full screen";
 }
 

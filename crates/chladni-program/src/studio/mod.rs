@@ -166,7 +166,8 @@ impl Studio {
                 (left.rooms, left.current)
             }
             None => {
-                let current = live.is_some().then_some(MUSIC);
+                // Only there can a set be recorded.
+                let current = (live.is_some() || output.is_some()).then_some(MUSIC);
                 let music = music::MusicRoom::listening_to(input, live, trace, output);
                 (vec![Box::new(caricature::CaricatureRoom::waiting(patience)), Box::new(music)], current)
             }
@@ -360,7 +361,8 @@ impl Program for Studio {
         let (name, shortcuts) =
             room.map_or(("Start", keys::start::ALL), |room| (room.name(), room.shortcuts()));
         key_sheet::show(&ctx, &mut self.key_sheet_open, name, shortcuts);
-        if !hidden {
+        // On stage they would be in the picture, but answers to a form or a question belong beside it.
+        if !hidden || room.is_some_and(|room| room.asks()) || self.is_closing() {
             if let Some(trouble) = self.chooser.trouble() {
                 self.notices.error(trouble);
             }

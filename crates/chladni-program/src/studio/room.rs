@@ -56,6 +56,11 @@ pub trait Room {
         false
     }
 
+    /// Whether a form of the room is open, whose answers are to be seen.
+    fn asks(&self) -> bool {
+        false
+    }
+
     /// Position in the song that is heard, in seconds, and underruns so far; `None` where none is.
     fn sound(&self) -> Option<(f64, u64)> {
         None

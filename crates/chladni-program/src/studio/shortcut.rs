@@ -81,7 +81,7 @@ impl Shortcut {
 const EDITING: [Key; 6] = [Key::Z, Key::Y, Key::X, Key::C, Key::V, Key::A];
 
 /// Keys that go on step by step while they are held down; every other key acts once.
-const STEPPING: [Key; 11] = [
+const STEPPING: [Key; 12] = [
     Key::ArrowLeft,
     Key::ArrowRight,
     Key::ArrowUp,
@@ -91,6 +91,7 @@ const STEPPING: [Key; 11] = [
     Key::OpenBracket,
     Key::CloseBracket,
     Key::Plus,
+    Key::Equals,
     Key::Minus,
     // With Ctrl: back and forth.
     Key::Z,

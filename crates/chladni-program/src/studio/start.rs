@@ -22,6 +22,12 @@ const SAMPLE_CARD: Vec2 = vec2(104.0, 98.0);
 /// The choice by a click: a room, and the files to open in it.
 type Choice = (usize, Vec<PathBuf>);
 
+/// Whether files can be dropped on the window: winit 0.30 takes none under Wayland, which it prefers to X11.
+fn takes_drops() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(target_os = "linux") || !(is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET"))
+}
+
 impl Studio {
     /// Draws the start screen below the top bar.
     pub(super) fn start_screen(&mut self, ui: &mut Ui) {
@@ -55,8 +61,11 @@ impl Studio {
         let weak = theme::palette(ui).weak;
         let mut chosen = None;
         ui.label(RichText::new("What would you like to play?").text_style(theme::title()));
-        let invitation =
-            "Drop meshes, a song or a project anywhere on this window, or begin with one of these.";
+        let invitation = if takes_drops() {
+            "Drop meshes, a song or a project anywhere on this window, or begin with one of these."
+        } else {
+            "Open meshes, a song or a project, or begin with one of these. (Under Wayland, nothing can be dropped here.)"
+        };
         ui.horizontal(|ui| {
             ui.label(RichText::new(invitation).color(weak));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

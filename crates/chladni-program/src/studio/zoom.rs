@@ -1,18 +1,26 @@
 //! The size of letters and controls.
 
 use super::Studio;
-use super::keys::window::{ZOOM_IN, ZOOM_OUT};
+use egui::Key;
+
+use super::keys::window::{ZOOM_IN, ZOOM_OUT, ZOOM_RESET};
 use super::opening::{SMALLEST, WINDOW};
+use super::shortcut::Shortcut;
 
 /// Points across a screen on which those of usual size are too small to read.
 const MANY_POINTS: f32 = 3000.0;
+/// Plus on keyboards that have it above the equals sign.
+const ZOOM_IN_UNSHIFTED: Shortcut = Shortcut::command(Key::Equals, ZOOM_IN.action);
 /// One press of a key.
 const STEP: f32 = 1.1;
 
 impl Studio {
     pub(super) fn zoom_by_keys(&mut self, ctx: &egui::Context) {
-        if ZOOM_IN.pressed_anywhere(ctx) {
+        if ZOOM_IN.pressed_anywhere(ctx) || ZOOM_IN_UNSHIFTED.pressed_anywhere(ctx) {
             self.enlarge(ctx);
+        }
+        if ZOOM_RESET.pressed_anywhere(ctx) {
+            self.settings.zoom = 1.0;
         }
         if ZOOM_OUT.pressed_anywhere(ctx) {
             self.settings.zoom = (self.settings.zoom / STEP).max(0.5);

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use chladni_mesh::ShapeSource;
+
 use super::source::TUNE;
 
 pub use chladni_sound::SONG_EXTENSIONS as SONGS;
@@ -66,6 +68,31 @@ pub fn is_project(path: &Path) -> bool {
     kind(path) == Kind::Project
 }
 
+/// The files among `paths` that are opened, and a message about each other one that is read with none of them. A file of an
+/// unknown ending is opened only if there is no other one: its content may say its format.
+pub fn opened_together(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<String>) {
+    let has_known = paths.iter().any(|path| is_known(path));
+    let (mut opened, mut left_out) = (Vec::new(), Vec::new());
+    for path in without_companions(paths) {
+        match opened_elsewhere(&path) {
+            Some(why) => left_out.push(why),
+            None if has_known && !is_known(&path) => {
+                left_out.push(format!("{}: is no file that is opened here", path.display()));
+            }
+            None => opened.push(path),
+        }
+    }
+    (opened, left_out)
+}
+
+/// Whether the name of `path` says its kind; a folder is a list of songs.
+fn is_known(path: &Path) -> bool {
+    kind(path) != Kind::Mesh
+        || ends_in(path, &MESHES)
+        || ShapeSource::sample_name(path).is_some()
+        || path.is_dir()
+}
+
 /// The files among `paths` that are opened by themselves: where there is a mesh or a project, what lies beside it with its
 /// materials and textures is read by it.
 pub fn without_companions(paths: &[PathBuf]) -> Vec<PathBuf> {
@@ -77,7 +104,7 @@ pub fn without_companions(paths: &[PathBuf]) -> Vec<PathBuf> {
 
 /// Why a file whose ending is no shape's is not opened here, and where it can be opened, as a message with its path; `None`
 /// where it may be a mesh.
-pub fn opened_elsewhere(path: &Path) -> Option<String> {
+fn opened_elsewhere(path: &Path) -> Option<String> {
     let why = match ending(path).as_str() {
         named if COMPANIONS.contains(&named) => "is read with the mesh that names it: open that one",
         picture if PICTURES.contains(&picture) => {
@@ -113,6 +140,19 @@ mod tests {
         assert_eq!(opened(&["a.mtl", "a.OBJ", "a.png", "b.xyz"]), ["a.OBJ", "b.xyz"]);
         assert_eq!(opened(&["a.bin", "a.chladni", "a.KTX2"]), ["a.chladni"]);
         assert_eq!(opened(&["a.png", "a.mtl"]), ["a.png", "a.mtl"]);
+        let (known, left_out) = opened_together(&["LICENSE", "a.obj", "b.npy"].map(PathBuf::from));
+        assert_eq!(known, [PathBuf::from("a.obj")]);
+        assert!(
+            left_out.len() == 2
+                && left_out[0].contains("LICENSE: is no file")
+                && left_out[1].contains("b.npy")
+        );
+        let album = ["a.cue", "b.mp3", "sample:octopus"].map(PathBuf::from);
+        assert_eq!(
+            opened_together(&album),
+            (album[1..].to_vec(), vec!["a.cue: is no file that is opened here".into()])
+        );
+        assert_eq!(opened_together(&["scan".into()]), (vec!["scan".into()], Vec::new()));
         let is_shape = |name: &str| opened_elsewhere(Path::new(name)).is_none();
         assert!(MESHES.iter().chain([&PROJECT]).all(|ending| is_shape(&format!("a.{ending}"))));
         assert!(["a", "a.xyz", "sample:octopus"].into_iter().all(is_shape));

@@ -24,7 +24,7 @@ use crate::studio::job::Job;
 use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::unsaved::{Answer, Question};
-use crate::work::formats::{MESHES, PROJECT, is_project, opened_elsewhere, without_companions};
+use crate::work::formats::{MESHES, PROJECT, is_project, opened_together};
 use crate::work::{Error, layer_against};
 
 impl CaricatureRoom {
@@ -39,7 +39,8 @@ impl CaricatureRoom {
     pub(super) fn open_together(&mut self, paths: &[PathBuf], anew: bool, shared: &mut Shared<'_>) {
         let paths = self.shapes_among(paths, shared);
         // A single mesh is compared with the shape that is open, or will be.
-        let has_shape = self.session.is_some() || self.loading.is_some() || self.candidate.is_some();
+        let is_open = self.session.is_some() || self.loading.is_some() || self.candidate.is_some();
+        let has_shape = is_open && !self.is_untouched_sample();
         let new_shape = anew || !has_shape || paths.len() > 1;
         let (projects, mut meshes): (Vec<PathBuf>, Vec<PathBuf>) =
             paths.into_iter().partition(|path| is_project(path));
@@ -55,12 +56,15 @@ impl CaricatureRoom {
         }
     }
 
+    /// Whether the shape is the sample that stands here in the beginning, as it was.
+    fn is_untouched_sample(&self) -> bool {
+        self.unasked && self.session.as_ref().is_none_or(|session| !session.history.is_modified())
+    }
+
     /// The meshes and projects among `paths`; of other files, it says where they are opened.
     fn shapes_among(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) -> Vec<PathBuf> {
-        let opened = without_companions(paths).into_iter();
-        let (shapes, others): (Vec<PathBuf>, Vec<PathBuf>) =
-            opened.partition(|path| opened_elsewhere(path).is_none());
-        for why in others.iter().filter_map(|path| opened_elsewhere(path)) {
+        let (shapes, left_out) = opened_together(paths);
+        for why in left_out {
             if shapes.is_empty() {
                 self.refuse(Error::Input(why), shared);
             } else {
@@ -120,6 +124,7 @@ impl CaricatureRoom {
     }
 
     fn begin(&mut self, mut candidate: Candidate, ctx: &Context) {
+        self.unasked = false;
         self.templates = std::mem::take(&mut candidate.templates);
         let label = match &candidate.project.shape {
             ShapeSource::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),

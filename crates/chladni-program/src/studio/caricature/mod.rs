@@ -113,6 +113,8 @@ pub struct CaricatureRoom {
     patience: Duration,
     /// Opening failed: do not open the sample automatically.
     refused: bool,
+    /// The shape that is open, or being opened, is the sample that nobody asked for.
+    unasked: bool,
 }
 
 impl Room for CaricatureRoom {
@@ -135,6 +137,7 @@ impl Room for CaricatureRoom {
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
         if self.session.is_none() && self.loading.is_none() && !self.refused {
             self.open_sample("head", shared);
+            self.unasked = true;
         }
         self.poll(shared);
         let mut edits = Edits::default();

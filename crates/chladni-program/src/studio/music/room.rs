@@ -112,6 +112,10 @@ impl Room for MusicRoom {
         !self.apart && self.concert.as_ref().is_some_and(Concert::on_stage)
     }
 
+    fn asks(&self) -> bool {
+        self.filming.asks()
+    }
+
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
         // The songs go on in another room.
         #[cfg(target_os = "linux")]
@@ -174,15 +178,21 @@ impl Room for MusicRoom {
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
-        let mut songs = Vec::new();
-        for path in &formats::without_companions(paths) {
+        let (mut songs, mut shape) = (Vec::new(), None);
+        let (opened, left_out) = formats::opened_together(paths);
+        left_out.into_iter().for_each(|why| shared.notices.warn(why));
+        for path in &opened {
             match formats::kind(path) {
                 _ if playlist::is_list(path) => songs.extend(songs_of_list(path, shared)),
                 Kind::Text => self.waiting.push(path.clone()),
                 Kind::Song => songs.push(path.clone()),
                 Kind::Project | Kind::Mesh | Kind::List => {
-                    if let Some(why) = formats::opened_elsewhere(path) {
-                        shared.notices.warn(why);
+                    let first = *shape.get_or_insert(path);
+                    if first != path {
+                        let (first, other) = (first.display(), path.display());
+                        shared
+                            .notices
+                            .warn(format!("{other}: one shape dances at a time, and {first} is opened"));
                         continue;
                     }
                     if let Some((show, _)) = self.coming.take() {
