@@ -109,7 +109,8 @@ fn what_lies_beside_a_mesh_is_read_with_it_and_no_layer() {
     let skin = chladni_view::Picture::filled(2, 2, [200, 90, 60, 255]).to_png().unwrap();
     std::fs::write(desk.path("head.png"), skin).unwrap();
     let mut person = desk.sit_down(&[]);
-    person.drop_files(&["head.mtl", "head.obj", "head.png"].map(|name| desk.path(name)));
+    std::fs::write(desk.path("LICENSE"), "words").unwrap();
+    person.drop_files(&["LICENSE", "head.mtl", "head.obj", "head.png"].map(|name| desk.path(name)));
     person.wait_to_see("642 vertices");
     assert!(!person.sees("Layer "));
     person.drop_files(&["template.obj", "template.mtl"].map(|name| desk.path(name)));
@@ -360,6 +361,29 @@ fn letters_grow_as_far_as_the_window_has_room() {
     let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1000.0, 640.0));
     let viewport = person.0.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
     viewport.inner_rect = Some(rect);
-    person.press_with(CTRL, Key::Plus);
+    // Plus stands above the equals sign.
+    person.press_with(CTRL, Key::Equals);
     assert!(person.sees("enlarge the window first"));
+    let viewport = person.0.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    viewport.inner_rect = Some(rect * 2.0);
+    let zoom = |person: &Person| person.0.ctx.zoom_factor();
+    for (key, expected) in [(Key::Plus, 1.1), (Key::Equals, 1.21), (Key::Num0, 1.0)] {
+        person.press_with(CTRL, key);
+        person.0.run_steps(2);
+        assert!((zoom(&person) - expected).abs() < 1e-3, "{key:?}: {}", zoom(&person));
+    }
+}
+
+#[test]
+fn the_first_mesh_takes_the_place_of_the_sample_that_nobody_chose() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&[]);
+    person.press_with(CTRL, Key::Tab);
+    person.0.run_steps(2);
+    person.drop_files(&[desk.path("shape.obj")]);
+    person.wait_to_see("642 vertices");
+    assert!(!person.sees("Layer "));
+    person.drop_files(&[desk.path("template.obj")]);
+    person.wait_to_see("Layer template");
+    assert!(person.sees("642 vertices"));
 }
