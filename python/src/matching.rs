@@ -45,7 +45,8 @@ fn pairs(landmarks: &Bound<'_, PyAny>, sizes: [usize; 2]) -> PyResult<Vec<Landma
         let is_vertex = value >= 0.0 && value.fract() == 0.0 && value < sizes[side] as f64;
         let reason = || {
             let shape = side + 1;
-            format!("landmark {i} names vertex {value} of shape {shape}, which has {} vertices", sizes[side])
+            let (landmark, n) = (i + 1, sizes[side]);
+            format!("landmark {landmark} names vertex {value} of shape {shape}, which has {n} vertices")
         };
         if is_vertex { Ok(value as u32) } else { Err(InputError::new_err(reason())) }
     };

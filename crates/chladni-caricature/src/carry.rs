@@ -1,5 +1,6 @@
 //! The same recipe on another shape: everything that names vertices or places of the old one is carried over.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use chladni_match::{
@@ -11,7 +12,8 @@ use chladni_task::Task;
 use crate::{
     CaricatureError, GivenEllipsoid, Layer, Painted, Project, Region, Sphere, SurfacePoint, Template,
 };
-use chladni_mesh::surface::vec3::{Vec3, distance};
+use chladni_mesh::surface::TriangleTree;
+use chladni_mesh::surface::vec3::Vec3;
 
 /// A project on another shape.
 #[derive(Clone, Debug)]
@@ -136,15 +138,23 @@ impl Way {
     /// Landmarks whose end on the old mesh moves to the new vertex that lies nearest to it. If two move to
     /// the same vertex, the first is kept.
     fn landmarks(&self, from: &TriMesh, landmarks: &[Landmark]) -> Vec<Landmark> {
-        let mut carried: Vec<Landmark> = Vec::with_capacity(landmarks.len());
+        if landmarks.is_empty() {
+            return Vec::new();
+        }
+        // Of each place the first vertex, as a triangle of one point.
+        let mut is_taken = vec![false; self.new_operator_vertices];
+        let first = |(v, vertex): (u32, &Option<u32>)| {
+            let taken = is_taken.get_mut((*vertex)? as usize)?;
+            (!std::mem::replace(taken, true)).then_some([v; 3])
+        };
+        let places: Vec<[u32; 3]> = (0..).zip(&self.new_operator_vertex).filter_map(first).collect();
+        let tree = TriangleTree::new(&self.points, &places);
+        let (mut carried, mut known) = (Vec::with_capacity(landmarks.len()), HashSet::new());
         for landmark in landmarks {
             let Some(old) = from.positions.get(landmark.shape as usize) else { continue };
-            let used = self.points.iter().zip(&self.new_operator_vertex).enumerate();
-            let near =
-                used.filter(|(_, (_, vertex))| vertex.is_some()).map(|(v, (p, _))| (v, distance(*p, *old)));
-            let Some((vertex, _)) = near.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-            let shape = vertex as u32;
-            if carried.iter().all(|known| known.shape != shape) {
+            let Some(near) = tree.closest(*old, f64::INFINITY) else { continue };
+            let [shape, ..] = places[near.on.triangle as usize];
+            if known.insert(shape) {
                 carried.push(Landmark { shape, ..*landmark });
             }
         }

@@ -144,14 +144,15 @@ impl Template {
         self == other || given || (portrait(self) && portrait(other))
     }
 
-    /// Whether landmarks that were set on this template are wrong on the `next` one: on another mesh, unless it is one file
-    /// that was moved. Portraits with other sliders are meshes of their own.
+    /// Whether landmarks that were set on this template go where the `next` one replaces it: a mesh takes them along, unless
+    /// the next one is the same file, moved. What is no mesh would not remember which one they belong to. Portraits with
+    /// other sliders are meshes of their own.
     pub fn loses_landmarks_to(&self, next: &Self) -> bool {
         let has_same_vertices = match (self, next) {
             (Self::File(one), Self::File(two)) => one.file_name() == two.file_name(),
             _ => self == next,
         };
-        self.is_mesh() && next.is_mesh() && !has_same_vertices
+        self.is_mesh() && !has_same_vertices
     }
 
     /// Its file; `None` where it has none.

@@ -149,7 +149,8 @@ impl MatchRequest {
         mesh: &TriMesh,
         task: &Task,
     ) -> Result<Matched, CaricatureError> {
-        let stands = like_template(mesh, &found, task)?;
+        let known = self.template.mesh().map_or_else(Known::default, |source| source.known());
+        let stands = like_template(mesh, known, &found, task)?;
         let Match { correspondence, report } = found;
         let filled = infilled(shape, &correspondence).map_err(|error| self.failure(error.to_string()))?;
         let infill = match filled {
@@ -166,13 +167,14 @@ impl MatchRequest {
     }
 }
 
-/// The orientation of a shape that was matched with `template`.
+/// The orientation of a shape that was matched with `template`, of whose own orientation `known` is known.
 fn like_template(
     template: &TriMesh,
+    known: Known,
     matched: &Match,
     task: &Task,
 ) -> Result<Option<Orientation>, CaricatureError> {
-    let Ok(found) = Estimate::of(template, Known::default(), task) else {
+    let Ok(found) = Estimate::of(template, known, task) else {
         task.check()?;
         return Ok(None);
     };

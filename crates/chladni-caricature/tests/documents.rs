@@ -386,16 +386,22 @@ fn landmarks_go_with_the_template_that_they_were_set_on() {
     let mut history = History::new(empty());
     history.apply(&Action::Add { index: 0, layer: Box::new(layer) }, None).unwrap();
     let id = history.project().layers()[0].0;
-    let mut landmarks = |template: &str| {
+    let left = |history: &History| history.project().layers()[0].1.matching.landmarks.len();
+    let put = |history: &mut History, template: &str| {
         let to = Property::Template(template.parse().unwrap());
         history.apply(&Action::Set { layer: id, to }, None).unwrap();
-        history.project().layers()[0].1.matching.landmarks.len()
+        left(history)
     };
-    // A file that was moved, and what is no mesh and needs none.
-    assert_eq!((landmarks("two/other.obj"), landmarks("ellipsoid"), landmarks("two/other.obj")), (3, 3, 3));
-    assert_eq!(landmarks("two/third.obj"), 0);
+    // A file that was moved.
+    assert_eq!(put(&mut history, "two/other.obj"), 3);
+    assert_eq!(put(&mut history, "two/third.obj"), 0);
     history.undo().unwrap();
-    assert_eq!(history.project().layers()[0].1.matching.landmarks.len(), 3);
+    assert_eq!(left(&history), 3);
+    // What is no mesh does not carry them on to another one.
+    assert_eq!((put(&mut history, "ellipsoid"), put(&mut history, "two/third.obj")), (0, 0));
+    history.undo().unwrap();
+    history.undo().unwrap();
+    assert_eq!(left(&history), 3);
 }
 
 #[test]

@@ -79,15 +79,16 @@ pub fn same_connectivity(
     check_triangles(shape, template)?;
     let shape_surface = UnitSurface::new(shape, Side::Shape)?;
     let template_surface = UnitSurface::new(template, Side::Template)?;
-    let weights: Vec<f64> =
-        shape_surface.point_of_vertex.iter().map(|p| f64::from(u8::from(p.is_some()))).collect();
-    let similarity = Similarity::fit(&template.positions, &shape.positions, Some(&weights), scaling)?;
     let mut corner: Vec<Option<(u32, usize)>> = vec![None; template.positions.len()];
     for (t, corners) in template.triangles.iter().enumerate() {
         for (i, &v) in corners.iter().enumerate() {
             corner[v as usize].get_or_insert((t as u32, i));
         }
     }
+    // A copy that no triangle uses need not lie in the same place in both.
+    let used = shape_surface.point_of_vertex.iter().zip(&corner).map(|(p, c)| p.is_some() && c.is_some());
+    let weights: Vec<f64> = used.map(|used| f64::from(u8::from(used))).collect();
+    let similarity = Similarity::fit(&template.positions, &shape.positions, Some(&weights), scaling)?;
     // A copy of a vertex that no triangle uses goes with the one in its place.
     let mut corner_of_point = vec![None; shape_surface.points.len()];
     for (point, corner) in shape_surface.point_of_vertex.iter().zip(&corner) {
@@ -150,12 +151,16 @@ fn check_triangles(shape: &TriMesh, template: &TriMesh) -> Result<(), MatchError
     let absent_in = |others: &[[u32; 3]], own: &[[u32; 3]]| -> Vec<[u32; 3]> {
         own.iter().filter(|t| others.binary_search(t).is_err()).copied().collect()
     };
-    let missing = absent_in(&theirs, &ours);
-    if ours.len() == theirs.len() && are_halves_of_same_quads(&missing, &absent_in(&ours, &theirs)) {
+    let (missing, extra) = (absent_in(&theirs, &ours), absent_in(&ours, &theirs));
+    if ours.len() == theirs.len() && are_halves_of_same_quads(&missing, &extra) {
         return Ok(());
     }
-    let missing = missing.len();
-    Err(MatchError::TrianglesDiffer { missing, triangles: ours.len(), template_triangles: theirs.len() })
+    Err(MatchError::TrianglesDiffer {
+        missing: missing.len(),
+        extra: extra.len(),
+        triangles: ours.len(),
+        template_triangles: theirs.len(),
+    })
 }
 
 /// Whether two sets of triangles divide the same quads along other diagonals: two sides of each triangle are then also

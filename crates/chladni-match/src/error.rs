@@ -69,13 +69,12 @@ pub enum MatchError {
         template_vertices: usize,
     },
     /// The meshes should have the same connectivity, but only their numbers of vertices agree.
-    #[error(
-        "not the same connectivity: {missing} of the shape's {triangles} triangles are not among the template's \
-         {template_triangles}"
-    )]
+    #[error("not the same connectivity: {}", differing([*missing, *extra], [*triangles, *template_triangles]))]
     TrianglesDiffer {
         /// How many of the shape's triangles the template lacks.
         missing: usize,
+        /// How many of the template's triangles the shape lacks.
+        extra: usize,
         /// m of the shape.
         triangles: usize,
         /// m of the template.
@@ -97,8 +96,9 @@ pub enum MatchError {
         /// Length of the second.
         right: usize,
     },
-    /// A landmark refers to a vertex that does not exist or that no triangle uses.
-    #[error("landmark {landmark}: vertex {vertex} of the {side} {problem}")]
+    /// A landmark refers to a vertex that does not exist or that no triangle uses. The text counts from one, as lists of
+    /// landmarks do.
+    #[error("landmark {}: vertex {vertex} of the {side} {problem}", landmark + 1)]
     Landmark {
         /// Index of the pair, from zero.
         landmark: usize,
@@ -144,4 +144,17 @@ pub enum MatchError {
     /// The task was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// How triangles differ: `missing` ones of the shape's, whose number comes first, and `extra` ones of the template's.
+fn differing([missing, extra]: [usize; 2], [ours, theirs]: [usize; 2]) -> String {
+    let absent = format!("{missing} of the shape's {ours} triangles are not among the template's {theirs}");
+    match (missing, extra) {
+        (0, 0) => {
+            format!("some of the shape's {ours} triangles, or of the template's {theirs}, are there twice")
+        }
+        (0, _) => format!("{extra} of the template's {theirs} triangles are not among the shape's {ours}"),
+        (_, 0) => absent,
+        _ => format!("{absent}, and {extra} of those not among the shape's"),
+    }
 }

@@ -5,6 +5,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::num::NonZeroUsize;
 
+use chladni_mesh::surface::components;
 use chladni_task::Task;
 use glam::DVec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
@@ -138,8 +139,8 @@ impl Graph {
     }
 }
 
-/// Pairs of nodes that share a vertex. Nodes outside the largest component are also paired with the nearest
-/// nodes of other components: eyes and teeth then follow their head.
+/// Pairs of nodes that share a vertex, and, where edges are too long for that, pairs along the edges. Nodes outside the
+/// largest component are also paired with the nearest nodes of other components: eyes and teeth then follow their head.
 fn edges(
     surface: &UnitSurface,
     nodes: &[u32],
@@ -152,6 +153,7 @@ fn edges(
             pairs.extend(list[..i].iter().map(|b| (a.0.min(b.0), a.0.max(b.0))));
         }
     }
+    pairs.extend(along_edges(surface, nodes.len(), blend, &pairs));
     pairs.sort_unstable();
     pairs.dedup();
     let mut edges: Vec<(u32, u32, f64)> = pairs.into_iter().map(|(i, j)| (i, j, 1.0)).collect();
@@ -169,6 +171,31 @@ fn edges(
         edges.extend(ties.collect::<Result<Vec<_>, MatchError>>()?.into_iter().flatten());
     }
     Ok(edges)
+}
+
+/// Pairs of nodes, the strongest at the two ends of an edge, that `pairs` do not connect, not even through others: edges
+/// longer than nodes reach would leave each vertex a node of its own, which nothing stiffens.
+fn along_edges(
+    surface: &UnitSurface,
+    nodes: usize,
+    blend: &[Vec<(u32, f64)>],
+    pairs: &[(u32, u32)],
+) -> Vec<(u32, u32)> {
+    let joined: Vec<[u32; 3]> = pairs.iter().map(|&(i, j)| [i, j, j]).collect();
+    let patch = components(nodes, &joined);
+    let node = |v: usize| blend[v].first().map(|b| b.0);
+    let mut along = Vec::new();
+    for v in 0..surface.points.len() {
+        for &w in surface.neighbors(v) {
+            if let (Some(i), Some(j)) = (node(v), node(w as usize))
+                && i < j
+                && patch[i as usize] != patch[j as usize]
+            {
+                along.push((i, j));
+            }
+        }
+    }
+    along
 }
 
 /// The nodes in a tree, to find the nearest ones of other components.
@@ -291,6 +318,24 @@ mod tests {
                 assert_eq!(others.nearest(i), nearest, "node {i}");
             }
         }
+    }
+
+    #[test]
+    fn nodes_are_paired_along_edges_that_are_longer_than_they_reach_and_only_there() {
+        let graph = |subdivisions: u32, count: usize| {
+            let surface =
+                UnitSurface::new(&chladni_mesh::samples::icosphere(subdivisions), Side::Shape).unwrap();
+            Graph::new(&surface, count, 1, &Task::new()).unwrap()
+        };
+        // Each vertex is a node, which shares none: all 480 edges tie.
+        let coarse = graph(2, 1000);
+        assert_eq!((coarse.nodes.len(), coarse.edges.len()), (162, 480));
+        assert!(coarse.blend.iter().all(|blend| blend.len() == 1));
+        let fine = graph(4, 100);
+        let share = |i: u32, j: u32| {
+            fine.blend.iter().any(|blend| [i, j].iter().all(|node| blend.iter().any(|b| b.0 == *node)))
+        };
+        assert!(fine.edges.iter().all(|&(i, j, _)| share(i, j)));
     }
 
     #[test]

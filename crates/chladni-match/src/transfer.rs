@@ -14,7 +14,8 @@ pub struct Transfer {
     pub positions: Vec<[f64; 3]>,
     /// The confidence in each vertex's match with the neutral shape, in [0, 1].
     pub confidence: Vec<f64>,
-    /// How well the target and the neutral shape match.
+    /// How well the target and the neutral shape match. Its warnings begin with those of the match of the neutral shape
+    /// with the expression, where there was one.
     pub report: MatchReport,
 }
 
@@ -36,8 +37,9 @@ pub fn transfer(
     settings: &MatchSettings,
     task: &Task,
 ) -> Result<Transfer, MatchError> {
-    let difference = difference(neutral, expression, settings, task)?;
-    let found = match_shapes(target, neutral, settings, task)?;
+    let (difference, warnings) = difference(neutral, expression, settings, task)?;
+    let mut found = match_shapes(target, neutral, settings, task)?;
+    found.report.warnings.splice(..0, warnings);
     let Correspondence { on_template, similarity, confidence, .. } = &found.correspondence;
     let still = similarity.apply([0.0; 3]);
     let turned = |d: [f64; 3]| -> [f64; 3] {
@@ -59,16 +61,17 @@ pub fn transfer(
 }
 
 /// The displacement of each vertex of `neutral` that makes it `expression`, in the coordinates of
-/// `neutral`.
+/// `neutral`, and the warnings of their match.
 fn difference(
     neutral: &TriMesh,
     expression: &TriMesh,
     settings: &MatchSettings,
     task: &Task,
-) -> Result<Vec<[f64; 3]>, MatchError> {
+) -> Result<(Vec<[f64; 3]>, Vec<String>), MatchError> {
     let less = |(x, r): (&[f64; 3], &[f64; 3])| std::array::from_fn(|i| r[i] - x[i]);
     if has_same_vertices(neutral, expression) {
-        return Ok(neutral.positions.iter().zip(&expression.positions).map(less).collect());
+        let between = neutral.positions.iter().zip(&expression.positions);
+        return Ok((between.map(less).collect(), Vec::new()));
     }
     // Landmarks, and vertices in the same order, are of the target and the neutral shape.
     let method = match settings.method {
@@ -77,9 +80,11 @@ fn difference(
     };
     let settings = MatchSettings { landmarks: Vec::new(), method, ..settings.clone() };
     let found = match_shapes(neutral, expression, &settings, task)?;
+    let named = |w: &String| format!("the neutral shape, matched with the expression as its template: {w}");
+    let warnings = found.report.warnings.iter().map(named).collect();
     let target =
         infilled(neutral, &found.correspondence)?.map_or(found.correspondence.target, |filled| filled.target);
-    Ok(neutral.positions.iter().zip(&target).map(less).collect())
+    Ok((neutral.positions.iter().zip(&target).map(less).collect(), warnings))
 }
 
 #[cfg(test)]
@@ -138,6 +143,19 @@ mod tests {
             whole += d.iter().map(|d| d * d).sum::<f64>();
         }
         assert!((0.6..1.4).contains(&(along / whole)), "{along} of {whole}");
+    }
+
+    #[test]
+    fn warnings_about_the_expression_are_heard_too() {
+        let neutral = torus(0.4, 24, 12);
+        let mut expression = neutral.clone();
+        expression.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let settings = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
+        let found = transfer(&neutral, &expression, &neutral, &settings, &Task::new()).unwrap();
+        let first = &found.report.warnings[0];
+        assert!(first.starts_with("the neutral shape, matched with the expression"), "{first}");
+        let turned = |warning: &&String| warning.contains("faces of the template look inward");
+        assert_eq!(found.report.warnings.iter().filter(turned).count(), 1);
     }
 
     #[test]

@@ -33,6 +33,8 @@ pub(crate) fn unfold(
     task: &Task,
 ) -> Result<(), MatchError> {
     let template = partners.template;
+    let mut stays = vec![false; shape.points.len()];
+    fixed.iter().for_each(|v| stays[*v as usize] = true);
     let mut trial = at.to_vec();
     let mut folds = folded(shape, template, at);
     let mut least = per_component(shape, &folds);
@@ -43,7 +45,7 @@ pub(crate) fn unfold(
             break;
         }
         let mut active = around(shape, &folds, 1 + round / ROUNDS_PER_RING);
-        active.retain(|v| !fixed.contains(v));
+        active.retain(|v| !stays[*v as usize]);
         for _ in 0..SWEEPS {
             let moved: Vec<(u32, Closest)> = active
                 .par_iter()

@@ -203,16 +203,12 @@ fn landmarks_that_are_not_there_are_named() {
     for (s, t, side) in [(100_000, 0, Side::Shape), (0, 100_000, Side::Template), (0, loose, Side::Template)]
     {
         let landmarks = vec![Landmark { shape: s, template: t }];
-        let failed = match_shapes(
-            &shape,
-            &template,
-            &MatchSettings { landmarks, ..settings(Method::Fit) },
-            &Task::new(),
-        );
-        match failed {
-            Err(MatchError::Landmark { landmark: 0, side: found, .. }) => assert_eq!(found, side),
-            other => panic!("{other:?}"),
-        }
+        let wrong = MatchSettings { landmarks, ..settings(Method::Fit) };
+        let failed = match_shapes(&shape, &template, &wrong, &Task::new()).unwrap_err();
+        let is_named =
+            matches!(&failed, MatchError::Landmark { landmark: 0, side: found, .. } if *found == side);
+        // The text counts from one.
+        assert!(is_named && failed.to_string().starts_with("landmark 1: "), "{failed:?}");
     }
     let few = match_shapes(&shape, &shape, &settings(Method::Map), &Task::new());
     assert_eq!(few, Err(MatchError::TooFewLandmarks(0)));

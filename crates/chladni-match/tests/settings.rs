@@ -47,7 +47,17 @@ fn the_same_vertices_are_told_by_their_triangles() {
     inside_out.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     assert!(matches!(matched(&inside_out), Err(MatchError::TrianglesDiffer { .. })));
     let fewer = TriMesh { triangles: shape.triangles[1..].to_vec(), ..shape.clone() };
-    assert!(matches!(matched(&fewer), Err(MatchError::TrianglesDiffer { missing: 1, .. })));
+    assert!(matches!(matched(&fewer), Err(MatchError::TrianglesDiffer { missing: 1, extra: 0, .. })));
+    // Also where only the template has more, or one of them twice.
+    let refused = |shape: &TriMesh, template: &TriMesh| {
+        same_connectivity(shape, template, Scaling::Free).unwrap_err().to_string()
+    };
+    let said = refused(&fewer, &shape);
+    assert!(said.ends_with("1 of the template's 320 triangles are not among the shape's 319"), "{said}");
+    let mut twice = shape.clone();
+    twice.triangles.push(shape.triangles[0]);
+    let said = refused(&shape, &twice);
+    assert!(said.contains("320") && said.contains("321") && said.ends_with("twice"), "{said}");
 }
 
 /// A quadrilateral may become an arrowhead, and has then to be divided along its other diagonal.
@@ -83,9 +93,12 @@ fn polygons_that_are_divided_otherwise_are_the_same() {
 fn a_copy_that_no_triangle_uses_goes_with_the_vertex_in_its_place() {
     let mut shape = lump(3);
     shape.positions.push(shape.positions[7]);
-    let mut template = moved(&shape, |[x, y, z]| [1.1 * x, y, z + 0.1 * x]);
+    let stretch = |[x, y, z]: [f64; 3]| [1.1 * x, y, z + 0.1 * x];
+    let mut template = moved(&shape, stretch);
     template.positions[642] = [9.0, 0.0, 0.0];
     let found = same_connectivity(&shape, &template, Scaling::Free).unwrap();
+    let bare = same_connectivity(&lump(3), &moved(&lump(3), stretch), Scaling::Free).unwrap();
+    assert_eq!(found.similarity, bare.similarity, "where it lies does not tilt the rest");
     assert_eq!(found.confidence[642], 1.0);
     assert_eq!(found.target[642], found.target[7]);
     assert!(infilled(&shape, &found).unwrap().is_none());

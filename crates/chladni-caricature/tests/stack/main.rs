@@ -268,6 +268,17 @@ fn what_a_match_is_not_trusted_at_is_filled_in_as_far_as_asked_and_no_longer_exa
     assert!(project.apply(&Action::Set { layer, to: Property::Infill(1.1) }, None).is_err());
 }
 
+/// A sample stands with y up, though the surface of a lump does not say so.
+#[test]
+fn a_shape_stands_as_a_template_whose_orientation_is_known() {
+    let mesh = bodies::lump();
+    let body = Body::build(&mesh, &BasisSettings::new(8), &Task::new()).unwrap();
+    let matching = MatchSettings { method: Method::Same, ..MatchSettings::default() };
+    let request = MatchRequest { template: Template::Sample("lump".into()), matching };
+    let stands = request.run(&mesh, &body, Some(&mesh), &Task::new()).unwrap().stands.unwrap();
+    assert!(stands.angle_to(&chladni_mesh::Orientation::Y_UP) < 1e-3, "{stands}");
+}
+
 #[test]
 fn harmonics_do_not_outlive_another_number_of_them() {
     let mesh = chladni_mesh::samples::icosphere(2);

@@ -31,18 +31,12 @@ pub fn sitter(
     given: Option<(Template, MatchSettings)>,
     watcher: &impl Watcher,
 ) -> Result<Sitter, Error> {
-    let usual = MatchSettings::default;
-    let mut templates: Vec<(Template, MatchSettings)> = given.into_iter().collect();
-    let parts = match head(mesh, stack, watcher)? {
-        Some(parts) => {
-            templates.push((Template::Sample(HEAD.into()), usual()));
-            parts
-        }
+    let named = head(mesh, stack, watcher)?;
+    let templates = all_templates(given, named.is_some(), stack.body().basis.harmonics());
+    let parts = match named {
+        Some(parts) => parts,
         None => limbs(stack, watcher)?,
     };
-    templates.push((Template::Ellipsoid, usual()));
-    let all = stack.body().basis.harmonics();
-    add_smooth(&mut templates, all);
     for (template, matching) in &templates {
         let request = MatchRequest { template: template.clone(), matching: matching.clone() };
         let own = !template.is_mesh()
@@ -57,13 +51,26 @@ pub fn sitter(
     Ok(Sitter::new(stack, &templates, parts)?)
 }
 
-/// Adds the shape made smooth, of whose harmonics there are `all`: each only once, as few harmonics make all alike.
-fn add_smooth(templates: &mut Vec<(Template, MatchSettings)>, all: usize) {
-    for smooth in SMOOTH.map(|harmonics| Template::LowPass(harmonics.min(all))) {
-        if templates.iter().all(|(known, _)| *known != smooth) {
-            templates.push((smooth, MatchSettings::default()));
+/// The template that is `given`, a plain head where the shape is one, an ellipsoid, and the shape made smooth, of whose
+/// harmonics there are `all`: each only once, as few harmonics make all alike.
+fn all_templates(
+    given: Option<(Template, MatchSettings)>,
+    is_head: bool,
+    all: usize,
+) -> Vec<(Template, MatchSettings)> {
+    let usual = |template: Template| (template, MatchSettings::default());
+    // Only a mesh is matched in more than one way.
+    let given = given.map(|given| if given.0.is_mesh() { given } else { usual(given.0) });
+    let head = is_head.then(|| Template::Sample(HEAD.into()));
+    let smooth = SMOOTH.map(|harmonics| Template::LowPass(harmonics.min(all)));
+    let own = head.into_iter().chain([Template::Ellipsoid]).chain(smooth);
+    let mut templates = Vec::new();
+    for template in given.into_iter().chain(own.map(usual)) {
+        if !templates.contains(&template) {
+            templates.push(template);
         }
     }
+    templates
 }
 
 /// The named parts of the head `mesh`, its match with the plain head, and the plain head; `None` if `mesh` is not a
@@ -145,15 +152,31 @@ mod tests {
 
     #[test]
     fn a_shape_made_smooth_is_one_template_where_it_has_few_harmonics() {
-        let kept = |given: &[usize], all: usize| -> Vec<Template> {
-            let given = given.iter().map(|harmonics| Template::LowPass(*harmonics));
-            let mut templates: Vec<_> = given.map(|smooth| (smooth, MatchSettings::default())).collect();
-            add_smooth(&mut templates, all);
-            templates.into_iter().map(|(template, _)| template).collect()
+        let kept = |given: Option<usize>, all: usize| -> Vec<usize> {
+            let given = given.map(|harmonics| (Template::LowPass(harmonics), MatchSettings::default()));
+            let smooth = |(template, _): &(Template, MatchSettings)| match template {
+                Template::LowPass(harmonics) => Some(*harmonics),
+                _ => None,
+            };
+            all_templates(given, false, all).iter().filter_map(smooth).collect()
         };
-        assert_eq!(kept(&[], 5), [5].map(Template::LowPass));
-        assert_eq!(kept(&[], 96), [8, 30].map(Template::LowPass));
-        assert_eq!(kept(&[8], 20), [8, 20].map(Template::LowPass));
+        assert_eq!(kept(None, 5), [5]);
+        assert_eq!(kept(None, 96), [8, 30]);
+        assert_eq!(kept(Some(8), 20), [8, 20]);
+    }
+
+    #[test]
+    fn a_template_that_is_given_is_there_once() {
+        let usual = MatchSettings::default();
+        let icp = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
+        let head = Template::Sample(HEAD.into());
+        let count = |template: &Template, matching: &MatchSettings| {
+            let all = all_templates(Some((template.clone(), matching.clone())), true, 96);
+            all.iter().filter(|(known, _)| known == template).count()
+        };
+        assert_eq!((count(&head, &usual), count(&Template::Ellipsoid, &usual)), (1, 1));
+        // A mesh that is matched otherwise is another template; an ellipsoid knows one way only.
+        assert_eq!((count(&head, &icp), count(&Template::Ellipsoid, &icp)), (2, 1));
     }
 
     /// The number that `parts --level` prints, from 0, and --limb takes.

@@ -1,5 +1,6 @@
 //! A shape as it is worked on: whole, or, where it is very large, through a proxy.
 
+use std::collections::HashSet;
 use std::fmt::Display;
 use std::sync::Arc;
 
@@ -184,12 +185,13 @@ impl Subject {
         let Some(proxy) = &self.proxy else { return Ok((landmarks, None)) };
         let all = landmarks.len();
         let mut kept: Vec<Landmark> = Vec::with_capacity(all);
+        let mut known = HashSet::new();
         for landmark in landmarks {
             let Some(shape) = proxy.nearest(landmark.shape) else {
                 let vertex = landmark.shape;
                 return Err(Error::input(format_args!("the shape has no vertex {vertex} to be a landmark")));
             };
-            if kept.iter().all(|known| known.shape != shape) {
+            if known.insert(shape) {
                 kept.push(Landmark { shape, ..landmark });
             }
         }
