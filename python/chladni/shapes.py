@@ -16,7 +16,8 @@ class Basis(_chladni.Basis):
 
     ``Basis(V, F, k, *, whole_clusters=False, threads=None, progress=None)`` takes vertices (n, 3) and triangles (m, 3) of
     any mesh with area. Vertices in one place are welded: they have equal rows and share their area. With
-    ``whole_clusters``, a k that would cut a multiple eigenvalue is raised to the end of its group.
+    ``whole_clusters``, a k that would cut a multiple eigenvalue is raised to the end of its group; without, that is a
+    `ChladniWarning`.
 
     ``threads`` are all of the machine's unless given, at most 1024; the result does not depend on them.
 
