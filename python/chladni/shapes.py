@@ -2,13 +2,14 @@
 
 import errno
 import os
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
 from . import _chladni
 from ._arguments import count
-from ._errors import FileError, InputError, MissingFileError
+from ._errors import ChladniWarning, FileError, InputError, MissingFileError
 
 
 class Basis(_chladni.Basis):
@@ -190,4 +191,7 @@ def _basis(V, F, k, progress):
     except TypeError:
         # No array of vertices: the basis says why.
         n = k
-    return Basis(V, F, min(k, max(n, 1)), progress=progress)
+    with warnings.catch_warnings():
+        # A caricature hardly depends on which of the last equal harmonics it has.
+        warnings.filterwarnings("ignore", "harmonic .* group of equal eigenvalues", ChladniWarning)
+        return Basis(V, F, min(k, max(n, 1)), progress=progress)
