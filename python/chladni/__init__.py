@@ -15,6 +15,7 @@ from ._errors import (
     InternalError,
     MissingFileError,
     NotCertifiedError,
+    RanksError,
 )
 from .functional_maps import FM_to_p2p, p2p_to_FM, zoomout_refine
 from .geodesics import MeshHeatMethodDistanceSolver, compute_distance, compute_distance_multisource
@@ -39,6 +40,7 @@ __all__ = [
     "MeshHeatMethodDistanceSolver",
     "MissingFileError",
     "NotCertifiedError",
+    "RanksError",
     "StoredBasis",
     "Symmetry",
     "auto_HKS",

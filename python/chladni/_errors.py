@@ -13,6 +13,10 @@ class NotCertifiedError(Error, RuntimeError):
     """The pairs that were found did not pass their check, so that none are returned."""
 
 
+class RanksError(Error, RuntimeError):
+    """The ranks of SLEPc ended without a result: the message says why."""
+
+
 class FileError(Error, OSError):
     """A mesh could not be read or written."""
 

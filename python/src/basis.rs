@@ -160,6 +160,14 @@ impl Basis {
             })
         })?;
         warn_of(py, &report, &body.basis.certificate)?;
+        if report.cuts_cluster && !whole_clusters {
+            let last = body.basis.harmonics().saturating_sub(1);
+            let warning = format!(
+                "harmonic {last} belongs to a group of equal eigenvalues that goes on; \
+                 Basis(…, whole_clusters=True) takes all of it"
+            );
+            arrays::warn(py, &[warning])?;
+        }
         let (frame, positions, triangles) = (body.frame, body.positions.clone(), body.triangles.clone());
         let operator_vertex = body.operator_vertex.clone();
         let rows = into_rows(body);

@@ -13,6 +13,7 @@ pyo3::import_exception!(chladni._errors, InputError);
 pyo3::import_exception!(chladni._errors, InternalError);
 pyo3::import_exception!(chladni._errors, MissingFileError);
 pyo3::import_exception!(chladni._errors, NotCertifiedError);
+pyo3::import_exception!(chladni._errors, RanksError);
 
 /// Why a call has no result, on a thread that knows no Python.
 #[derive(Debug)]
@@ -21,6 +22,8 @@ pub enum Failure {
     Input(String),
     /// A result that did not pass its check.
     NotCertified(String),
+    /// The ranks of SLEPc ended without a result.
+    Ranks(String),
     /// A file could not be read or written.
     File(String),
     /// The engine is at fault.
@@ -34,6 +37,7 @@ impl From<Failure> for PyErr {
         match failure {
             Failure::Input(reason) => InputError::new_err(reason),
             Failure::NotCertified(reason) => NotCertifiedError::new_err(reason),
+            Failure::Ranks(reason) => RanksError::new_err(reason),
             Failure::File(reason) => FileError::new_err(reason),
             Failure::Internal(reason) => InternalError::new_err(reason),
             Failure::Cancelled => PyKeyboardInterrupt::new_err("cancelled"),
@@ -58,9 +62,8 @@ impl From<HarmonicsError> for Failure {
         match error {
             HarmonicsError::Cancelled(Cancelled) => Self::Cancelled,
             HarmonicsError::NotCertified { .. } => Self::NotCertified(error.to_string()),
-            HarmonicsError::Threads(_) | HarmonicsError::RanksFailed { .. } => {
-                Self::Internal(error.to_string())
-            }
+            HarmonicsError::RanksFailed { .. } => Self::Ranks(error.to_string()),
+            HarmonicsError::Threads(_) => Self::Internal(error.to_string()),
             HarmonicsError::Stored { .. } => Self::File(error.to_string()),
             _ => Self::Input(error.to_string()),
         }

@@ -35,6 +35,10 @@ pub fn settings(
 
 /// (m, 2) vertices, of the first shape and of the second.
 fn pairs(landmarks: &Bound<'_, PyAny>, sizes: [usize; 2]) -> PyResult<Vec<Landmark>> {
+    // An empty list has one dimension as an array.
+    if landmarks.len().is_ok_and(|m| m == 0) {
+        return Ok(Vec::new());
+    }
     let (values, [_, width]) = arrays::matrix(landmarks, "landmarks")?;
     let n = values.len() / width.max(1);
     if width != 2 {

@@ -72,7 +72,8 @@ def test_vertices_in_one_place_share_their_row_and_their_area(ball):
 
 def test_whole_clusters_end_where_eigenvalues_differ(sphere):
     # The three of degree 1 are equal on an icosphere.
-    assert len(chladni.Basis(*sphere, 3).eigenvalues) == 3
+    with pytest.warns(chladni.ChladniWarning, match="harmonic 2 .* whole_clusters=True"):
+        assert len(chladni.Basis(*sphere, 3).eigenvalues) == 3
     whole = chladni.Basis(*sphere, 3, whole_clusters=True)
     assert len(whole.eigenvalues) == whole.eigenvectors.shape[1] == 4
 
@@ -137,7 +138,8 @@ def test_what_is_no_mesh_is_refused(ball):
 def test_arrays_of_any_layout_and_number_type_are_taken(ball):
     V, F = ball
     V = np.round(V * 100)
-    values = chladni.Basis(V, F, 10).eigenvalues
+    # Nine end with a group of equal eigenvalues: nothing to warn of.
+    values = chladni.Basis(V, F, 9).eigenvalues
     layouts = [
         (np.asfortranarray(V), np.asfortranarray(F)),
         (np.repeat(V, 2, axis=0)[::2], np.repeat(F, 2, axis=1)[:, ::2]),
@@ -149,4 +151,4 @@ def test_arrays_of_any_layout_and_number_type_are_taken(ball):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for vertices, faces in layouts:
-            assert (chladni.Basis(vertices, faces, 10).eigenvalues == values).all()
+            assert (chladni.Basis(vertices, faces, 9).eigenvalues == values).all()

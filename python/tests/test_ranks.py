@@ -1,8 +1,91 @@
 """Bases by SLEPc on the ranks of MPI."""
 
+import math
+import os
+import runpy
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
 import chladni
 import numpy as np
 import pytest
+
+# What a rank leaves: pairs of 642 vertices that are none, and a count.
+LEAVES = """
+import array, json, sys
+folder, count = sys.argv[1], int(sys.argv[2])
+seconds = dict.fromkeys(["read", "count", "solve", "polish"], 0)
+values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+report = dict(rows=[0, 642], eigenvalues=values, counts=[[7.0, count]], peak_bytes=1, seconds=seconds)
+json.dump(report, open(folder + "/rank-0.json", "w"))
+array.array("d", range(6 * 642)).tofile(open(folder + "/rank-0.f64", "wb"))
+"""
+
+
+@pytest.fixture
+def mpirun(tmp_path, monkeypatch):
+    """Puts an mpirun on the PATH that does what it is given, and a Python that seems to have slepc4py."""
+    if os.name != "posix":
+        pytest.skip("the programs are scripts")
+
+    def install(script):
+        version = '[ "$1" = --version ] && echo "Open MPI" && exit 0'
+        for name, text in (("python", ""), ("mpirun", f"{version}\n{script}\n")):
+            program = tmp_path / name
+            program.write_text("#!/bin/sh\n" + text)
+            program.chmod(0o755)
+        monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+        monkeypatch.setenv("CHLADNI_MPI_PYTHON", str(tmp_path / "python"))
+
+    return install
+
+
+def test_ranks_that_end_without_a_result_say_why(ball, mpirun):
+    mpirun('echo "chladni: rank 0 on a: it broke" >&2; exit 3')
+    with pytest.raises(chladni.RanksError, match="rank 0 on a: it broke"):
+        chladni.Basis(*ball, 5, engine="slepc", ranks=1)
+
+
+@pytest.mark.parametrize(("count", "reason"), [(9, "counts of eigenvalues"), (7, "relative residual")])
+def test_a_basis_of_ranks_that_fails_its_check_is_refused(ball, mpirun, tmp_path, count, reason):
+    (tmp_path / "leaves.py").write_text(LEAVES)
+    mpirun(f'for folder; do :; done; exec "{sys.executable}" "{tmp_path}/leaves.py" "$folder" {count}')
+    with pytest.raises(chladni.NotCertifiedError, match=reason):
+        chladni.Basis(*ball, 5, engine="slepc", ranks=1)
+
+
+class Counted:
+    """Counts given eigenvalues, as MUMPS does by its factors."""
+
+    def __init__(self, values):
+        self.values, self.times = np.sort(values), 0
+
+    def below(self, shift):
+        self.times += 1
+        return int(np.searchsorted(self.values, shift))
+
+
+@pytest.mark.parametrize(
+    ("values", "most"),
+    [
+        # A surface, a long tube, and one eigenvalue that many parts share.
+        (np.arange(2000.0), 29),
+        (np.arange(2000.0) ** 2 * 1e-6, 29),
+        (np.r_[0, 0.02, np.full(500, 0.3), np.arange(1.0, 500)], 502),
+    ],
+)
+def test_the_bound_of_the_interval_has_few_more_than_k_below_it(values, most, monkeypatch):
+    path = Path(__file__).parents[2] / "crates/chladni-harmonics/src/ranks/factored.py"
+    if not path.exists():
+        pytest.skip("only in the repository")
+    for name in ("petsc4py", "slepc4py", "ritz"):
+        monkeypatch.setitem(sys.modules, name, SimpleNamespace(PETSc=None, SLEPc=None, rotated=None))
+    counter = Counted(values)
+    low, high, count = runpy.run_path(str(path))["interval"](counter, 10, 1, 1.0, 1e-6)
+    assert 0 < low < high < math.inf and counter.below(low) == 1
+    assert count == counter.below(high) == counter.below(high * (1 - 1e-6))
+    assert 10 <= count <= most and counter.times < 50
 
 
 def test_ranks_find_what_the_own_solver_finds(ball):

@@ -44,6 +44,8 @@ def test_a_match_with_a_moved_self_finds_the_motion(pebble):
     same = chladni.match(V, F, moved, F, method="same")
     assert (same.p2p == np.arange(len(V))).all() and np.abs(same.targets - V).max() < 1e-9
     assert same.residual_median is None and same.residual_p95 is None
+    for none in ([], np.empty((0, 2), int)):
+        assert (chladni.match(V, F, moved, F, none, method="same").p2p == same.p2p).all()
     with pytest.warns(chladni.ChladniWarning, match="look inward"):
         assert chladni.match(V, F[:, ::-1], moved, F, method="icp").coverage > 0.99
     for bad in (dict(landmarks=[[0, 10**6]]), dict(landmarks=[[0.5, 1]]), dict(landmarks=[1, 2]), dict(method="x")):

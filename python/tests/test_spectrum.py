@@ -115,6 +115,18 @@ def test_what_is_not_asked_of_this_solver_is_refused(ball, elements):
         assert chladni.eigsh(S, 12, M, sigma=sigma)[0][0] == 0
     with pytest.raises(chladni.NotCertifiedError, match="tol"):
         chladni.eigsh(S, 12, M, sigma=0, tol=1e-300)
+    assert chladni.eigsh(S, 12, M, sigma=0, tol=1e-9)[0][0] == 0
+
+
+def test_tol_is_of_small_eigenvalues_too():
+    # Rounding alone is 10⁻⁷ of the first eigenvalue, and 10⁻¹⁵ of the largest.
+    n = 20
+    turn = np.linalg.qr(np.random.default_rng(0).standard_normal((n, n)))[0]
+    A = turn @ np.diag([1e-8, *range(1, n)]) @ turn.T
+    A = 0.5 * (A + A.T)
+    assert chladni.eigsh(A, 3, sigma=0, tol=1e-2)[0][0] == pytest.approx(1e-8, rel=1e-3)
+    with pytest.raises(chladni.NotCertifiedError, match="relative residual"):
+        chladni.eigsh(A, 3, sigma=0, tol=1e-11)
 
 
 def test_the_laplacian_of_a_mesh(sphere, square):

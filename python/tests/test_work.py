@@ -124,7 +124,8 @@ def test_arguments_of_a_wrong_type_are_refused_in_a_line(call):
 
 
 def test_exceptions_are_one_family():
-    for kind in (chladni.InputError, chladni.NotCertifiedError, chladni.FileError, chladni.InternalError):
+    kinds = (chladni.InputError, chladni.NotCertifiedError, chladni.RanksError, chladni.FileError, chladni.InternalError)
+    for kind in kinds:
         assert issubclass(kind, chladni.Error)
     assert issubclass(chladni.InputError, ValueError)
 

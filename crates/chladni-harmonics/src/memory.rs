@@ -162,7 +162,7 @@ fn too_large(vertices: usize, harmonics: usize, needed: u64, free: u64) -> Harmo
 }
 
 /// A number of bytes in words, with a tenth of its unit.
-fn size(bytes: u64) -> String {
+pub(crate) fn size(bytes: u64) -> String {
     let bytes = bytes as f64;
     if bytes < 1e9 { format!("{:.1} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }

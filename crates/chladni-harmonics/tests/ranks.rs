@@ -165,6 +165,26 @@ fn a_cancelled_solve_ends_its_ranks_and_leaves_nothing() {
 }
 
 #[test]
+fn harmonics_that_are_kept_on_disk_are_reported() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = bumpy(3);
+    let operator = Operator::of(&mesh).unwrap();
+    // In memory 40 harmonics take about 1,600 bytes a vertex, on disk 1,300.
+    let settings = BasisSettings {
+        memory_bytes: Some(1400 * operator.vertices() as u64),
+        scratch: Some(folder.path().to_owned()),
+        ..BasisSettings::new(40)
+    };
+    match Body::solve_on_ranks(&mesh, &operator, &settings, &Ranks::here(1), &Task::new()) {
+        Ok((_, report, _)) => assert!(report.short_of_memory.is_some_and(|short| short.scratch.is_some())),
+        Err(HarmonicsError::NoRanks { reason } | HarmonicsError::RanksFailed { reason }) => {
+            println!("skipped: {reason}")
+        }
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
 fn too_many_harmonics_are_refused() {
     let mesh = shapes::icosphere(1);
     let operator = Operator::of(&mesh).unwrap();

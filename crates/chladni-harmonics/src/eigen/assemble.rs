@@ -61,14 +61,7 @@ pub(super) fn assemble(
         .map(|((found, own), shared)| measure(problem, found, own, shared))
         .collect();
     let certificate = certificate(&measured);
-    if certificate.max_relative_residual > MAX_RELATIVE_RESIDUAL
-        || certificate.max_orthogonality_error > MAX_ORTHOGONALITY_ERROR
-    {
-        return Err(HarmonicsError::not_certified(format!(
-            "the relative residual is {:.1e} and the orthogonality error {:.1e}",
-            certificate.max_relative_residual, certificate.max_orthogonality_error
-        )));
-    }
+    check_certificate(&certificate)?;
     task.check()?;
     let n = pencil.mass.len();
     let mut vectors = wanted.vectors(n, keep)?;
@@ -92,6 +85,21 @@ pub(super) fn assemble(
     let mut eigenvalues = vec![0.0; zeros];
     eigenvalues.extend(entries.iter().map(|e| e.value));
     Ok(Basis { eigenvalues, vectors, mass: pencil.mass.to_vec(), certificate })
+}
+
+/// Refuses pairs whose errors are too large to return them, or that are not as many as were counted.
+pub(crate) fn check_certificate(certificate: &Certificate) -> Result<(), HarmonicsError> {
+    if certificate.inertia_counts_match == Some(false) {
+        return Err(HarmonicsError::not_certified("the counts of eigenvalues do not agree"));
+    }
+    let Certificate { max_relative_residual: residual, max_orthogonality_error: overlap, .. } = *certificate;
+    // NaN is not small.
+    if residual <= MAX_RELATIVE_RESIDUAL && overlap <= MAX_ORTHOGONALITY_ERROR {
+        return Ok(());
+    }
+    Err(HarmonicsError::not_certified(format!(
+        "the relative residual is {residual:.1e} and the orthogonality error {overlap:.1e}"
+    )))
 }
 
 /// Writes the pairs of one slice as columns of `out`.
@@ -233,5 +241,30 @@ fn certificate(measured: &[Option<Measured>]) -> Certificate {
         inertia_counts_match: Some(true),
         max_relative_residual: relative,
         max_orthogonality_error: overlap,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_that_are_wrong_missing_or_unmeasured_are_refused() {
+        let rough = Certificate {
+            laplacian: Laplacian::default(),
+            inertia_counts_match: None,
+            max_relative_residual: 9e-8,
+            max_orthogonality_error: 9e-8,
+        };
+        assert!(check_certificate(&rough).is_ok());
+        for refused in [
+            Certificate { inertia_counts_match: Some(false), ..rough },
+            Certificate { max_relative_residual: 2e-7, ..rough },
+            Certificate { max_relative_residual: f64::NAN, ..rough },
+            Certificate { max_orthogonality_error: 2e-7, ..rough },
+        ] {
+            let error = check_certificate(&refused).unwrap_err();
+            assert!(matches!(error, HarmonicsError::NotCertified { .. }), "{error}");
+        }
     }
 }

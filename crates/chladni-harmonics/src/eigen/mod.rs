@@ -21,6 +21,7 @@ mod window;
 
 use chladni_task::{Stage, Task};
 
+pub(crate) use assemble::check_certificate;
 use components::Kind;
 pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};

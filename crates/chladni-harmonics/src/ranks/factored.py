@@ -1,5 +1,7 @@
 """All eigenpairs of A up to a bound by factors of A − σI: MUMPS counts eigenvalues and solves."""
 
+import math
+
 import numpy as np
 from petsc4py import PETSc
 from slepc4py import SLEPc
@@ -8,6 +10,10 @@ from ritz import rotated
 
 TOLERANCE = 1e-10
 ROUNDS = 40
+# A bound with more eigenvalues below it than this share of K and a few is lowered, for so many rounds at most and unless
+# one nearer to it than this ratio is known to have too few: there lies a group of many equal eigenvalues.
+SPARE, FEW = 1.25, 16
+LOWERED, NEAR = 20, 1.02
 # MUMPS's INFOG(1) where memory or a limit of it is too small (its manual, section "Error and warning diagnostics").
 NO_MEMORY = (-7, -8, -9, -11, -12, -13, -17, -19, -20, -22)
 
@@ -31,7 +37,8 @@ class Counter:
         # PETSc leaves it at a flag where MUMPS fails.
         code = factor.getMumpsInfog(1)
         if code in NO_MEMORY:
-            raise MemoryError("the factors do not fit on these ranks; --iterative solves without factors")
+            without = "--iterative (Python: iterative=True) solves without factors"
+            raise MemoryError(f"the factors do not fit on these ranks; {without}")
         if code < 0:
             raise RuntimeError(f"MUMPS cannot factor A − σI: its error {code}")
         return factor
@@ -42,8 +49,8 @@ class Counter:
 
 
 def interval(counter, wanted, zeros, weyl, gap):
-    """(a, b) with the zeros alone below a, and at least `wanted` eigenvalues below b, none of them nearer to it than the
-    share `gap`."""
+    """(a, b) with the zeros alone below a, and at least `wanted` eigenvalues below b, but not many more, and none of them
+    nearer to it than the share `gap`; and the number of eigenvalues below b."""
     low = 0.05 * weyl
     for _ in range(ROUNDS):
         if counter.below(low) == zeros:
@@ -52,10 +59,18 @@ def interval(counter, wanted, zeros, weyl, gap):
     else:
         raise RuntimeError(f"there are not {zeros} eigenvalues at 0: no shift is just above them")
     high, room = max(1.02 * weyl * (wanted + 2 - zeros), 4 * low), 1
-    for _ in range(ROUNDS):
+    # The highest shift with too few below it, the lowest with too many.
+    lower, upper = low, math.inf
+    for attempt in range(ROUNDS):
         count = counter.below(high)
         if count < wanted:
+            lower = high
             high *= min(max(1.02, (wanted + 3) / max(count, 1)), 4)
+            if high >= upper:
+                high = math.sqrt(lower * upper) if upper > NEAR * lower else upper
+        elif count > SPARE * wanted + FEW and high > NEAR * lower and attempt < LOWERED:
+            upper = high
+            high = max(high * (wanted + 3) / count, math.sqrt(lower * high))
         elif counter.below(high * (1 - gap)) == count:
             return low, high, count
         else:

@@ -148,7 +148,8 @@ fn reason(complaints: &[String]) -> String {
             .into();
     }
     if complaints.iter().any(|line| line.contains("on signal 9")) {
-        return "a rank was killed, as systems do where memory ends: --iterative solves without factors, and more hosts have more memory"
+        return "a rank was killed, as systems do where memory ends: --iterative (Python: iterative=True) solves \
+                without factors, and more hosts have more memory"
             .into();
     }
     let of_rank = complaints.iter().find_map(|line| line.strip_prefix("chladni: "));
@@ -167,8 +168,9 @@ impl Drop for Running {
             return;
         }
         // After a request to terminate, mpirun ends its ranks on all hosts; if it were killed, it would
-        // leave them behind.
-        let asked = other_program("kill", Needs::Files).args(["-TERM", &self.0.id().to_string()]).status();
+        // leave them behind. The shell has a kill of its own, on machines without that program, too.
+        let end = format!("kill -TERM {}", self.0.id());
+        let asked = other_program("sh", Needs::Files).args(["-c", &end]).status();
         let until = Instant::now() + FAREWELL;
         while asked.as_ref().is_ok_and(std::process::ExitStatus::success) && Instant::now() < until {
             if matches!(self.0.try_wait(), Ok(Some(_))) {
@@ -201,7 +203,7 @@ mod tests {
         );
         assert_eq!(reason_of("-----\n\n  Bad hosts\n---"), "Bad hosts");
         let killed = "mpirun noticed that process rank 1 with PID 0 on node a exited on signal 9 (Killed).";
-        assert!(reason_of(killed).contains("--iterative"));
+        assert!(reason_of(killed).contains("--iterative (Python: iterative=True)"));
         assert!(
             reason_of("mpirun has detected an attempt to run as root.").contains("OMPI_ALLOW_RUN_AS_ROOT=1")
         );

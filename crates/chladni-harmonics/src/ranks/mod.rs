@@ -20,9 +20,9 @@ use chladni_task::{Task, private_folder};
 use serde::{Deserialize, Serialize};
 
 use crate::build::file_triangles;
-use crate::eigen::{CLUSTER, certify, cluster_end, largest_group};
+use crate::eigen::{CLUSTER, certify, check_certificate, cluster_end, largest_group};
 use crate::operator::Domain;
-use crate::values::Keep;
+use crate::values::{Keep, check_folder};
 use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, canonical, memory};
 use launch::Launcher;
 use pairs::Pairs;
@@ -69,7 +69,7 @@ pub struct Ranks {
     /// A host file of MPI; `None` for this machine alone.
     pub hosts: Option<PathBuf>,
     /// The folder for the operator and the vectors, which all hosts must see under this name; `None` for
-    /// the system's folder of temporary files. Files there are private and removed afterwards.
+    /// [`BasisSettings::default_scratch`]. Files there are private and removed afterwards.
     pub scratch: Option<PathBuf>,
 }
 
@@ -163,8 +163,8 @@ impl Body {
     /// of N.
     ///
     /// # Errors
-    /// [`HarmonicsError::NoRanks`] if MPI or slepc4py is missing or the requested ranks are impossible,
-    /// [`HarmonicsError::RanksFailed`] if the ranks fail, and the errors of [`Body::build`].
+    /// [`HarmonicsError::NoRanks`] if MPI or slepc4py is missing, the requested ranks are impossible or their
+    /// folder has no room, [`HarmonicsError::RanksFailed`] if the ranks fail, and the errors of [`Body::build`].
     pub fn solve_on_ranks(
         mesh: &TriMesh,
         operator: &Operator,
@@ -185,8 +185,11 @@ impl Body {
         let settings = BasisSettings { harmonics, ..settings.clone() };
         let keep = memory::room_for_harmonics(vertices, 1, &settings)?;
         let cover = operator.cover;
-        let mut report = BuildReport { asked, vertices, without_area, cover, ..BuildReport::default() };
+        let short_of_memory = keep.short_of(1, 1, vertices, harmonics);
+        let mut report =
+            BuildReport { asked, vertices, without_area, cover, short_of_memory, ..BuildReport::default() };
         let (mut basis, of_ranks) = solve(operator, &settings, ranks, keep, task)?;
+        task.check()?;
         canonical::choose(&mut basis, &operator.positions, &operator.stiffness);
         let whole = basis.harmonics();
         if !settings.whole_clusters && whole > harmonics {
@@ -225,6 +228,9 @@ fn solve(
         InnerSolver::Iterated => 0,
     };
     let pairs = if harmonics > zeros {
+        let is_shared = matches!(keep, Keep::Folder(kept) if kept == scratch_of(ranks));
+        let entries = operator.stiffness.values.len();
+        check_room(folder.path(), bytes_of(operator.vertices(), entries, harmonics, is_shared))?;
         task.stage("writing the operator", 0);
         let for_ranks = Settings {
             harmonics,
@@ -236,13 +242,14 @@ fn solve(
         write_problem(folder.path(), operator, &for_ranks)?;
         launcher.run(ranks, &worker, folder.path(), task)?;
         task.stage("reading the harmonics", 0);
-        Pairs::read(folder.path(), ranks.count, operator.vertices(), zeros, keep)?
+        Pairs::read(folder.path(), ranks.count, operator.vertices(), zeros, keep, settings, task)?
     } else {
         let count = constants(zeros, settings);
         let vectors = memory::vectors(operator.vertices(), count, keep, memory::free(settings))?;
         Pairs { vectors, ..Pairs::default() }
     };
     drop(folder);
+    task.check()?;
     task.stage("certificate", 0);
     let counts_match = (groups > 0).then(|| pairs.counts_match(zeros));
     let mut eigenvalues = vec![0.0; constants(zeros, settings)];
@@ -264,6 +271,7 @@ fn solve(
     vectors.truncate(operator.vertices() * count);
     to_harmonics(&mut vectors, operator);
     let certificate = certify(operator.pencil(), zeros, &eigenvalues, &vectors, counts_match);
+    check_certificate(&certificate)?;
     let report = RanksReport {
         ranks: ranks.count,
         groups,
@@ -287,10 +295,30 @@ fn unwritten(error: &std::io::Error) -> HarmonicsError {
     HarmonicsError::RanksFailed { reason: format!("the operator cannot be handed to the ranks: {error}") }
 }
 
+/// The folder that holds what the ranks read and write.
+fn scratch_of(ranks: &Ranks) -> PathBuf {
+    ranks.scratch.clone().unwrap_or_else(BasisSettings::default_scratch)
+}
+
 /// What the ranks read and write, for the owner's eyes alone.
 fn folder_of(ranks: &Ranks) -> std::io::Result<tempfile::TempDir> {
-    let beneath = ranks.scratch.clone().unwrap_or_else(std::env::temp_dir);
-    private_folder(".chladni-ranks-", &fs::canonicalize(beneath)?)
+    private_folder(".chladni-ranks-", &fs::canonicalize(scratch_of(ranks))?)
+}
+
+/// The bytes of what the ranks read and write, and of the basis if it `is_shared`: kept in the same folder.
+fn bytes_of(vertices: usize, entries: usize, harmonics: usize, is_shared: bool) -> u64 {
+    let (vertices, copies) = (vertices as u64, 1 + u64::from(is_shared));
+    let vectors = (8 * copies).saturating_mul(vertices).saturating_mul(harmonics as u64);
+    vectors.saturating_add(12 * entries as u64 + 16 * vertices)
+}
+
+/// Refuses a folder without room for `bytes`: the ranks would find out after hours.
+fn check_room(folder: &Path, bytes: u64) -> Result<(), HarmonicsError> {
+    check_folder(folder, bytes).map_err(|error| {
+        let size = memory::size(bytes);
+        let reason = format!("{}: {size} for the operator and the harmonics: {error}", folder.display());
+        HarmonicsError::NoRanks { reason }
+    })
 }
 
 fn write_problem(folder: &Path, operator: &Operator, settings: &Settings) -> Result<(), HarmonicsError> {
@@ -363,5 +391,19 @@ mod tests {
         assert!(refused(Ranks { hosts: nowhere.clone(), ..Ranks::here(1) }).contains("/no/such/place"));
         assert!(refused(Ranks { scratch: nowhere, ..Ranks::here(1) }).contains("no such folder"));
         assert!(split(2).check().is_ok());
+    }
+
+    #[test]
+    fn a_folder_without_room_is_refused_before_any_work() {
+        assert_eq!(bytes_of(10, 70, 4, false), 320 + 840 + 160);
+        assert_eq!(bytes_of(10, 70, 4, true), 640 + 840 + 160);
+        assert_eq!(bytes_of(1 << 50, 70, 1 << 30, false), u64::MAX);
+        let folder = tempfile::tempdir().unwrap();
+        assert!(check_room(folder.path(), 1 << 20).is_ok());
+        if cfg!(target_os = "linux") {
+            let refused = check_room(folder.path(), 1 << 60).unwrap_err().to_string();
+            assert!(refused.contains("GB for the operator"), "{refused}");
+        }
+        assert_eq!(scratch_of(&Ranks::here(1)), BasisSettings::default_scratch());
     }
 }

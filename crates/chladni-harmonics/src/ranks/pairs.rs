@@ -4,11 +4,13 @@ use std::fs::{self, File};
 use std::io::{BufReader, Read};
 use std::path::Path;
 
+use chladni_task::Task;
 use serde::Deserialize;
 
 use super::RanksSeconds;
-use crate::HarmonicsError;
+use crate::eigen::cluster_end;
 use crate::values::{Keep, Values};
+use crate::{BasisSettings, HarmonicsError, memory};
 
 /// The result of one rank.
 #[derive(Deserialize)]
@@ -30,7 +32,7 @@ struct Part {
 #[derive(Default)]
 pub(super) struct Pairs {
     pub(super) eigenvalues: Vec<f64>,
-    /// Columns of zeros for the constants, followed by the N values of each pair.
+    /// Columns of zeros for the constants, followed by the N values of each pair as far as the group of the K-th goes.
     pub(super) vectors: Values,
     pub(super) counts: Vec<(f64, usize)>,
     pub(super) searches: usize,
@@ -40,12 +42,15 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
+    /// Reads what the ranks left, for a K above `zeros`.
     pub(super) fn read(
         folder: &Path,
         ranks: usize,
         n: usize,
         zeros: usize,
         keep: Keep,
+        settings: &BasisSettings,
+        task: &Task,
     ) -> Result<Self, HarmonicsError> {
         let mut pairs = Self::default();
         let mut next_row = 0;
@@ -55,8 +60,10 @@ impl Pairs {
             let part: Part =
                 serde_json::from_slice(&json).map_err(|_| bad("a result that cannot be read"))?;
             if rank == 0 {
-                let count = n * (zeros + part.eigenvalues.len());
-                pairs.vectors = Values::zeroed(count, keep).map_err(|e| bad(&format!("too much: {e}")))?;
+                // The ranks may find more than is wanted.
+                let wanted = settings.harmonics.saturating_sub(zeros).max(1);
+                let columns = zeros + cluster_end(&part.eigenvalues, wanted);
+                pairs.vectors = memory::vectors(n, columns, keep, memory::free(settings))?;
                 (pairs.eigenvalues, pairs.counts, pairs.seconds) =
                     (part.eigenvalues.clone(), part.counts, part.seconds);
                 pairs.searches = part.searches;
@@ -74,6 +81,7 @@ impl Pairs {
             }
             let mut file = BufReader::with_capacity(1 << 20, file);
             for column in pairs.vectors.chunks_exact_mut(n).skip(zeros) {
+                task.check()?;
                 let rows = bytemuck::cast_slice_mut(&mut column[first..end]);
                 file.read_exact(rows).map_err(|_| bad("vectors that end early"))?;
             }
@@ -113,18 +121,21 @@ mod tests {
     #[test]
     fn damaged_results_of_ranks_are_errors() {
         let folder = tempfile::tempdir().unwrap();
+        let task = Task::new();
         let read = |json: &str, vectors: &[u8]| {
             fs::write(folder.path().join("rank-0.json"), json).unwrap();
             fs::write(folder.path().join("rank-0.f64"), vectors).unwrap();
-            Pairs::read(folder.path(), 1, 2, 0, Keep::Memory).map(|pairs| pairs.vectors)
+            let settings = BasisSettings::new(1);
+            Pairs::read(folder.path(), 1, 2, 0, Keep::Memory, &settings, &task).map(|pairs| pairs.vectors)
         };
-        let json = |rows: &str| {
+        let of = |rows: &str, eigenvalues: &str| {
             format!(
-                r#"{{"rows": {rows}, "eigenvalues": [1.0], "counts": [[2.0, 2]],
+                r#"{{"rows": {rows}, "eigenvalues": {eigenvalues}, "counts": [[2.0, 2]],
                 "peak_bytes": 1, "factor_entries": 3, "factor_flops": 4,
                 "seconds": {{"read": 0, "count": 0, "solve": 0, "polish": 0}}}}"#
             )
         };
+        let json = |rows: &str| of(rows, "[1.0]");
         let two: Vec<u8> = [1.5f64, -2.5].iter().flat_map(|x| x.to_le_bytes()).collect();
         assert_eq!(read(&json("[0, 2]"), &two).unwrap()[..], [1.5, -2.5]);
         for (rows, bytes) in [
@@ -137,5 +148,11 @@ mod tests {
             assert!(read(&json(rows), bytes).is_err(), "{rows}");
         }
         assert!(read("{", &two).is_err());
+        // Of two pairs the one that is wanted, or both if their eigenvalues are equal.
+        let four: Vec<u8> = [&two[..], &two].concat();
+        assert_eq!(read(&of("[0, 2]", "[1.0, 2.0]"), &four).unwrap()[..], [1.5, -2.5]);
+        assert_eq!(read(&of("[0, 2]", "[1.0, 1.0]"), &four).unwrap().len(), 4);
+        task.cancel();
+        assert!(matches!(read(&json("[0, 2]"), &two), Err(HarmonicsError::Cancelled(_))));
     }
 }
