@@ -31,6 +31,11 @@ export function drawStill(now, { clock, position, isKnown }, width, height, { fr
   return drawn;
 }
 
+/** Its picture is gone: it is drawn again where it stands. */
+export function again() {
+  if (stands) stands.drawn = undefined;
+}
+
 /** It moves from now on: where it stood, if it did. */
 export function letGo() {
   const stood = stands;

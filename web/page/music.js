@@ -1,5 +1,5 @@
 // The music room: it shows a concert, and passes on what a person does. All that dances is in the module.
-import { Concert, needs_of_show, samples } from "./chladni_web.js";
+import { Concert, needs_of_text, samples } from "./chladni_web.js";
 import * as listening from "./listening.js";
 import * as player from "./player.js";
 import { Sound } from "./sound.js";
@@ -180,24 +180,11 @@ export { openSongs } from "./player.js";
 
 export async function openText(name, bytes) {
   const text = new TextDecoder().decode(bytes);
-  let needs;
-  try {
-    needs = JSON.parse(needs_of_show(text));
-    // What a page is given has no folders.
-    needs.songs = needs.songs.map(base);
-    needs.body &&= base(needs.body);
-  } catch {
-    // The autopilot's dances go with it.
-    if (state.piloted) {
-      concert.autopilot(false);
-      refresh();
-    }
-    // The place that the window takes, too.
-    const free = state.dances.findLastIndex(({ chosen, locked, favorite }) => !chosen && !locked && !favorite);
-    concert.open_preset(free < 0 ? state.dances.length - 1 : free, text);
-    refresh();
-    return say(`${name}: this dance is in the gallery now.`);
-  }
+  const needs = JSON.parse(needs_of_text(text));
+  if (needs.preset) return takeDance(name, text, needs.caution);
+  // What a page is given has no folders.
+  needs.songs = needs.songs.map(base);
+  needs.body &&= base(needs.body);
   if (!mayReplace("Open the show", "The show is not open: Save show keeps the dances that are here.")) return;
   const begin = (dancing) => {
     dancing.open_show(text);
@@ -216,6 +203,20 @@ export async function openText(name, bytes) {
   refresh();
   lacks = needs.body && needs.body !== state.body ? { name, text, needs, begin } : undefined;
   say(isOpen(name, needs));
+}
+
+/** Takes the text of a dance into the gallery. */
+function takeDance(name, text, caution) {
+  // The autopilot's dances go with it.
+  if (state.piloted) {
+    concert.autopilot(false);
+    refresh();
+  }
+  // The place that the window takes, too.
+  const free = state.dances.findLastIndex(({ chosen, locked, favorite }) => !chosen && !locked && !favorite);
+  concert.open_preset(free < 0 ? state.dances.length - 1 : free, text);
+  refresh();
+  say([`${name}: this dance is in the gallery now.`, caution].filter(Boolean).join(" "), false, caution ? 20 : 8);
 }
 
 /** The news that a show is open, and what it still lacks. */
@@ -315,6 +316,8 @@ const room = {
   byProcessor: () => {
     concert?.draw_by_processor();
     parked?.concert.draw_by_processor();
+    // Its picture went with the card.
+    plate.again();
   },
   drawn: (width, height) => {
     sounding.show(concert);

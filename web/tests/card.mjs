@@ -217,6 +217,7 @@ async function loses({ flags, draw, prepare }) {
     assert.deepEqual((await page.evaluate(() => window.chladni.state)).dances, dances);
     await page.context().close();
     await losesAtFront(within, draw, prepare);
+    if (draw === "webgl") await losesStill(within, draw, prepare);
     step(`${draw}: where the graphics card is lost, the processor goes on`);
   } finally { await within.close(); }
 }
@@ -234,6 +235,17 @@ async function losesAtFront(within, draw, prepare) {
   await until(page, () => document.querySelector("#front .drawn-by").textContent === "Drawn by the processor.");
   await goes("enter", "sample:octopus");
   await moves(page, "dances that were left in the room");
+  await page.context().close();
+}
+
+/** A plate that stands still is seen again where the card is lost. */
+async function losesStill(within, draw, prepare) {
+  const { page } = await opened(SMALL, false, { within, query: `?draw=${draw}`, prepare, reducedMotion: "reduce" });
+  await until(page, () => window.chladni.standsAtSecs >= 6);
+  const { frames } = await page.evaluate(() => window.chladni);
+  await page.evaluate(() => window.lose());
+  await until(page, () => document.querySelector("#front .drawn-by").textContent === "Drawn by the processor.");
+  await until(page, (before) => window.chladni.frames > before, frames);
   await page.context().close();
 }
 

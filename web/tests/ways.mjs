@@ -31,6 +31,10 @@ export async function music() {
   // It takes the stage from the autopilot.
   await page.click("#pilot");
   await until(page, () => window.chladni.state.piloted);
+  // A text that cannot be read ends nothing, and is called what it was meant as.
+  await drop(page, ["newer.toml", Buffer.from("format_version = 99\nactions = []\n")]);
+  await until(page, () => document.getElementById("status").textContent.startsWith("newer.toml: show format version 99"));
+  assert.ok(await page.evaluate(() => window.chladni.state.piloted));
   await page.click("#sand");
   await until(page, () => window.chladni.state.sand && !window.chladni.state.piloted);
   assert.equal(await page.evaluate(() => window.chladni.state.settings.form), "modal", "it is set up for sand");
@@ -82,6 +86,10 @@ export async function music() {
   await until(page, () => document.getElementById("song").textContent === "2 of 2: b.wav");
   await page.fill("#seek", "0.99");
   await until(page, () => !window.chladni.sound.isHeard && window.chladni.position() === 0);
+  // Where the browser holds the sound back, a song is in the list all the same.
+  await page.evaluate(() => { AudioContext.prototype.resume = () => Promise.reject(new DOMException("held back", "InvalidStateError")); });
+  await drop(page, ["held.wav", song(30)]);
+  await until(page, () => document.getElementById("song").textContent === "3 of 3: held.wav");
   await drop(page, ["letter.pdf", Buffer.from("%PDF")], ["cover.jpg", Buffer.from([255, 216])]);
   await until(page, () => /^(letter.pdf|cover.jpg): the page opens meshes/.test(document.getElementById("status").textContent));
   step("a damaged song is reported once, and what is none of the page's is refused");
@@ -110,7 +118,10 @@ export async function caricature() {
   await until(page, () => window.chladni?.frames > 3 && window.chladni.sound.duration > 0);
   await drop(page, ["dent.obj", MESH], ["dent.chladni", PROJECT]);
   await until(page, () => window.chladni.sitting?.shape === "dent.obj" && window.chladni.sitting.solved);
-  step("a project waits for its mesh, and they may come together");
+  const layer = '\n[[layer]]\nname = "Smooth"\ntemplate = "plain/dent.obj"\n';
+  await drop(page, ["twice.chladni", Buffer.from(PROJECT.toString().replace("layer = []\n", "") + layer)]);
+  await until(page, () => document.getElementById("status").textContent.startsWith("twice.chladni names two meshes that are both called dent.obj"));
+  step("a project waits for its mesh, they may come together, and names say which is which");
   await drop(page, ["broken.wav", Buffer.from("no sound")]);
   await until(page, () => document.getElementById("status").textContent.startsWith("broken.wav: not a sound"));
   assert.deepEqual([wrong, elsewhere], [[], []]);

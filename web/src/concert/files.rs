@@ -1,32 +1,53 @@
 //! Shows and presets, as the texts that the desktop reads and writes, too.
 
 use chladni_music::{Action, FileRef, Preset, Show};
-use chladni_program::work::{Hearing, ShowClock, cautions};
+use chladni_program::work::{Hearing, ShowClock, cautions, is_like_a_show};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
 use super::Concert;
 use super::beat::ShowSong;
 
-/// The files of a show that the page has to find by itself.
+/// A preset, or a show with the files that the page has to find by itself.
 #[derive(Serialize)]
 struct Needs {
+    /// It is a preset, which needs none.
+    preset: bool,
     body: Option<String>,
     songs: Vec<String>,
     caution: Option<String>,
 }
 
-/// The body and songs that a show names, as JSON.
+impl Needs {
+    fn of_preset(preset: &Preset) -> Self {
+        Self { preset: true, body: None, songs: Vec::new(), caution: preset.caution() }
+    }
+
+    fn of_show(show: Show) -> Self {
+        Self {
+            preset: false,
+            caution: cautions(&show).reduce(|a, b| format!("{a} {b}")),
+            body: show.body.map(|body| body.path),
+            songs: show.songs.into_iter().map(|song| song.path).collect(),
+        }
+    }
+}
+
+/// Whether a text is a preset or a show, the body and songs that a show names, and what is to be said of either, as JSON.
 ///
 /// # Errors
-/// Text that is not a show.
+/// Text that is neither: the error is that of what it was probably meant as.
 #[wasm_bindgen]
-pub fn needs_of_show(text: &str) -> Result<String, JsError> {
-    let show = Show::from_text(text)?;
-    let needs = Needs {
-        caution: cautions(&show).reduce(|a, b| format!("{a} {b}")),
-        body: show.body.map(|body| body.path),
-        songs: show.songs.into_iter().map(|song| song.path).collect(),
+pub fn needs_of_text(text: &str) -> Result<String, JsError> {
+    let needs = match Preset::from_text(text) {
+        Ok(preset) => Needs::of_preset(&preset),
+        Err(not_preset) => match Show::from_text(text) {
+            Ok(show) => Needs::of_show(show),
+            Err(not_show) => {
+                let why = if is_like_a_show(text) { not_show } else { not_preset };
+                return Err(why.into());
+            }
+        },
     };
     Ok(serde_json::to_string(&needs)?)
 }
@@ -53,7 +74,7 @@ impl Concert {
     }
 
     /// Goes on where a show ended: its gallery, its knobs, its look, its time and what was heard until then. What it was
-    /// danced on, and what is heard from now on, is up to the page ([`needs_of_show`]), which numbers songs as the show does.
+    /// danced on, and what is heard from now on, is up to the page ([`needs_of_text`]), which numbers songs as the show does.
     ///
     /// # Errors
     /// Text that is not a show, and a show that cannot be danced here.

@@ -11,6 +11,7 @@ mod cast;
 mod clock;
 #[cfg(feature = "desktop")]
 mod cover;
+mod dance_text;
 pub mod dancer;
 #[cfg(feature = "desktop")]
 mod deformed;
@@ -73,6 +74,7 @@ pub use cast::Cast;
 pub use clock::{Playing, ShowClock};
 #[cfg(feature = "desktop")]
 pub use cover::cover_of;
+pub use dance_text::is_like_a_show;
 #[cfg(feature = "desktop")]
 pub use deformed::Deformed;
 pub use ear::{BeatCount, Ear};

@@ -17,7 +17,7 @@ use crate::studio::choose::ask_where_to_save;
 use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
-use crate::work::{Error, cautions, playlist, refer, refer_looks, resolve, resolve_looks};
+use crate::work::{Error, cautions, is_like_a_show, playlist, refer, refer_looks, resolve, resolve_looks};
 
 /// The most harmonics that dance live.
 pub const MOST_HARMONICS: usize = 512;
@@ -32,7 +32,8 @@ impl MusicRoom {
                 Ok(show) => return self.open_show(path, show, shared),
                 Err(not_show) => {
                     let unread = matches!(not_preset, chladni_music::MusicError::File { .. });
-                    let why = if !unread && is_like_a_show(&path) { not_show } else { not_preset };
+                    let text = || std::fs::read_to_string(&path).unwrap_or_default();
+                    let why = if !unread && is_like_a_show(&text()) { not_show } else { not_preset };
                     Err(Error::from(why).of(path.display()))
                 }
             },
@@ -233,12 +234,6 @@ pub fn songs_of_list(path: &Path, shared: &mut Shared<'_>) -> Vec<PathBuf> {
             Vec::new()
         }
     }
-}
-
-/// Whether a text that is neither a valid preset nor a valid show was probably meant as a show.
-fn is_like_a_show(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("actions") || table.contains_key("size"))
 }
 
 /// Puts a preset in the last place whose item is neither chosen nor a favorite. The previous generation is
