@@ -138,7 +138,7 @@ async function solve(mine) {
     // Those that are there stay.
     if (state.solved) {
       harmonicsAsked = harmonicsSolved;
-      sitting.act(JSON.stringify({ set_harmonics: harmonicsSolved }));
+      sitting.restore_harmonics(harmonicsSolved);
       solving = false;
       refresh();
     }
@@ -150,7 +150,7 @@ async function solve(mine) {
 
 /** Solves for other harmonics where the project asks for them. */
 async function solveAgain() {
-  if (!state.solved || state.wanted_harmonics === harmonicsAsked) return;
+  if (state.wanted_harmonics === harmonicsAsked) return;
   giveUp(obsolete(), ["solve"]);
   wall.leave();
   await solve(opened);
@@ -221,11 +221,19 @@ function dropLandmarks(name) {
   return marked.length > 0;
 }
 
+/** The page knows a file by its name alone: a project may not name two files of one name. */
+function refuseNamesakes(name, paths) {
+  const names = [...new Set(paths)].map(base);
+  const twice = names.find((each, i) => names.indexOf(each) < i);
+  if (twice) throw new Error(`${name} names two meshes that are both called ${twice}: a page knows files by their names alone; rename one.`);
+}
+
 /** Opens the text of a project, once its shape is there. What it names of the meshes `beside` it, by their names, it takes
  * out of them; they come before others of their names. */
 export async function openProject(name, bytes, beside = new Map()) {
   const text = new TextDecoder().decode(bytes);
   const needs = JSON.parse(needs_of_project(name, text));
+  refuseNamesakes(name, [needs.shape, ...needs.templates]);
   const shapeName = base(needs.shape);
   const brought = needs.file ? beside.get(shapeName) ?? files.get(shapeName) : undefined;
   if (needs.file && !brought) {
@@ -319,7 +327,6 @@ function refresh() {
   if (layer) showLayer(layer);
   chosen.show(layer);
   if (document.activeElement !== of("wanted-harmonics")) of("wanted-harmonics").value = state.wanted_harmonics;
-  of("wanted-harmonics").disabled = !state.solved;
   scaleCurve.show();
   showLandmarks(layer);
   clearTimeout(resting);
@@ -424,6 +431,7 @@ export const tool = {
     if (held === "landmarks") return sitting.hold_landmark(x, y, scale());
     return held === "brush" && state.solved && !!state.layers.length && sitting.point(x, y);
   },
+  paints: () => held === "brush",
   stroke: attempt((x, y) => { stir(); if (held === "landmarks") sitting.move_landmark(x, y); else sitting.press(x, y); }),
   release: attempt(() => {
     if (held === "landmarks") { sitting.drop_landmark(); return changed(); }

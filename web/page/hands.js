@@ -7,8 +7,9 @@ const DRAG = 6;
 
 /**
  * `room()` has `viewer()`, which turns, shifts and zooms, and may have a `tool`: `hover(x, y)` and `leave()` of a pointer
- * that is not pressed, `grabs(x, y)` whether a press begins a stroke, `stroke(x, y)`, `release()`, and `click(x, y, event)`;
- * all in pixels of the picture.
+ * that is not pressed, `grabs(x, y)` whether a press begins a stroke, `paints()` whether that begins at the press rather than
+ * where the pointer drags, `stroke(x, y)`, `release()`, and `click(x, y, event)` of what was not grabbed; all in pixels of the
+ * picture.
  */
 export function hands(places, room) {
   const down = new Map();
@@ -40,7 +41,7 @@ export function hands(places, room) {
       dragged = false;
       tool()?.hover(...at(event));
       stroking = event.button === 0 && !event.altKey && !!tool()?.grabs(...at(event));
-      if (stroking) tool().stroke(...at(event));
+      if (stroking && tool().paints()) tool().stroke(...at(event));
     }
     from = middle();
   };
@@ -66,9 +67,10 @@ export function hands(places, room) {
   };
   const end = (event) => {
     if (!down.delete(event.pointerId)) return;
+    const held = stroking;
     letGo();
     if (down.size) from = middle();
-    else if (!dragged && event.type === "pointerup" && event.target === places[0]) tool()?.click(...at(event), event);
+    else if (!dragged && !held && event.type === "pointerup" && event.target === places[0]) tool()?.click(...at(event), event);
     if (event.pointerType === "touch") tool()?.leave();
   };
   const wheel = (event) => {

@@ -2,13 +2,35 @@
 
 export const of = (id) => document.getElementById(id);
 
+/** How long an error can be read. */
+const ERROR_SECS = 20;
+
+/** What workers do now, in words. */
+const working = new Map();
+/** What went wrong last, and the time until which it can be read. */
+let failed;
 let saying;
-/** Says something in the line at the top, for so long. */
+
+/** Says something in the line at the top, for so long; nothing leaves an error there, and what workers do. */
 export function say(text, bad = false, secs = 8) {
+  if (bad) failed = { text, until: performance.now() + 1000 * ERROR_SECS };
+  else if (text) failed = undefined;
+  if (text) write(text, bad, bad ? ERROR_SECS : secs); else settle();
+}
+
+function write(text, bad, secs) {
   of("status").textContent = text;
   of("status").classList.toggle("bad", bad);
   clearTimeout(saying);
-  if (text) saying = setTimeout(() => say(""), 1000 * (bad ? 20 : secs));
+  if (text) saying = setTimeout(settle, 1000 * secs);
+}
+
+/** Says what is left to be read: an error, the news, and what workers do. */
+function settle(news) {
+  const left = failed ? (failed.until - performance.now()) / 1000 : 0;
+  if (left <= 0) failed = undefined;
+  const text = [failed?.text, news, ...working.values()].filter(Boolean).join(" · ");
+  write(text, !!failed, news ? 20 : failed ? left : 600);
 }
 
 /** Does it, and says what went wrong. */
@@ -32,10 +54,7 @@ export const attemptOf = (name, act) => attempt(async () => {
   try { await act(); } catch (error) { throw ofFile(name, error); }
 })();
 
-/** What workers do now, in words. */
-const working = new Map();
-
-/** What they have done, where that is said, and what they have warned of. */
+/** What workers have done, where that is said, and what they have warned of. */
 let remarks = [];
 
 /** Does what a worker is asked for, which may be cancelled meanwhile. What is said of it is said of `what`: `work` gets
@@ -46,7 +65,7 @@ export async function busy(what, work) {
     if (kind === "warning") return remarks.push(text);
     if (kind === "said") return remarks.unshift(text);
     working.set(job, `${what}: ${text}…`);
-    say([...working.values()].join(" · "), false, 600);
+    settle();
   };
   working.set(job, `${what}…`);
   of("cancel").hidden = false;
@@ -54,7 +73,7 @@ export async function busy(what, work) {
     working.delete(job);
     of("cancel").hidden = working.size === 0;
     if (!working.size) {
-      say(remarks.join(" "), false, 20);
+      settle(remarks.join(" "));
       remarks = [];
     }
   }
@@ -93,14 +112,17 @@ export function refill(parent, children) {
   if (held) parent.querySelector(`[data-key="${CSS.escape(held)}"]`)?.focus();
 }
 
+/** How long a browser may take to fetch what it saves: some ask first. */
+const SAVING_SECS = 120;
+
 /** Downloads a file. */
 export function save(name, content, type = "text/plain") {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content instanceof Blob ? content : new Blob([content], { type }));
   link.download = name;
   link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-  say(`${name} is among your downloads.`);
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000 * SAVING_SECS);
+  say(`${name} goes to your downloads.`);
 }
 
 /** What tests and benchmarks read. */

@@ -35,21 +35,10 @@ async function playSong(song, begins = true) {
   const mine = wish();
   const { pauses } = sound;
   room.endShow();
-  while (song) {
+  let decoded;
+  while (song && !decoded) {
     wanted = song;
-    try {
-      const decoded = await songs.soundOf(song);
-      if (mine !== turn) return;
-      // A pause meanwhile has the last word.
-      const aloud = sound.isHeard || (begins && !!song.file && pauses === sound.pauses);
-      songs.play(song, decoded);
-      sound.load(decoded, isRepeated());
-      room.hear();
-      if (begins && listening.microphone()) await listening.stop();
-      if (aloud) await room.playAloud();
-      songs.prepare(unreadable);
-      break;
-    } catch (error) {
+    try { decoded = await songs.soundOf(song); } catch (error) {
       if (mine !== turn) return;
       unreadable(ofFile(song.name, error));
       song = error.name === "AbortError" ? undefined : songs.strike(song);
@@ -57,12 +46,30 @@ async function playSong(song, begins = true) {
       if (error.name === "AbortError" && sound.hasEnded) sound.pause();
     }
   }
-  if (mine === turn) {
-    wanted = undefined;
-    repeatAsChosen();
+  if (mine !== turn) return;
+  try {
+    if (decoded) await begin(song, decoded, begins, pauses);
+  } finally {
+    if (mine === turn) {
+      wanted = undefined;
+      repeatAsChosen();
+    }
+    goOn();
+    room.refresh();
   }
-  goOn();
-  room.refresh();
+}
+
+/** A song begins that was asked for when there had been so many `pauses`. */
+async function begin(song, decoded, begins, pauses) {
+  const { sound } = room;
+  // A pause meanwhile has the last word.
+  const aloud = sound.isHeard || (begins && !!song.file && pauses === sound.pauses);
+  songs.play(song, decoded);
+  sound.load(decoded, isRepeated());
+  room.hear();
+  if (begins && listening.microphone()) await listening.stop();
+  if (aloud) await room.playAloud();
+  songs.prepare(unreadable);
 }
 
 /** A song that has ended makes room for the next, where the one that was awaited does not come. */

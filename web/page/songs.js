@@ -102,7 +102,7 @@ export function play(song, sound) {
 }
 
 /** Decodes the next song while this one plays. One that was decoded earlier and no longer comes next is dropped. What cannot be
- * read is struck and reported to `failed`, and the next is taken. */
+ * read is struck and reported to `failed`, and the next is taken. So is reported that the worker stopped, but the song stays. */
 export function prepare(failed) {
   const song = playing && beside(playing, 1);
   if (ahead?.song === song) return;
@@ -116,6 +116,11 @@ export function prepare(failed) {
   ahead.sound.catch((error) => {
     // Cancelled, it is decoded when it is to play; another one may have come before it.
     if (error.name === "AbortError" || ahead?.song !== song) return;
+    if (error.name === "StoppedError") {
+      ahead = undefined;
+      failed(ofFile(song.name, error));
+      return;
+    }
     strike(song);
     failed(ofFile(song.name, error));
     prepare(failed);

@@ -4,9 +4,10 @@
 /** How long a sound device may take to begin. Firefox waits for one for ever. */
 const PATIENCE_SECS = 2;
 
-/** Whether a context runs, after as long as a device may take. `resumed` is its promise. */
+/** Whether a context runs, after as long as a device may take. `resumed` is its promise; a browser that holds the sound back
+ * rejects it. */
 export async function runs(context, resumed = context.resume()) {
-  await Promise.race([resumed, new Promise((done) => setTimeout(done, 1000 * PATIENCE_SECS))]);
+  await Promise.race([resumed.catch(() => {}), new Promise((done) => setTimeout(done, 1000 * PATIENCE_SECS))]);
   return context.state === "running";
 }
 
@@ -67,7 +68,8 @@ export class Sound {
     if (!isRunning) {
       if (!this.playing) this.seek(at);
       this.playing = true;
-      resumed.then(() => { if (pauses === this.pauses && this.playing && !this.source) this.play(); });
+      const goOn = () => { if (pauses === this.pauses && this.playing && !this.source) this.play(); };
+      resumed.then(goOn, () => {});
       return false;
     }
     if (this.playing && !this.source) at = this.position();

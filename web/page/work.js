@@ -16,10 +16,13 @@ const workers = new Map();
 const waiting = new Map();
 let next = 0;
 
+/** A worker has ended by itself, which says nothing of what it was asked for. */
+const stoppedBy = (why) => Object.assign(new Error(`The work stopped: ${why ?? "not enough memory?"}`), { name: "StoppedError" });
+
 /** A worker, or a thread of it. */
 function open(file, name) {
   const worker = new Worker(file, { type: "module", name });
-  const stopped = (why) => giveUp(new Error(`The work stopped: ${why ?? "not enough memory?"}`), [name]);
+  const stopped = (why) => giveUp(stoppedBy(why), [name]);
   worker.onmessage = ({ data }) => {
     if (data.kind === "broken") return workers.get(name)?.includes(worker) && stopped(data.text);
     const asked = waiting.get(data.id);

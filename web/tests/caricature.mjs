@@ -156,7 +156,31 @@ export async function laptop() {
   await until(page, () => !document.getElementById("solve").hidden);
   await page.click("#solve");
   await until(page, () => window.chladni.sitting.solved);
-  step("a solve is cancelled, and asked for again");
+  // Cancelled, other harmonics are no step that could be undone.
+  const { undo, harmonics } = await sitting(page);
+  await page.evaluate(() => {
+    const field = document.getElementById("wanted-harmonics");
+    field.value = "200";
+    field.dispatchEvent(new Event("change"));
+    document.getElementById("cancel").click();
+  });
+  await until(page, (count) => window.chladni.sitting.wanted_harmonics === count, harmonics);
+  assert.equal((await sitting(page)).undo, undo);
+  // A shape that is not solved may get fewer.
+  await page.evaluate(async () => {
+    const [sitter, cancel] = ["sitter", "cancel"].map((id) => document.getElementById(id));
+    sitter.value = "sample:template";
+    sitter.dispatchEvent(new Event("change"));
+    while (cancel.hidden) await new Promise(requestAnimationFrame);
+    cancel.click();
+  });
+  await until(page, () => !document.getElementById("solve").hidden);
+  await page.fill("#wanted-harmonics", "64");
+  await page.press("#wanted-harmonics", "Enter");
+  await until(page, () => window.chladni.sitting.solved && window.chladni.sitting.harmonics === 64);
+  await page.selectOption("#sitter", "sample:head");
+  await until(page, () => window.chladni.sitting.shape === "sample:head" && window.chladni.sitting.solved);
+  step("a solve is cancelled, and asked for again, or for other harmonics");
 
   await drop(page, ["other.obj", head(40, 30)]);
   await page.click('#which button[value="template"]');

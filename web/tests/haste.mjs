@@ -7,7 +7,8 @@ import { address, browser, downloaded, drop, opened, step, until } from "./drive
 
 const LAPTOP = { width: 1280, height: 800 };
 
-/** What workers and files are asked for can be held back: what `holds` is part of, until `release()`. */
+/** What workers and files are asked for can be held back: what `holds` is part of, until `release()`. The worker stops that is
+ * asked for what `breaks` is. */
 function holdsBack() {
   const held = [];
   window.holds = undefined;
@@ -17,7 +18,9 @@ function holdsBack() {
   const { postMessage } = Worker.prototype;
   Worker.prototype.postMessage = function (message, ...rest) {
     const post = () => postMessage.call(this, message, ...rest);
-    if (message.work && isHeld(`${message.work} ${message.name}`)) held.push(post); else post();
+    const what = `${message.work} ${message.name}`;
+    if (window.breaks === what) return this.onerror(new ErrorEvent("error", { message: "it broke" }));
+    return message.work && isHeld(what) ? held.push(post) : post();
   };
   const { fetch } = window;
   window.fetch = async (what, ...rest) => {
@@ -184,6 +187,20 @@ export async function shapes() {
   await release(page);
   await dances(page, "ring.obj");
   step("a song plays while the mesh beside it is prepared");
+
+  // What went wrong can be read beside what a worker reports.
+  await holdBack(page, "prepare band.obj");
+  await drop(page, ["band.obj", ring]);
+  await isHeldBack(page);
+  await drop(page, ["letter.pdf", Buffer.from("%PDF")]);
+  await says(page, "letter.pdf: the page opens");
+  await release(page);
+  await until(page, () => {
+    const { textContent, className } = document.getElementById("status");
+    return /letter\.pdf: .* · band\.obj: /.test(textContent) && className === "bad";
+  });
+  await dances(page, "band.obj");
+  step("an error stays while a worker reports");
   await ends(opening);
 }
 
@@ -302,6 +319,16 @@ export async function songs() {
   assert.equal(await page.evaluate(() => window.terminated), 1, "a song that does not come next any more is not decoded");
   await release(page);
   step("the next song is decoded beforehand after Shuffle, and after one is taken out");
+
+  // The worker stops that decodes the next song: that is not the song's fault.
+  await page.evaluate(() => { window.breaks = "decode next.wav"; });
+  await drop(page, ["this.wav", song(30)], ["next.wav", song(30)]);
+  await says(page, "next.wav: The work stopped: it broke");
+  assert.equal(await songNow(page), "3 of 4: this.wav");
+  await page.evaluate(() => { window.breaks = undefined; });
+  await page.click("#next");
+  await songIs(page, "4 of 4: next.wav");
+  step("a song stays where its worker stops");
 
   // A pause while a device begins.
   const isPlaying = await page.evaluate(async () => {

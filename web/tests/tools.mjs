@@ -175,6 +175,10 @@ async function landmarks(page, shot) {
   await shot("laptop-landmarks");
   const txt = readFileSync(await downloaded(page, "#save-landmarks"), "utf8");
   assert.equal(txt.split("\n").filter((line) => /^\d+ \d+/.test(line)).length, 3);
+  // A press on one leaves it where it is, and begins no other pair.
+  const picked = await page.evaluate(() => [window.chladni.sitting.layers.at(-1).landmarks, window.chladni.sitting.hint]);
+  await press(0, 0, 0.05);
+  assert.deepEqual(await page.evaluate(() => [window.chladni.sitting.layers.at(-1).landmarks, window.chladni.sitting.hint]), picked);
   // The first is dragged elsewhere.
   const before = (await layer(page)).landmarks[0].shape;
   const at = [box.x + 0.25 * box.width, box.y + 0.55 * box.height];

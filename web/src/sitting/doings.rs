@@ -61,6 +61,27 @@ impl Sitting {
         Ok(label.map(Into::into))
     }
 
+    /// Takes back harmonics that were not solved for: those that are there are `harmonics`.
+    ///
+    /// # Errors
+    /// Bugs only.
+    pub fn restore_harmonics(&mut self, harmonics: usize) -> Result<(), JsError> {
+        if self.history.project().harmonics == harmonics {
+            return Ok(());
+        }
+        // By the way that led here, so that no step back leads here again: forth where it was a step back.
+        for back in [false, true] {
+            if self.travel(back).is_some() {
+                if self.history.project().harmonics == harmonics {
+                    return Ok(self.refresh()?);
+                }
+                self.travel(!back);
+            }
+        }
+        // Something else was done meanwhile.
+        Ok(self.act_once(&Action::SetHarmonics(harmonics))?)
+    }
+
     /// Chooses the layer that controls and tools change.
     ///
     /// # Errors
@@ -227,6 +248,11 @@ impl Sitting {
             (_, Some(hanging)) => &mut hanging.camera,
             _ => &mut self.stage.camera,
         }
+    }
+
+    /// Undoes a step, or does it again; returns its label, if there was one.
+    fn travel(&mut self, back: bool) -> Option<&'static str> {
+        if back { self.history.undo() } else { self.history.redo() }
     }
 
     /// Does an action as a step of its own.
