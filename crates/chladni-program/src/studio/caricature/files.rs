@@ -78,7 +78,15 @@ impl CaricatureRoom {
     fn load(&mut self, path: &Path, mut templates: Vec<PathBuf>, shared: &mut Shared<'_>) {
         let candidate = if is_project(path) {
             match moved::open(path, &mut templates) {
-                Ok((project, found_moved)) => {
+                Ok((project, found)) => {
+                    for moved::Found { missing, mesh, .. } in found.iter().filter(|found| found.is_in_doubt) {
+                        let (missing, mesh) = (missing.display(), mesh.display());
+                        shared.notices.warn(format!(
+                            "{missing} is not there. {mesh} was taken in its place, but by their names it may be \
+                             another."
+                        ));
+                    }
+                    let found_moved = !found.is_empty();
                     Candidate { path: Some(path.to_owned()), found_moved, ..Candidate::new(project) }
                 }
                 Err(why) => return self.refuse(why, shared),

@@ -1,31 +1,40 @@
 //! Projects whose meshes have moved: opened together with them, a project finds them again by their names.
 
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::{Action, Project, Property, ShapeSource, Template};
 
 use crate::work::Error;
 
-/// Reads the project at `path`. Where a mesh that it names is not there, it names the one of the same file name among
-/// `meshes` instead, which is taken out of them. True where it took one.
+/// A mesh that a project names and that is not there, and the one that it names instead.
+pub struct Found {
+    /// The mesh that is not there.
+    pub missing: PathBuf,
+    /// The mesh in its place.
+    pub mesh: PathBuf,
+    /// Whether paths leave open if it is the right one.
+    pub is_in_doubt: bool,
+}
+
+/// Reads the project at `path`. Where a mesh that it names is not there, it names one of the same file name among
+/// `meshes` instead, which is taken out of them and returned.
 ///
 /// # Errors
 /// A file that is no project, or one whose shape is neither there nor among `meshes`.
-pub fn open(path: &Path, meshes: &mut Vec<PathBuf>) -> Result<(Project, bool), Error> {
+pub fn open(path: &Path, meshes: &mut Vec<PathBuf>) -> Result<(Project, Vec<Found>), Error> {
     let mut project = Project::load(path)?;
-    let mut taken = Vec::new();
-    let mut found = |named: Option<&Path>| {
-        let missing = named.filter(|named| !named.exists())?;
-        let mesh = meshes.iter().find(|mesh| mesh.file_name() == missing.file_name())?;
-        taken.push(mesh.clone());
-        Some(mesh.clone())
+    let found = found(&project, meshes);
+    let in_place_of = |named: Option<&Path>| {
+        let of_it = found.iter().find(|found| named == Some(found.missing.as_path()))?;
+        Some(of_it.mesh.clone())
     };
-    if let Some(mesh) = found(project.shape.file()) {
+    if let Some(mesh) = in_place_of(project.shape.file()) {
         project.shape = ShapeSource::File(mesh);
     }
     let mut templates = Vec::new();
     for (layer, of) in project.layers() {
-        templates.extend(found(of.template.file()).map(|mesh| (*layer, Template::File(mesh))));
+        templates.extend(in_place_of(of.template.file()).map(|mesh| (*layer, Template::File(mesh))));
     }
     for (layer, template) in templates {
         project.apply(&Action::Set { layer, to: Property::Template(template) }, None)?;
@@ -34,8 +43,37 @@ pub fn open(path: &Path, meshes: &mut Vec<PathBuf>) -> Result<(Project, bool), E
         let why = "is not there; drop the project together with its mesh";
         return Err(Error::Input(format!("{}: its shape {} {why}", path.display(), shape.display())));
     }
-    meshes.retain(|mesh| !taken.contains(mesh));
-    Ok((project, !taken.is_empty()))
+    meshes.retain(|mesh| found.iter().all(|found| found.mesh != *mesh));
+    Ok((project, found))
+}
+
+/// For the files of `project` that are not there those of `meshes` that share the most of their paths, counted from the
+/// file name. No mesh is found twice: two heads of the same name are two heads.
+fn found(project: &Project, meshes: &[PathBuf]) -> Vec<Found> {
+    let mut missing: Vec<&Path> = Vec::new();
+    for file in project.files() {
+        if !missing.contains(&file) && !file.exists() {
+            missing.push(file);
+        }
+    }
+    let of = |missing| meshes.iter().map(move |mesh| (common(missing, mesh), missing, mesh.as_path()));
+    let mut pairs: Vec<(usize, &Path, &Path)> = missing.into_iter().flat_map(of).collect();
+    pairs.retain(|(common, ..)| *common > 0);
+    pairs.sort_by_key(|(common, ..)| Reverse(*common));
+    let mut found: Vec<Found> = Vec::new();
+    while let Some(&(common, missing, mesh)) = pairs.first() {
+        pairs.retain(|pair| *pair != (common, missing, mesh));
+        let touches = |pair: &(usize, &Path, &Path)| pair.1 == missing || pair.2 == mesh;
+        let is_in_doubt = pairs.iter().any(|pair| pair.0 == common && touches(pair));
+        pairs.retain(|pair| !touches(pair));
+        found.push(Found { missing: missing.into(), mesh: mesh.into(), is_in_doubt });
+    }
+    found
+}
+
+/// How many of the last components of two paths are the same.
+fn common(a: &Path, b: &Path) -> usize {
+    a.components().rev().zip(b.components().rev()).take_while(|(a, b)| a == b).count()
 }
 
 #[cfg(test)]
@@ -63,8 +101,32 @@ mod tests {
 
         let mut meshes = names.map(at).to_vec();
         let (found, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
-        assert!(moved);
+        assert_eq!(moved.len(), 2);
         assert_eq!(found.files(), [at("elsewhere/head.ply"), at("elsewhere/mean.ply"), at("kept.ply")]);
         assert_eq!(meshes, [at("elsewhere/kept.ply"), at("more.ply")]);
+    }
+
+    #[test]
+    fn of_meshes_of_one_name_each_path_takes_the_one_in_the_folder_of_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let mut project = Project::new(ShapeSource::Sample("head".into()), 10);
+        // One of them twice.
+        for name in ["old/ben/head.ply", "old/anna/head.ply", "old/ben/head.ply"] {
+            project.push(Layer::new(name, Template::File(at(name)))).unwrap();
+        }
+        project.save(&at("p.chladni")).unwrap();
+        let mut meshes = vec![at("new/anna/head.ply"), at("new/ben/head.ply")];
+        let (there, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
+        let [anna, ben] = [at("new/anna/head.ply"), at("new/ben/head.ply")];
+        assert_eq!(there.files(), [&ben, &anna, &ben]);
+        assert!(meshes.is_empty() && moved.iter().all(|found| !found.is_in_doubt));
+
+        let mut meshes = vec![at("a/head.ply"), at("new/anna/head.ply"), at("b/head.ply")];
+        let (there, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
+        assert_eq!(there.files(), [&at("a/head.ply"), &anna, &at("a/head.ply")]);
+        let doubts: Vec<_> =
+            moved.iter().filter(|found| found.is_in_doubt).map(|found| &found.mesh).collect();
+        assert_eq!((doubts, meshes), (vec![&at("a/head.ply")], vec![at("b/head.ply")]));
     }
 }
