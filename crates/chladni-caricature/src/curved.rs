@@ -9,6 +9,7 @@ use chladni_mesh::surface::{
     vertex_triangles,
 };
 
+use crate::surface::facing_outward;
 use crate::{CaricatureError, Painted};
 
 /// Which way a surface bends.
@@ -41,11 +42,13 @@ impl Curved {
     pub const USUAL_SHARE: f64 = 0.2;
 
     /// χ01, one value for each of `positions`: 1 at the vertices that bend most, up to the share of the area, and 0
-    /// elsewhere. Normals and curvatures are averaged over 1.5 % of the size first.
+    /// elsewhere. Normals and curvatures are averaged over 1.5 % of the size first. Outward is away from the inside, also
+    /// where `triangles` face inward.
     ///
     /// # Panics
     /// If a triangle names a vertex that is not there.
     pub fn painted(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Painted {
+        let triangles = &facing_outward(positions, triangles);
         let areas = vertex_areas(positions, triangles);
         let bends = self.bends(positions, triangles, &areas);
         let mut order: Vec<usize> = (0..positions.len()).filter(|v| areas[*v] > 0.0).collect();
@@ -154,6 +157,17 @@ mod tests {
                 let mean = |v: Vec<f64>| v.iter().sum::<f64>() / v.len() as f64;
                 assert_eq!(mean(inside(1.0)) > mean(inside(0.0)), outside, "{bend:?} {share}");
             }
+        }
+    }
+
+    #[test]
+    fn a_surface_inside_out_bends_the_same_way() {
+        let ring = torus(0.3, 32, 16);
+        let turned: Vec<[u32; 3]> = ring.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        for bend in [Bend::Bumps, Bend::Hollows] {
+            let painted =
+                |triangles: &[[u32; 3]]| Curved { bend, share: 0.2 }.painted(&ring.positions, triangles);
+            assert_eq!(painted(&turned), painted(&ring.triangles), "{bend:?}");
         }
     }
 

@@ -4,6 +4,8 @@ use chladni_harmonics::Body;
 use chladni_mesh::surface::vec3::{Vec3, dot, sub};
 use chladni_mesh::surface::vertex_normals;
 
+use crate::surface::facing_outward;
+
 /// The lengths of cuts through the edges of a body. Along a crease they count as shorter: there people see parts meet
 /// (D. Hoffman & W. Richards, "Parts of recognition", 1984).
 pub(super) struct Creases<'a> {
@@ -18,7 +20,8 @@ impl<'a> Creases<'a> {
     pub fn of(body: &'a Body) -> Self {
         let (mass, positions) = (&body.basis.mass, &body.positions);
         let size = (mass.iter().sum::<f64>() / std::f64::consts::PI).sqrt();
-        Self { mass, positions, normals: vertex_normals(positions, &body.triangles), size }
+        let normals = vertex_normals(positions, &facing_outward(positions, &body.triangles));
+        Self { mass, positions, normals, size }
     }
 
     /// About half the length that a line across the edge from `v` to `w` needs to come to the next, and half of that
@@ -49,9 +52,13 @@ mod tests {
         }
         let body = Body::build(&mesh, &BasisSettings::new(8), &Task::new()).unwrap();
         let creases = Creases::of(&body);
+        let mut inside_out = body.clone();
+        inside_out.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let of_inside_out = Creases::of(&inside_out);
         let (mut waist, mut bulge) = (Vec::new(), Vec::new());
         for [v, w] in mesh.triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]) {
             let (v, w) = (v as usize, w as usize);
+            assert_eq!(of_inside_out.length_across(v, w), creases.length_across(v, w));
             let along = sub(mesh.positions[w], mesh.positions[v]);
             if along[2].abs() < 0.6 * length(along) {
                 continue;
