@@ -197,7 +197,9 @@ impl Sitting {
         let shown = layer.filter(|_| tool).and_then(|layer| {
             let region = layer.region.painted.values(&self.stack.surface().file_positions());
             let pointed = self.parts.shown(&self.tool.pointed);
-            if self.tool.pointed.is_empty() && region.iter().all(|x| *x == 1.0) {
+            let is_whole = self.tool.pointed.is_empty() && region.iter().all(|x| *x == 1.0);
+            // A region that was painted on another mesh lies nowhere on this one.
+            if is_whole || region.len() != self.stack.surface().vertices() {
                 return None;
             }
             Some(if pointed.len() == region.len() {

@@ -103,6 +103,8 @@ impl Seen<'_> {
 pub fn coating(quantity: Quantity, harmonic: usize, map: ColorMap, seen: &Seen<'_>) -> Option<Coating> {
     let length = |d: &[f64; 3]| (d[0].hypot(d[1]).hypot(d[2])) as f32;
     let body = seen.stack.body();
+    // A region that was painted on another mesh lies nowhere on this one.
+    let region = |values: &[f32]| (values.len() == body.positions.len()).then(|| values.to_vec());
     let unit = Scale { map, low: 0.0, high: 1.0 };
     let scaled = |map: ColorMap, values: Vec<f32>| {
         let scale = Scale::of(map, &values);
@@ -120,14 +122,14 @@ pub fn coating(quantity: Quantity, harmonic: usize, map: ColorMap, seen: &Seen<'
         Quantity::Painted => {
             let layer = seen.project.layer(seen.selected?)?;
             let values = layer.region.painted.values(&seen.stack.surface().file_positions());
-            Coating::Region(values.to_vec())
+            Coating::Region(region(&values)?)
         }
         Quantity::Region => {
             let painted = &seen.project.layer(seen.selected?)?.region.painted;
             // A layer that does not act has none: as it was painted.
             let mask = seen.layer()?.mask.clone();
             let mask = mask.unwrap_or_else(|| painted.values(&seen.stack.surface().file_positions()));
-            Coating::Region(mask.to_vec())
+            Coating::Region(region(&mask)?)
         }
         Quantity::Confidence => {
             let mut values = vec![0.0; body.positions.len()];
@@ -209,5 +211,22 @@ mod tests {
         };
         let region = coating(Quantity::Region, 0, ColorMap::Viridis, &seen);
         assert!(matches!(region, Some(Coating::Region(values)) if values == half.to_vec()));
+    }
+
+    #[test]
+    fn a_region_of_another_mesh_is_not_shown() {
+        let mesh = chladni_mesh::samples::icosphere(2);
+        let body = Arc::new(Body::build(&mesh, &BasisSettings::new(16), &Task::new()).unwrap());
+        let mut layer = Layer::new("of another", Template::Sphere);
+        layer.region.painted = Painted::Vertices(vec![0.5; body.positions.len() + 1].into());
+        let mut stack = Stack::new(body).unwrap();
+        let mut project = Project::new(ShapeSource::Sample("ball".into()), 16);
+        let selected = Some(project.push(layer).unwrap());
+        let evaluation = &stack.evaluate(&project);
+        let (project, stack) = (&project, &stack);
+        let seen = Seen { project, stack, evaluation, selected, folds: &[], crossings: &[] };
+        for quantity in [Quantity::Painted, Quantity::Region] {
+            assert!(coating(quantity, 0, ColorMap::Viridis, &seen).is_none(), "{quantity:?}");
+        }
     }
 }
