@@ -229,6 +229,13 @@ impl CaricatureRoom {
         if self.candidate.is_none() {
             return;
         }
+        // It may be saved by now, or another project may have taken its place.
+        if !self.has_unsaved_work() {
+            if let Some(candidate) = self.candidate.take() {
+                self.begin(candidate, &shared.ctx);
+            }
+            return;
+        }
         let name = self.session.as_ref().map(Session::name).unwrap_or_default();
         let line = format!("“{name}” has changes that are not saved.");
         match Question::OPENING.ask(&shared.ctx, &[line]) {
