@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::softening::SharedFlow;
 use crate::{Base, CaricatureError, Crossings, LayerId, Surface};
 use pieces::SmallPieces;
-use search::{STEPS, Search};
+use search::{KEPT_STEPS, Search};
 
 /// Triangles per task.
 const PIECE: usize = 4096;
@@ -75,7 +75,8 @@ struct Keeper {
     crossings: Crossings,
     pieces: SmallPieces,
     flow: Arc<HeatFlow>,
-    steps: Vec<OnceLock<Result<HeatStep, HarmonicsError>>>,
+    /// The first of the heat steps.
+    steps: [OnceLock<Result<Arc<HeatStep>, HarmonicsError>>; KEPT_STEPS],
 }
 
 impl std::fmt::Debug for Keeper {
@@ -113,17 +114,37 @@ impl Keeper {
     fn of(surface: Arc<Surface>, flow: Arc<HeatFlow>) -> Self {
         let neighbors = vertex_neighbors(surface.vertices(), &surface.triangles);
         let (crossings, pieces) = (Crossings::of(surface.clone()), SmallPieces::of(&surface));
-        let steps = (0..STEPS).map(|_| OnceLock::new()).collect();
-        Self { surface, neighbors, crossings, pieces, flow, steps }
+        Self { surface, neighbors, crossings, pieces, flow, steps: Default::default() }
     }
 
     /// The heat step of number `index`, of the reach `sqrt_t`: √t in the working frame.
-    fn step(&self, index: usize, sqrt_t: f64) -> Result<&HeatStep, CaricatureError> {
-        let step = self.steps[index].get_or_init(|| self.flow.step(sqrt_t * sqrt_t));
-        step.as_ref().map_err(|error| error.clone().into())
+    fn step(&self, index: usize, sqrt_t: f64) -> Result<Arc<HeatStep>, CaricatureError> {
+        let new = || self.flow.step(sqrt_t * sqrt_t).map(Arc::new);
+        let step = match self.steps.get(index) {
+            Some(kept) => kept.get_or_init(new).clone(),
+            None => new(),
+        };
+        step.map_err(CaricatureError::from)
     }
 }
 
 fn moved(base: &[Vec3], u: &[Vec3]) -> Vec<Vec3> {
     base.par_iter().zip(u).map(|(x, u)| add(*x, *u)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::bumpy_sphere;
+
+    #[test]
+    fn only_the_first_heat_steps_are_kept() {
+        let surface = Arc::new(bumpy_sphere().1);
+        let flow = HeatFlow::on_surface(&surface.positions, &surface.triangles).unwrap();
+        let keeper = Keeper::of(surface, Arc::new(flow));
+        for (index, is_kept) in [(0, true), (KEPT_STEPS - 1, true), (KEPT_STEPS, false)] {
+            let step = Arc::downgrade(&keeper.step(index, 0.1).unwrap());
+            assert_eq!(step.upgrade().is_some(), is_kept, "{index}");
+        }
+    }
 }

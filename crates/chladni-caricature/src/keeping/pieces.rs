@@ -9,6 +9,8 @@ use crate::Surface;
 
 /// A piece is small below this share of the whole area.
 const SMALL: f64 = 0.05;
+/// A region is meant for a small piece if it acts there this many times as much as on what is around it.
+const MEANT: f64 = 2.0;
 
 /// The small pieces of a surface and, for each of their vertices, the place of the large pieces that is nearest.
 #[derive(Debug, Default)]
@@ -53,8 +55,17 @@ impl SmallPieces {
         Self { pieces }
     }
 
-    /// Moves each small piece of the shape at `base` as a whole: as the places around it move.
-    pub(super) fn carry(&self, surface: &Surface, base: &[Vec3], displacement: &mut [Vec3]) {
+    /// Moves each small piece of the shape at `base` as a whole: as the places around it move. One that the region χ,
+    /// `mask`, is meant for moves by itself.
+    pub(super) fn carry(
+        &self,
+        surface: &Surface,
+        base: &[Vec3],
+        mask: Option<&[f32]>,
+        displacement: &mut [Vec3],
+    ) {
+        let goes_along =
+            |piece: &&Vec<(u32, SurfacePoint)>| mask.is_none_or(|mask| !is_meant(piece, surface, mask));
         let rigid = |piece: &Vec<(u32, SurfacePoint)>| {
             let at = |on: &SurfacePoint, f: &[Vec3]| {
                 on.position(&surface.triangles, |v| f[v as usize]).unwrap_or([0.0; 3])
@@ -71,9 +82,29 @@ impl SmallPieces {
             };
             piece.iter().map(|(v, _)| (*v, moved(*v))).collect::<Vec<_>>()
         };
-        let moved: Vec<Vec<(u32, Vec3)>> = self.pieces.par_iter().map(rigid).collect();
+        let moved: Vec<Vec<(u32, Vec3)>> = self.pieces.par_iter().filter(goes_along).map(rigid).collect();
         for (v, d) in moved.into_iter().flatten() {
             displacement[v as usize] = d;
         }
     }
+
+    /// The region `mask` without the pieces that it is meant for.
+    pub(super) fn without_meant(&self, surface: &Surface, mask: &[f32]) -> Vec<f32> {
+        let mut left = mask.to_vec();
+        for piece in self.pieces.iter().filter(|piece| is_meant(piece, surface, mask)) {
+            piece.iter().for_each(|(v, _)| left[*v as usize] = 0.0);
+        }
+        left
+    }
+}
+
+/// Whether the region `mask` acts on the piece rather than on what is around it.
+fn is_meant(piece: &[(u32, SurfacePoint)], surface: &Surface, mask: &[f32]) -> bool {
+    let (mut own, mut around) = (0.0, 0.0);
+    for (v, on) in piece {
+        own += f64::from(mask[*v as usize]);
+        let corners = surface.triangles[on.triangle as usize].map(|v| f64::from(mask[v as usize]));
+        around += corners.iter().zip(on.weights).map(|(x, w)| x * w).sum::<f64>();
+    }
+    own > MEANT * around
 }

@@ -61,10 +61,12 @@ const AGAIN: f32 = 1.5;
 /// √t of the heat around triangles that a return would spoil, in the working frame.
 const CLOSE: f64 = 0.015;
 
-/// The heat steps of a search: one for each round that holds back, then these two.
-const MAKES_ROOM: usize = ROUNDS;
-const GIVES_BACK: usize = ROUNDS + 1;
-pub(super) const STEPS: usize = ROUNDS + 2;
+/// The heat steps of a search: these two, then one for each round that holds back.
+const MAKES_ROOM: usize = 0;
+const GIVES_BACK: usize = 1;
+const HOLDS_BACK: usize = 2;
+/// How many of them are kept: most searches need few rounds, and a factorization of 50,000 vertices takes about 25 MB.
+pub(super) const KEPT_STEPS: usize = HOLDS_BACK + 4;
 
 /// The search for the longest displacement near `unlimited`, from `base`, that keeps triangles.
 pub(super) struct Search<'a> {
@@ -119,9 +121,11 @@ impl<'a> Search<'a> {
     /// The displacement that one attempt keeps, and the unlimited one with only its frames turned.
     fn attempt(&self, attempt: &Attempt) -> Result<(Kept, Vec<Vec3>), CaricatureError> {
         let Keeper { surface, neighbors, pieces, .. } = self.keeper;
-        let x = &self.base.positions;
-        let mut turned = turned(self.base, surface, neighbors, attempt.smooth, self.unlimited, self.mask);
-        pieces.carry(surface, x, &mut turned);
+        // A small piece has hardly a smooth form that could turn.
+        let share = self.mask.map(|mask| pieces.without_meant(surface, mask));
+        let share = share.as_deref();
+        let mut turned = turned(self.base, surface, neighbors, attempt.smooth, self.unlimited, share);
+        self.carry_pieces(&mut turned);
         let mut wanted = turned.clone();
         for round in 0..attempt.levelings {
             level(surface, neighbors, &self.folded(&wanted), 2 + round, 4 + round, &mut wanted);
@@ -140,7 +144,7 @@ impl<'a> Search<'a> {
         loop {
             let round = left.len();
             self.task.check()?;
-            self.keeper.pieces.carry(&self.keeper.surface, &self.base.positions, &mut u);
+            self.carry_pieces(&mut u);
             let [mut bad, mut crossing] = self.spoiled(&u)?;
             let counts = (bad.len(), crossing.len());
             left.push(counts.0 + counts.1);
@@ -153,7 +157,8 @@ impl<'a> Search<'a> {
                 self.unfold(&mut u)?;
             }
             bad.append(&mut crossing);
-            let heat = self.heat_around(&bad, self.keeper.step(round, REACH * WIDER.powi(round as i32))?);
+            let step = self.keeper.step(HOLDS_BACK + round, REACH * WIDER.powi(round as i32))?;
+            let heat = self.heat_around(&bad, &step);
             u.par_iter_mut().zip(heat).for_each(|(u, heat)| *u = scaled(*u, 1.0 - HOLD * f64::from(heat)));
         }
     }
@@ -174,7 +179,7 @@ impl<'a> Search<'a> {
                 add(*u, scaled(sub(*wanted, *u), f64::from(*given)))
             };
             let mut more: Vec<Vec3> = u.par_iter().zip(wanted).zip(&given).map(toward).collect();
-            self.keeper.pieces.carry(&self.keeper.surface, &self.base.positions, &mut more);
+            self.carry_pieces(&mut more);
             let [folded, crossing] = self.spoiled(&more)?;
             let counts = (folded.len(), crossing.len());
             if self.are_few(counts) {
@@ -185,7 +190,7 @@ impl<'a> Search<'a> {
                     *kept = more;
                 }
             } else {
-                let heat = self.heat_around(&[folded, crossing].concat(), close);
+                let heat = self.heat_around(&[folded, crossing].concat(), &close);
                 given.par_iter_mut().zip(heat).for_each(|(given, heat)| *given *= 1.0 - heat);
             }
             if shares.iter().rev().nth(PATIENCE - 1).is_some_and(|before| kept.share < before + GAIN) {
@@ -194,6 +199,10 @@ impl<'a> Search<'a> {
             shares.push(kept.share);
         }
         Ok(())
+    }
+
+    fn carry_pieces(&self, u: &mut [Vec3]) {
+        self.keeper.pieces.carry(&self.keeper.surface, &self.base.positions, self.mask, u);
     }
 
     fn kept(&self, u: Vec<Vec3>, (folded, crossing): (usize, usize)) -> Kept {
@@ -227,7 +236,7 @@ impl<'a> Search<'a> {
 
     fn unfold(&self, u: &mut [Vec3]) -> Result<(), CaricatureError> {
         let (step, mass) = (self.keeper.step(MAKES_ROOM, ROOM)?, &self.base.basis().mass);
-        unfold(&self.keeper.surface, &self.base.positions, step, ROOM * ROOM, mass, u);
+        unfold(&self.keeper.surface, &self.base.positions, &step, ROOM * ROOM, mass, u);
         Ok(())
     }
 

@@ -84,9 +84,8 @@ fn what_needs_no_limit_keeps_all_of_its_movement_and_layers_settle_upward() {
     assert_eq!(still, mesh.positions);
 }
 
-/// Two small balls inside a large one that is stretched.
-#[test]
-fn small_pieces_keep_their_form_and_go_with_what_is_around_them() {
+/// Two small balls inside a large one, of as many vertices each.
+fn balls() -> (usize, chladni_mesh::TriMesh) {
     let ball = chladni_mesh::samples::icosphere(3);
     let placed = |size: f64, at: [f64; 3]| {
         ball.positions
@@ -103,11 +102,13 @@ fn small_pieces_keep_their_form_and_go_with_what_is_around_them() {
             .collect(),
         ..Default::default()
     };
-    let template = chladni_mesh::TriMesh {
-        positions: mesh.positions.iter().map(|[x, y, z]| [1.5 * x, *y, *z]).collect(),
-        ..mesh.clone()
-    };
-    let body = Arc::new(Body::build(&mesh, &BasisSettings::new(64), &Task::new()).unwrap());
+    (n, mesh)
+}
+
+/// The positions of `mesh` after a layer toward `template` with this region, triangles kept.
+fn moved_toward(template: Vec<[f64; 3]>, mesh: &chladni_mesh::TriMesh, painted: Painted) -> Vec<[f64; 3]> {
+    let template = chladni_mesh::TriMesh { positions: template, ..mesh.clone() };
+    let body = Arc::new(Body::build(mesh, &BasisSettings::new(64), &Task::new()).unwrap());
     let mut stack = Stack::new(body.clone()).unwrap();
     let mut project = Project::new(ShapeSource::Sample("balls".into()), 64);
     project.keep_triangles = true;
@@ -116,14 +117,23 @@ fn small_pieces_keep_their_form_and_go_with_what_is_around_them() {
         scaling: chladni_match::Scaling::Rigid,
         ..MatchSettings::default()
     };
-    let layer =
+    let mut layer =
         Layer { matching, infill: 0.0, mu: 1.0, ..Layer::new("wide", Template::File("wide.ply".into())) };
+    layer.region.painted = painted;
     project.push(layer).unwrap();
     let request = stack.missing(&project).remove(0);
-    let matched = request.run(&mesh, &body, Some(&template), &Task::new());
+    let matched = request.run(mesh, &body, Some(&template), &Task::new());
     stack.install(request, matched);
     settle(&mut stack, &project);
-    let result = stack.evaluate(&project).file_positions(&body, &mesh.positions);
+    stack.evaluate(&project).file_positions(&body, &mesh.positions)
+}
+
+#[test]
+fn small_pieces_keep_their_form_and_go_with_what_is_around_them() {
+    let (n, mesh) = balls();
+    // The large one is stretched.
+    let template = mesh.positions.iter().map(|[x, y, z]| [1.5 * x, *y, *z]).collect();
+    let result = moved_toward(template, &mesh, Painted::Everywhere);
     let extent = |of: std::ops::Range<usize>, axis: usize| {
         let all = result[of].iter().map(|p| p[axis]);
         let (low, high) = all.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
@@ -135,4 +145,17 @@ fn small_pieces_keep_their_form_and_go_with_what_is_around_them() {
         assert!((width - 0.2).abs() < 0.01, "{width}");
         assert!(side * place > 1.0, "{place}");
     }
+}
+
+#[test]
+fn a_small_piece_that_is_painted_alone_moves() {
+    let (n, mesh) = balls();
+    let piece = n..2 * n;
+    let mut template = mesh.positions.clone();
+    template[piece.clone()].iter_mut().for_each(|p| p[1] += 0.1);
+    let painted = (0..3 * n).map(|v| f32::from(u8::from(piece.contains(&v)))).collect();
+    let result = moved_toward(template, &mesh, Painted::Vertices(painted));
+    let height = result[piece].iter().map(|p| p[1]).sum::<f64>() / n as f64;
+    assert!(height > 0.02, "{height}");
+    assert!(largest(&result[2 * n..], &mesh.positions[2 * n..]) < 1e-9);
 }
