@@ -108,6 +108,16 @@ impl Default for RegionTable {
     }
 }
 
+const TOO_MUCH_PAINTED: &str = "the layers have more painted values than are read";
+
+/// How many values a file holds of this region.
+fn painted_values(painted: &Painted) -> usize {
+    match painted {
+        Painted::Everywhere | Painted::Spheres(_) => 0,
+        Painted::Vertices(values) => values.len(),
+    }
+}
+
 fn default_harmonics() -> usize {
     DEFAULT_HARMONICS
 }
@@ -147,7 +157,7 @@ impl Project {
     /// happens to this process meanwhile.
     ///
     /// # Errors
-    /// A path that is not Unicode, or an error of the system.
+    /// As [`to_text`](Self::to_text), or an error of the system.
     pub fn save(&self, path: &Path) -> Result<(), CaricatureError> {
         let text = self.to_text(path, None)?;
         chladni_task::write_atomic(path, text.as_bytes())
@@ -162,10 +172,16 @@ impl Project {
     /// The text of a project file at `path`; with `recovered_from`, of a recovery file.
     ///
     /// # Errors
-    /// Names that are not Unicode.
+    /// Names that are not Unicode, and more painted values than are read.
     pub fn to_text(&self, path: &Path, recovered_from: Option<PathBuf>) -> Result<String, CaricatureError> {
         let invalid =
             |why: CaricatureError| CaricatureError::ProjectFile { path: path.into(), why: why.to_string() };
+        // A file that does not open again would lose the work.
+        let painted =
+            self.layers().iter().map(|(_, layer)| painted_values(&layer.region.painted)).sum::<usize>();
+        if painted > runs::MOST_VALUES {
+            return Err(CaricatureError::ProjectFile { path: path.into(), why: TOO_MUCH_PAINTED.into() });
+        }
         let folder = folder_of(path);
         let source = match &self.shape {
             ShapeSource::File(file) => relative_text(file, &folder).map_err(invalid)?,
@@ -236,11 +252,9 @@ impl Project {
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
             let layer = table.into_layer(&folder).map_err(|e| invalid(format!("{place}: {e}")))?;
-            if let Painted::Vertices(values) = &layer.region.painted {
-                painted += values.len();
-            }
+            painted += painted_values(&layer.region.painted);
             if painted > runs::MOST_VALUES {
-                return Err(invalid(format!("{place}: the layers have more painted values than are read")));
+                return Err(invalid(format!("{place}: {TOO_MUCH_PAINTED}")));
             }
             project.push(layer).map_err(|e| invalid(format!("{place}: {e}")))?;
         }

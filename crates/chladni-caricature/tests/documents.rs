@@ -333,6 +333,22 @@ fn a_few_bytes_do_not_ask_for_all_memory() {
 }
 
 #[test]
+fn a_project_that_would_not_open_again_is_not_written() {
+    let painted = Painted::Vertices(vec![1.0; 1 << 22].into());
+    let (mut project, path) = (empty(), Path::new("/p.chladni"));
+    // They share the values.
+    for _ in 0..17 {
+        let mut layer = Layer::new("painted", Template::Sphere);
+        layer.region.painted = painted.clone();
+        project.push(layer).unwrap();
+    }
+    let refused = project.to_text(path, None).unwrap_err().to_string();
+    assert!(refused.contains("more painted values"), "{refused}");
+    project.apply(&Action::Remove(project.layers()[0].0), None).unwrap();
+    assert!(project.to_text(path, None).is_ok());
+}
+
+#[test]
 fn a_dead_session_is_found_and_a_living_one_is_not() {
     let folder = tempfile::tempdir().unwrap();
     let state = folder.path().join("state");
