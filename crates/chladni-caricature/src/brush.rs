@@ -65,6 +65,11 @@ impl Seen<'_> {
         let [a, b, c] = self.surface.triangles[t as usize].map(|v| self.at(v));
         dot(chladni_mesh::surface::vec3::cross(sub(b, a), sub(c, a)), sub(eye, a))
     }
+
+    /// Whether triangle `t` shows the eye this side, 1 for its front and -1 for its back; either where there is no eye.
+    fn shows(&self, t: u32, side: f64) -> bool {
+        self.eye.is_none_or(|eye| side * self.facing(t, eye) >= 0.0)
+    }
 }
 
 impl Seen<'_> {
@@ -83,27 +88,29 @@ impl Brush {
     /// around its edge onto the hidden side; parts behind another part, such as the cheek behind a nose, stay bare,
     /// too. Empty if there is no such triangle or the positions belong to another shape.
     pub fn reach(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
+        let surface = seen.surface;
+        if seen.positions.len() != surface.vertices() || at.triangle as usize >= surface.triangles.len() {
+            return Reach { radius: self.radius, core: self.core(), ..Reach::default() };
+        }
+        let side = seen.eye.map_or(1.0, |eye| seen.facing(at.triangle, eye).signum());
         let twin = || {
             let plane = self.mirror?;
-            let image = plane.image(seen.surface.position(at)?);
-            let eye = seen.eye.map(|eye| plane.image(eye));
-            Some(self.press(&Seen { eye, ..*seen }, &seen.surface.nearest_vertex(image)?))
+            let image = plane.image(surface.position(at)?);
+            // It sees the same side of the image.
+            let seen = Seen { eye: seen.eye.map(|eye| plane.image(eye)), ..*seen };
+            let at = surface.nearest_corner(image, |t| seen.shows(t, side))?;
+            Some(self.press(&seen, &at, side))
         };
-        let (mut reach, twin) = rayon::join(|| self.press(seen, at), twin);
+        let (mut reach, twin) = rayon::join(|| self.press(seen, at, side), twin);
         if let Some(twin) = twin {
             reach.join(twin);
         }
         reach
     }
 
-    fn press(&self, seen: &Seen<'_>, at: &SurfacePoint) -> Reach {
+    fn press(&self, seen: &Seen<'_>, at: &SurfacePoint, side: f64) -> Reach {
         let surface = seen.surface;
-        if seen.positions.len() != surface.vertices() || at.triangle as usize >= surface.triangles.len() {
-            return Reach { radius: self.radius, core: self.core(), ..Reach::default() };
-        }
-        let side = seen.eye.map(|eye| (eye, seen.facing(at.triangle, eye).signum()));
-        let passes = |t: u32| side.is_none_or(|(eye, side)| side * seen.facing(t, eye) >= 0.0);
-        let marched = surface.march(at, self.radius, |v| seen.at(v), passes);
+        let marched = surface.march(at, self.radius, |v| seen.at(v), |t| seen.shows(t, side));
         let (mut distances, mut triangles) = (marched.distances, marched.triangles);
         distances.sort_unstable_by_key(|(v, _)| *v);
         if let Some((eye, blocked)) = seen.eye.zip(seen.blocked) {
@@ -333,6 +340,23 @@ mod tests {
         assert!(twin.len().abs_diff(alone.len()) < alone.len() / 5, "{} and {}", alone.len(), twin.len());
         let center = plane.image(surface.position(&at).unwrap());
         assert!(twin.iter().all(|v| distance(surface.positions[*v as usize], center) < 0.25 + 0.08));
+    }
+
+    #[test]
+    fn at_a_rim_the_twin_lies_on_the_side_that_is_seen() {
+        let (ear, front) = ear();
+        // The triangles of the rim come first.
+        let triangles = ear.triangles.iter().rev().copied().collect();
+        let ear = Surface::of(ear.positions, triangles, FILE);
+        let positions = single(&ear.positions);
+        let seen = Seen { surface: &ear, positions: &positions, eye: Some([0.2, 0.1, 5.0]), blocked: None };
+        let is_front = |t: u32| ear.triangles[t as usize].iter().all(|v| (*v as usize) < front);
+        let at = ear.nearest_corner([0.75, 0.0, 0.02], is_front).unwrap();
+        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: 0.0, misfit: 0.0 };
+        let both = Brush { radius: 0.3, hardness: 1.0, mirror: Some(plane) }.reach(&seen, &at).vertices();
+        assert!(both.iter().all(|v| (*v as usize) < front));
+        let is_twin = |v: &&u32| ear.positions[**v as usize][0] < 0.0;
+        assert!(both.iter().filter(is_twin).count() > 30);
     }
 
     #[test]

@@ -37,12 +37,18 @@ impl Surface {
 
     /// The vertex nearest to `point` in space, as a point on the surface.
     pub fn nearest_vertex(&self, point: Vec3) -> Option<SurfacePoint> {
+        self.nearest_corner(point, |_| true)
+    }
+
+    /// The same, as a corner of a `wanted` triangle where one around it is.
+    pub(crate) fn nearest_corner(&self, point: Vec3, wanted: impl Fn(u32) -> bool) -> Option<SurfacePoint> {
         let squared = |v: usize| {
             let d = distance(self.positions[v], point);
             d * d
         };
         let v = (0..self.vertices()).min_by(|a, b| squared(*a).total_cmp(&squared(*b)))? as u32;
-        let triangle = *self.triangles_around(v).first()?;
+        let around = self.triangles_around(v);
+        let triangle = *around.iter().find(|t| wanted(**t)).or(around.first())?;
         let corners = self.triangles.get(triangle as usize)?;
         corners.iter().position(|c| *c == v).map(|corner| SurfacePoint::at_corner(triangle, corner))
     }
