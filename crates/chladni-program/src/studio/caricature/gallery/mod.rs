@@ -32,18 +32,21 @@ use cell::Wanted;
 use of_shape::matched_template;
 use wall::Wall;
 
+/// A template that a gallery is given, and how it is matched.
+type Given = (Template, MatchSettings);
+
 /// The result of a job.
 struct Brought {
     shown: Exhibition,
-    /// Matches that the open project may use, too.
-    stack: Option<Stack>,
+    /// Of one that was prepared: matches that the open project may use, too, and the template that it was given.
+    prepared: Option<(Stack, Option<Given>)>,
 }
 
 /// The gallery in the place of the stage.
 struct GalleryView {
     body: Arc<Body>,
     /// The template that it was given.
-    given: Option<(Template, MatchSettings)>,
+    given: Option<Given>,
     /// What was shown on other harmonics, until it is shown on these.
     before: Option<Exhibition>,
     work: Option<Job<Brought>>,
@@ -60,24 +63,15 @@ impl GalleryView {
     /// Prepares the gallery of the open shape, with the generations of one `before` on other harmonics.
     fn begin(
         session: &Session,
-        given: Option<(Template, MatchSettings)>,
+        given: Option<Given>,
         before: Option<Exhibition>,
         ctx: &egui::Context,
     ) -> Self {
-        let body = Arc::clone(session.stack.body());
-        let mesh = Arc::clone(&session.subject.mesh);
-        let stack = session.stack.with_harmonics_of(Arc::clone(&body));
-        let (asked, known) = (given.clone(), before.clone());
-        let work = move |task: &Task| {
-            let (mut stack, aside) = (stack?, Aside::new(task));
-            let shown = Exhibition::open(known.as_ref(), &mesh, &mut stack, asked, &aside)?;
-            Ok(Brought { shown, stack: Some(stack) })
-        };
         Self {
-            body,
+            body: Arc::clone(session.stack.body()),
+            work: Some(prepare(session, given.clone(), before.clone(), ctx)),
             given,
             before,
-            work: Some(Job::start("Preparing the gallery", ctx, work)),
             taking: None,
             shown: None,
             wall: None,
@@ -104,8 +98,11 @@ impl GalleryView {
         if let Some(brought) = self.work.as_ref().and_then(Job::ended) {
             self.work = None;
             match brought {
-                Ok(Brought { shown, stack }) => {
-                    stack.iter().for_each(|stack| session.learn(stack));
+                Ok(Brought { shown, prepared }) => {
+                    if let Some((stack, given)) = prepared {
+                        session.learn(&stack);
+                        (self.given, self.wall) = (given, None);
+                    }
                     (self.shown, self.wall) = (Some(shown), self.wall.take().map(Wall::emptied));
                     self.before = None;
                 }
@@ -177,7 +174,8 @@ impl GalleryView {
             let tip = "A new gallery, in which they are compared with the template of the topmost layer, too. \
                        The favorites of this one go.";
             if button(ui, Icon::GitCompareArrows, &name, tip.into(), true) {
-                *self = Self { surprises: self.surprises, ..Self::begin(session, given, None, &ctx) };
+                // This one stays until the new one is there: its template may not match.
+                self.work = Some(prepare(session, given, None, &ctx));
                 return;
             }
         }
@@ -276,11 +274,27 @@ impl GalleryView {
     }
 }
 
+/// Begins to prepare the gallery of the open shape, with the generations of one `before` on other harmonics.
+fn prepare(
+    session: &Session,
+    given: Option<Given>,
+    before: Option<Exhibition>,
+    ctx: &egui::Context,
+) -> Job<Brought> {
+    let mesh = Arc::clone(&session.subject.mesh);
+    let stack = session.stack.with_harmonics_of(Arc::clone(session.stack.body()));
+    Job::start("Preparing the gallery", ctx, move |task: &Task| {
+        let (mut stack, aside) = (stack?, Aside::new(task));
+        let shown = Exhibition::open(before.as_ref(), &mesh, &mut stack, given.clone(), &aside)?;
+        Ok(Brought { shown, prepared: Some((stack, given)) })
+    })
+}
+
 /// The gallery after a step, unless that was cancelled meanwhile.
 fn after(shown: Exhibition, step: Step, task: &Task) -> Result<Brought, Error> {
     let shown = shown.after(step)?;
     task.check()?;
-    Ok(Brought { shown, stack: None })
+    Ok(Brought { shown, prepared: None })
 }
 
 /// The one that is marked once the keys for it were heard.

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{Layer, LayerId, MatchRequest, Template};
-use chladni_match::MatchSettings;
+use chladni_caricature::{Layer, LayerId, MatchRequest};
 use egui::Ui;
 
 use super::super::edits::Edits;
 use super::super::look::Portrayal;
 use super::super::session::Session;
-use super::GalleryView;
+use super::{GalleryView, Given};
 use crate::studio::room::Shared;
 use crate::work::{Error, Exhibition};
 
@@ -81,13 +80,36 @@ impl ShapesGallery {
     }
 }
 
-/// The template of the topmost layer with a mesh, unless its match has failed.
-pub(super) fn matched_template(session: &Session) -> Option<(Template, MatchSettings)> {
-    let failed = session.failed_layers();
-    let (template, matching) = Exhibition::template_of(session.project())?;
+/// The template of the topmost layer with a mesh, where it is matched or about to be: the mesh of a layer that is hidden
+/// may be gone.
+pub(super) fn matched_template(session: &Session) -> Option<Given> {
+    let project = session.project();
+    let (template, matching) = Exhibition::template_of(project)?;
     let wanted = MatchRequest { template: template.clone(), matching: matching.clone() };
-    let has_failed = |(id, layer): &(LayerId, Arc<Layer>)| {
-        failed.contains(id) && MatchRequest::of(layer).as_ref() == Some(&wanted)
+    let failed = session.failed_layers();
+    let waits_for_it = |(id, layer): &(LayerId, Arc<Layer>)| {
+        project.acts(layer) && !failed.contains(id) && MatchRequest::of(layer).as_ref() == Some(&wanted)
     };
-    (!session.project().layers().iter().any(has_failed)).then_some((template, matching))
+    let matches = session.stack.matched(&wanted).is_some() || project.layers().iter().any(waits_for_it);
+    matches.then_some((template, matching))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::studio::caricature::loading::{Candidate, load};
+    use chladni_caricature::{Project, ShapeSource, Template};
+    use chladni_task::Task;
+    use std::sync::mpsc::channel;
+
+    #[test]
+    fn a_hidden_layer_that_was_never_matched_gives_no_template() {
+        for enabled in [false, true] {
+            let mut project = Project::new(ShapeSource::Sample("head".into()), 16);
+            let layer = Layer { enabled, ..Layer::new("mesh", Template::Sample("template".into())) };
+            project.push(layer).unwrap();
+            let session = Session::new(load(Candidate::new(project), &channel().0, &Task::new()).unwrap());
+            assert_eq!(matched_template(&session).is_some(), enabled);
+        }
+    }
 }
