@@ -74,8 +74,18 @@ impl Mapping {
     /// all in step (1/n) nor independent (1/√n). Without it a mapping that sends the whole song to a few
     /// harmonics would always be at its limit.
     pub fn even_gain(&self) -> f32 {
+        self.even_gain_on(self.transfer.len())
+    }
+
+    /// The gain on `bands` bands of sound: its own, in proportion to the even gain there, because more bands
+    /// would otherwise drive each harmonic harder.
+    pub(crate) fn gain_on(&self, bands: usize) -> f32 {
+        self.gain * (self.even_gain_on(bands) / self.even_gain())
+    }
+
+    fn even_gain_on(&self, bands: usize) -> f32 {
         let mut shared = vec![0u32; self.amplification.len()];
-        for k in self.targets(self.transfer.len(), self.amplification.len()) {
+        for k in self.targets(bands, self.amplification.len()) {
             if let Some(count) = shared.get_mut(k as usize) {
                 *count += 1;
             }

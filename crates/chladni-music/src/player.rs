@@ -104,11 +104,11 @@ impl Player {
         let amplification = mapping.amplification_on(k_count);
         let in_use = playing.harmonics.map_or(k_count, |k| (k as usize).min(k_count));
         let calibrated = calibrate(&targets, &amplification, dancer, playing);
+        let gain = mapping.gain_on(bands);
         let mut drivers = Vec::with_capacity(2 * bands);
         for (band, &k) in (0..).zip(&targets) {
             let octave = dancer.octave(dancer.unison(k).start);
-            let strength =
-                lift * playing.gain * mapping.gain * calibrated[octave] * amplification[k as usize];
+            let strength = lift * playing.gain * gain * calibrated[octave] * amplification[k as usize];
             let tone = playing.timbre.map_or(0, |timbre| dancer.tone(&timbre, dancer.unison(k).start));
             // In the modal form a band also drives the harmonic's partner of the other class.
             let driven = match playing.form {

@@ -76,6 +76,26 @@ fn a_full_scale_band_goes_as_far_or_as_steeply_as_calibrated_on_each_shape() {
 }
 
 #[test]
+fn a_mapping_goes_about_as_far_on_any_number_of_bands() {
+    let dancer = &octopus().dancer;
+    let mapping = Mapping { transfer: vec![0.1; BANDS], amplification: vec![1.0; K], ..Mapping::rest(1, 1) };
+    let mapping = Mapping { gain: mapping.even_gain(), ..mapping };
+    let reach = |bands: usize| {
+        let level = vec![0.06; bands];
+        let [left, right, mid, side] = [&level; 4];
+        let heard = Bands { left, right, mid, side, side_gain: 1.0, ringing: None };
+        let mut player = Player::new(&mapping, dancer, bands, Playing::default()).unwrap();
+        let mut item = player.item();
+        player.play(&heard, &mut item).unwrap()
+    };
+    let own = reach(BANDS);
+    for bands in [16, 1024, 4096] {
+        let share = reach(bands) / own;
+        assert!((0.8..1.25).contains(&share), "{bands} bands: {share}");
+    }
+}
+
+#[test]
 fn no_item_of_a_gallery_turns_the_surface_over_at_full_scale() {
     let (full, silence) = (vec![1.0; BANDS], vec![0.0; BANDS]);
     for (form, bred) in
