@@ -11,8 +11,8 @@ use crate::{Bands, Dancer, Mapping, MusicError, Player, Playing};
 pub struct Moments {
     /// For each the amplitudes of left, right, middle and side, #ω each.
     pub bands: Vec<[Vec<f32>; 4]>,
-    /// The gain that the sides have in it.
-    pub side_gain: f32,
+    /// For each the gain that its side has.
+    pub side_gains: Vec<f32>,
 }
 
 /// The level of a single octave: loud, but not so loud that all movements reach their limits.
@@ -25,13 +25,16 @@ impl Moments {
     /// changed, the others are forgotten.
     pub fn remember(&mut self, heard: &Bands<'_>) {
         let bands = heard.mid.len();
-        self.bands.retain(|moment| moment[0].len() == bands);
-        self.side_gain = heard.side_gain;
+        if self.bands.first().is_some_and(|moment| moment[0].len() != bands) {
+            *self = Self::default();
+        }
         if self.bands.len() < MOST_MOMENTS {
             self.bands.push(std::array::from_fn(|_| vec![0.0; bands]));
         } else {
             self.bands.rotate_left(1);
+            self.side_gains.remove(0);
         }
+        self.side_gains.push(heard.side_gain);
         if let Some(moment) = self.bands.last_mut() {
             let heard = [heard.left, heard.right, heard.mid, heard.side];
             moment.iter_mut().zip(heard).for_each(|(kept, heard)| kept.copy_from_slice(heard));
@@ -58,7 +61,8 @@ impl Moments {
         };
         let channels = [[LEVEL, LEVEL], [LEVEL, 0.0], [0.0, LEVEL]];
         let all = (0..STEPS).flat_map(|step| channels.map(|channels| (step, channels)));
-        Self { bands: all.map(one).collect(), side_gain: 1.0 }
+        let bands: Vec<[Vec<f32>; 4]> = all.map(one).collect();
+        Self { side_gains: vec![1.0; bands.len()], bands }
     }
 }
 
@@ -74,7 +78,7 @@ impl Describer {
     /// For a body, a way of playing and some moments.
     ///
     /// # Errors
-    /// [`MusicError::Size`] where there are no moments or their bands differ in number, and the errors of
+    /// [`MusicError::Size`] where there are no moments or their bands or gains differ in number, and the errors of
     /// [`Playing::validate`].
     pub fn new(dancer: Arc<Dancer>, playing: Playing, moments: Moments) -> Result<Self, MusicError> {
         playing.validate()?;
@@ -87,6 +91,10 @@ impl Describer {
                     expected: bands,
                 });
             }
+        }
+        let (found, expected) = (moments.side_gains.len(), moments.bands.len());
+        if found != expected {
+            return Err(MusicError::Size { what: "gains of the sides", found, expected });
         }
         if bands == 0 {
             return Err(MusicError::Size { what: "bands of a moment", found: 0, expected: 1 });
@@ -105,8 +113,8 @@ impl Describer {
         let mut player = Player::new(mapping, &self.dancer, bands, self.playing)?;
         let mut item = player.item();
         let mut values = Vec::new();
-        for [left, right, mid, side] in &self.moments.bands {
-            let side_gain = self.moments.side_gain;
+        for ([left, right, mid, side], &side_gain) in self.moments.bands.iter().zip(&self.moments.side_gains)
+        {
             player.play(&Bands { left, right, mid, side, side_gain, ringing: None }, &mut item)?;
             player.feel(&item, &mut values);
         }

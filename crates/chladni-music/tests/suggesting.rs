@@ -6,8 +6,8 @@ use std::sync::{Arc, OnceLock};
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::{Orientation, samples};
 use chladni_music::{
-    Action, BreedingError, CANDIDATES, Dancer, Describer, Descriptor, Gallery, GalleryShape, Instrument,
-    Mapping, Moment, Moments, MusicError, Playing, Symmetry, suggest,
+    Action, Bands, BreedingError, CANDIDATES, Dancer, Describer, Descriptor, Gallery, GalleryShape,
+    Instrument, Mapping, Moment, Moments, MusicError, Playing, Symmetry, suggest,
 };
 use chladni_task::Task;
 
@@ -134,10 +134,29 @@ fn a_describer_needs_moments_and_equal_movements_are_at_distance_zero() {
     let mut uneven = Moments::of_anything(BANDS);
     uneven.bands[1][2].pop();
     assert!(Describer::new(dancer(), Playing::default(), uneven).is_err());
+    let short = Moments { side_gains: Vec::new(), ..Moments::of_anything(BANDS) };
+    assert!(Describer::new(dancer(), Playing::default(), short).is_err());
     let (instrument, describer) = instrument(1);
     let mapping = &instrument.gallery().items()[0].genome;
     let described = describer.describe(mapping).unwrap();
     assert_eq!(described.distance(&describer.describe(mapping).unwrap()), 0.0);
     let rest = Mapping { amplification: vec![0.0; 32], ..mapping.clone() };
     assert!(described.distance(&describer.describe(&rest).unwrap()) > 0.0);
+}
+
+#[test]
+fn each_moment_keeps_the_gain_of_its_side() {
+    let level = vec![0.3; BANDS];
+    let mut moments = Moments::default();
+    let mut remember = |count: usize, side_gain: f32| {
+        let [left, right, mid, side] = [&level[..count]; 4];
+        moments.remember(&Bands { left, right, mid, side, side_gain, ringing: None });
+        moments.side_gains.clone()
+    };
+    for gain in 1..=12_u8 {
+        remember(BANDS, f32::from(gain));
+    }
+    let kept = remember(BANDS, 13.0);
+    assert_eq!(kept, (2..=13_u8).map(f32::from).collect::<Vec<f32>>());
+    assert_eq!(remember(BANDS / 2, 4.0), [4.0]);
 }
