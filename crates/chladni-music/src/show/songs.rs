@@ -82,20 +82,28 @@ impl BeatReading {
         self.octave = self.octave.saturating_add(by).clamp(-MOST_OCTAVES, MOST_OCTAVES);
     }
 
-    /// The corrected beats (ascending). Beats that were tapped reach from the first to the last one that was found.
-    pub fn of(self, beats_secs: &[f64]) -> Vec<f64> {
-        let mut read: Vec<f64> = match self.tapped {
-            Some(tapped) => tapped.among(beats_secs).into_iter().map(|(_, secs)| secs).collect(),
-            None => beats_secs.to_vec(),
+    /// The corrected beats (ascending), where bars were found to begin at `bars_secs` (ascending): those stay on which
+    /// most bars begin where the tempo is halved. Beats that were tapped have bars of their own, and reach from the first
+    /// to the last one that was found.
+    pub fn of(self, beats_secs: &[f64], bars_secs: &[f64]) -> Vec<f64> {
+        let begins_bar = |secs: f64| bars_secs.binary_search_by(|bar| bar.total_cmp(&secs)).is_ok();
+        let beats: Vec<(f64, bool)> = match self.tapped {
+            Some(tapped) => {
+                tapped.among(beats_secs).into_iter().map(|(place, secs)| (secs, place == 0)).collect()
+            }
+            None => beats_secs.iter().map(|&secs| (secs, begins_bar(secs))).collect(),
         };
+        let step = 1usize << self.octave.saturating_neg().clamp(0, MOST_OCTAVES);
+        let each = |first: usize| beats.iter().skip(first).step_by(step);
+        let bars = |first: &usize| each(*first).filter(|(_, begins)| *begins).count();
+        // The earliest of equals.
+        let first = (0..step).rev().max_by_key(bars).unwrap_or(0);
+        let mut read: Vec<f64> = each(first).map(|(secs, _)| *secs).collect();
         for _ in 0..self.octave.clamp(0, MOST_OCTAVES) {
             let between = read.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
             let mut both: Vec<f64> = read.iter().copied().chain(between).collect();
             both.sort_by(f64::total_cmp);
             read = both;
-        }
-        for _ in 0..self.octave.saturating_neg().clamp(0, MOST_OCTAVES) {
-            read = read.into_iter().step_by(2).collect();
         }
         read.iter_mut().for_each(|beat| *beat += self.shift_secs);
         read
@@ -205,12 +213,32 @@ mod tests {
 
     #[test]
     fn beats_are_read_twice_and_half_as_fast_and_later() {
-        let read = |octave, shift_secs| BeatReading { octave, shift_secs, tapped: None }.of(&[1.0, 2.0, 3.0]);
+        let read =
+            |octave, shift_secs| BeatReading { octave, shift_secs, tapped: None }.of(&[1.0, 2.0, 3.0], &[]);
         assert_eq!(read(0, 0.0), [1.0, 2.0, 3.0]);
         assert_eq!(read(1, 0.25), [1.25, 1.75, 2.25, 2.75, 3.25]);
         assert_eq!(read(-1, 0.0), [1.0, 3.0]);
         assert_eq!((read(i32::MIN, 0.0), read(i32::MAX, 0.0)), (read(-3, 0.0), read(3, 0.0)));
-        assert_eq!(BeatReading { octave: 3, ..BeatReading::default() }.of(&[]), [0.0; 0]);
+        assert_eq!(BeatReading { octave: 3, ..BeatReading::default() }.of(&[], &[]), [0.0; 0]);
+    }
+
+    #[test]
+    fn beats_read_half_as_fast_keep_those_that_begin_bars() {
+        let beats_secs: Vec<f64> = (0..21).map(f64::from).collect();
+        let read = |octave, tapped, first_bar: usize| {
+            let bars_secs: Vec<f64> = beats_secs.iter().skip(first_bar).step_by(4).copied().collect();
+            BeatReading { octave, shift_secs: 0.0, tapped }.of(&beats_secs, &bars_secs)
+        };
+        for first_bar in 0..4 {
+            for (octave, step) in [(-1, 2), (-2, 4), (-3, 8)] {
+                let read = read(octave, None, first_bar);
+                let first = first_bar % step;
+                assert_eq!(read, beats_secs.iter().skip(first).step_by(step).copied().collect::<Vec<f64>>());
+            }
+        }
+        // Bars that were tapped begin elsewhere than those that were found.
+        let tapped = Some(TappedBeats { per_found: 1.0, at_secs: 7.0 });
+        assert_eq!(read(-2, tapped, 0), [3.0, 7.0, 11.0, 15.0, 19.0]);
     }
 
     /// The reading after taps at `bpm` from 20 s on, each 10 ms early or late, to a song that was found to have 93.
@@ -240,18 +268,18 @@ mod tests {
             assert!(tapped.per_found == 1.5 && tapped.at_secs > 19.0, "{count}: {tapped:?}");
         }
         let tapped = after_taps(found, 140.0, 8);
-        let read = tapped.of(&found_secs());
+        let read = tapped.of(&found_secs(), &[]);
         let gap_secs = 60.0 / (1.5 * 93.0);
         assert!(read.windows(2).all(|pair| (pair[1] - pair[0] - gap_secs).abs() < 1e-9));
         assert!(read.iter().any(|beat| (beat - 20.0).abs() < 0.02), "the first tap is a beat");
         assert!(read[0] - 1.0 < gap_secs && read.len() > 280);
-        let twice = BeatReading { octave: 1, ..tapped }.of(&found_secs());
+        let twice = BeatReading { octave: 1, ..tapped }.of(&found_secs(), &[]);
         assert_eq!(twice.len(), 2 * read.len() - 1);
         // No simple ratio.
         let tapped = after_taps(found, 115.0, 16).tapped.unwrap();
         assert!((93.0 * tapped.per_found - 115.0).abs() < 0.5, "{tapped:?}");
         // Nothing was found: there is nothing that can be read otherwise.
-        assert!(after_taps(found, 140.0, 8).of(&[3.0]).is_empty());
+        assert!(after_taps(found, 140.0, 8).of(&[3.0], &[]).is_empty());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use chladni_sound::{Bar, Beats, ENERGY_RATE_HZ, Section};
 
 /// Beats as a person wants them read.
 pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
+    let bars_secs: Vec<f64> = beats.bars.iter().map(|bar| bar.at_secs).collect();
     let factor = 2f64.powi(reading.octave) * reading.tapped.map_or(1.0, |tapped| tapped.per_found);
     let (bars, sections) = match reading.tapped {
         Some(tapped) => in_bars_of(tapped, beats),
@@ -12,7 +13,7 @@ pub fn read_beats(beats: &Beats, reading: BeatReading) -> Beats {
     };
     Beats {
         tempo_bpm: factor * beats.tempo_bpm,
-        beats_secs: reading.of(&beats.beats_secs),
+        beats_secs: reading.of(&beats.beats_secs, &bars_secs),
         // Who taps them knows.
         confidence: reading.tapped.map_or(beats.confidence, |_| 1.0),
         other_octaves_bpm: beats.other_octaves_bpm.map(|bpm| factor * bpm),
@@ -46,10 +47,15 @@ fn in_bars_of(tapped: TappedBeats, found: &Beats) -> (Vec<Bar>, Vec<Section>) {
 /// The bars of a song, as a director gets them.
 pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
     let bars = &beats.bars;
+    // The last bar goes on as the one before it: its beats are those that were found, whatever the tempo is read as.
+    let last_beat_secs = match bars.as_slice() {
+        [.., before, last] => (last.at_secs - before.at_secs) / f64::from(before.beats.max(1)),
+        _ if beats.tempo_bpm > 0.0 => 60.0 / beats.tempo_bpm,
+        _ => 0.5,
+    };
     bars.iter().enumerate().map(move |(i, bar)| {
         let next = bars.get(i + 1).map(|next| next.at_secs - bar.at_secs);
-        let beat_secs = if beats.tempo_bpm > 0.0 { 60.0 / beats.tempo_bpm } else { 0.5 };
-        let secs = next.unwrap_or(f64::from(bar.beats) * beat_secs);
+        let secs = next.unwrap_or(f64::from(bar.beats) * last_beat_secs);
         let middle = ((bar.at_secs + 0.5 * secs) * ENERGY_RATE_HZ).round().max(0.0) as usize;
         let energy = beats.energy.get(middle).or(beats.energy.last()).copied().unwrap_or(0.5);
         let begins_section = beats.sections.iter().any(|section| section.at_secs == bar.at_secs);
@@ -60,6 +66,21 @@ pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn beats_halved_fall_on_bars_after_a_pickup_and_the_last_bar_keeps_its_length() {
+        let beats_secs: Vec<f64> = (0..42).map(|n| 1.0 + 0.5 * f64::from(n)).collect();
+        let begins = beats_secs.iter().skip(1).step_by(4);
+        let mut bars: Vec<Bar> = begins.map(|&at_secs| Bar { at_secs, beats: 4 }).collect();
+        bars.last_mut().unwrap().beats = 1;
+        let found = Beats { tempo_bpm: 120.0, beats_secs, confidence: 1.0, bars, ..Beats::default() };
+        for octave in [-2, -1, 0, 1] {
+            let read = read_beats(&found, BeatReading { octave, ..BeatReading::default() });
+            assert!(read.bars.iter().all(|bar| read.beats_secs.contains(&bar.at_secs)), "{octave}");
+            let last = bar_lines(&read).last().unwrap();
+            assert!((last.secs - 0.5).abs() < 1e-9, "{octave}: {}", last.secs);
+        }
+    }
 
     #[test]
     fn beats_that_were_tapped_have_bars_and_sections_of_their_own() {
