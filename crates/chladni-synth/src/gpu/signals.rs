@@ -105,8 +105,10 @@ impl SignalPool {
         let bytes = 4 * self.end as u64;
         let grown = bytes > self.buffer().size();
         if grown {
-            // Twice the size needed, to grow rarely, but no more than the device has.
-            self.buffer.reserve(2 * bytes).or_else(|_| self.buffer.reserve(bytes))?;
+            // Twice the size needed, to grow rarely, but no more than the device has. Without room nothing of
+            // this frame is kept, or the next one would find signals that were never uploaded.
+            let reserved = self.buffer.reserve(2 * bytes).or_else(|_| self.buffer.reserve(bytes));
+            reserved.inspect_err(|_| self.clear())?;
         }
         for slot in self.slots.iter().filter(|slot| grown || slot.first == first) {
             let scalars = bytemuck::cast_slice(slot.signal.scalars());

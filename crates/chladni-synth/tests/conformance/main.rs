@@ -282,6 +282,34 @@ fn what_the_device_cannot_hold_is_synthesized_on_the_cpu() {
 }
 
 #[test]
+fn masks_that_the_device_cannot_hold_are_refused_each_time() {
+    let Some((device, queue)) = device::open(|limits| limits.max_storage_buffer_binding_size = 1 << 16)
+    else {
+        return;
+    };
+    let context = GpuContext::new(&device, &queue, &DeviceLoss::watch(&device));
+    let shape = cases::shape(18, 20, 16, 6);
+    let n = shape.vertices();
+    let mut gpu = GpuSynthesizer::new(&context, model(&shape)).unwrap();
+    let masked = |value: f32| Term { mask: Some(vec![value; n].into()), ..normal(vec![0.1; 6]) };
+    // More scalars than the 16,384 that one binding holds, in terms of one column each.
+    let with_residual = |i: u8| {
+        let residual = Some(Residual::Normal(vec![0.1 * f32::from(i); n].into()));
+        Term { residual, residual_gain: 0.1, ..masked(0.5) }
+    };
+    let count = (8192 / n + 2) as u8;
+    let many = [Item { terms: (0..count).map(with_residual).collect() }];
+    for _ in 0..2 {
+        let refused = gpu.synthesize_positions(&many);
+        assert!(matches!(refused, Err(SynthError::DeviceLimit { .. })), "{refused:?}");
+    }
+    let one = [item(masked(0.25))];
+    gpu.synthesize(&one, &FrameSettings::default()).unwrap();
+    let found = device::read_buffer(&device, &queue, gpu.frame().positions, &gpu.frame());
+    check_positions("after a refusal", &shape, &one, &found);
+}
+
+#[test]
 fn a_device_that_cannot_compute_shows_what_the_cpu_makes() {
     let Some((device, queue)) = device::open(|limits| limits.max_storage_buffers_per_shader_stage = 4) else {
         return;
