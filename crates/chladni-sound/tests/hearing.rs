@@ -4,7 +4,9 @@
 
 use std::sync::Arc;
 
-use chladni_sound::{FrontEnd, Level, Song, SongReader, SongSpectrum, SpectrumAnalyzer, SpectrumSettings};
+use chladni_sound::{
+    FrontEnd, Level, Song, SongReader, SongSpectrum, Spectrum, SpectrumAnalyzer, SpectrumSettings,
+};
 use chladni_testdata::shared;
 
 const RATE_HZ: u32 = 44_100;
@@ -91,6 +93,63 @@ fn quiet_and_loud_masters_move_alike() {
             assert!((20.0 * (a / b).log10()).abs() < 2.0, "{name}: {a} and {b}");
         }
     }
+}
+
+#[test]
+fn a_knob_turned_while_listening_keeps_level_and_spectrum() {
+    let tone = sweep(440.0, 440.001, 0.5, 0.5);
+    let soft: Vec<f32> = tone.iter().map(|x| 0.1 * x).collect();
+    let settings = SpectrumSettings { decay: 0.0, bands: 32, ..SpectrumSettings::new(RATE_HZ) };
+    let mut analyzer = SpectrumAnalyzer::new(settings.clone()).unwrap();
+    for (sound, windows) in [(&tone, 60), (&soft, 80)] {
+        for _ in 0..windows {
+            analyzer.analyze(sound, sound, 0.05);
+        }
+    }
+    let loudest = |s: &Spectrum| s.mid.iter().fold(0.0f32, |a, &b| a.max(b));
+    let before = loudest(analyzer.spectrum());
+    assert!((0.1..0.7).contains(&before), "a soft passage: {before}");
+    // Other bands are heard anew, but it is still a soft passage.
+    analyzer.retune(SpectrumSettings { bands: 64, ..settings.clone() }).unwrap();
+    let after = loudest(analyzer.analyze(&soft, &soft, 0.01));
+    assert!((after / before - 1.0).abs() < 0.3, "{before} and {after}");
+    // A longer decay begins with what was heard.
+    analyzer.retune(SpectrumSettings { bands: 64, decay: 0.9, side_gain: 2.0, ..settings.clone() }).unwrap();
+    assert_eq!(analyzer.settings().decay, 0.9);
+    assert!(analyzer.lag_secs() > 0.0);
+    let later = loudest(analyzer.analyze(&soft, &soft, 0.001));
+    assert!((later / after - 1.0).abs() < 0.1, "{after} and {later}");
+    assert!(analyzer.retune(SpectrumSettings { bands: 64, decay: 1.0, ..settings }).is_err());
+    assert_eq!(analyzer.settings().decay, 0.9);
+}
+
+#[test]
+fn a_blend_of_spectra_leads_from_one_side_to_the_other() {
+    let of = |side: f32, side_gain: f32| Spectrum {
+        mid: vec![0.5],
+        side: vec![side],
+        left: vec![0.5],
+        right: vec![0.5],
+        side_gain,
+    };
+    // A wide passage with a low gain, and one that is nearly mono.
+    let (wide, narrow) = (of(1.0, 1.2), of(0.2, 10.0));
+    let mixed = |weight: f32| {
+        let mut mixed = narrow.clone();
+        mixed.mix(&wide, weight);
+        mixed
+    };
+    assert_eq!(mixed(0.0), narrow);
+    let end = mixed(1.0);
+    assert!((end.side[0] - 1.0).abs() < 1e-5 && (end.side_gain - 1.2).abs() < 1e-5, "{end:?}");
+    // The side without its gain, squared, is blended linearly.
+    let half = mixed(0.5);
+    let bare = |of: &Spectrum| (of.side[0] / of.side_gain).powi(2);
+    assert!((half.side_gain - 5.6).abs() < 1e-5);
+    assert!((bare(&half) - 0.5 * (bare(&wide) + bare(&narrow))).abs() < 1e-5);
+    let mut silent = of(0.0, 0.0);
+    silent.mix(&of(0.3, 0.0), 0.5);
+    assert_eq!(silent.side, [0.0]);
 }
 
 #[test]

@@ -86,7 +86,10 @@ impl Concert {
     pub fn listen(&mut self, rate_hz: u32) -> Result<(), JsError> {
         // No beat goes back.
         let gone = self.beat_at(self.clock.at_secs()).ceil();
-        self.live = Some(Live::new(rate_hz, &self.instrument, gone)?);
+        let before = self.live.as_ref().map_or_else(|| self.hearing.heard(), |live| live.ear.heard());
+        let mut live = Live::new(rate_hz, &self.instrument, gone)?;
+        live.ear.go_on_from(before);
+        self.live = Some(live);
         Ok(())
     }
 

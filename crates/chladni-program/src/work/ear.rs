@@ -1,11 +1,11 @@
 //! An ear that knows only the past: for live input, and for a song that is still being read.
 
-use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing};
+use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, smooth};
 use chladni_sound::{
     BeatFollower, HeardBar, Level, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings,
 };
 
-use super::hearing::bands_of;
+use super::hearing::{FADE_SECS, bands_of};
 use super::tuning::spectrum_settings;
 
 /// Windows of sound follow each other at most this far apart, however seldom a picture is drawn. At 60 pictures a second
@@ -24,6 +24,17 @@ pub struct Ear {
     rung_secs: f32,
     harmony: Harmony,
     level: Level,
+    /// What was heard in another way before, while it fades out.
+    fade: Option<Fade>,
+    /// The last result.
+    now: (Spectrum, Ringing, Harmony),
+}
+
+/// Sound that was heard in another way.
+struct Fade {
+    from: (Spectrum, Ringing, Harmony),
+    /// Since it was; none before the first sound after it.
+    gone_secs: Option<f64>,
 }
 
 /// The number of beats so far. A tracker sometimes corrects its phase backward, but things that move with the beat
@@ -57,14 +68,18 @@ impl Ear {
     /// # Errors
     /// [`SoundError::Setting`] where the rate is out of range.
     pub fn new(rate_hz: u32) -> Result<Self, SoundError> {
+        let analyzer = SpectrumAnalyzer::new(SpectrumSettings::new(rate_hz))?;
+        let silence = analyzer.spectrum().clone();
         Ok(Self {
-            analyzer: SpectrumAnalyzer::new(SpectrumSettings::new(rate_hz))?,
+            analyzer,
             follower: BeatFollower::new(rate_hz)?,
             beats: BeatCount::default(),
             resonators: None,
             rung_secs: 0.0,
             harmony: Harmony::default(),
             level: Level::Auto,
+            fade: None,
+            now: (silence, Ringing::default(), Harmony::default()),
         })
     }
 
@@ -93,9 +108,18 @@ impl Ear {
         }
         let wanted = SpectrumSettings { level: self.level, ..spectrum_settings(rate_hz, parameters) };
         if *self.analyzer.settings() != wanted {
-            self.analyzer = SpectrumAnalyzer::new(wanted)?;
+            self.analyzer.retune(wanted)?;
         }
         Ok(())
+    }
+
+    /// Begins anew after sound that was heard in another way, as [`Hearing::heard`](super::Hearing::heard) has it: what
+    /// this ear heard before is forgotten, and that sound fades out.
+    pub fn go_on_from(&mut self, from: (Spectrum, Ringing, Harmony)) {
+        self.analyzer.reset();
+        self.resonators.iter_mut().for_each(Resonators::still);
+        (self.rung_secs, self.harmony) = (0.0, Harmony::default());
+        self.fade = Some(Fade { from, gone_secs: None });
     }
 
     /// Takes new sound and tracks its beat; returns the bars that begin in it, in the tracker's own time. After a long
@@ -150,8 +174,26 @@ impl Ear {
                 bank.hear(&bands_of(spectrum), std::mem::replace(&mut self.rung_secs, rung_secs));
             }
         }
-        let ringing = self.resonators.as_mut().map(|bank| bank.ring(rung_secs));
-        (Bands { ringing, ..bands_of(self.analyzer.spectrum()) }, self.harmony)
+        let (spectrum, ringing, harmony) = &mut self.now;
+        spectrum.clone_from(self.analyzer.spectrum());
+        match &mut self.resonators {
+            Some(bank) => ringing.clone_from(bank.ring(rung_secs)),
+            None => *ringing = Ringing::default(),
+        }
+        *harmony = self.harmony;
+        if let Some(Fade { from, gone_secs }) = &mut self.fade {
+            let gone = gone_secs.map_or(0.0, |gone| gone + dt_secs);
+            *gone_secs = Some(gone);
+            let left = 1.0 - smooth((gone / FADE_SECS).clamp(0.0, 1.0) as f32);
+            spectrum.mix(&from.0, left);
+            ringing.mix(&from.1, left);
+            harmony.mix(from.2, left);
+            if left <= 0.0 {
+                self.fade = None;
+            }
+        }
+        let ringing = self.resonators.is_some().then_some(&*ringing);
+        (Bands { ringing, ..bands_of(spectrum) }, *harmony)
     }
 
     fn frames_in(&self, secs: f64) -> usize {
@@ -160,8 +202,7 @@ impl Ear {
 
     /// The last result, for [`Hearing::fade_from`](super::Hearing::fade_from).
     pub fn heard(&self) -> (Spectrum, Ringing, Harmony) {
-        let ringing = self.resonators.as_ref().map(|bank| bank.ringing().clone()).unwrap_or_default();
-        (self.analyzer.spectrum().clone(), ringing, self.harmony)
+        self.now.clone()
     }
 }
 
@@ -197,6 +238,32 @@ mod tests {
         assert!(bands.mid.iter().all(|level| *level == 0.0) && still(bands.ringing));
         let (bands, _) = ear.hear((&sound, &sound), &parameters, 0.3);
         assert!(bands.mid.iter().any(|level| *level > 1e-3) && !still(bands.ringing));
+    }
+
+    #[test]
+    fn an_ear_that_goes_on_forgets_what_it_heard_long_ago_and_fades_from_what_was_heard_since() {
+        let (rate_hz, parameters) = (48_000, Parameters::default());
+        let mut ear = Ear::new(rate_hz).unwrap();
+        ear.tune(rate_hz, &parameters).unwrap();
+        let frames = ear.frames(Ear::LONGEST_SECS);
+        let tone: Vec<f32> = (0..frames).map(|i| 0.5 * (i as f32 * 0.06).sin()).collect();
+        let silence = vec![0.0; frames];
+        ear.hear((&tone, &tone), &parameters, Ear::LONGEST_SECS);
+        assert!(ear.heard().0.mid.iter().any(|level| *level > 0.1));
+        // What was heard of a known song since.
+        let level = vec![0.4; 128];
+        let [mid, side, left, right] = std::array::from_fn(|_| level.clone());
+        let since = Spectrum { mid, side, left, right, side_gain: 2.0 };
+        let mut ringing = Ringing::default();
+        ringing.still(128);
+        ear.go_on_from((since, ringing.clone(), Harmony::default()));
+        // It begins there, however much sound it hears at first.
+        let (bands, _) = ear.hear((&silence, &silence), &parameters, Ear::LONGEST_SECS);
+        assert!(bands.mid.iter().chain(bands.side).all(|level| (level - 0.4).abs() < 1e-5));
+        let (bands, _) = ear.hear((&silence, &silence), &parameters, 0.5 * FADE_SECS);
+        assert!(bands.mid.iter().all(|level| (0.1..0.39).contains(level)));
+        let (bands, _) = ear.hear((&silence, &silence), &parameters, FADE_SECS);
+        assert!(bands.mid.iter().all(|level| *level == 0.0) && *bands.ringing.unwrap() == ringing);
     }
 
     #[test]

@@ -17,7 +17,7 @@ mod songs;
 mod tests;
 
 /// A jump within a song, or to another one, is faded over this time.
-const FADE_SECS: f64 = 0.3;
+pub(super) const FADE_SECS: f64 = 0.3;
 /// A song that goes on this near to where it was expected has not jumped: times are rounded.
 const ROUNDED_SECS: f64 = 1e-6;
 /// Jumps that happened this long before the earliest time asked for are ignored.
@@ -230,6 +230,11 @@ impl Hearing {
         beat: Beat,
     ) {
         self.fade = Some(Fade { from, ringing, harmony, beat, since_secs: at_secs });
+    }
+
+    /// The last result, for an ear that goes on from it.
+    pub fn heard(&self) -> (Spectrum, Ringing, Harmony) {
+        (self.now.clone(), self.ringing.clone(), self.harmony)
     }
 
     /// The sound at `at_secs`, which lies in the stretch begun last; `None` where its song is not known.

@@ -108,22 +108,26 @@ impl Spectrum {
     }
 
     /// Blends toward `other` by `weight` in [0, 1]. The squares are blended, which keeps the four
-    /// amplitudes consistent with one pair of channels. Does nothing if `other` has another number of
-    /// bands.
+    /// amplitudes consistent with one pair of channels, and so is the gain of the side. Does nothing if `other`
+    /// has another number of bands.
     pub fn mix(&mut self, other: &Self, weight: f32) {
-        // Converts the side to the gain of this spectrum.
-        let gain = if other.side_gain > 0.0 { self.side_gain / other.side_gain } else { 1.0 };
-        for (own, other, gain) in [
-            (&mut self.mid, &other.mid, 1.0),
-            (&mut self.side, &other.side, gain),
-            (&mut self.left, &other.left, 1.0),
-            (&mut self.right, &other.right, 1.0),
+        if self.side.len() != other.side.len() {
+            return;
+        }
+        let side_gain = self.side_gain + weight * (other.side_gain - self.side_gain);
+        // Both sides are brought to the gain in between.
+        let [own_gain, other_gain] =
+            [self.side_gain, other.side_gain].map(|gain| if gain > 0.0 { side_gain / gain } else { 0.0 });
+        self.side_gain = side_gain;
+        for (own, other, [own_gain, other_gain]) in [
+            (&mut self.mid, &other.mid, [1.0; 2]),
+            (&mut self.side, &other.side, [own_gain, other_gain]),
+            (&mut self.left, &other.left, [1.0; 2]),
+            (&mut self.right, &other.right, [1.0; 2]),
         ] {
-            if own.len() == other.len() {
-                for (own, other) in own.iter_mut().zip(other) {
-                    let (from, to) = (*own * *own, (gain * other) * (gain * other));
-                    *own = (from + weight * (to - from)).max(0.0).sqrt();
-                }
+            for (own, other) in own.iter_mut().zip(other) {
+                let [from, to] = [own_gain * *own, other_gain * other].map(|amplitude| amplitude * amplitude);
+                *own = (from + weight * (to - from)).max(0.0).sqrt();
             }
         }
     }
@@ -249,6 +253,28 @@ impl SpectrumAnalyzer {
         self.spectrum = Spectrum::silent(self.settings.bands);
         self.followed.fill(Followed::default());
         self.leveler = Leveler::new(self.settings.bands, self.settings.loud);
+    }
+
+    /// Takes other settings from the next window on, as a knob is turned while it listens. It keeps the level that it
+    /// has followed, unless that of loud passages is known otherwise, and the spectrum where only decay, the side's
+    /// gain or the kind of level differ.
+    ///
+    /// # Errors
+    /// A setting is out of range; the earlier ones stay in use.
+    pub fn retune(&mut self, settings: SpectrumSettings) -> Result<(), SoundError> {
+        let SpectrumSettings { decay, side_gain, level, .. } = settings;
+        if settings == (SpectrumSettings { decay, side_gain, level, ..self.settings.clone() }) {
+            settings.check()?;
+            self.lag_secs = lag_secs(&settings);
+            self.settings = settings;
+            return Ok(());
+        }
+        let mut new = Self::new(settings)?;
+        if new.settings.loud == self.settings.loud {
+            new.leveler.remember(&self.leveler);
+        }
+        *self = new;
+        Ok(())
     }
 
     /// The delay, in seconds, from a click to the peak of its spectrum, caused by the decay. A window

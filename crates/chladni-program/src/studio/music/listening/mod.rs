@@ -325,10 +325,16 @@ impl Listening {
         if std::mem::replace(&mut self.had_beats, has_beats) && !has_beats {
             self.ear.beats = BeatCount::from(self.last_beat.count);
         }
-        if known && std::mem::replace(&mut self.by_ear, !known) {
-            self.hearing.fade_from(at_secs, self.ear.heard(), self.last_beat);
+        // What an ear heard before a known song may be minutes old.
+        let mut ear_secs = dt_secs;
+        match (std::mem::replace(&mut self.by_ear, !known), known) {
+            (true, true) => self.hearing.fade_from(at_secs, self.ear.heard(), self.last_beat),
+            (false, false) => {
+                self.ear.go_on_from(self.hearing.heard());
+                ear_secs = Ear::LONGEST_SECS;
+            }
+            (true, false) | (false, true) => {}
         }
-        self.by_ear = !known;
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
         let rate_hz = if rate_hz > 0 { rate_hz } else { self.ear.rate_hz() };
         let level = if self.live.is_some() { self.input.level() } else { Level::Auto };
@@ -341,7 +347,7 @@ impl Listening {
         } else {
             self.last_position_secs = status.position_secs;
         }
-        self.take_window(is_playing, dt_secs);
+        self.take_window(is_playing, ear_secs);
         let heard = [&self.left, &self.right];
         self.levels = std::array::from_fn(|side| Loudness::of(heard[side], self.levels[side], dt_secs));
         let by_ear = self.ear.beat();
@@ -350,7 +356,7 @@ impl Listening {
         if !known {
             let beat = self.beat_or(by_ear);
             self.last_beat = beat;
-            let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, dt_secs);
+            let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, ear_secs);
             return Ok(Heard { at_secs, is_known: false, bands, harmony, beat, fading: None });
         }
         let by_music = if has_beats { self.hearing.beat_at(at_secs) } else { by_ear };
