@@ -293,7 +293,8 @@ fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError 
     }
 }
 
-/// Returns an error if all triangles of some component are degenerate: it has no Laplacian.
+/// Returns an error if no component has an area. Beside others, one that rounding has flattened has what mollified
+/// lengths give it.
 fn refuse_zero_area(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],
@@ -301,10 +302,12 @@ fn refuse_zero_area(
     operator_vertex: &[Option<u32>],
 ) -> Result<(), HarmonicsError> {
     let flat = flat_components(positions, triangles, component);
-    let Some(empty) = flat.iter().position(|flat| *flat) else { return Ok(()) };
-    let inside = |v: &Option<u32>| v.is_some_and(|v| component[v as usize] as usize == empty);
+    if flat.contains(&false) {
+        return Ok(());
+    }
+    let inside = |v: &Option<u32>| v.is_some_and(|v| component[v as usize] == 0);
     Err(HarmonicsError::ZeroArea {
-        vertices: component.iter().filter(|&&c| c as usize == empty).count(),
+        vertices: component.iter().filter(|c| **c == 0).count(),
         vertex: operator_vertex.iter().position(inside).unwrap_or_default(),
     })
 }

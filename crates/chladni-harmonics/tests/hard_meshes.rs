@@ -6,7 +6,7 @@
 mod shapes;
 
 use chladni_harmonics::{
-    BasisSettings, BasisWarning, Body, HarmonicsError, Laplacian, Operator, mesh_laplacian,
+    BasisSettings, BasisWarning, Body, CoverReport, HarmonicsError, Laplacian, Operator, mesh_laplacian,
 };
 use chladni_mesh::TriMesh;
 use chladni_task::Task;
@@ -259,6 +259,29 @@ fn a_detached_part_without_area_is_left_out_with_a_warning() {
     with_point.triangles.push([n, n + 1, n + 2]);
     let mass = mesh_laplacian(&with_point, 1e-5).unwrap().1;
     assert!((area(&of_ball) / area(&mass) - 1.0).abs() < 1e-12 && mass[n as usize] > 0.0);
+}
+
+#[test]
+fn a_speck_that_the_working_frame_flattens_does_not_refuse_the_mesh() {
+    let mut mesh = shapes::icosphere(2);
+    mesh.positions.iter_mut().for_each(|p| *p = p.map(|x| x + 0.5));
+    let alone = build(&mesh, 9);
+    let n = mesh.positions.len() as u32;
+    mesh.positions.extend([[0.0; 3], [1e-4, 0.0, 0.0], [2e-4, 2.7e-17, 0.0]]);
+    mesh.triangles.push([n, n + 1, n + 2]);
+    let operator = Operator::of(&mesh).unwrap();
+    assert_eq!((operator.components(), operator.without_area), (2, 0));
+    assert!(operator.mass.iter().all(|a| *a > 0.0));
+    assert_eq!(operator.cover, Some(CoverReport::of(&mesh).unwrap()));
+    for mollify in [0.0, 1e-5] {
+        assert!(mesh_laplacian(&mesh, mollify).unwrap().1.iter().all(|a| *a > 0.0));
+    }
+    // The speck has a constant of its own, and its other eigenvalues are far above.
+    let both = build(&mesh, 10);
+    assert_eq!(both.basis.eigenvalues[..2], [0.0; 2]);
+    for (value, exact) in both.basis.eigenvalues[2..].iter().zip(&alone.basis.eigenvalues[1..]) {
+        assert!((value / exact - 1.0).abs() < 1e-3, "{value} for {exact}");
+    }
 }
 
 proptest! {
