@@ -7,6 +7,8 @@ use crate::HarmonicsError;
 /// A cotangent sum above this counts as Delaunay; otherwise four points on a circle would be flipped
 /// forever.
 const TOLERANCE: f64 = -1e-10;
+/// However large the surface, it gets at most this many flips more than a few for every side: about a minute of them.
+const MOST_MORE: u64 = 1 << 30;
 
 /// Flips edges whose opposite angles sum to more than π until there are none (Bobenko & Springborn 2007).
 pub(super) fn flip_to_delaunay(cover: &mut Cover) -> Result<(), HarmonicsError> {
@@ -16,9 +18,7 @@ pub(super) fn flip_to_delaunay(cover: &mut Cover) -> Result<(), HarmonicsError> 
     for &h in &waiting {
         is_waiting[h as usize] = true;
     }
-    // The number of flips is finite, and a few per edge on all meshes seen. The bound only stops rounding
-    // from flipping an edge back and forth.
-    let mut budget = 200 * sides + 10_000;
+    let mut budget = most_flips(sides as u64);
     while let Some(h) = waiting.pop() {
         is_waiting[h as usize] = false;
         let twin = cover.twin[h as usize];
@@ -41,6 +41,12 @@ pub(super) fn flip_to_delaunay(cover: &mut Cover) -> Result<(), HarmonicsError> 
         }
     }
     Ok(())
+}
+
+/// The bound only stops rounding from flipping an edge back and forth. Most surfaces take a few flips for each edge, but
+/// large fans may take as many as the square of their number.
+pub(super) fn most_flips(sides: u64) -> u64 {
+    200 * sides + 10_000 + (sides.saturating_mul(sides) / 8).min(MOST_MORE)
 }
 
 fn opposite_cotangent(cover: &Cover, h: u32) -> f64 {

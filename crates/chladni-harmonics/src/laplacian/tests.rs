@@ -50,6 +50,22 @@ fn a_bad_diagonal_is_flipped_to_the_weights_of_the_good_one() {
 }
 
 #[test]
+fn two_fans_take_as_many_flips_as_the_square_of_their_triangles() {
+    // Two parallel rows of points. Each fan has its tip at one end of the other row.
+    let m = 60_u32;
+    let row = |y: f64| (0..=m).map(move |i| [f64::from(i), y, 0.0]);
+    let positions: Vec<[f64; 3]> = row(0.0).chain(row(12.0)).collect();
+    let top = |i: u32| m + 1 + i;
+    let triangles: Vec<[u32; 3]> =
+        (0..m).flat_map(|i| [[top(0), i, i + 1], [m, top(i + 1), top(i)]]).collect();
+    let cover = delaunay_cover(&positions, &triangles, MOLLIFY).unwrap();
+    assert_eq!((cover.sheets, cover.flips as u32), (2, m * (m - 1)));
+    let large = 3000;
+    let sides = cover.tail.len() as u64 / u64::from(m) * large;
+    assert!(super::flips::most_flips(sides) > large * (large - 1));
+}
+
+#[test]
 fn a_closed_delaunay_mesh_keeps_its_plain_cotangents_in_one_sheet() {
     let positions = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
     let triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
