@@ -88,7 +88,8 @@ impl Body {
             .map(|(p, v)| match v {
                 Some(v) => {
                     let d = self.frame.displacement_to_file(displacements[*v as usize]);
-                    std::array::from_fn(|i| p[i] + d[i])
+                    // −0 + 0 would be 0.
+                    std::array::from_fn(|i| if d[i] == 0.0 { p[i] } else { p[i] + d[i] })
                 }
                 None => *p,
             })
@@ -103,6 +104,19 @@ mod tests {
 
     use super::*;
     use crate::BasisSettings;
+
+    #[test]
+    fn what_does_not_move_keeps_its_bits() {
+        let mut mesh = samples::icosphere(1);
+        mesh.positions.iter_mut().flatten().filter(|x| **x == 0.0).for_each(|x| *x = -0.0);
+        let body = Body::unsolved(&mesh).unwrap();
+        let still = vec![[0.0; 3]; body.positions.len()];
+        let moved = body.displaced_file_positions(&mesh.positions, &still);
+        let bits =
+            |positions: &[[f64; 3]]| positions.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let (before, after) = (bits(&mesh.positions), bits(&moved));
+        assert!(before.contains(&(-0.0_f64).to_bits()) && before == after);
+    }
 
     #[test]
     fn a_ball_of_radius_25_has_its_spectrum_in_the_units_of_its_file() {
