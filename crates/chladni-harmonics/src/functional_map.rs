@@ -94,7 +94,8 @@ impl FunctionalMap {
 
     /// The functional map C of a point map, which gives for each of the n₂ vertices of shape 2 a vertex of
     /// shape 1. With `dual` = M₂ Φ₂, stored like the eigenvectors, C is (M₂ Φ₂)ᵀ Φ₁(map); without it, C is
-    /// the least-squares solution of Φ₂ C = Φ₁(map).
+    /// the least-squares solution of Φ₂ C = Φ₁(map), and the smallest of them where the eigenvectors Φ₂ depend on each
+    /// other.
     ///
     /// # Errors
     /// A map or dual with another number of vertices, or a vertex that shape 1 does not have.
@@ -141,7 +142,7 @@ impl FunctionalMap {
             None if n < rows => {
                 return Err(bad(format!("{rows} eigenvectors on {n} vertices leave the map undetermined")));
             }
-            None => target.first(rows).qr().solve_lstsq(pulled),
+            None => least_squares(target.first(rows), pulled)?,
         };
         let values =
             found.col_iter().flat_map(|column| column.iter().copied().collect::<Vec<f64>>()).collect();
@@ -196,6 +197,27 @@ fn product(a: MatRef<f64>, b: MatRef<f64>) -> Mat<f64> {
     let mut out = Mat::zeros(a.nrows(), b.ncols());
     matmul(out.as_mut(), Accum::Replace, a, b, 1.0, split());
     out
+}
+
+/// The X that minimizes ‖A X − B‖, and ‖X‖ where several do. A has at least as many rows as columns.
+fn least_squares(a: MatRef<f64>, b: MatRef<f64>) -> Result<Mat<f64>, HarmonicsError> {
+    let qr = a.qr();
+    let negligible = f64::EPSILON * a.nrows() as f64;
+    let pivots: Vec<f64> = (0..a.ncols()).map(|i| qr.thin_R()[(i, i)].abs()).collect();
+    let largest = pivots.iter().copied().fold(0.0, f64::max);
+    if pivots.iter().all(|pivot| *pivot > negligible * largest) {
+        return Ok(qr.solve_lstsq(b));
+    }
+    let Ok(svd) = a.thin_svd() else {
+        return Err(bad("the singular values of the target's eigenvectors were not found".into()));
+    };
+    let singular: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+    let cut = negligible * singular.iter().copied().fold(0.0, f64::max);
+    let image = product(svd.U().transpose(), b);
+    let shares = Mat::from_fn(image.nrows(), image.ncols(), |i, j| {
+        if singular[i] > cut { image[(i, j)] / singular[i] } else { 0.0 }
+    });
+    Ok(product(svd.V(), shares.as_ref()))
 }
 
 fn row_major(matrix: MatRef<f64>) -> Vec<f64> {
@@ -257,6 +279,21 @@ mod tests {
             let refined = start.zoomed_out(vectors, target, dual, 7, [5, 5], &Task::new()).unwrap();
             assert_eq!((refined.rows, refined.columns), (40, 40));
             assert_eq!(refined.to_point_map(vectors, target, false, &Task::new()).unwrap(), shuffled);
+        }
+    }
+
+    #[test]
+    fn eigenvectors_that_depend_on_each_other_give_the_smallest_map() {
+        let source = [0.5, 0.5, 0.5, 0.5, 0.5, -0.5, 0.5, -0.5];
+        let source = Eigenvectors { vertices: 4, values: &source };
+        // Beside the constant, nothing; and the constant twice.
+        for (second, exact) in [(0.0, [1.0, 0.0, 0.0, 0.0]), (0.5, [0.5, 0.5, 0.0, 0.0])] {
+            let target = [0.5, 0.5, 0.5, 0.5, second, second, second, second];
+            let target = Eigenvectors { vertices: 4, values: &target };
+            let map = FunctionalMap::of_point_map(&[0, 1, 2, 3], source, target, None).unwrap();
+            for (value, exact) in map.values.iter().zip(exact) {
+                assert!((value - exact).abs() < 1e-12, "{:?}", map.values);
+            }
         }
     }
 
