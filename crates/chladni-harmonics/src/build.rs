@@ -123,14 +123,14 @@ impl Pencil<'_> {
         settings: &BasisSettings,
         task: &Task,
     ) -> Result<(Basis, BuildReport), HarmonicsError> {
-        self.solve_and_choose(settings, |_| {}, task)
+        self.solve_and_choose(settings, |_| Ok(()), task)
     }
 
     /// As [`solve`](Self::solve); `choose` chooses among equally good pairs, of which it sees whole groups.
     pub(crate) fn solve_and_choose(
         &self,
         settings: &BasisSettings,
-        choose: impl FnOnce(&mut Basis) + Send,
+        choose: impl FnOnce(&mut Basis) -> Result<(), HarmonicsError> + Send,
         task: &Task,
     ) -> Result<(Basis, BuildReport), HarmonicsError> {
         let start = Instant::now();

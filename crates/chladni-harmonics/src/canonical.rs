@@ -5,12 +5,15 @@
 //! other. The rotation chosen is the one that diagonalizes a fixed function of position; the sign chosen is
 //! positive at the outermost of a harmonic's peaks along a fixed direction.
 
-use faer::{Mat, MatRef, Par};
+use chladni_task::{Cancelled, Task};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
 use rayon::prelude::*;
 
 use crate::basis::larger;
+use crate::platform::split;
 use crate::symmetric_eigen::symmetric_eigen;
-use crate::{Basis, SymmetricSparse};
+use crate::{Basis, HarmonicsError, SymmetricSparse};
 
 /// Eigenvalues that agree to this relative tolerance cannot be distinguished; rotating their vectors adds at
 /// most as much to the relative residual.
@@ -21,19 +24,30 @@ const PEAK: f64 = 0.9;
 /// between left and right positive on a fixed side. No mirror plane of a box, an octahedron or a
 /// dodecahedron contains it.
 const OUTWARD: [f64; 3] = [1.0, 0.347, 0.171];
+/// A group may be large: at most this many of its values are copied to be weighted, and this many rows to be rotated.
+const WEIGHTED: usize = 1 << 20;
+const ROWS: usize = 4096;
 
 /// Makes every sign and every choice within equal eigenvalues canonical.
-pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &SymmetricSparse) {
+///
+/// # Errors
+/// A cancelled task.
+pub(crate) fn choose(
+    basis: &mut Basis,
+    positions: &[[f64; 3]],
+    stiffness: &SymmetricSparse,
+    task: &Task,
+) -> Result<(), HarmonicsError> {
     let n = basis.vertices();
     if n == 0 {
-        return;
+        return Ok(());
     }
     let clusters = clusters(&basis.eigenvalues);
     for cluster in clusters {
         let size = cluster.len();
         let columns = &mut basis.vectors[cluster.start * n..cluster.end * n];
-        let Some(mix) = mix(columns, &basis.mass, positions) else { continue };
-        rotate(columns, &mix, n);
+        let Some(mix) = mix_within(columns, &basis.mass, positions, task)? else { continue };
+        rotate(columns, &mix, n, task)?;
         let mean = basis.eigenvalues[cluster.clone()].iter().sum::<f64>() / size as f64;
         basis.eigenvalues[cluster].fill(mean);
         let worst = columns
@@ -49,6 +63,7 @@ pub(crate) fn choose(basis: &mut Basis, positions: &[[f64; 3]], stiffness: &Symm
             h.iter_mut().for_each(|x| *x = -*x);
         }
     });
+    Ok(())
 }
 
 /// Chooses signs that make each harmonic positive where its magnitude is largest, which is all that can be
@@ -69,14 +84,36 @@ pub(crate) fn orient(basis: &mut Basis) {
 /// For the same space it gives the same rotated columns up to sign, whatever basis of the space `columns`
 /// is.
 pub fn mix(columns: &[f64], mass: &[f64], positions: &[[f64; 3]]) -> Option<Mat<f64>> {
-    let n = mass.len();
+    mix_within(columns, mass, positions, &Task::new()).ok().flatten()
+}
+
+fn mix_within(
+    columns: &[f64],
+    mass: &[f64],
+    positions: &[[f64; 3]],
+    task: &Task,
+) -> Result<Option<Mat<f64>>, Cancelled> {
+    let weights: Vec<f64> = positions.iter().zip(mass).map(|(p, a)| a * landscape(*p)).collect();
+    let projected = projected(columns, &weights, task)?;
+    let size = projected.ncols();
+    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
+    Ok(symmetric_eigen(&symmetric, Par::Seq).map(|(_, mix)| mix))
+}
+
+/// Hᵀ diag(w) H for `columns` H, which have as many values as there are weights w.
+fn projected(columns: &[f64], weights: &[f64], task: &Task) -> Result<Mat<f64>, Cancelled> {
+    let n = weights.len();
     let size = columns.len() / n;
     let h = MatRef::from_column_major_slice(columns, n, size);
-    let weights: Vec<f64> = positions.iter().zip(mass).map(|(p, a)| a * landscape(*p)).collect();
-    let weighted = Mat::from_fn(n, size, |v, j| weights[v] * h[(v, j)]);
-    let projected = h.transpose() * &weighted;
-    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (projected[(i, j)] + projected[(j, i)]));
-    symmetric_eigen(&symmetric, Par::Seq).map(|(_, mix)| mix)
+    let mut sum = Mat::<f64>::zeros(size, size);
+    let rows = (WEIGHTED / size.max(1)).max(1);
+    for first in (0..n).step_by(rows) {
+        task.check()?;
+        let part = h.subrows(first, rows.min(n - first));
+        let weighted = Mat::from_fn(part.nrows(), size, |v, j| weights[first + v] * part[(v, j)]);
+        matmul(sum.as_mut(), Accum::Add, part.transpose(), weighted.as_ref(), 1.0, split());
+    }
+    Ok(sum)
 }
 
 /// Whether the sign rule flips the harmonic `h`.
@@ -130,17 +167,25 @@ fn clusters(eigenvalues: &[f64]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// columns ← columns · mix, in place.
-fn rotate(columns: &mut [f64], mix: &Mat<f64>, n: usize) {
-    let size = mix.nrows();
-    let mut row = vec![0.0; size];
-    for v in 0..n {
-        for (j, value) in row.iter_mut().enumerate() {
-            *value = (0..size).map(|i| columns[i * n + v] * mix[(i, j)]).sum();
-        }
-        for (j, value) in row.iter().enumerate() {
-            columns[j * n + v] = *value;
-        }
+fn rotate(columns: &mut [f64], mix: &Mat<f64>, n: usize, task: &Task) -> Result<(), Cancelled> {
+    let mut old = Vec::new();
+    for first in (0..n).step_by(ROWS) {
+        task.check()?;
+        let rows = first..n.min(first + ROWS);
+        old.clear();
+        columns.chunks_exact(n).for_each(|h| old.extend_from_slice(&h[rows.clone()]));
+        let old = &old;
+        columns.par_chunks_exact_mut(n).enumerate().for_each(|(j, h)| {
+            let new = &mut h[rows.clone()];
+            // As sums begin: −0 + x is x, whatever its sign.
+            new.fill(-0.0);
+            for (i, old) in old.chunks_exact(rows.len()).enumerate() {
+                let share = mix[(i, j)];
+                new.iter_mut().zip(old).for_each(|(new, old)| *new += share * old);
+            }
+        });
     }
+    Ok(())
 }
 
 /// ‖S h − λ M h‖ / ‖S h‖.
@@ -189,6 +234,38 @@ mod tests {
         )
     }
 
+    #[test]
+    fn parts_of_a_group_sum_and_rotate_like_the_whole() {
+        let (n, size) = (WEIGHTED / 3 + 5, 3);
+        let columns: Vec<f64> = (0..n * size).map(|at| (0.37 * at as f64).sin()).collect();
+        let weights: Vec<f64> = (0..n).map(|v| (0.11 * v as f64).cos()).collect();
+        let task = Task::new();
+        let sums = projected(&columns, &weights, &task).unwrap();
+        let column = |j: usize| &columns[j * n..(j + 1) * n];
+        let mix = Mat::from_fn(size, size, |i, j| (i + 2 * j) as f64 - 1.5);
+        let mut rotated = columns.clone();
+        rotate(&mut rotated, &mix, n, &task).unwrap();
+        for j in 0..size {
+            for i in 0..size {
+                let exact: f64 = (0..n).map(|v| weights[v] * column(i)[v] * column(j)[v]).sum();
+                assert!((sums[(i, j)] - exact).abs() < 1e-6, "{} for {exact}", sums[(i, j)]);
+            }
+            for v in 0..n {
+                let exact: f64 = (0..size).map(|i| column(i)[v] * mix[(i, j)]).sum();
+                assert_eq!(rotated[j * n + v].to_bits(), exact.to_bits());
+            }
+        }
+    }
+
+    #[test]
+    fn the_choice_can_be_cancelled() {
+        let (mut basis, positions, stiffness) = ring([0.0, 0.0], [true; 4]);
+        let task = Task::new();
+        task.cancel();
+        let result = choose(&mut basis, &positions, &stiffness, &task);
+        assert_eq!(result, Err(HarmonicsError::Cancelled(Cancelled)));
+    }
+
     proptest! {
         #[test]
         fn neither_rotation_nor_sign_of_what_comes_in_matters(
@@ -196,9 +273,9 @@ mod tests {
             signs in any::<[bool; 4]>(),
         ) {
             let (mut basis, positions, stiffness) = ring(turns, signs);
-            choose(&mut basis, &positions, &stiffness);
+            choose(&mut basis, &positions, &stiffness, &Task::new()).unwrap();
             let (mut reference, ..) = ring([0.0, 0.0], [true; 4]);
-            choose(&mut reference, &positions, &stiffness);
+            choose(&mut reference, &positions, &stiffness, &Task::new()).unwrap();
             for (a, b) in basis.vectors.iter().zip(&reference.vectors) {
                 prop_assert!((a - b).abs() < 1e-9);
             }

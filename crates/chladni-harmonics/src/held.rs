@@ -44,7 +44,7 @@ impl Body {
         let stiffness = SymmetricSparse::from_entries(free.len(), entries)?;
         let mass: Vec<f64> = free.iter().map(|v| operator.mass[*v]).collect();
         let positions: Vec<[f64; 3]> = free.iter().map(|v| operator.positions[*v]).collect();
-        let choose = |basis: &mut Basis| canonical::choose(basis, &positions, &stiffness);
+        let choose = |basis: &mut Basis| canonical::choose(basis, &positions, &stiffness, task);
         // For a moment there are the harmonics of the free vertices and those of all.
         let clamped = BasisSettings { harmonics: settings.clamped(free.len())?, ..settings.clone() };
         let keep = memory::room_for_harmonics(n, 2, &clamped)?;

@@ -61,6 +61,9 @@ pub(super) fn solve(
     let mut profile = Profile::default();
     let start = Instant::now();
     let components = Components::of(pencil, component, kind)?;
+    for component in &components.0 {
+        wanted.fitted(&component.problem.symbolic)?;
+    }
     profile.analyze = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let shift = components.common_shift(wanted.harmonics, &mut profile, task)?;
@@ -118,7 +121,7 @@ impl Components {
             let problem = match kind {
                 Kind::Surface => Problem::of(part),
                 Kind::Given { spacing } => {
-                    let mut problem = Problem::given(part)?;
+                    let mut problem = Problem::of(part).given(part)?;
                     problem.expect_spacing(spacing * n as f64 / vertices.len() as f64);
                     problem
                 }

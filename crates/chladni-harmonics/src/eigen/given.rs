@@ -31,12 +31,12 @@ const PROPORTIONAL: usize = 5;
 pub(crate) fn solve(
     pencil: Pencil,
     settings: &BasisSettings,
-    choose: impl FnOnce(&mut Basis),
+    choose: impl FnOnce(&mut Basis) -> Result<(), HarmonicsError>,
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     let (vertices, planned) = (pencil.mass.len(), plan::slices(settings.harmonics));
     let mut solved = where_it_fits(vertices, planned, settings, |wanted| solve_wanted(pencil, wanted, task))?;
-    choose(&mut solved.basis);
+    choose(&mut solved.basis)?;
     if !settings.whole_clusters && solved.basis.harmonics() > settings.harmonics {
         solved.basis.truncate(settings.harmonics);
         solved.cuts_cluster = true;
@@ -47,7 +47,10 @@ pub(crate) fn solve(
 fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, HarmonicsError> {
     let harmonics = wanted.harmonics;
     let mut profile = Profile::default();
-    let mut problem = Problem::given(pencil)?;
+    let problem = Problem::of(pencil);
+    // Before the first factor: here the pattern may be any.
+    wanted.fitted(&problem.symbolic)?;
+    let mut problem = problem.given(pencil)?;
     let bound = pencil.bound() * problem.stretch();
     // Zeros are counted by inertia: by value, a zero cannot be distinguished from anything small compared
     // with the lift. How many there are, and how many are negative, depends on S alone (Sylvester), so they are counted
@@ -55,7 +58,7 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
     let (spacing, zeros) = if bound > 0.0 {
         let own = own_diagonal(pencil.stiffness);
         let alone = Pencil::lumped(pencil.stiffness, &own);
-        let (scaled, largest) = (Problem::given(alone)?, alone.bound());
+        let (scaled, largest) = (Problem::of(alone).given(alone)?, alone.bound());
         check_signs(&scaled, largest, &mut profile)?;
         let zeros = inertia(&scaled, FIRST * largest, &mut profile)?.1;
         // Where all wanted ones are 0, as far as the first that is not.

@@ -27,6 +27,7 @@ pub(crate) use given::solve as solve_given;
 use problem::{Problem, ZEROS};
 
 use crate::basis::larger;
+use crate::ldlt::Symbolic;
 use crate::memory::Room;
 use crate::platform::Instant;
 use crate::threads::on_threads;
@@ -84,10 +85,24 @@ impl Wanted<'_> {
         memory::vectors(n, count, self.keep, self.free)
     }
 
+    /// What of this there is room for, where factors of `symbolic` are larger than those of a surface.
+    fn fitted(self, symbolic: &Symbolic) -> Result<Self, HarmonicsError> {
+        let Some(free) = self.free else { return Ok(self) };
+        let room = Room { slices: self.at_once, keep: self.keep, frugal: self.frugal };
+        let (n, kept) = (symbolic.size(), kept_factors(plan::slices(self.harmonics)));
+        let room = memory::room_for_factors(room, n, self.harmonics, kept, symbolic.bytes(), free)?;
+        Ok(Self { at_once: room.slices, frugal: room.frugal, ..self })
+    }
+
     /// How many pairs to keep where the group of the K-th ends after `end`.
     fn kept(self, end: usize) -> usize {
         if self.whole_clusters && end <= self.most { end } else { self.harmonics }
     }
+}
+
+/// How many factors a plan of this many slices has at its end.
+fn kept_factors(planned: usize) -> usize {
+    if planned <= plan::KEPT { planned } else { 0 }
 }
 
 /// A group of equal eigenvalues that reaches beyond this many pairs is cut at K.
@@ -108,7 +123,7 @@ fn where_it_fits(
     solve: impl FnOnce(Wanted) -> Result<Solved, HarmonicsError> + Send,
 ) -> Result<Solved, HarmonicsError> {
     let slices = rayon::current_num_threads().min(planned);
-    let kept = if planned <= plan::KEPT { planned } else { 0 };
+    let kept = kept_factors(planned);
     let Room { slices: fitting, keep, frugal } = memory::room_for_solve(vertices, slices, kept, settings)?;
     let harmonics = settings.harmonics;
     let most = largest_group(settings);
@@ -144,7 +159,7 @@ pub(crate) fn solve(
         };
         or_dense(solved, pencil, operator.components(), wanted, task)
     })?;
-    canonical::choose(&mut solved.basis, &operator.positions, &operator.stiffness);
+    canonical::choose(&mut solved.basis, &operator.positions, &operator.stiffness, task)?;
     if !settings.whole_clusters && solved.basis.harmonics() > harmonics {
         solved.basis.truncate(harmonics);
         solved.cuts_cluster = true;
@@ -201,7 +216,10 @@ fn solve_connected(
     let start = Instant::now();
     let problem = problem.unwrap_or_else(|| Problem::of(pencil));
     let analyze = start.elapsed().as_secs_f64();
-    let mut solved = slicing::solve(&problem, pencil, wanted, stage, task)?;
+    let fitting = wanted.fitted(&problem.symbolic)?;
+    let solve = || slicing::solve(&problem, pencil, fitting, stage, task);
+    let mut solved =
+        if fitting.at_once < wanted.at_once { on_threads(Some(fitting.at_once), solve)?? } else { solve()? };
     solved.profile.analyze = analyze;
     Ok(solved)
 }

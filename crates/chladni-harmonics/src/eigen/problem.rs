@@ -65,12 +65,12 @@ impl Problem {
         }
     }
 
-    /// The problem of a general pencil.
+    /// The same as the problem of a general `pencil`.
     ///
     /// # Errors
     /// M is not diagonal, and not positive definite or nearly singular.
-    pub(super) fn given(pencil: Pencil) -> Result<Self, HarmonicsError> {
-        let mut problem = Self { zeros: 0, ..Self::of(pencil) };
+    pub(super) fn given(self, pencil: Pencil) -> Result<Self, HarmonicsError> {
+        let mut problem = Self { zeros: 0, ..self };
         if let Some(consistent) = pencil.consistent {
             let inverse_root: Vec<f64> = pencil.mass.iter().map(|a| a.sqrt().recip()).collect();
             let matrix = consistent.permuted_and_scaled(&problem.symbolic.old, &inverse_root);

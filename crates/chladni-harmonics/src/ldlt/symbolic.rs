@@ -124,6 +124,12 @@ impl Symbolic {
         Self { old, supernodes, rows, into_parent, values: values_start }
     }
 
+    /// The bytes of a factor, and of the largest front while it is computed.
+    pub(crate) fn bytes(&self) -> u64 {
+        let front = self.supernodes.iter().map(|node| node.width + node.below).max().unwrap_or(0) as u64;
+        8 * (self.values as u64 + front * front)
+    }
+
     /// n.
     pub(crate) fn size(&self) -> usize {
         self.old.len()

@@ -189,8 +189,7 @@ impl Body {
         let mut report =
             BuildReport { asked, vertices, without_area, cover, short_of_memory, ..BuildReport::default() };
         let (mut basis, of_ranks) = solve(operator, &settings, ranks, keep, task)?;
-        task.check()?;
-        canonical::choose(&mut basis, &operator.positions, &operator.stiffness);
+        canonical::choose(&mut basis, &operator.positions, &operator.stiffness, task)?;
         let whole = basis.harmonics();
         if !settings.whole_clusters && whole > harmonics {
             basis.truncate(harmonics);
