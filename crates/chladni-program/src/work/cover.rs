@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_sound::SongReader;
+use chladni_task::folder_of;
 use chladni_view::Picture;
 
 /// Pixels of the longer side of a cover: those of the largest place where it is shown, on a large screen.
@@ -34,7 +35,7 @@ pub fn cover_of(path: &Path, reader: &mut SongReader) -> Option<Cover> {
 }
 
 fn beside(path: &Path) -> Option<(Picture, PathBuf)> {
-    let files = path.parent()?.read_dir().ok()?.flatten().map(|entry| entry.file_name());
+    let files = folder_of(path).read_dir().ok()?.flatten().map(|entry| entry.file_name());
     let mut found: Vec<(usize, std::ffi::OsString)> = files
         .filter_map(|file| {
             let (stem, ending) = file.to_str()?.rsplit_once('.')?;
@@ -44,9 +45,11 @@ fn beside(path: &Path) -> Option<(Picture, PathBuf)> {
         })
         .collect();
     found.sort();
-    let file = path.with_file_name(&found.first()?.1);
-    let bytes = chladni_task::read_file(&file, MOST_BYTES).ok()?;
-    Some((Picture::decode(&bytes).ok()?, file))
+    found.into_iter().find_map(|(_, name)| {
+        let file = path.with_file_name(name);
+        let bytes = chladni_task::read_file(&file, MOST_BYTES).ok()?;
+        Some((Picture::decode(&bytes).ok()?, file))
+    })
 }
 
 #[cfg(test)]
@@ -74,6 +77,10 @@ mod tests {
         assert!(cover().is_none());
         std::fs::write(folder.path().join("front.png"), b"no picture").unwrap();
         assert!(cover().is_none());
+        std::fs::write(folder.path().join("cover.jpg"), b"no picture").unwrap();
+        let small = Picture::filled(8, 8, [0, 0, 255, 255]);
+        std::fs::write(folder.path().join("folder.png"), small.to_png().unwrap()).unwrap();
+        assert_eq!(cover().map(|cover| cover.picture), Some(small), "the first that can be read");
         let wide = Picture::filled(512, 128, [255, 0, 0, 255]);
         std::fs::write(folder.path().join("Cover.PNG"), wide.to_png().unwrap()).unwrap();
         let Cover { picture: beside, file } = cover().unwrap();
