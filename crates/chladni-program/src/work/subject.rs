@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use chladni_caricature::{Project, ProxyKey, Resolution, ShapeSource};
 use chladni_match::Landmark;
-use chladni_mesh::{Proxy, TriMesh, total_area};
+use chladni_mesh::{Proxy, TriMesh, total_area, weld};
 
 use super::{Error, Warning, Watcher, source};
 
@@ -150,8 +150,14 @@ impl Subject {
         let made = watcher.watch("choosing fewer vertices", |_| proxy(&mesh, key.vertices));
         watcher.task().check()?;
         let Some(proxy) = made else {
-            let only_there = if cfg!(feature = "desktop") { "" } else { ", except in the desktop program" };
-            let message = format!("cannot be worked on through about {} vertices{only_there}", key.vertices);
+            let why = if cfg!(not(feature = "desktop")) {
+                ", except in the desktop program"
+            } else if weld(&mesh).positions.len() / 2 < key.vertices {
+                ", as it has fewer than twice as many"
+            } else {
+                ""
+            };
+            let message = format!("cannot be worked on through about {} vertices{why}", key.vertices);
             if is_asked {
                 return Err(Error::input(format_args!("{name}: {message}")));
             }
@@ -225,8 +231,9 @@ impl Subject {
     }
 }
 
+/// Coincident vertices count once, as in a proxy.
 fn is_large(mesh: &TriMesh) -> bool {
-    mesh.positions.len() > MOST_VERTICES
+    mesh.positions.len() > MOST_VERTICES && weld(mesh).positions.len() > MOST_VERTICES
 }
 
 #[cfg(feature = "desktop")]
@@ -344,5 +351,18 @@ mod tests {
         let subject = Subject::of_mesh(soup, &mut project, &aside).unwrap();
         assert_eq!((project.resolution, subject.mesh.positions.len()), (Resolution::Whole, 404_000));
         assert!(aside.warnings()[0].to_string().contains("which is slow"));
+    }
+
+    #[test]
+    fn vertices_that_coincide_make_no_shape_large() {
+        let mut mesh = icosphere(4);
+        mesh.positions = mesh.positions.repeat(160);
+        assert!(mesh.positions.len() > MOST_VERTICES);
+        let task = Task::new();
+        let aside = Aside::new(&task);
+        let mut project = Project::new(ShapeSource::Sample("ball".into()), 8);
+        let subject = Subject::of_mesh(mesh, &mut project, &aside).unwrap();
+        assert!(subject.proxy.is_none() && project.resolution == Resolution::Usual);
+        assert_eq!(aside.warnings(), []);
     }
 }

@@ -148,7 +148,9 @@ fn what_cannot_be_a_proxy_is_said() {
     let refused =
         |option: &str| desk.refused(&format!("caricature large.ply ellipsoid -k 8 -o out.ply {option}"));
     assert!(refused("--proxy 12").contains("must be 0, or 100 or more"));
-    assert!(refused("--proxy 9000").contains("cannot be worked on through about 9000 vertices"));
+    assert!(
+        refused("--proxy 9000").contains("through about 9000 vertices, as it has fewer than twice as many")
+    );
     let matched = "caricature large.ply sample:octopus --match map -k 8 -o out.ply --proxy 1500 --landmarks";
     assert!(desk.refused(&format!("{matched} none.txt")).contains("none.txt"));
     std::fs::write(desk.path("marks.txt"), "99999 0\n").unwrap();
