@@ -18,6 +18,8 @@ pub struct Appearance {
     pub divided: BTreeMap<u32, Vec<[u32; 3]>>,
     /// One linear-light RGBA color per vertex, each channel in [0, 1].
     pub colors: Option<Vec<[f32; 4]>>,
+    /// Whether these are multiplied with textures, as in glTF. Other formats do not say; there, textures are seen alone.
+    pub colors_tint: bool,
     /// Texture coordinates per corner of a face.
     pub uvs: Option<CornerUvs>,
     /// The materials that faces may name.
@@ -61,6 +63,8 @@ pub struct Material {
     pub base_color: [f32; 4],
     /// A picture in texture coordinates.
     pub base_color_texture: Option<Texture>,
+    /// What its alpha does.
+    pub alpha_mode: AlphaMode,
     /// The options before the picture's name in an OBJ's material library, such as `-s 2 2 1`, for its export.
     pub texture_options: String,
     /// An OBJ material's other statements, line by line, for its export.
@@ -74,10 +78,26 @@ impl Material {
             name: name.to_owned(),
             base_color: [1.0; 4],
             base_color_texture: None,
+            alpha_mode: AlphaMode::Usual,
             texture_options: String::new(),
             other_statements: Vec::new(),
         }
     }
+}
+
+/// What the alpha of a material's color and picture does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// It is opacity where the base color has an alpha below 1; otherwise the material is opaque.
+    #[default]
+    Usual,
+    /// Nothing is seen where it is below `cutoff`; elsewhere the material is opaque.
+    Mask {
+        /// Usually in [0, 1].
+        cutoff: f32,
+    },
+    /// It is opacity.
+    Blend,
 }
 
 /// A picture as its file holds it, not decoded.

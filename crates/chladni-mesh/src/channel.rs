@@ -31,9 +31,11 @@ impl TriMesh {
     }
 
     /// Colors every vertex gray, so that [`channel`](Self::channel) gives `values` back: one for each vertex, in [0, 1].
+    /// Every format keeps these colors, also beside textures.
     pub fn set_gray(&mut self, values: &[f64], format: Format) {
         let gray = |x: &f64| if is_linear(format) { *x } else { linear_from_srgb(*x) } as f32;
         self.appearance.colors = Some(values.iter().map(gray).map(|gray| [gray, gray, gray, 1.0]).collect());
+        self.appearance.colors_tint = true;
     }
 }
 

@@ -4,6 +4,8 @@ use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
+use chladni_task::Cancelled;
+
 use crate::Format;
 
 /// Why a mesh could not be read or written: what, where and why, in one line.
@@ -66,6 +68,9 @@ pub enum MeshError {
     /// A text that does not name a direction.
     #[error("`{0}` is no direction: axes are x, y, z, -x, -y and -z")]
     Direction(String),
+    /// The work was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// A place in a file.

@@ -51,7 +51,7 @@ pub mod surface;
 mod write;
 
 pub use appearance::{
-    Appearance, Attribute, CornerUvs, Material, Texture, linear_from_srgb, srgb_from_linear,
+    AlphaMode, Appearance, Attribute, CornerUvs, Material, Texture, linear_from_srgb, srgb_from_linear,
 };
 pub use channel::COLOR_CHANNELS;
 pub use eigen::{symmetric_eigen, symmetric_eigen_of};

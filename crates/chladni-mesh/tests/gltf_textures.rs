@@ -1,8 +1,8 @@
-//! Textures of glTF files: where they lie on a mesh, and which are read.
+//! Materials of glTF files: where textures lie on a mesh, which are read, and what alpha does.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use chladni_mesh::{Format, Mended, TriMesh, read_mesh};
+use chladni_mesh::{AlphaMode, Format, Mended, TriMesh, read_mesh, write_mesh};
 
 /// The corners of a square, then its texture coordinates, each 0 or 4095, as two bytes.
 const IN_4095THS: &str =
@@ -69,5 +69,29 @@ fn a_picture_of_another_kind_is_named() {
         let mended = read_mesh(document.as_bytes(), Format::Gltf).unwrap().mended;
         let expected = Mended::MissingFile("image 0".into(), "it is neither PNG nor JPEG".into());
         assert_eq!(mended, [expected], "{extension}");
+    }
+}
+
+#[test]
+fn a_material_is_as_opaque_as_its_mode_says() {
+    for (mode, alpha_mode, alpha) in [
+        ("", AlphaMode::Usual, 1.0),
+        (r#""alphaMode": "OPAQUE","#, AlphaMode::Usual, 1.0),
+        (r#""alphaMode": 7, "alphaCutoff": "x","#, AlphaMode::Usual, 1.0),
+        (r#""alphaMode": "MASK","#, AlphaMode::Mask { cutoff: 0.5 }, 0.25),
+        (r#""alphaMode": "MASK", "alphaCutoff": 0.125,"#, AlphaMode::Mask { cutoff: 0.125 }, 0.25),
+        (r#""alphaMode": "BLEND","#, AlphaMode::Blend, 0.25),
+    ] {
+        let document = format!(
+            r#"{{"asset": {{"version": "2.0"}}, "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+            "accessors": [{{"componentType": 5126, "count": 3, "type": "VEC3"}}],
+            "materials": [{{{mode} "pbrMetallicRoughness": {{"baseColorFactor": [1, 1, 1, 0.25]}}}}]}}"#
+        );
+        let mesh = read_mesh(document.as_bytes(), Format::Gltf).unwrap().mesh;
+        let again = read_mesh(&write_mesh(&mesh, Format::Glb).unwrap(), Format::Glb).unwrap().mesh;
+        for mesh in [mesh, again] {
+            let material = &mesh.appearance.materials[0];
+            assert_eq!((material.alpha_mode, material.base_color[3]), (alpha_mode, alpha), "{mode}");
+        }
     }
 }

@@ -176,3 +176,48 @@ fn a_channel_slightly_above_one_is_no_byte() {
     let bytes = colors("v 0 0 0 255 0 0\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n".into(), Format::Obj);
     assert!(bytes[0][0] == 1.0 && bytes[2][0] < 0.01);
 }
+
+#[test]
+fn number_signs_belong_to_names_where_there_is_such_a_file_or_material() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let names = ["Material #1", "Material #2", "red # the red one", "red"];
+    let faces = names.map(|name| format!("usemtl {name}\nf 1 2 3\n")).concat();
+    fs::write(at("in.obj"), format!("mtllib in#1.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}")).unwrap();
+    let library = "newmtl Material #1\nmap_Kd wood#2.png\nmap_Bump bump#3.png # bumps\n\
+         newmtl Material #2\nmap_Kd -s 2 2 2 wood.png # oak\nnewmtl red # a color\nKd 1 0 0\n";
+    fs::write(at("in#1.mtl"), library).unwrap();
+    fs::write(at("wood#2.png"), PICTURE).unwrap();
+    fs::write(at("wood.png"), PICTURE).unwrap();
+    let loaded = load_mesh(&at("in.obj")).unwrap();
+    assert_eq!(loaded.mended, []);
+    let look = loaded.mesh.appearance;
+    let names: Vec<&str> = look.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["Material #1", "Material #2", "red"]);
+    assert_eq!(look.face_materials, [Some(0), Some(1), Some(2), Some(2)]);
+    let texture = |i: usize| look.materials[i].base_color_texture.as_ref().map(|texture| &*texture.name);
+    assert_eq!([0, 1, 2].map(texture), [Some("wood#2.png"), Some("wood.png"), None]);
+    assert_eq!(look.materials[0].other_statements, ["map_Bump bump#3.png"]);
+    assert_eq!(look.materials[2].base_color, [1.0, 0.0, 0.0, 1.0]);
+    // The name of a library, too, may be followed by a comment.
+    fs::write(at("in.obj"), format!("mtllib in.mtl # its look\n{TRIANGLE}")).unwrap();
+    fs::write(at("in.mtl"), "newmtl wood\nNs 12\n").unwrap();
+    assert_eq!(only_material(&at("in.obj")).other_statements, ["Ns 12"]);
+}
+
+#[test]
+fn a_texture_is_named_from_the_folder_of_the_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("mat")).unwrap();
+    fs::write(at("mat/skin.png"), PICTURE).unwrap();
+    fs::write(at("mat/skin.tga"), "no picture that is read").unwrap();
+    fs::write(at("mat/in.mtl"), "newmtl wood\nmap_Kd skin.png\n").unwrap();
+    fs::write(at("in.obj"), format!("mtllib mat/in.mtl\n{TRIANGLE}")).unwrap();
+    let texture = only_material(&at("in.obj")).base_color_texture.unwrap();
+    assert_eq!((&*texture.name, &*texture.bytes), ("mat/skin.png", PICTURE));
+    fs::write(at("mat/in.mtl"), "newmtl wood\nmap_Kd .\\skin.tga\n").unwrap();
+    save_mesh(&load_mesh(&at("in.obj")).unwrap().mesh, &at("out.obj")).unwrap();
+    let written = fs::read_to_string(at("out.mtl")).unwrap();
+    assert!(written.contains("map_Kd mat/skin.tga\n"), "{written}");
+}

@@ -52,6 +52,7 @@ pub(crate) struct Draft {
     pub positions: Vec<[f64; 3]>,
     /// As many as positions, or none.
     pub colors: Vec<[f32; 4]>,
+    pub colors_tint: bool,
     pub corners: Vec<u32>,
     /// As many as corners, or none.
     pub corner_uvs: Vec<u32>,
@@ -163,6 +164,16 @@ impl Draft {
         self.named.get(name).map(|&index| index as usize)
     }
 
+    /// Gives each material the name that `renamed` has for it; those of one name become one.
+    pub fn rename_materials(&mut self, renamed: impl Fn(&str) -> String) {
+        self.named.clear();
+        let former = std::mem::take(&mut self.materials);
+        let now: Vec<u32> = former.iter().map(|material| self.material(&renamed(&material.name))).collect();
+        for material in self.face_materials.iter_mut().flatten() {
+            *material = now[*material as usize];
+        }
+    }
+
     /// The finished mesh; `format` is named in errors.
     pub fn finish(mut self, format: Format) -> Result<Loaded, MeshError> {
         if self.dropped_faces > 0 {
@@ -200,6 +211,7 @@ impl Draft {
             polygons,
             divided,
             colors: (!self.colors.is_empty()).then_some(self.colors),
+            colors_tint: self.colors_tint,
             uvs,
             materials: self.materials,
             face_materials: self.face_materials,

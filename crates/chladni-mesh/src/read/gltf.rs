@@ -282,6 +282,7 @@ impl Scene<'_> {
         let draft = &mut self.draft;
         if let Some(accessor) = accessor {
             draft.colors.resize(base, [1.0; 4]);
+            draft.colors_tint = true;
             let mut mended = 0;
             for color in self.buffers.colors(accessor, at)?.into_iter().take(count) {
                 let finite = color.iter().all(|c| c.is_finite());

@@ -102,6 +102,18 @@ pub(crate) struct Material {
     #[serde(default)]
     pub name: String,
     pub pbr_metallic_roughness: Option<Pbr>,
+    #[serde(default, deserialize_with = "if_understood")]
+    pub alpha_mode: Option<AlphaMode>,
+    #[serde(default, deserialize_with = "if_understood")]
+    pub alpha_cutoff: Option<f32>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub(crate) enum AlphaMode {
+    Opaque,
+    Mask,
+    Blend,
 }
 
 #[derive(Deserialize)]
@@ -140,7 +152,7 @@ pub(crate) struct UvTransform {
     pub tex_coord: Option<usize>,
 }
 
-/// An extension with mistakes is passed over, as one that is not known.
+/// An extension or a mode with mistakes is passed over, as one that is not known.
 fn if_understood<'de, D: Deserializer<'de>, T: DeserializeOwned>(value: D) -> Result<Option<T>, D::Error> {
     serde_json::Value::deserialize(value).map(|value| serde_json::from_value(value).ok())
 }

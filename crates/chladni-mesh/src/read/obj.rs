@@ -3,7 +3,7 @@
 use super::beside::Beside;
 use super::draft::{Draft, coordinate, full_channel, vertex_index};
 use super::mtl;
-use super::text::{Lines, number, words};
+use super::text::{Lines, number, text_after, words};
 use crate::CornerUvs;
 use crate::error::Fault;
 use crate::read::Mended;
@@ -15,11 +15,11 @@ pub(crate) fn read(bytes: &[u8], beside: &Beside<'_>) -> Result<Draft, Fault> {
     let mut obj = Obj::default();
     let mut joined = Vec::new();
     let mut lines = Lines::new(bytes, Some(b'#'), true);
-    while let Some(line) = lines.next(&mut joined) {
+    while let Some([line, whole]) = lines.next_and_whole(&mut joined) {
         let mut parts = words(line);
         let keyword = parts.next().unwrap_or_default();
-        // Material names may hold blanks.
-        let rest = || String::from_utf8_lossy(line[keyword.len()..].trim_ascii()).into_owned();
+        // Names may hold blanks and number signs.
+        let rest = || text_after(whole, keyword);
         match keyword {
             b"v" => obj.vertex(parts, lines.number())?,
             b"vt" => obj.texture_vertex(parts, lines.number())?,

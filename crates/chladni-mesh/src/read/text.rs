@@ -40,6 +40,14 @@ impl<'a> Lines<'a> {
     where
         'a: 'b,
     {
+        self.next_and_whole(joined).map(|[line, _]| line)
+    }
+
+    /// As [`next`](Self::next), and the same line with the comment that it may end in.
+    pub fn next_and_whole<'b>(&mut self, joined: &'b mut Vec<u8>) -> Option<[&'b [u8]; 2]>
+    where
+        'a: 'b,
+    {
         loop {
             let mut line = self.raw()?.trim_ascii();
             if self.joins && self.goes_on(line) {
@@ -57,12 +65,13 @@ impl<'a> Lines<'a> {
                 }
                 continue;
             }
-            let line = self.without_comment(line);
-            if !line.is_empty() {
-                return Some(line);
+            let bare = self.without_comment(line);
+            if !bare.is_empty() {
+                return Some([bare, line]);
             }
         }
-        Some(self.without_comment(joined))
+        let whole = joined.trim_ascii();
+        Some([self.without_comment(whole), whole])
     }
 
     /// Whether the next line belongs to this one, too: not where a comment ends in a backslash, as a Windows path does.
@@ -83,6 +92,11 @@ impl<'a> Lines<'a> {
 /// The words of one line.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(|b| b.is_ascii_whitespace()).filter(|word| !word.is_empty())
+}
+
+/// The text of `line` after the `keyword` that it begins with.
+pub(crate) fn text_after(line: &[u8], keyword: &[u8]) -> String {
+    String::from_utf8_lossy(line.get(keyword.len()..).unwrap_or_default().trim_ascii()).into_owned()
 }
 
 /// All words of a text file, across lines.

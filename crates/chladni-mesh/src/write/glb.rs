@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 
+use chladni_task::Task;
 use serde_json::{Value, json};
 
 use super::{check, narrowed};
 use crate::read::gltf::MOST_VERTICES;
-use crate::surface::vec3::add;
-use crate::surface::{STAND_IN_NORMAL, places, vertex_normals};
-use crate::{CornerUvs, Format, MeshError, TriMesh};
+use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};
+use crate::surface::{STAND_IN_NORMAL, corners, places, vertex_normals};
+use crate::{AlphaMode, CornerUvs, Format, Material, MeshError, Texture, TriMesh};
 
 /// A named deformation that viewers offer as a slider from 0 (rest) to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,23 +37,26 @@ const FORMAT: Format = Format::Glb;
 /// at weight 0, with smooth normals at rest and in every target. Coordinates are rounded to `f32`, polygons
 /// become triangles. A vertex with several texture coordinates is stored several times, the first time at its
 /// own index; an attribute `_VERTEX` identifies the copies, so that reading the file back gives the same
-/// vertices.
+/// vertices. Colors of vertices are left out where textures are seen alone.
 ///
 /// # Errors
 /// [`MeshError::Unwritable`] where coordinates do not fit `f32`, a target has not n
 /// displacements, the mesh's parts do not belong together, or the file would pass 4 GiB or 2^24 vertices.
 pub fn write_glb(mesh: &TriMesh, targets: &[MorphTarget]) -> Result<Vec<u8>, MeshError> {
-    write(mesh, targets, None)
+    write(mesh, targets, None, &Task::new())
 }
 
-/// As [`write_glb`], with an animation of the targets' weights.
+/// As [`write_glb`], with an animation of the targets' weights. The normals of these targets are derivatives, which add up
+/// as displacements do: where those of several targets cancel, normals are those at rest.
 ///
 /// # Errors
-/// As [`write_glb`], and where keys and weights do not belong together, do not ascend or are not finite.
+/// As [`write_glb`], where keys and weights do not belong together, do not ascend or are not finite, and
+/// [`MeshError::Cancelled`].
 pub fn write_animated_glb(
     mesh: &TriMesh,
     targets: &[MorphTarget],
     animation: MorphAnimation<'_>,
+    task: &Task,
 ) -> Result<Vec<u8>, MeshError> {
     let MorphAnimation { times_secs, weights, .. } = animation;
     let (keys, count) = (times_secs.len(), targets.len());
@@ -63,13 +67,14 @@ pub fn write_animated_glb(
     if !times_secs.is_sorted_by(|a, b| a < b) || !times_secs.iter().chain(weights).all(|x| x.is_finite()) {
         return unwritable("the keys of its animation do not ascend or are not finite");
     }
-    write(mesh, targets, Some(animation))
+    write(mesh, targets, Some(animation), task)
 }
 
 fn write(
     mesh: &TriMesh,
     targets: &[MorphTarget],
     animation: Option<MorphAnimation<'_>>,
+    task: &Task,
 ) -> Result<Vec<u8>, MeshError> {
     let unwritable = |reason: String| MeshError::Unwritable { format: FORMAT, reason };
     check(mesh, FORMAT)?;
@@ -84,8 +89,9 @@ fn write(
     }
     let entries = Entries::of(mesh);
     check_count(entries.vertices.len())?;
+    check_size(targets.len(), entries.vertices.len())?;
     let mut file = Glb::default();
-    let (attributes, morphs) = vertex_data(&mut file, mesh, &entries, targets)?;
+    let (attributes, morphs) = vertex_data(&mut file, mesh, &entries, targets, animation.is_some(), task)?;
     let (materials, default_material) = materials(&mut file, mesh);
     let mut primitives = Vec::new();
     for (material, indices) in primitives_by_material(mesh, &entries, default_material) {
@@ -126,7 +132,19 @@ fn write(
         root["textures"] = json!(textures);
         root["images"] = json!(std::mem::take(&mut file.images));
     }
-    container(&root, file.data).ok_or_else(|| unwritable("the file would pass 4 GiB".into()))
+    container(&root, file.data).ok_or_else(|| unwritable(TOO_LARGE.into()))
+}
+
+const TOO_LARGE: &str = "the file would pass 4 GiB";
+
+/// Refuses targets that are too large together, before memory is taken for them.
+fn check_size(targets: usize, vertices: usize) -> Result<(), MeshError> {
+    // A displacement and a change of the normal.
+    const BYTES: u64 = 24;
+    if targets as u64 * vertices as u64 <= u64::from(u32::MAX) / BYTES {
+        return Ok(());
+    }
+    Err(MeshError::Unwritable { format: FORMAT, reason: TOO_LARGE.into() })
 }
 
 /// Refuses more vertices than `_VERTEX` can number, which are more than the reader takes, too.
@@ -182,12 +200,14 @@ impl Entries {
     }
 }
 
-/// The attributes that all primitives share, and the targets.
+/// The attributes that all primitives share, and the targets, whose normals are derivatives where they act together.
 fn vertex_data(
     file: &mut Glb,
     mesh: &TriMesh,
     entries: &Entries,
     targets: &[MorphTarget],
+    together: bool,
+    task: &Task,
 ) -> Result<(Value, Vec<Value>), MeshError> {
     let narrow = |values: &[[f64; 3]]| -> Result<Vec<[f32; 3]>, MeshError> {
         entries.vertices.iter().map(|&v| narrowed(values[v as usize], FORMAT)).collect()
@@ -201,7 +221,7 @@ fn vertex_data(
     if !entries.uvs.is_empty() {
         attributes["TEXCOORD_0"] = json!(file.floats(entries.uvs.iter().copied(), false));
     }
-    if let Some(colors) = &mesh.appearance.colors {
+    if let Some(colors) = mesh.appearance.colors.as_ref().filter(|_| shows_colors(mesh)) {
         let colors = entries.vertices.iter().map(|&v| colors[v as usize]);
         attributes["COLOR_0"] = json!(file.floats(colors, false));
     }
@@ -211,11 +231,15 @@ fn vertex_data(
     }
     let mut morphs = Vec::new();
     for target in targets {
-        let deformed: Vec<[f64; 3]> =
-            mesh.positions.iter().zip(&target.displacements).map(|(&p, &d)| add(p, d)).collect();
-        let turned = smooth_normals(&place, &deformed, &mesh.triangles);
-        let turn: Vec<[f64; 3]> =
-            turned.iter().zip(&normals).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect();
+        task.check()?;
+        let turn: Vec<[f64; 3]> = if together {
+            normal_derivatives(&place, mesh, &target.displacements)
+        } else {
+            let moved = mesh.positions.iter().zip(&target.displacements);
+            let deformed: Vec<[f64; 3]> = moved.map(|(&p, &d)| add(p, d)).collect();
+            let turned = smooth_normals(&place, &deformed, &mesh.triangles);
+            turned.iter().zip(&normals).map(|(&a, &b)| sub(a, b)).collect()
+        };
         morphs.push(json!({
             "POSITION": file.floats(narrow(&target.displacements)?.into_iter(), true),
             "NORMAL": file.floats(narrow(&turn)?.into_iter(), false),
@@ -230,6 +254,48 @@ pub(super) fn smooth_normals(place: &[u32], positions: &[[f64; 3]], triangles: &
     let normals = vertex_normals(positions, &seamless);
     let normal = |&v: &u32| Some(normals[v as usize]).filter(|n| *n != [0.0; 3]).unwrap_or(STAND_IN_NORMAL);
     place.iter().map(normal).collect()
+}
+
+/// The derivative of [`smooth_normals`] along `displacements`, of which it is a linear function; zero where it is none.
+///
+/// With N the sum of u × v over the triangles at a vertex, u and v their edges and n = N/‖N‖, it is
+/// (I − n nᵀ) N′/‖N‖, where N′ is the sum of u′ × v + u × v′.
+fn normal_derivatives(place: &[u32], mesh: &TriMesh, displacements: &[Vec3]) -> Vec<Vec3> {
+    let mut sums = vec![([0.0; 3], [0.0; 3]); place.len()];
+    for triangle in &mesh.triangles {
+        let triangle = triangle.map(|v| place[v as usize]);
+        let edges = |[a, b, c]: [Vec3; 3]| [sub(b, a), sub(c, a)];
+        let [u, v] = edges(corners(&mesh.positions, &triangle));
+        let [du, dv] = edges(corners(displacements, &triangle));
+        let (normal, change) = (cross(u, v), add(cross(du, v), cross(u, dv)));
+        for corner in triangle {
+            let (normals, changes) = &mut sums[corner as usize];
+            *normals = add(*normals, normal);
+            *changes = add(*changes, change);
+        }
+    }
+    let derivative = |&v: &u32| {
+        let (normal, change) = sums[v as usize];
+        let size = length(normal);
+        let (n, change) = (normal.map(|x| x / size), change.map(|x| x / size));
+        let turn = sub(change, scaled(n, dot(n, change)));
+        // Also not where the triangles have no area.
+        if turn.iter().all(|x| x.abs() <= f64::from(f32::MAX)) { turn } else { [0.0; 3] }
+    };
+    place.iter().map(derivative).collect()
+}
+
+/// Whether the colors of vertices are seen, also where there are textures, which glTF would multiply with them.
+fn shows_colors(mesh: &TriMesh) -> bool {
+    let look = &mesh.appearance;
+    let is_textured =
+        |material: &u32| look.materials.get(*material as usize).and_then(read_texture).is_some();
+    look.colors_tint || look.uvs.is_none() || !look.face_materials.iter().flatten().any(is_textured)
+}
+
+/// The texture of a material, if its file was read.
+fn read_texture(material: &Material) -> Option<&Texture> {
+    material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
 }
 
 /// The triangles of each material in use, in the order of the materials.
@@ -249,11 +315,14 @@ fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
     // Many materials may share one picture, under several names.
     let (mut pictures, mut views) = (HashMap::new(), HashMap::new());
     for material in &look.materials {
-        let mut pbr =
-            json!({ "baseColorFactor": material.base_color, "metallicFactor": 0.0, "roughnessFactor": 0.8 });
-        if let Some(texture) =
-            material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
-        {
+        let texture = read_texture(material);
+        let base_color = match material.base_color {
+            // Some programs write black beside a picture, which glTF would multiply with it.
+            [0.0, 0.0, 0.0, alpha] if texture.is_some() => [1.0, 1.0, 1.0, alpha],
+            color => color,
+        };
+        let mut pbr = json!({ "baseColorFactor": base_color, "metallicFactor": 0.0, "roughnessFactor": 0.8 });
+        if let Some(texture) = texture {
             let picture = (&texture.name, texture.bytes.as_ptr());
             let index = pictures.entry(picture).or_insert_with(|| {
                 let view = views.entry(texture.bytes.as_ptr());
@@ -263,8 +332,13 @@ fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
             pbr["baseColorTexture"] = json!({ "index": index });
         }
         let mut entry = json!({ "name": material.name, "pbrMetallicRoughness": pbr, "doubleSided": true });
-        if material.base_color[3] < 1.0 {
-            entry["alphaMode"] = json!("BLEND");
+        match material.alpha_mode {
+            AlphaMode::Mask { cutoff } => {
+                entry["alphaMode"] = json!("MASK");
+                entry["alphaCutoff"] = json!(cutoff);
+            }
+            AlphaMode::Usual if material.base_color[3] >= 1.0 => {}
+            AlphaMode::Usual | AlphaMode::Blend => entry["alphaMode"] = json!("BLEND"),
         }
         materials.push(entry);
     }
@@ -382,5 +456,12 @@ mod tests {
         assert!(check_count(1 << 24).is_ok());
         let refused = check_count((1 << 24) + 1).unwrap_err().to_string();
         assert!(refused.contains("save PLY or OBJ"), "{refused}");
+    }
+
+    #[test]
+    fn targets_of_more_than_4_gib_are_refused_before_they_are_made() {
+        assert!(check_size(1024, 170_000).is_ok());
+        let refused = check_size(1024, 180_000).unwrap_err().to_string();
+        assert!(refused.contains("4 GiB"), "{refused}");
     }
 }

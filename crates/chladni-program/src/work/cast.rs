@@ -39,6 +39,11 @@ impl Cast {
         &self.subject
     }
 
+    /// The file of its shape; `None` for a sample.
+    pub fn shape_file(&self) -> Option<&Path> {
+        self.shape.file()
+    }
+
     /// The files that its project names.
     pub fn files(&self) -> Vec<&Path> {
         self.project.as_ref().map_or_else(Vec::new, Project::files)

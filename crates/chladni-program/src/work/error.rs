@@ -52,7 +52,7 @@ pub enum Error {
     Other(Cause),
     /// A mesh cannot be read.
     #[error(transparent)]
-    Mesh(#[from] MeshError),
+    Mesh(MeshError),
     /// A mesh has no harmonics.
     #[error(transparent)]
     Harmonics(HarmonicsError),
@@ -153,6 +153,7 @@ macro_rules! from_engines {
 }
 
 from_engines! {
+    MeshError => Mesh,
     HarmonicsError => Harmonics,
     MatchError => Match,
     CaricatureError => Caricature,

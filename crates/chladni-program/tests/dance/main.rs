@@ -306,6 +306,23 @@ fn an_animation_takes_looks_that_feel_speed() {
 }
 
 #[test]
+fn a_dance_of_a_gltf_file_says_what_its_glb_lacks() {
+    use chladni_program::work::{Aside, film};
+    let folder = tempfile::tempdir().unwrap();
+    let hero = folder.path().join("hero.glb");
+    save_mesh(&samples::sample("octopus").unwrap(), &hero).unwrap();
+    let output = film::Output::to(folder.path().join("film.glb"));
+    let body = hero.display().to_string();
+    let mut film = film::Film::new(body, "sample:tune".into(), film::Beginning::default(), output);
+    (film.harmonics, film.duration_secs) = (24, Some(0.5));
+    let task = chladni_task::Task::new();
+    let aside = Aside::new(&task);
+    film::make(film, &aside).map(drop).unwrap();
+    let warnings: Vec<String> = aside.warnings().iter().map(ToString::to_string).collect();
+    assert!(warnings.iter().any(|warning| warning.contains("are left out of the GLB")), "{warnings:?}");
+}
+
+#[test]
 fn bad_input_is_refused_with_code_2() {
     let folder = tempfile::tempdir().unwrap();
     let gif = folder.path().join("x.gif");

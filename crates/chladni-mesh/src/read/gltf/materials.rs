@@ -10,9 +10,9 @@ use super::Scene;
 use crate::read::Mended;
 use crate::read::beside::{Beside, plain_uri};
 use crate::read::gltf_buffers::Buffers;
-use crate::read::gltf_json::{Material as JsonMaterial, TextureSource};
+use crate::read::gltf_json::{AlphaMode as JsonAlphaMode, Material as JsonMaterial, TextureSource};
 use crate::read::mtl::checked_picture;
-use crate::{Material, Texture};
+use crate::{AlphaMode, Material, Texture};
 
 /// The pictures read so far, by where they are from, since many images may share one.
 struct Pictures<'a> {
@@ -40,10 +40,22 @@ impl<'a> Scene<'a> {
         for material in &self.root.materials {
             let pbr = material.pbr_metallic_roughness.as_ref();
             let factor = pbr.and_then(|pbr| pbr.base_color_factor).unwrap_or([1.0; 4]);
-            let base_color = factor.map(|c| if c.is_finite() { c.clamp(0.0, 1.0) as f32 } else { 1.0 });
+            let mut base_color = factor.map(|c| if c.is_finite() { c.clamp(0.0, 1.0) as f32 } else { 1.0 });
+            let alpha_mode = match material.alpha_mode {
+                Some(JsonAlphaMode::Mask) => {
+                    let cutoff = material.alpha_cutoff.filter(|cutoff| cutoff.is_finite() && *cutoff >= 0.0);
+                    AlphaMode::Mask { cutoff: cutoff.unwrap_or(0.5) }
+                }
+                Some(JsonAlphaMode::Blend) => AlphaMode::Blend,
+                Some(JsonAlphaMode::Opaque) | None => {
+                    // Alpha means nothing then.
+                    base_color[3] = 1.0;
+                    AlphaMode::Usual
+                }
+            };
             let base_color_texture = self.texture(material, &mut pictures, beside);
-            let name = &material.name;
-            self.draft.materials.push(Material { base_color, base_color_texture, ..Material::named(name) });
+            let named = Material::named(&material.name);
+            self.draft.materials.push(Material { base_color, base_color_texture, alpha_mode, ..named });
         }
     }
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use chladni_harmonics::Body;
-use chladni_mesh::{MorphAnimation, MorphTarget, TriMesh, write_animated_glb};
+use chladni_mesh::{MeshError, MorphAnimation, MorphTarget, TriMesh, write_animated_glb};
 use chladni_music::Form;
 use chladni_synth::{Item, Morph, Movement, displacements_f64};
-use chladni_task::write_atomic;
+use chladni_task::{Task, write_atomic};
 use chladni_view::FrameRate;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -63,8 +63,8 @@ impl Animation {
     /// Writes `mesh`, whose body is `body`, with at most `most` targets and an offset.
     ///
     /// # Errors
-    /// [`Error::Input`] where nothing moves, [`Error::Unwritten`] with the file's name, and
-    /// [`Error::Synth`].
+    /// [`Error::Input`] where nothing moves, [`Error::Unwritten`] with the file's name,
+    /// [`Error::Synth`], and cancelled.
     pub fn write(
         &self,
         path: &Path,
@@ -72,6 +72,7 @@ impl Animation {
         body: &Body,
         rate: FrameRate,
         most: usize,
+        task: &Task,
     ) -> Result<Approximation, Error> {
         let found = self.movement.morphs(most);
         if found.morphs.is_empty() {
@@ -83,10 +84,13 @@ impl Animation {
         let displacements: Vec<Vec<[f64; 3]>> = found
             .morphs
             .par_iter()
-            .map(|morph| displacements_f64(body, &morph.item))
-            .collect::<Result<_, _>>()?;
+            .map(|morph| {
+                task.check()?;
+                Ok(displacements_f64(body, &morph.item)?)
+            })
+            .collect::<Result<_, Error>>()?;
         let (displacements, weights) = from_zero_to_one(displacements, &found.weights);
-        let approximation = self.approximation(body, &weights, &displacements)?;
+        let approximation = self.approximation(body, &weights, &displacements, task)?;
         let names = found.morphs.iter().map(|morph| self.name(morph)).chain([OFFSET.to_owned()]);
         let targets: Vec<MorphTarget> = (names.zip(&displacements))
             .map(|(name, d)| MorphTarget { name, displacements: body.displacements_in_file(d) })
@@ -94,8 +98,11 @@ impl Animation {
         let times_secs: Vec<f32> =
             (0..self.movement.frames()).map(|frame| rate.start_secs(frame as u64) as f32).collect();
         let animation = MorphAnimation { name: "dance", times_secs: &times_secs, weights: &weights };
-        let bytes =
-            write_animated_glb(mesh, &targets, animation).map_err(|error| Error::unwritten(path, error))?;
+        let bytes = write_animated_glb(mesh, &targets, animation, task).map_err(|error| match error {
+            MeshError::Cancelled(cancelled) => Error::from(cancelled),
+            error => Error::unwritten(path, error),
+        })?;
+        task.check()?;
         write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
         Ok(approximation)
     }
@@ -106,12 +113,14 @@ impl Animation {
         body: &Body,
         weights: &[f32],
         targets: &[Vec<[f64; 3]>],
+        task: &Task,
     ) -> Result<Approximation, Error> {
         let count = targets.len();
         let frames: Vec<(f64, f64)> = self
             .judged
             .par_iter()
             .map(|(frame, item)| {
+                task.check()?;
                 let mut off = displacements_f64(body, item)?;
                 for (target, w) in targets.iter().zip(&weights[frame * count..]) {
                     let w = f64::from(*w);
@@ -171,7 +180,6 @@ mod tests {
     use chladni_harmonics::BasisSettings;
     use chladni_mesh::{Format, read_mesh, samples};
     use chladni_synth::{Coefficients, Term};
-    use chladni_task::Task;
 
     use super::*;
 
@@ -196,7 +204,12 @@ mod tests {
         (0..20).for_each(|f| animation.push(Form::Filter, &frame(f)));
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.glb");
-        let write = |most| animation.write(&path, &mesh, &body, FrameRate::per_second(10), most).unwrap();
+        let rate = FrameRate::per_second(10);
+        let write = |most| animation.write(&path, &mesh, &body, rate, most, &Task::new()).unwrap();
+        let cancelled = Task::new();
+        cancelled.cancel();
+        let stopped = animation.write(&path, &mesh, &body, rate, 1000, &cancelled).map(drop).unwrap_err();
+        assert!(stopped.is_cancelled() && !path.exists());
         let all = write(1000);
         assert!(all.largest_deviation < 1e-6, "{all:?}");
         let few = write(3);
@@ -214,8 +227,8 @@ mod tests {
         animation.push(Form::Filter, &Item::default());
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.glb");
-        let error =
-            animation.write(&path, &mesh, &body, FrameRate::per_second(10), 8).map(|_| ()).unwrap_err();
+        let rate = FrameRate::per_second(10);
+        let error = animation.write(&path, &mesh, &body, rate, 8, &Task::new()).map(drop).unwrap_err();
         assert!(error.to_string().contains("nothing moves"));
         assert!(!path.exists());
     }

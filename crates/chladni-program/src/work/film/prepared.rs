@@ -20,7 +20,7 @@ use super::titles::Titles;
 use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
-use crate::work::outputs::earlier_frames;
+use crate::work::outputs::{earlier_frames, left_of_gltf};
 use crate::work::{Cast, Error, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, texture_colors};
 
 /// Said of a dance that becomes a GLB: as detail turns, the whole shape's displacements are no sums of targets.
@@ -48,6 +48,9 @@ impl Prepared {
         wanted.output.check_textures(&cast)?;
         if wanted.output.animation.is_some() && cast.subject().proxy.is_some() {
             watcher.warn(Warning::of(&wanted.body, ONLY_THE_PROXY));
+        }
+        if let (Some(path), Some(file)) = (&wanted.output.animation, cast.shape_file()) {
+            left_of_gltf(file, path).into_iter().for_each(|warning| watcher.warn(warning));
         }
         // The orientation decides which half hears the left channel, so it is needed even without pictures.
         let stands = cast.stands(wanted.stance, watcher)?;
@@ -179,7 +182,7 @@ impl Prepared {
     /// Saves the other files that are wanted besides the film.
     ///
     /// # Errors
-    /// The first file that cannot be written, with its name.
+    /// The first file that cannot be written, with its name; cancelled.
     pub fn save_beside(
         &self,
         output: &Output,
@@ -189,8 +192,8 @@ impl Prepared {
     ) -> Result<Option<Approximation>, Error> {
         let approximation = match (&output.animation, animation) {
             (Some(path), Some(animation)) => {
-                let approximation = watcher.watch("writing the morph targets", |_| {
-                    animation.write(path, &self.mesh, &self.body, output.rate, output.targets)
+                let approximation = watcher.watch("writing the morph targets", |task| {
+                    animation.write(path, &self.mesh, &self.body, output.rate, output.targets, task)
                 })?;
                 save_sound(&sound_beside(path), &self.songs)?;
                 Some(approximation)
