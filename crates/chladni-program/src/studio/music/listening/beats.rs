@@ -22,7 +22,7 @@ impl Listening {
         let known = self.known_beats().map(|(number, _)| number).zip(song_secs);
         let is_taken = known.is_some_and(|(number, song_secs)| self.tap_song(number, song_secs));
         if !is_taken {
-            self.ear.follower.tap(self.ear.follower.now_secs());
+            self.ear.follower.tap(self.ear.follower.now_secs() - self.ahead_secs());
         }
     }
 
@@ -125,6 +125,18 @@ fn gap_secs(beats_secs: &[f64], tap_secs: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_tap_by_ear_is_of_what_is_heard() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let silence = vec![0.0; 4 * 44_100];
+        listening.ear.follower.push(&silence, &silence);
+        listening.show_ahead(0.125);
+        listening.tap();
+        let heard_secs = listening.ear.follower.now_secs() - 0.125;
+        let off = (listening.ear.follower.moment_at(heard_secs).phase + 0.5).fract() - 0.5;
+        assert!(off.abs() < 0.05, "{off} beats beside the tap");
+    }
 
     #[test]
     fn a_tap_moves_the_beats_by_half_of_one_at_most() {
