@@ -170,6 +170,8 @@ impl Songs {
             let known = known.as_ref().filter(audible);
             resampled.push(known.map(|known| at_rate(&known.song, rate_hz)).transpose()?);
         }
+        let breaks = self.heard.windows(2).filter(|pair| !fades(&pair[0], &pair[1]));
+        let breaks_secs: Vec<f64> = breaks.map(|pair| pair[1].at_secs).collect();
         let ends = self.heard.iter().skip(1).map(|next| (next.at_secs, next.crossfade_secs));
         for (stretch, (end_secs, fade_out_secs)) in self.heard.iter().zip(ends.chain([(f64::INFINITY, 0.0)]))
         {
@@ -177,8 +179,13 @@ impl Songs {
             let Some(song) = song.filter(|_| stretch.playing) else { continue };
             let begin_secs = stretch.at_secs - 0.5 * stretch.crossfade_secs;
             let over_secs = end_secs + 0.5 * fade_out_secs;
-            let from_secs = begin_secs.max(self.start_secs);
-            let to_secs = over_secs.min(self.start_secs + self.film_secs);
+            // No fade reaches over a leap, a pause or live input.
+            let broken = breaks_secs.partition_point(|secs| *secs <= stretch.at_secs);
+            let (before, after) = breaks_secs.split_at(broken);
+            let from_secs = before.last().map_or(begin_secs, |secs| begin_secs.max(*secs));
+            let from_secs = from_secs.max(self.start_secs);
+            let to_secs = after.first().map_or(over_secs, |secs| over_secs.min(*secs));
+            let to_secs = to_secs.min(self.start_secs + self.film_secs);
             if to_secs <= from_secs {
                 continue;
             }
@@ -210,7 +217,7 @@ impl Songs {
         let length = ((SEAM_SECS * sound.rate_hz as f32) as usize).max(1);
         for (before, next) in self.heard.iter().zip(self.heard.iter().skip(1)) {
             let seam = ((next.at_secs - self.start_secs) * rate_hz).round();
-            if seam < 1.0 || next.crossfade_secs > 0.0 || follows(next, before, 1.0 / rate_hz) {
+            if seam < 1.0 || fades(before, next) || follows(next, before, 1.0 / rate_hz) {
                 continue;
             }
             for side in [&mut sound.left, &mut sound.right] {
@@ -244,6 +251,12 @@ fn counted_before(start_secs: f64, heard: &[Stretch], clock: &ClockTrack) -> Vec
     counted.filter_map(|(stretch, _)| stretch.song).collect()
 }
 
+/// Whether one stretch fades into the next: a leap, a pause or live input ends what is heard at once.
+fn fades(before: &Stretch, next: &Stretch) -> bool {
+    let sounds = |stretch: &Stretch| stretch.playing && stretch.song.is_some();
+    next.crossfade_secs > 0.0 && sounds(before) && sounds(next)
+}
+
 /// Whether a stretch goes on with the song where the one before it ends, but for less than `off_secs`.
 fn follows(next: &Stretch, before: &Stretch, off_secs: f64) -> bool {
     let is_near = (before.song_secs_at(next.at_secs) - next.song_secs).abs() < off_secs;
@@ -270,8 +283,15 @@ mod tests {
     use super::*;
     use crate::work::Aside;
 
-    /// Two songs, the one on the left and the other on the right, the latter faded into at 3 s of the show.
-    fn songs(range: (f64, Option<f64>)) -> Song {
+    /// Two songs, the latter faded into at 3 s of the show.
+    const FADED: [Stretch; 2] = {
+        let first =
+            Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
+        [first, Stretch { at_secs: 3.0, song: Some(1), song_secs: 1.0, crossfade_secs: 2.0, ..first }]
+    };
+
+    /// The sound of a show of 6 s and two songs, the one on the left and the other on the right.
+    fn sound_of(heard: &[Stretch], range: (f64, Option<f64>)) -> Song {
         let folder = tempfile::tempdir().unwrap();
         let names = ["left.wav", "right.wav"].map(|name| {
             let (level, silence) = (vec![0.5; 4_000], vec![0.0; 4_000]);
@@ -281,26 +301,44 @@ mod tests {
             chladni_sound::write_wav(&path, &song, chladni_sound::WavSample::Float32).unwrap();
             (path.to_str().unwrap().to_owned(), BeatReading::default())
         });
-        let first =
-            Stretch { at_secs: 0.0, song: Some(0), song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
-        let second = Stretch { at_secs: 3.0, song: Some(1), song_secs: 1.0, crossfade_secs: 2.0, ..first };
-        let (heard, clock) = (vec![first, second], ClockTrack::default());
-        Songs::open(&names, heard, None, range, &clock, &Aside::new(&Task::new())).unwrap().sound().unwrap()
+        let (heard, clock, task) = (heard.to_vec(), ClockTrack::default(), Task::new());
+        let songs = Songs::open(&names, heard, Some(6.0), range, &clock, &Aside::new(&task));
+        songs.unwrap().sound().unwrap()
     }
 
     #[test]
     fn a_film_fades_from_song_to_song_as_the_stage_did() {
-        let sound = songs((0.0, None));
+        let sound = sound_of(&FADED, (0.0, None));
         assert_eq!(sound.left.len(), 6_000);
         let power = sound.left.iter().zip(&sound.right).map(|(l, r)| l * l + r * r);
         assert!(power.map(|power| (power - 0.25).abs()).fold(0.0, f32::max) < 1e-5);
         assert!((sound.left[3_000] - sound.right[3_000]).abs() < 1e-3);
         assert!(sound.left[2_000] == 0.5 && sound.left[1_999] == 0.5 && sound.left[4_000].abs() < 1e-6);
         // A film that begins or ends within the crossfade has both, too.
-        let part = songs((3.5, Some(1.0)));
+        let part = sound_of(&FADED, (3.5, Some(1.0)));
         assert!(part.left == sound.left[3_500..4_500] && part.right == sound.right[3_500..4_500]);
-        let part = songs((1.0, Some(1.5)));
+        let part = sound_of(&FADED, (1.0, Some(1.5)));
         assert!(part.right == sound.right[1_000..2_500] && part.right[1_400] > 0.1);
+    }
+
+    #[test]
+    fn a_crossfade_ends_where_it_is_broken_off() {
+        let [first, second] = FADED;
+        let is_silent = |side: &[f32]| side.iter().all(|sample| *sample == 0.0);
+        let paused = Stretch { at_secs: 3.5, song_secs: 1.5, playing: false, crossfade_secs: 0.0, ..second };
+        // Live input has the crossfade of the song before it.
+        for broken in [paused, Stretch { song: None, playing: true, crossfade_secs: 2.0, ..paused }] {
+            let sound = sound_of(&[first, second, broken], (0.0, None));
+            assert!(sound.left[3_400] > 0.1 && sound.right[3_400] > 0.1);
+            assert!(is_silent(&sound.left[3_600..]) && is_silent(&sound.right[3_600..]));
+        }
+        // After a pause in its first half, the second song is not heard before that.
+        let paused = Stretch { at_secs: 2.5, song_secs: 2.5, playing: false, ..first };
+        let goes_on = Stretch { at_secs: 2.75, playing: true, ..paused };
+        let second = Stretch { at_secs: 3.25, ..second };
+        let sound = sound_of(&[first, paused, goes_on, second], (0.0, None));
+        assert!(is_silent(&sound.right[..2_750]) && sound.right[2_900] > 0.1);
+        assert!(is_silent(&sound.left[2_600..2_750]) && sound.left[2_900] > 0.1);
     }
 
     const SINE_HZ: f32 = 100.0;
