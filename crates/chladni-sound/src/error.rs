@@ -56,9 +56,7 @@ pub enum SoundError {
         rate_hz: u32,
     },
     /// The song does not fit into the memory that the caller allows.
-    #[error(
-        "{name}: longer than the {limit_secs:.0} s that fit into the memory allowed; give a start and a duration"
-    )]
+    #[error("{name}: longer than the {limit_secs:.0} s that can be read as a whole")]
     TooLong {
         /// The file, as the caller named it.
         name: String,

@@ -117,6 +117,9 @@ impl Spectrum {
                 watcher.warn(Warning::of(&self.song, message));
                 part()
             }
+            Err(error @ Error::Sound(SoundError::TooLong { .. })) => {
+                Err(Error::Input(format!("{error}; give --start and --duration")))
+            }
             song => Ok((song?, 0.0)),
         }
     }
