@@ -136,6 +136,11 @@ fn taps_halving_and_doubling_are_obeyed() {
     follower.halve();
     follower.halve();
     assert!((follower.moment().tempo_bpm - 50.0).abs() < 1.5);
+    // A tap after a pause says where a beat is, and no tempo.
+    (0..30).for_each(|_| follower.push(&silence, &silence));
+    let before_bpm = follower.moment().tempo_bpm;
+    follower.tap(follower.now_secs());
+    assert_eq!(follower.moment().tempo_bpm, before_bpm);
 }
 
 #[test]

@@ -186,7 +186,9 @@ impl BeatFollower {
             return;
         }
         let tapped = self.taps.add(secs).map(|gap_secs| self.tracked(gap_secs * ONSET_RATE_HZ));
-        self.speed = tapped.map_or(1.0, |(_, speed)| speed);
+        if let Some((_, speed)) = tapped {
+            self.speed = speed;
+        }
         self.counted_secs = Some(secs);
         let frames_ago = (self.frames_heard as f64 - 1.0 - secs * ONSET_RATE_HZ).round();
         let count = self.belief.len() as f32;
