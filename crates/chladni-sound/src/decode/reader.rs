@@ -7,7 +7,10 @@ use chladni_task::open_file;
 use symphonia::core::codecs::audio::{AudioDecoder, well_known};
 use symphonia::core::errors::Error as CodecError;
 use symphonia::core::formats::probe::Hint;
-use symphonia::core::formats::well_known::{FORMAT_ID_ADTS, FORMAT_ID_ISOMP4, FORMAT_ID_MKV, FORMAT_ID_OGG};
+use symphonia::core::formats::well_known::{
+    FORMAT_ID_ADTS, FORMAT_ID_AIFF, FORMAT_ID_FLAC, FORMAT_ID_ISOMP4, FORMAT_ID_MKV, FORMAT_ID_MP3,
+    FORMAT_ID_OGG, FORMAT_ID_WAVE,
+};
 use symphonia::core::formats::{FormatOptions, FormatReader, SeekMode, SeekTo};
 use symphonia::core::io::{MediaSource, MediaSourceStream};
 use symphonia::core::meta::{MetadataOptions, StandardTag, StandardVisualKey};
@@ -70,6 +73,8 @@ pub struct SongReader {
     /// After a seek: the frame of the container that was requested, until a packet shows which one was
     /// reached.
     sought: Option<u64>,
+    /// What was sought lies beyond the end.
+    is_beyond: bool,
     /// When the first sound begins, in ticks; 0 but in Matroska, which counts from the codec's delay.
     first_ticks: i64,
     interleaved: Vec<f32>,
@@ -130,6 +135,7 @@ impl SongReader {
             position: 0,
             skip: audible.skip,
             sought: None,
+            is_beyond: false,
             first_ticks: 0,
             interleaved: Vec::new(),
             stereo: Vec::new(),
@@ -215,6 +221,14 @@ impl SongReader {
         self.audible.frames.or(self.declared_frames)
     }
 
+    /// The length, where no sound lies behind it. Other containers may state an estimate, or the length of a part.
+    fn exact_frames(&self) -> Option<u64> {
+        let exact = [FORMAT_ID_AIFF, FORMAT_ID_FLAC, FORMAT_ID_MP3, FORMAT_ID_WAVE];
+        let is_exact = !self.is_guess && exact.contains(&self.format.format_info().format);
+        // What was written as a stream may state 0.
+        self.link_frames().filter(|frames| is_exact && *frames > 0)
+    }
+
     /// A description of the parts missing from the sound so far; `None` if nothing is.
     pub fn damage(&self) -> Option<String> {
         let packets = match self.damaged_packets {
@@ -253,6 +267,11 @@ impl SongReader {
             self.reopen()?;
         }
         let position = frame - self.link_begin;
+        self.is_beyond = self.exact_frames().is_some_and(|frames| position >= frames);
+        if self.is_beyond {
+            self.position = position;
+            return Ok(());
+        }
         let target = position.saturating_add(self.audible.skip);
         let preroll = (PREROLL_SECS * f64::from(self.rate_hz)) as u64;
         // Some containers cannot seek to their end, or not at all. Then decoding continues from the start.
@@ -361,7 +380,7 @@ impl SongReader {
         while self.stereo.is_empty() {
             // Another link may follow.
             let is_over = self.left() == 0 && self.format.format_info().format != FORMAT_ID_OGG;
-            if is_over || !self.decode_packet()? {
+            if self.is_beyond || is_over || !self.decode_packet()? {
                 return Ok(false);
             }
         }
@@ -474,4 +493,59 @@ fn probe(name: &str, source: &SharedSource) -> Result<Box<dyn FormatReader>, Sou
     symphonia::default::get_probe()
         .probe(&Hint::new(), stream, FormatOptions::default(), MetadataOptions::default())
         .map_err(|error| unrecognized(name, &start, &error))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Read, Seek, SeekFrom};
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+    use crate::{Song, WavSample, wav_bytes};
+
+    /// A file, and how many bytes of it were read.
+    struct Counted(Cursor<Vec<u8>>, Arc<AtomicUsize>);
+
+    impl Read for Counted {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let count = self.0.read(buffer)?;
+            self.1.fetch_add(count, Ordering::Relaxed);
+            Ok(count)
+        }
+    }
+
+    impl Seek for Counted {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    impl MediaSource for Counted {
+        fn is_seekable(&self) -> bool {
+            true
+        }
+
+        fn byte_len(&self) -> Option<u64> {
+            Some(self.0.get_ref().len() as u64)
+        }
+    }
+
+    #[test]
+    fn what_lies_beyond_the_end_is_not_looked_for() {
+        let left = vec![0.25; 160_000];
+        let song = Song { rate_hz: 8_000, right: left.clone(), left };
+        let bytes = Cursor::new(wav_bytes(&song, WavSample::Int16).unwrap());
+        let read = Arc::new(AtomicUsize::new(0));
+        let source = Box::new(Counted(bytes, Arc::clone(&read)));
+        let mut reader = SongReader::from_source("song.wav", source).unwrap();
+        let opened = read.load(Ordering::Relaxed);
+        for frame in [160_000, u64::MAX] {
+            reader.seek(frame).unwrap();
+            assert!(reader.next_block().unwrap().is_none());
+        }
+        assert_eq!(read.load(Ordering::Relaxed), opened);
+        reader.seek(159_999).unwrap();
+        assert_eq!(reader.next_block().unwrap().map(<[f32]>::len), Some(2));
+    }
 }

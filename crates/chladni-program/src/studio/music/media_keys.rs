@@ -168,6 +168,12 @@ impl MusicRoom {
                 Asked::PlayPause => listening.toggle(),
                 Asked::Next => listening.next_song(),
                 Asked::Previous => listening.previous_song(),
+                // Beyond the end it acts like Next.
+                Asked::SeekBy(secs)
+                    if status.duration_secs.is_some_and(|end| status.position_secs + secs >= end) =>
+                {
+                    listening.next_song();
+                }
                 Asked::SeekBy(secs) => listening.player().seek((status.position_secs + secs).max(0.0)),
                 Asked::SeekTo(secs) => listening.player().seek(secs),
                 Asked::Volume(volume) => {
