@@ -40,7 +40,7 @@ impl Listening {
         self.right.resize(frames, 0.0);
         match &self.live {
             Some(live) => {
-                live.capture.window(&mut self.left, &mut self.right);
+                live.window(&mut self.left, &mut self.right);
                 [&mut self.left, &mut self.right].into_iter().for_each(|side| self.input.amplify(side));
             }
             None => {
@@ -55,12 +55,12 @@ impl Listening {
         }
     }
 
-    /// Feeds the tracker with new live sound.
-    pub(super) fn take_live(&mut self) {
+    /// Feeds the tracker with the live sound of the last `dt_secs`.
+    pub(super) fn take_live(&mut self, dt_secs: f64) {
         let Some(live) = &mut self.live else { return };
         self.left.clear();
         self.right.clear();
-        live.capture.take(&mut self.left, &mut self.right);
+        live.take(dt_secs, &mut self.left, &mut self.right);
         [&mut self.left, &mut self.right].into_iter().for_each(|side| self.input.amplify(side));
         if let Some(tee) = &mut self.tee {
             (tee.rate_hz, tee.until) = (live.capture.rate_hz(), None);

@@ -9,6 +9,8 @@ use crate::work::Error;
 
 /// The pause between two attempts to find a lost source.
 const AGAIN_SECS: f64 = 1.0;
+/// A source from which nothing has come for longer is silent. Between two blocks of one that sounds it takes less.
+const QUIET_SECS: f64 = 0.2;
 
 /// A live input that is listened to instead of a song.
 pub struct Live {
@@ -17,6 +19,8 @@ pub struct Live {
     /// Where it can be opened again; `None` of a capture that the program itself feeds.
     source: Option<CaptureSource>,
     lost: Option<Lost>,
+    /// How long no sound has come.
+    quiet_secs: f64,
 }
 
 /// A source that is looked for on a thread of its own: sound systems answer slowly.
@@ -41,7 +45,7 @@ enum Fate {
 
 impl Live {
     fn new(capture: Capture, name: String, source: Option<CaptureSource>) -> Self {
-        Self { capture, name, source, lost: None }
+        Self { capture, name, source, lost: None, quiet_secs: 0.0 }
     }
 
     /// Notices where the source was lost, and opens it again as soon as it is back. To be called in every frame.
@@ -58,10 +62,26 @@ impl Live {
         if lost.is_back(source, now_secs)
             && let Ok(capture) = Capture::start(source)
         {
-            (self.capture, self.lost) = (capture, None);
+            (self.capture, self.lost, self.quiet_secs) = (capture, None, 0.0);
             return Fate::Back;
         }
         Fate::Unchanged
+    }
+
+    /// Takes the sound of the last `dt_secs`.
+    pub(super) fn take(&mut self, dt_secs: f64, left: &mut Vec<f32>, right: &mut Vec<f32>) {
+        let frames = self.capture.take(left, right);
+        self.quiet_secs = if frames == 0 { self.quiet_secs + dt_secs } else { 0.0 };
+    }
+
+    /// Copies the newest sound that was taken; silence where none comes any more.
+    pub(super) fn window(&self, left: &mut [f32], right: &mut [f32]) {
+        if self.capture.is_lost() || self.quiet_secs > QUIET_SECS {
+            left.fill(0.0);
+            right.fill(0.0);
+        } else {
+            self.capture.window(left, right);
+        }
     }
 }
 
@@ -153,6 +173,7 @@ mod tests {
     use std::process::{Child, Command};
     use std::time::{Duration, Instant};
 
+    use chladni_music::Parameters;
     use chladni_sound::{Song, WavSample, capture_sources, write_wav};
 
     use super::*;
@@ -172,6 +193,26 @@ mod tests {
         assert_eq!(live.keep(0.0), Fate::Unchanged);
         drop(feed);
         assert_eq!(live.keep(0.1), Fate::Gone);
+    }
+
+    #[test]
+    fn an_input_that_gives_no_more_sound_is_silent() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let (capture, mut feed) = Capture::fed(48_000).unwrap();
+        listening.listen_on(capture, "feed".into());
+        let mut now_secs = 1.0;
+        let mut rms = || {
+            now_secs += 0.05;
+            listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            listening.levels()[0].rms
+        };
+        assert_eq!(rms(), 0.0);
+        feed.push(&[0.5; 9600], &[0.5; 9600]);
+        assert!(rms() > 0.4 && rms() > 0.4, "it sounds on between two blocks");
+        let later: Vec<f32> = (0..5).map(|_| rms()).collect();
+        assert_eq!(later.last(), Some(&0.0), "{later:?}");
+        feed.push(&[0.5; 9600], &[0.5; 9600]);
+        assert!(rms() > 0.4);
     }
 
     #[test]

@@ -341,7 +341,7 @@ impl Listening {
         self.ear.set_level(level);
         self.ear.tune(rate_hz, parameters)?;
         if self.live.is_some() {
-            self.take_live();
+            self.take_live(dt_secs);
         } else if !has_beats {
             self.follow_song(&status, since_last_secs);
         } else {
