@@ -20,6 +20,8 @@ pub struct Playing {
     pub duration_secs: Option<f64>,
     /// The length of the crossfade in which this song began; it became the current song at the middle of it.
     pub crossfade_secs: f64,
+    /// It was heard to its end, and no other follows.
+    pub is_over: bool,
 }
 
 /// Seconds since the show began. While a song plays it keeps the song's time, to the last bit.
@@ -94,11 +96,13 @@ impl ShowClock {
         if self.still_secs <= STILL_SECS {
             return None;
         }
-        let ended = playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
+        // The length may be unknown or too long, and a picture ahead of the sound stands still before that is over.
+        let ended = playing.is_over || playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
+        let changes = if stretch.playing { !ended } else { playing.is_over };
         // A pause begins when the song stopped, so that it is no leap.
-        let paused = (stretch.playing && !ended).then(|| begin(self, position, false, 0.0)).flatten();
+        let begun = changes.then(|| begin(self, position, !stretch.playing, 0.0)).flatten();
         self.at_secs += dt_secs;
-        paused
+        begun
     }
 }
 
@@ -107,7 +111,8 @@ mod tests {
     use super::*;
 
     fn song(song: usize, position_secs: f64) -> Playing {
-        Playing { song: Some(song), position_secs, duration_secs: Some(100.0), crossfade_secs: 0.0 }
+        let (duration_secs, crossfade_secs) = (Some(100.0), 0.0);
+        Playing { song: Some(song), position_secs, duration_secs, crossfade_secs, is_over: false }
     }
 
     #[test]
@@ -172,11 +177,18 @@ mod tests {
 
     #[test]
     fn the_silence_behind_a_song_goes_on() {
+        let over = Playing { is_over: true, ..song(0, 3.0) };
+        let at_end = Playing { duration_secs: Some(3.0), is_over: false, ..over };
+        for end in [at_end, over, Playing { duration_secs: None, ..over }] {
+            let mut clock = ShowClock::default();
+            let begun = (0..40).filter_map(|i| clock.follow(f64::from(i) / 20.0, end)).count();
+            assert_eq!(begun, 1);
+            assert!(clock.at_secs() > 1.5, "{}", clock.at_secs());
+        }
+        // The picture comes to the end before the sound.
         let mut clock = ShowClock::default();
-        let end =
-            Playing { song: Some(0), position_secs: 3.0, duration_secs: Some(3.0), crossfade_secs: 0.0 };
-        let begun = (0..40).filter_map(|i| clock.follow(f64::from(i) / 20.0, end)).count();
-        assert_eq!(begun, 1);
-        assert!(clock.at_secs() > 1.5, "{}", clock.at_secs());
+        let ahead = |i: u32| if i < 10 { song(0, 3.0) } else { over };
+        let begun = (0..40).filter_map(|i| clock.follow(f64::from(i) / 20.0, ahead(i)));
+        assert_eq!(begun.map(|stretch| stretch.playing).collect::<Vec<_>>(), [true, false, true]);
     }
 }

@@ -160,27 +160,40 @@ impl Engine {
             Command::Crossfade(secs) => self.crossfade_secs = secs,
             Command::Device(device) => {
                 self.device = device;
-                self.reopen();
+                self.retry_after = FIRST_RETRY;
+                let was_silent = self.output.device.is_none();
+                // A device that played before is reported as lost by itself.
+                if let Some(why) = self.reopen()
+                    && was_silent
+                {
+                    self.tell(PlayerEvent::DeviceLost(why.to_string()));
+                }
             }
             Command::Quit => {}
         }
     }
 
     /// Replaces the list around the song that plays. If that song is no longer in it, the one in its place
-    /// plays. If only the one that is decoded ahead is not, the song that is heard goes on to its end.
+    /// plays. If only the one that is decoded ahead is not, or no longer comes next, the song that is heard goes on to its
+    /// end, and then the list.
     fn set_songs(&mut self, songs: Vec<PathBuf>) {
         let places = self.list.places_in(&songs);
         let heard = self.place().filter(|heard| heard.list == self.list.number);
-        let heard = heard.and_then(|heard| Some(((*places.get(heard.song)?)?, heard.song_secs)));
+        let heard = heard.and_then(|heard| Some(((*places.get(heard.song)?)?, heard)));
         self.shared.timeline().stretches.renumber(&places, self.list.number);
         self.list.number += 1;
         let current = self.list.current;
         let last = songs.len().checked_sub(1);
         self.list.songs = songs;
-        match places.get(current).copied().flatten() {
-            Some(place) => self.list.current = place,
-            None if let Some((place, secs)) = heard => self.start(Some(place), secs, self.playing),
-            None => self.start(last.map(|last| current.min(last)), 0.0, self.playing),
+        let repeats = self.list.repeat == Repeat::Song;
+        let is_next = |place: usize, at: usize, heard: Stretch| {
+            repeats || place.wrapping_sub(at) == current.wrapping_sub(heard.song)
+        };
+        match (places.get(current).copied().flatten(), heard) {
+            (Some(place), None) => self.list.current = place,
+            (Some(place), Some((at, heard))) if is_next(place, at, heard) => self.list.current = place,
+            (_, Some((at, heard))) => self.start(Some(at), heard.song_secs, self.playing),
+            (None, None) => self.start(last.map(|last| current.min(last)), 0.0, self.playing),
         }
     }
 
@@ -218,6 +231,7 @@ impl Engine {
         let mut timeline = self.shared.timeline();
         timeline.playing = playing;
         timeline.stopped = stopped;
+        timeline.over &= stopped;
         self.shared.clock.set_paused(!playing);
     }
 
@@ -314,7 +328,9 @@ impl Engine {
         clock.set_drained(self.is_ending());
         if self.is_ending() && self.playing && clock.consumed() >= self.written {
             self.set_playing(false);
-            self.shared.timeline().stopped = true;
+            let mut timeline = self.shared.timeline();
+            (timeline.stopped, timeline.over) = (true, true);
+            drop(timeline);
             self.tell(PlayerEvent::Finished);
         }
     }

@@ -33,6 +33,8 @@ pub enum PlayerState {
 pub struct PlayerStatus {
     /// Stopped, playing or paused.
     pub state: PlayerState,
+    /// Whether it stopped because the last song was heard to its end.
+    pub is_over: bool,
     /// The index in the playlist of the song that is heard.
     pub song: usize,
     /// Whether that is the playlist given last. Not for a moment after another one was given, nor while a song sounds on
@@ -192,6 +194,7 @@ impl Player {
                 (false, true) => PlayerState::Playing,
                 (false, false) => PlayerState::Paused,
             },
+            is_over: timeline.over,
             song: place.map_or(0, |(stretch, _)| stretch.song),
             is_listed: place.is_none_or(|(stretch, _)| stretch.list == self.lists.load(Ordering::Relaxed)),
             position_secs,

@@ -20,6 +20,8 @@ pub(super) struct Timeline {
     pub device: Option<String>,
     pub playing: bool,
     pub stopped: bool,
+    /// Stopped because the last song was heard to its end.
+    pub over: bool,
 }
 
 impl Shared {
@@ -34,6 +36,7 @@ impl Shared {
             device: None,
             playing: false,
             stopped: true,
+            over: false,
         });
         Self { clock, timeline }
     }

@@ -105,6 +105,29 @@ fn removing_the_song_that_is_decoded_ahead_leaves_the_one_that_is_heard() {
 }
 
 #[test]
+fn all_songs_of_a_list_in_another_order_follow_the_one_that_is_heard() {
+    let folder = tempfile::tempdir().unwrap();
+    let ramps = [("a.wav", 0, 10.0), ("b.wav", 500_000, 0.5), ("c.wav", 700_000, 0.5)];
+    let [a, b, c] = ramps.map(|(name, first, secs)| write_ramp(folder.path(), name, first, secs));
+    let player = silent();
+    let mut ear = Ear::new(&player);
+    player.play_list(vec![b.clone(), a.clone(), c.clone()]);
+    player.select(1);
+    paused_at(&player);
+    player.seek(9.9);
+    wait("the song ahead", || player.events().any(|event| event == PlayerEvent::SongStarted(2)));
+    player.set_songs(vec![a, b, c]);
+    player.play();
+    wait("the end", || {
+        ear.hear(&player);
+        player.events().any(|event| event == PlayerEvent::Finished)
+    });
+    ear.hear(&player);
+    let parts = parts(&ear.left);
+    assert!(parts.ends_with(&[(475_200, 480_000), (500_000, 524_000), (700_000, 724_000)]), "{parts:?}");
+}
+
+#[test]
 fn a_song_that_is_not_in_the_list_stops_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let ramps = [("a.wav", 0.3), ("b.wav", 0.5), ("c.wav", 60.0)];

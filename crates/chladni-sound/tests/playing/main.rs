@@ -131,6 +131,16 @@ fn the_window_shows_the_samples_that_are_heard() {
 }
 
 #[test]
+fn a_device_that_is_not_there_is_reported_each_time_one_is_chosen() {
+    let settings = PlayerSettings { device: Some("nowhere".into()), ..PlayerSettings::default() };
+    let player = Player::start(settings).unwrap();
+    let is_lost = || player.events().any(|event| matches!(event, PlayerEvent::DeviceLost(_)));
+    wait("the first report", is_lost);
+    player.set_device(Some("nor there".into()));
+    wait("the second one", is_lost);
+}
+
+#[test]
 fn a_playlist_goes_on_over_a_broken_song_and_ends() {
     let folder = tempfile::tempdir().unwrap();
     let broken = folder.path().join("broken.mp3");
@@ -159,10 +169,17 @@ fn a_playlist_goes_on_over_a_broken_song_and_ends() {
         ),
         "{events:?}"
     );
-    assert_eq!(player.status().state, PlayerState::Stopped);
+    assert_eq!((player.status().state, player.status().is_over), (PlayerState::Stopped, true));
     player.repeat(Repeat::List);
     player.play();
     wait("playing again", || player.status().state == PlayerState::Playing);
+    assert!(!player.status().is_over);
+    // A song that is left in the middle is not heard to its end.
+    player.repeat(Repeat::Off);
+    player.select(2);
+    player.next();
+    wait("the end of the list", || player.status().state == PlayerState::Stopped);
+    assert!(!player.status().is_over);
 }
 
 /// Writes a level on one side only, which says at every sample how loud its song is.

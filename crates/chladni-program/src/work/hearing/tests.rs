@@ -70,8 +70,8 @@ fn a_pause_is_no_leap_however_many_beats_were_added() {
             now_secs += FRAME_SECS;
             let pauses = (25..45).contains(&frame);
             position_secs += if pauses { 0.0 } else { FRAME_SECS };
-            let playing =
-                Playing { song: Some(0), position_secs, duration_secs: Some(100.0), crossfade_secs: 0.0 };
+            let (song, duration_secs, crossfade_secs) = (Some(0), Some(100.0), 0.0);
+            let playing = Playing { song, position_secs, duration_secs, crossfade_secs, is_over: false };
             if let Some(stretch) = clock.follow(now_secs, playing) {
                 let before = hearing.beat_at(stretch.at_secs).count;
                 hearing.begin(stretch).unwrap();

@@ -105,6 +105,7 @@ impl Engine {
         timeline.history = History::new(self.output.rate_hz);
         timeline.stretches.clear();
         timeline.dropped.clear();
+        timeline.over = false;
         if let Some(place) = place {
             timeline.stretches.begin(Stretch { ring_frame: 0, ..place });
         }

@@ -305,6 +305,7 @@ impl Listening {
             position_secs: status.position_secs,
             duration_secs: status.duration_secs,
             crossfade_secs: status.crossfade_secs,
+            is_over: status.is_over,
         };
         let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
         // Where another show was opened, what still sounds is not of that one.
