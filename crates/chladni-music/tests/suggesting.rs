@@ -146,7 +146,7 @@ fn a_describer_needs_moments_and_equal_movements_are_at_distance_zero() {
 
 #[test]
 fn each_moment_keeps_the_gain_of_its_side() {
-    let level = vec![0.3; BANDS];
+    let level = [0.3; BANDS];
     let mut moments = Moments::default();
     let mut remember = |count: usize, side_gain: f32| {
         let [left, right, mid, side] = [&level[..count]; 4];

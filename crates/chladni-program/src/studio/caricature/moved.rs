@@ -8,6 +8,7 @@ use chladni_caricature::{Action, Project, Property, ShapeSource, Template};
 use crate::work::Error;
 
 /// A mesh that a project names and that is not there, and the one that it names instead.
+#[derive(Debug)]
 pub struct Found {
     /// The mesh that is not there.
     pub missing: PathBuf,
