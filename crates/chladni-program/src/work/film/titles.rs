@@ -11,9 +11,9 @@ use crate::work::cover::cover_of;
 use crate::work::source::TUNE;
 use crate::work::{Caption, title_opacity};
 
-/// The songs' titles and when each is shown, in the time of the show.
+/// The songs' titles and when each is shown, in the time of the show; none where live input or nothing is heard.
 #[derive(Debug, Default)]
-pub struct Titles(Vec<(f64, Caption)>);
+pub struct Titles(Vec<(f64, Option<Caption>)>);
 
 impl Titles {
     /// Titles of `songs`, by number, as they are heard in a film that begins at `start_secs`.
@@ -32,14 +32,14 @@ impl Titles {
         // A song that began before the film is named at the film's beginning.
         let before = begun.partition_point(|(at_secs, _)| *at_secs <= start_secs);
         let shown = begun.into_iter().skip(before.saturating_sub(1));
-        let shown = shown.filter_map(|(at_secs, name)| Some((at_secs.max(start_secs), caption_of(name?))));
+        let shown = shown.map(|(at_secs, name)| (at_secs.max(start_secs), name.map(caption_of)));
         Self(shown.collect())
     }
 
     /// Draws the title of this time of the show over a picture.
     pub fn lay(&mut self, at_secs: f64, picture: &mut Picture) {
         let begun = self.0.partition_point(|(begins_secs, _)| *begins_secs <= at_secs);
-        if let Some((begins_secs, caption)) = self.0.get_mut(begun.wrapping_sub(1)) {
+        if let Some((begins_secs, Some(caption))) = self.0.get_mut(begun.wrapping_sub(1)) {
             caption.lay(picture, title_opacity(at_secs - *begins_secs));
         }
     }
@@ -74,11 +74,11 @@ mod tests {
         let heard = [(0.0, Some(0)), (4.0, Some(0)), (9.0, Some(1)), (20.0, None), (25.0, Some(2))];
         let heard = heard.map(|(at_secs, song)| stretch(at_secs, song));
         let titles = |start_secs| Titles::of(&songs, &heard, start_secs).0;
-        let named = |at_secs: f64, name: &str| (at_secs, Caption::new(name.to_owned(), None));
-        let last = [named(9.0, "the second"), named(25.0, "sample tune")];
+        let named = |at_secs: f64, name: &str| (at_secs, Some(Caption::new(name.to_owned(), None)));
+        let last = [named(9.0, "the second"), (20.0, None), named(25.0, "sample tune")];
         assert_eq!(titles(0.0), [&[named(0.0, "first")][..], &last].concat());
         assert_eq!(titles(5.0), [&[named(5.0, "first")][..], &last].concat());
-        assert_eq!(titles(22.0), [named(25.0, "sample tune")]);
+        assert_eq!(titles(22.0), [(22.0, None), named(25.0, "sample tune")]);
         assert_eq!(titles(30.0), [named(30.0, "sample tune")]);
         let mut titles = Titles::of(&songs, &heard, 0.0);
         let mut light = |at_secs: f64| {
@@ -88,5 +88,17 @@ mod tests {
         };
         assert_eq!([light(0.0), light(7.5), light(21.0)], [0; 3]);
         assert!(light(0.5) > 1000 && light(3.0) > light(0.5) && light(12.0) > light(3.0));
+    }
+
+    #[test]
+    fn a_title_goes_at_once_where_live_input_begins() {
+        let songs = [("first.wav".to_owned(), BeatReading::default())];
+        let mut titles = Titles::of(&songs, &[stretch(0.0, Some(0)), stretch(2.0, None)], 0.0);
+        let is_seen = [1.5, 2.5].map(|at_secs| {
+            let mut picture = Picture::filled(320, 180, [0, 0, 0, 255]);
+            titles.lay(at_secs, &mut picture);
+            picture != Picture::filled(320, 180, [0, 0, 0, 255])
+        });
+        assert_eq!(is_seen, [true, false]);
     }
 }
