@@ -33,12 +33,28 @@ impl Scenery {
     /// # Errors
     /// A file that cannot be read, or is not a picture of this kind; a film without ffmpeg.
     pub fn open(picture: &str, panorama: &str) -> Result<Self, Error> {
-        let film = is_film(picture).then(|| picture.to_owned());
-        let behind = match &film {
-            Some(film) => Some(BackFilm::open(film, LONGEST_LIVE_SIDE)?.picture().clone()),
-            None => read(picture, Picture::decode)?,
+        let (scenery, failures) = Self::readable(picture, panorama);
+        failures.into_iter().next().map_or(Ok(scenery), Err)
+    }
+
+    /// The same without what cannot be read, and why that cannot.
+    pub fn readable(picture: &str, panorama: &str) -> (Self, Vec<Error>) {
+        let mut failures = Vec::new();
+        let behind = if is_film(picture) {
+            BackFilm::open(picture, LONGEST_LIVE_SIDE).map(|film| Some(film.picture().clone()))
+        } else {
+            read(picture, Picture::decode)
         };
-        Ok(Self { behind, film, around: read(panorama, Panorama::decode)? })
+        let behind = behind.unwrap_or_else(|why| {
+            failures.push(why);
+            None
+        });
+        let around = read(panorama, Panorama::decode).unwrap_or_else(|why| {
+            failures.push(why);
+            None
+        });
+        let film = (is_film(picture) && behind.is_some()).then(|| picture.to_owned());
+        (Self { behind, film, around }, failures)
     }
 
     /// The film that stands behind, where it is one.
@@ -94,5 +110,13 @@ mod tests {
             let line = error.to_string();
             assert!(line.contains(&path(picture.max(panorama))) && !line.contains('\n'), "{line}");
         }
+        // One that is missing takes nothing from the other.
+        for gone in ["gone.png", "gone.mp4"] {
+            let (scenery, failures) = Scenery::readable(&path(gone), &path("wide.png"));
+            assert!(scenery.behind.is_none() && scenery.film.is_none() && scenery.around.is_some());
+            assert_eq!(failures.len(), 1);
+        }
+        let (scenery, failures) = Scenery::readable(&path("square.png"), &path("gone.hdr"));
+        assert!(scenery.behind.is_some() && scenery.around.is_none() && failures.len() == 1);
     }
 }

@@ -9,7 +9,8 @@ use crate::work::{Error, LiveBackFilm, Scenery};
 #[derive(Default)]
 pub struct Backcloth {
     named: [String; 2],
-    reading: Option<Job<Scenery>>,
+    /// With the reasons why parts of it cannot be read.
+    reading: Option<Job<(Scenery, Vec<Error>)>>,
     scenery: Scenery,
     /// Where it is a film that stands behind.
     film: Option<LiveBackFilm>,
@@ -34,18 +35,15 @@ impl Backcloth {
         if self.named != named {
             self.named.clone_from(&named);
             let [picture, panorama] = named;
-            let read = move |_: &_| Scenery::open(&picture, &panorama);
+            let read = move |_: &_| Ok(Scenery::readable(&picture, &panorama));
             self.reading = Some(Job::start("Reading the pictures around the stage", &shared.ctx, read));
         }
-        match self.reading.as_ref().and_then(Job::ended) {
-            None => return,
-            Some(Ok(scenery)) => {
-                self.film = scenery.live_film();
-                (self.scenery, self.version) = (scenery, self.version + 1);
-            }
-            Some(Err(why)) => shared.notices.failed(why),
-        }
+        let Some(read) = self.reading.as_ref().and_then(Job::ended) else { return };
         self.reading = None;
+        let (scenery, failures) = read.unwrap_or_else(|why| (Scenery::default(), vec![why]));
+        failures.into_iter().for_each(|why| shared.notices.failed(why));
+        self.film = scenery.live_film();
+        (self.scenery, self.version) = (scenery, self.version + 1);
     }
 }
 
