@@ -1,5 +1,7 @@
 //! Requests of controllers to the room, and the room's values for them.
 
+use std::path::PathBuf;
+
 use chladni_music::{Action, ItemId, Looks, REPEATS, SHOTS, Target, Which};
 use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState, Repeat};
 use chladni_view::{Background, Lights, Look, Material, Palette};
@@ -141,6 +143,22 @@ fn pick(names: &[impl AsRef<str>], now: Option<usize>, which: &Which) -> Option<
     (at < count).then_some(at)
 }
 
+/// The same, of things that have several names each: `names` holds all of one kind, then all of the next.
+fn pick_by_any(names: &[Vec<String>], now: Option<usize>, which: &Which) -> Option<usize> {
+    names.iter().find_map(|names| pick(names, now, which))
+}
+
+/// The names of the songs of the list. Those of their files come first: they stay the same once tags are read.
+fn names_of_songs(listening: &Listening) -> [Vec<String>; 3] {
+    let songs = listening.songs();
+    let stem = |song: &PathBuf| song.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    [
+        songs.iter().map(stem).collect(),
+        (0..songs.len()).map(|song| listening.name_of(song)).collect(),
+        (0..songs.len()).map(|song| listening.title_of(song)).collect(),
+    ]
+}
+
 impl MusicRoom {
     /// Does a controller's request to the room, or says that there is no such thing.
     pub(super) fn ask(
@@ -160,8 +178,8 @@ impl MusicRoom {
                 self.take_preset(target == Target::RandomPreset, which, shared, wishes)
             }
             (Target::Song, which) => {
-                let names: Vec<String> = (0..listening.songs().len()).map(|i| listening.name_of(i)).collect();
-                let song = pick(&names, Some(listening.player().status().song), which);
+                let now = Some(listening.player().status().song);
+                let song = pick_by_any(&names_of_songs(listening), now, which);
                 song.inspect(|song| listening.select(*song)).is_some()
             }
             (Target::Crossfade, Which::Level(share)) => {
@@ -364,6 +382,18 @@ mod tests {
         assert_eq!(picked(None, Which::Name("two".into())), Some(1));
         assert_eq!([0.0, 0.4, 1.0].map(|share| picked(None, Which::Level(share))), [0, 1, 2].map(Some));
         assert_eq!(pick(&[""; 0], None, &Which::Press), None);
+    }
+
+    #[test]
+    fn a_song_is_found_by_file_title_and_both_names() {
+        let files = ["01 dawn", "02 dusk"].map(str::to_owned).to_vec();
+        let full = ["Ada – Dawn", "02 dusk"].map(str::to_owned).to_vec();
+        let titles = ["Dawn", "02 dusk"].map(str::to_owned).to_vec();
+        let names = [files, full, titles];
+        let picked = |name: &str| pick_by_any(&names, Some(1), &Which::Name(name.into()));
+        assert_eq!(["01 Dawn", "ada – dawn", "dawn", "02 dusk"].map(picked), [0, 0, 0, 1].map(Some));
+        assert_eq!(picked("noon"), None);
+        assert_eq!(pick_by_any(&names, Some(1), &Which::Press), Some(0));
     }
 
     #[test]
