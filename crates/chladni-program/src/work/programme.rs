@@ -105,16 +105,20 @@ impl Programme {
         self.autopilot.hold(on);
     }
 
-    /// Hears the bars that begin up to `at_secs`; returns the actions to do, and when.
+    /// Hears the bars that begin up to `at_secs`; returns the actions to do, and when. While the fader brings the next
+    /// dance, the current one stays: another would come with a jump.
     pub fn hear(&mut self, bars: &[BarLine], at_secs: f64, instrument: &Instrument) -> Vec<(f64, Action)> {
         self.follow_gain(instrument);
         self.heard_secs = at_secs;
+        let (holds, next) = (self.holds(), instrument.next_on_stage());
+        self.hold(holds || next.is_some_and(|(_, share)| share > 0.0));
         let mut actions = Vec::new();
         for bar in bars {
             if let Some(turn) = self.autopilot.hear(*bar) {
                 actions.extend(self.actions(turn, instrument).map(|action| (bar.at_secs, action)));
             }
         }
+        self.hold(holds);
         actions
     }
 
@@ -169,10 +173,14 @@ impl Programme {
     }
 
     /// The actions that put a turn on stage. The last two places of the gallery are used in turns, since the dance
-    /// before it is still seen while it leaves.
+    /// before it is still seen while it leaves. What waits to be next waits on.
     fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
         self.turns += 1;
-        let item = instrument.gallery().items().len().saturating_sub(1 + self.turns % 2);
+        let items = instrument.gallery().items();
+        let item = items.len().saturating_sub(1 + self.turns % 2);
+        let next = instrument.next_on_stage().map(|(id, _)| id);
+        let next = items.iter().position(|known| Some(known.id) == next).filter(|place| *place != item);
+        let cue = next.map(|item| Action::CueUp { item });
         let mut preset = self.dances.get(turn.dance).cloned();
         if let Some(preset) = &mut preset {
             let own = preset.settings.clone();
@@ -193,7 +201,8 @@ impl Programme {
             let take = Action::Take { item, preset: Box::new(preset) };
             let gain = Action::Set { parameter: Parameter::Gain, value };
             let perform = Action::Perform { item };
-            [take].into_iter().chain(form.clone()).chain([gain, perform]).chain(look.clone())
+            let dance = [take].into_iter().chain(form.clone()).chain([gain, perform]);
+            dance.chain(look.clone()).chain(cue.clone())
         })
     }
 }
@@ -299,6 +308,33 @@ mod tests {
         let ends_before = |first| programme.ends_before(&Action::PerformGallery { first }, &instrument);
         assert_eq!([0, 3, 4, 5, 6].map(ends_before), [true, true, false, false, false]);
         assert!(!programme.ends_before(&Action::Perform { item: 0 }, &instrument));
+    }
+
+    #[test]
+    fn what_waits_to_be_next_waits_on_and_is_not_interrupted_once_it_comes() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
+        turn(&mut programme, &mut instrument, 0.0);
+        let waiting = instrument.gallery().items()[2].id;
+        instrument.apply(Moment::default(), Action::CueUp { item: 2 }).unwrap();
+        let mut hear = |instrument: &mut Instrument, at_secs| {
+            let bar = BarLine { at_secs, secs: 2.0, energy: 0.5, begins_section: true };
+            let actions = programme.hear(&[bar], at_secs, instrument);
+            let count = actions.len();
+            for (at_secs, action) in actions {
+                instrument.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
+            }
+            (count > 0, programme.holds())
+        };
+        assert_eq!(hear(&mut instrument, 30.0), (true, false));
+        assert_eq!(instrument.next_on_stage(), Some((waiting, 0.0)));
+        instrument.apply(Moment::default(), Action::Crossfade { share: 0.4 }).unwrap();
+        assert_eq!(hear(&mut instrument, 60.0), (false, false));
+        assert_eq!(instrument.next_on_stage(), Some((waiting, 0.4)));
+        instrument.apply(Moment::default(), Action::Crossfade { share: 0.0 }).unwrap();
+        assert_eq!(hear(&mut instrument, 90.0), (true, false));
+        assert_eq!(instrument.next_on_stage(), Some((waiting, 0.0)));
     }
 
     #[test]
