@@ -233,6 +233,34 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
 }
 
 #[test]
+fn a_close_up_stays_with_its_dance_and_ends_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = enter(Opening { folders: folders(folder.path()), ..Opening::default() });
+    let choose_and_draw = |window: &mut Window, drawn: &str, keys: &[Key]| {
+        click(window, "dance/2");
+        click(window, "dance/5");
+        point_at(window, drawn);
+        for key in keys {
+            window.key_press(*key);
+            window.run_steps(3);
+        }
+    };
+    let is_close = |window: &Window| is_there(window, "back-to-gallery");
+    choose_and_draw(&mut window, "dance/3", &[Key::L, Key::E, Key::Enter]);
+    assert!(shows(&window, "2 / 2") && is_close(&window), "it stays in its place");
+    window.key_press(Key::M);
+    window.run_steps(3);
+    assert!(shows(&window, "3 / 3") && is_close(&window), "it is changed a little");
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.run_steps(3);
+    assert!(shows(&window, "2 / 3") && is_close(&window));
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    choose_and_draw(&mut window, "dance/4", &[Key::E, Key::Enter]);
+    assert!(shows(&window, "4 / 4") && !is_close(&window) && is_there(&window, "dance/4"), "it has gone");
+}
+
+#[test]
 fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts() {
     let folder = tempfile::tempdir().unwrap();
     let recovery = Some(folder.path().join("recovery"));

@@ -1,6 +1,6 @@
 //! The view, and the dances that are marked, chosen and loved.
 
-use chladni_music::{Action, GalleryItem, Parameter, experiment};
+use chladni_music::{Action, GalleryItem, ItemId, Origin, Parameter, experiment};
 
 use super::super::view::{Marks, View};
 use super::Concert;
@@ -33,6 +33,30 @@ impl Concert {
         self.view = view;
         self.draft = None;
         self.marked = None;
+        self.close_up = match view {
+            View::CloseUp(place) => self.instrument.gallery().items().get(place).map(|item| item.id),
+            View::Gallery | View::Harmonics(_) => None,
+        };
+    }
+
+    /// The gallery may have changed: a close-up stays with its dance. Where that has gone, it shows the one in its place
+    /// that a small change made of it, or of which it was made; else it ends.
+    pub(super) fn follow_close_up(&mut self) {
+        let (View::CloseUp(place), Some(shown)) = (self.view, self.close_up) else { return };
+        let items = self.instrument.gallery().items();
+        if let Some(place) = items.iter().position(|item| item.id == shown) {
+            self.view = View::CloseUp(place);
+            return;
+        }
+        let before = self.instrument.item(shown);
+        let is_kin = |item: &&GalleryItem| {
+            is_changed_from(item, shown) || before.is_some_and(|before| is_changed_from(before, item.id))
+        };
+        let kin = items.get(place).filter(is_kin).map(|item| item.id);
+        match kin {
+            Some(kin) => (self.close_up, self.draft) = (Some(kin), None),
+            None => self.look_at(View::Gallery),
+        }
     }
 
     /// The marks of an item.
@@ -72,4 +96,8 @@ impl Concert {
         let step = if forward { 1 } else { count.checked_sub(1)? };
         (count > 0).then(|| now.map_or(0, |now| (now + step) % count))
     }
+}
+
+fn is_changed_from(item: &GalleryItem, parent: ItemId) -> bool {
+    item.origin == Origin::Mutated { parent }
 }

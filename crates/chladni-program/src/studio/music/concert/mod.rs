@@ -90,6 +90,8 @@ pub struct Concert {
     marked: Option<usize>,
     columns: usize,
     view: View,
+    /// The item of the close-up, whatever place it has.
+    close_up: Option<ItemId>,
     draft: Option<Draft>,
     tried_out: Option<(Mapping, Settings)>,
     recent: Recent,
@@ -152,6 +154,7 @@ impl Concert {
             marked: None,
             columns: 1,
             view: View::Gallery,
+            close_up: None,
             draft: None,
             tried_out: None,
             recent: Recent::default(),
@@ -261,10 +264,8 @@ impl Concert {
         {
             self.instrument.apply(self.moment, Action::CueUp { item })?;
         }
+        self.follow_close_up();
         let count = self.instrument.gallery().items().len();
-        if matches!(self.view, View::CloseUp(item) if item >= count) {
-            self.look_at(View::Gallery);
-        }
         self.marked = self.marked.filter(|&item| item < count);
         Ok(())
     }
@@ -379,16 +380,23 @@ impl Concert {
     /// Whether there are favorites, names or hand-drawn curves that are not saved; of a show that has a file, also
     /// whether there are children.
     pub fn has_unsaved_work(&self) -> bool {
-        self.since_saved(|action| is_by_hand(action) || self.is_of_a_file && is_bred(action))
+        self.has_unsaved_work_since(0)
+    }
+
+    /// The same of what was done after this number of actions.
+    pub fn has_unsaved_work_since(&self, count: usize) -> bool {
+        self.has_since(count.max(self.saved), |action| {
+            is_by_hand(action) || self.is_of_a_file && is_bred(action)
+        })
     }
 
     /// Whether there is anything that was not saved and would be missed.
     pub fn has_changed(&self) -> bool {
-        self.since_saved(|action| is_by_hand(action) || is_bred(action))
+        self.has_since(self.saved, |action| is_by_hand(action) || is_bred(action))
     }
 
-    fn since_saved(&self, counts: impl Fn(&Action) -> bool) -> bool {
-        self.instrument.log().iter().skip(self.saved).any(|line| counts(&line.action))
+    fn has_since(&self, count: usize, counts: impl Fn(&Action) -> bool) -> bool {
+        self.instrument.log().iter().skip(count).any(|line| counts(&line.action))
     }
 
     /// Plays a preset in the gallery's place in the next frame.

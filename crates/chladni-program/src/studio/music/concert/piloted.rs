@@ -47,25 +47,27 @@ impl Concert {
     /// The next dance of the autopilot, or the one before.
     pub fn overrule(&mut self, forward: bool) -> Result<(), Error> {
         let Some(programme) = &mut self.piloted else { return Ok(()) };
-        for action in programme.step(self.moment.at_secs, forward, &self.instrument) {
-            self.instrument.apply(self.moment, action)?;
-        }
-        Ok(())
+        let actions = programme.step(self.moment.at_secs, forward, &self.instrument);
+        self.do_piloted(actions)
     }
 
     /// These bars have begun.
     pub(super) fn follow_bars(&mut self, bars: &[BarLine]) -> Result<(), Error> {
         let Some(programme) = &mut self.piloted else { return Ok(()) };
-        for (_, action) in programme.hear(bars, self.moment.at_secs, &self.instrument) {
-            self.instrument.apply(self.moment, action)?;
-        }
-        Ok(())
+        let actions = programme.hear(bars, self.moment.at_secs, &self.instrument);
+        self.do_piloted(actions.into_iter().map(|(_, action)| action))
     }
 
     /// The stage is left or taken by hand: back to the gallery as it was.
     pub fn end_piloting(&mut self) -> Result<(), Error> {
         let Some(programme) = self.piloted.take() else { return Ok(()) };
         let actions = programme.end(&self.instrument);
-        Ok(actions.into_iter().try_for_each(|action| self.instrument.apply(self.moment, action))?)
+        self.do_piloted(actions)
+    }
+
+    fn do_piloted(&mut self, actions: impl IntoIterator<Item = Action>) -> Result<(), Error> {
+        let done = actions.into_iter().try_for_each(|action| self.instrument.apply(self.moment, action));
+        self.follow_close_up();
+        Ok(done?)
     }
 }
