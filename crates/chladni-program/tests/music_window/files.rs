@@ -470,6 +470,30 @@ fn a_show_survives_a_crash_and_a_request_to_end() {
 }
 
 #[test]
+fn the_copy_of_a_show_follows_the_shape_that_dances() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = folder.path();
+    let round = home.join("round.obj");
+    chladni_mesh::save_mesh(&chladni_mesh::samples::icosphere(2), &round).unwrap();
+    let opening = Opening {
+        folders: Folders { recovery: Some(home.join("recovery")), ..folders(home) },
+        files: ball_and_song(home).to_vec(),
+        now: no_time,
+        ..Opening::default()
+    };
+    let mut window = enter(opening);
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    let copy_has = |body: &str| {
+        let copy = shows_in(home).pop().and_then(|path| Show::load(&path).ok());
+        copy.and_then(|show| show.body).is_some_and(|file| file.path.ends_with(body))
+    };
+    wait(&mut window, "a copy", |_| copy_has("ball.obj"));
+    drop_files(&mut window, &[round]);
+    wait(&mut window, "a copy with the other shape", |_| copy_has("round.obj"));
+}
+
+#[test]
 fn a_recovered_show_whose_shape_does_not_open_is_not_thrown_away() {
     let folder = tempfile::tempdir().unwrap();
     let home = folder.path();

@@ -4,11 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::SystemTime;
 
-use chladni_music::Show;
+use chladni_music::{BeatReading, Looks, Show};
 use chladni_task::RecoveryCopy;
 use egui::RichText;
 
 use super::MusicRoom;
+use super::concert::Concert;
+use super::listening::Listening;
 use super::shows::the_show;
 use crate::studio::age::changed_ago;
 use crate::studio::author_id::AuthorId;
@@ -27,14 +29,41 @@ struct Written {
     failure: Option<String>,
 }
 
+/// What a copy has of a show that goes on. Where any of it is another by now, a new copy is due.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Kept {
+    actions: usize,
+    body: PathBuf,
+    stretches: usize,
+    /// Those of the songs that were heard.
+    readings: Vec<BeatReading>,
+    /// Sets that were recorded.
+    recorded: usize,
+    looks: Looks,
+}
+
+impl Kept {
+    fn of(concert: &Concert, listening: &Listening, body: &Path, looks: Looks) -> Self {
+        let (heard, songs) = listening.heard();
+        Self {
+            actions: concert.instrument().log().len(),
+            body: body.to_owned(),
+            stretches: heard.len(),
+            readings: songs.iter().map(|song| song.reading).collect(),
+            recorded: concert.outgoing.recorded.len(),
+            looks,
+        }
+    }
+}
+
 /// The copy of this window's show, and those that were found.
 #[derive(Default)]
 pub struct Keepsake {
     /// `None` until it is needed; an error where it cannot be.
     copy: Option<Result<RecoveryCopy, ()>>,
-    /// The write in progress and the number of its actions; below, the number of actions in the copy.
-    writing: Option<(Receiver<Written>, usize)>,
-    kept: usize,
+    /// The write in progress and what it keeps; below, what the copy has.
+    writing: Option<(Receiver<Written>, Kept)>,
+    kept: Option<Kept>,
     last_secs: f64,
     /// Why the last copy could not be written: reported once, and tried again.
     failure: Option<String>,
@@ -49,7 +78,7 @@ pub struct Keepsake {
 impl Keepsake {
     /// Takes in the finished write, or `waits` for it; returns a new error, if there is one.
     fn settle(&mut self, waits: bool) -> Option<String> {
-        let (written, actions) = self.writing.as_ref()?;
+        let (written, kept) = self.writing.as_ref()?;
         let written =
             if waits { written.recv().map_err(|_| TryRecvError::Disconnected) } else { written.try_recv() };
         let (copy, failure) = match written {
@@ -58,7 +87,7 @@ impl Keepsake {
             Ok(Written { copy, failure }) => (Ok(copy), failure),
         };
         if failure.is_none() {
-            self.kept = *actions;
+            self.kept = Some(kept.clone());
             self.release_adopted();
         }
         (self.copy, self.writing) = (Some(copy), None);
@@ -72,8 +101,8 @@ impl Keepsake {
         self.adopted.take().iter().for_each(|old| RecoveryCopy::discard(old));
     }
 
-    /// Writes `show`, which has this many `actions`, on a thread.
-    fn write(&mut self, show: Show, actions: usize) {
+    /// Writes `show`, of which it then has `kept`, on a thread.
+    fn write(&mut self, show: Show, kept: Kept) {
         let copy = match self.copy.take() {
             Some(Ok(copy)) => copy,
             // Where it cannot be, that was reported once.
@@ -82,12 +111,12 @@ impl Keepsake {
         let (done, written) = channel();
         let work = move || {
             let text = show.to_text().map_err(|why| why.to_string());
-            let kept = text.and_then(|text| copy.keep(text.as_bytes()).map_err(|why| why.to_string()));
+            let saved = text.and_then(|text| copy.keep(text.as_bytes()).map_err(|why| why.to_string()));
             // If nobody waits any longer, the window is gone, and the copy stays.
-            let _ = done.send(Written { copy, failure: kept.err() });
+            let _ = done.send(Written { copy, failure: saved.err() });
         };
         match std::thread::Builder::new().name("show copy".into()).spawn(work) {
-            Ok(_) => self.writing = Some((written, actions)),
+            Ok(_) => self.writing = Some((written, kept)),
             Err(_) => self.copy = Some(Err(())),
         }
     }
@@ -110,16 +139,17 @@ impl MusicRoom {
         keepsake.last_secs = now_secs;
         if !concert.has_changed() {
             keepsake.release_adopted();
-            if keepsake.kept > 0
+            if keepsake.kept.is_some()
                 && let Some(Ok(copy)) = &keepsake.copy
             {
                 copy.clear();
-                keepsake.kept = 0;
+                keepsake.kept = None;
             }
             return;
         }
-        let actions = concert.instrument().log().len();
-        if actions == keepsake.kept {
+        let now = Kept::of(concert, listening, &self.names.dancing, shared.settings.music.looks());
+        // The last copy of all has the last moment, too.
+        if !at_once && keepsake.kept.as_ref() == Some(&now) {
             return;
         }
         if keepsake.copy.is_none() {
@@ -134,7 +164,7 @@ impl MusicRoom {
         // Where no copy can be kept, the show need not be put together, either.
         if let Some(Ok(_)) = self.keepsake.copy {
             let show = the_show(concert, listening, &self.names, shared, unread);
-            self.keepsake.write(show, actions);
+            self.keepsake.write(show, now);
         }
     }
 
@@ -234,7 +264,7 @@ mod tests {
     fn a_copy_that_cannot_be_is_not_tried_again() {
         let mut keepsake = Keepsake { copy: Some(Err(())), ..Keepsake::default() };
         let show = Show::from_text("format_version = 1\nseed = 5\nsize = 6\n").unwrap();
-        keepsake.write(show, 3);
+        keepsake.write(show, Kept::default());
         assert!(matches!(keepsake.copy, Some(Err(()))) && keepsake.writing.is_none());
     }
 
