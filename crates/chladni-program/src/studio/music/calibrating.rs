@@ -71,6 +71,12 @@ impl Calibrating {
         })
     }
 
+    /// Whether the song goes on afterwards: it played before, and no live input has taken its place.
+    fn song_goes_on(&self, listening: &Listening) -> bool {
+        let is_there = listening.player().status().state != PlayerState::Stopped;
+        self.resumes && listening.live().is_none() && is_there
+    }
+
     /// Takes Escape and the keys that tap, so that they do nothing else meanwhile. Once all taps are made, the buttons need
     /// these keys.
     pub fn take_keys(&mut self, ctx: &egui::Context) {
@@ -244,9 +250,8 @@ impl MusicRoom {
     /// Ends clicks and flashes, if there are any; the songs go on.
     pub(super) fn end_calibrating(&mut self) {
         let Some(calibrating) = self.calibrating.take() else { return };
-        if let Some(listening) = &mut self.listening
-            && calibrating.resumes
-            && listening.player().status().state != PlayerState::Stopped
+        if let Some(listening) = &self.listening
+            && calibrating.song_goes_on(listening)
         {
             listening.player().play();
         }
@@ -270,6 +275,19 @@ pub fn taken(input: &mut egui::InputState) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_song_goes_on_under_live_input() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        while !listening.plays_songs() {
+            std::thread::yield_now();
+        }
+        let calibrating = Calibrating::begin(&mut listening, &Preferences::default()).unwrap();
+        assert!(calibrating.song_goes_on(&listening));
+        let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
+        listening.listen_on(capture, "feed".into());
+        assert!(!calibrating.song_goes_on(&listening));
+    }
 
     #[test]
     fn the_outcome_says_which_of_the_two_is_late() {

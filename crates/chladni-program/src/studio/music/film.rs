@@ -74,6 +74,9 @@ struct Form {
     titles: bool,
     /// Whether there can be an MP4.
     has_ffmpeg: bool,
+    /// Number and name of the song that was heard when the form was opened. Where there was none, it is the one that is
+    /// heard when the film begins.
+    song: Option<(usize, String)>,
 }
 
 /// The contents that could be filmed now.
@@ -102,13 +105,19 @@ impl Scene {
 }
 
 impl Filming {
-    /// Opens the form.
-    pub fn ask(&mut self) -> Result<(), Error> {
+    /// Opens the form, where this `song` is heard: its number in the show and its name.
+    pub fn ask(&mut self, song: Option<(usize, String)>) -> Result<(), Error> {
         if self.running.is_some() {
             return Err(Error::input("A film is being made already."));
         }
-        self.form.get_or_insert_with(|| Form { has_ffmpeg: ffmpeg_is_there(), ..Form::FIRST });
+        let form = self.form.get_or_insert_with(|| Form { has_ffmpeg: ffmpeg_is_there(), ..Form::FIRST });
+        form.song = song;
         Ok(())
+    }
+
+    /// Another show numbers other songs: the form takes the one that is heard when its film begins.
+    pub fn forget_song(&mut self) {
+        self.form.iter_mut().for_each(|form| form.song = None);
     }
 
     /// Draws the form; once the person wants the film, says as what.
@@ -224,6 +233,7 @@ impl Form {
         look: None,
         titles: true,
         has_ffmpeg: true,
+        song: None,
     };
 
     fn show(&mut self, ui: &mut Ui, window: [u32; 2], show_secs: f64) {
@@ -241,6 +251,10 @@ impl Form {
             if ui.selectable_label(self.what == what, name).on_hover_text(tip).clicked() {
                 self.what = what;
             }
+        }
+        if let Some((_, name)) = self.song.as_ref().filter(|_| self.what == What::AsItIs) {
+            let weak = theme::palette(ui).weak;
+            ui.label(RichText::new(format!("Song: {name}")).color(weak).small());
         }
         ui.label(RichText::new("Size").strong());
         theme::group(ui, "Size", |ui| {
@@ -336,7 +350,8 @@ impl Form {
         let mut film = match self.what {
             What::TheShow => Film::of_show(scene.show, scene.body, scene.songs, output),
             What::AsItIs => {
-                let song = scene.song.and_then(|number| scene.songs.get(number).cloned());
+                let number = self.song.as_ref().map(|(number, _)| *number).or(scene.song);
+                let song = number.and_then(|number| scene.songs.get(number).cloned());
                 let song = song.ok_or_else(|| Error::input("Live input cannot be filmed: choose a song."))?;
                 if output.animation.is_some() && scene.is_gallery() {
                     let why = "A GLB holds one dance: put one on stage, or make it a favorite.";
@@ -397,6 +412,32 @@ mod tests {
             // The colors that the shape brings stay.
             assert_eq!(film(OWN_COLORS).look, Look { own_colors: true, ..look }, "{name}");
         }
+    }
+
+    #[test]
+    fn the_song_is_the_one_that_was_heard_when_the_form_was_opened() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let song = |filming: &Filming| {
+            let named = |name: &str| (name.to_owned(), BeatReading::default());
+            let scene = Scene {
+                show: Show::of(&Instrument::new(1, 6, shape.clone()).unwrap()),
+                body: "sample:ring".into(),
+                songs: vec![named("first.wav"), named("second.wav")],
+                song: Some(1),
+                view: View::Gallery,
+                on_stage: false,
+                favorites: 0,
+            };
+            let film = filming.form.as_ref().unwrap().film(scene, Output::to("film.gif".into())).unwrap();
+            film.songs[0].0.clone()
+        };
+        let mut filming = Filming::default();
+        filming.ask(Some((0, "first".into()))).unwrap();
+        assert_eq!(song(&filming), "first.wav");
+        filming.forget_song();
+        assert_eq!(song(&filming), "second.wav");
+        filming.ask(None).unwrap();
+        assert_eq!(song(&filming), "second.wav");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use chladni_music::Which;
 
 use super::MusicRoom;
 use super::drawer::Drawer;
+use super::listening::Listening;
 use super::shows::take;
 use super::wish::Wish;
 use crate::studio::room::Shared;
@@ -67,7 +68,10 @@ impl MusicRoom {
                 take(concert, *preset, shared).map(|item| self.taken.became(item, name))
             }
             Wish::Discard(path) => self.drawers.shelf.discard(&path),
-            Wish::Film => self.filming.ask(),
+            Wish::Film => {
+                let named = |ears: &Listening| Some((ears.song_number()?, ears.source_name()));
+                self.filming.ask(self.listening.as_ref().and_then(named))
+            }
             Wish::Choose(_) | Wish::Record | Wish::Calibrate | Wish::Press(_) => Ok(()),
         };
         if let Err(why) = done {

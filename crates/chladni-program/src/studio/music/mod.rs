@@ -112,6 +112,8 @@ pub struct MusicRoom {
     replacing: Option<(PathBuf, Show)>,
     /// A show that waits for its own shape.
     coming: Option<(PathBuf, Show)>,
+    /// The number of actions before that: work that was done later is asked about.
+    coming_since: usize,
     refused: bool,
     /// The preset of the shelf that a controller took last.
     preset: Option<usize>,
@@ -212,9 +214,7 @@ impl MusicRoom {
                         }
                         self.concert = Some(concert);
                         self.names.dancing = std::mem::take(&mut self.names.loading);
-                        if let Some((path, show)) = self.coming.take() {
-                            self.go_on_with(&path, &show, shared);
-                        }
+                        self.go_on_with_coming(shared);
                     }
                     Err(why) => self.refuse(why, shared),
                 }

@@ -84,6 +84,8 @@ impl MusicRoom {
             }
             Some(listening) => {
                 listening.add(songs);
+                // The clicks would go on over them.
+                self.end_calibrating();
                 self.leaning.begin(&shared.ctx);
             }
             None => shared.notices.warn("There is no player for these songs."),
@@ -163,6 +165,7 @@ impl MusicRoom {
                         format!("{}: more harmonics than dance live; films have all.", path.display());
                     shared.notices.warn(message);
                 }
+                self.coming_since = concert.instrument().log().len();
                 self.coming = Some((path, show));
                 self.load(body, shared);
             }
@@ -173,16 +176,29 @@ impl MusicRoom {
         }
     }
 
+    /// Continues the show that has waited for its shape, unless work that was done meanwhile is in its way: then it is asked
+    /// about.
+    pub(super) fn go_on_with_coming(&mut self, shared: &mut Shared<'_>) {
+        let Some((path, show)) = self.coming.take() else { return };
+        if self.concert.as_ref().is_some_and(|concert| concert.has_unsaved_work_since(self.coming_since)) {
+            self.replacing = Some((path, show));
+        } else {
+            self.go_on_with(&path, &show, shared);
+        }
+    }
+
     /// Continues a show on the shape that dances.
-    pub(super) fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
+    fn go_on_with(&mut self, path: &Path, show: &Show, shared: &mut Shared<'_>) {
+        self.end_calibrating();
         let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else { return };
         if let Err(why) = concert.replay(show) {
             return shared.notices.error(format!("{}: {why}", path.display()));
         }
-        // What was begun with a dance of the show before: its items may have the same numbers.
+        // What was begun with the show before: items and songs of this one may have the same numbers.
         self.taken = Taken::default();
+        self.filming.forget_song();
         self.drawers.shelf.forget_form();
-        self.asking = self.asking.filter(|then| !matches!(then, Then::SavePreset(_)));
+        self.asking = self.asking.filter(|then| !matches!(then, Then::SavePreset(_) | Then::SaveShow));
         if self.keepsake.opened(path) {
             concert.mark_unsaved();
         }
