@@ -96,15 +96,16 @@ struct Decoder {
 
 impl Decoder {
     fn begin(path: &Path, longest_side: usize) -> Result<Self, Error> {
-        let fits = format!(
-            "fps={RATE_HZ},scale=w='min({longest_side},iw)':h='min({longest_side},ih)':force_original_aspect_ratio=decrease"
-        );
+        // Pixels that are not square become wider or narrower; none of the sides may be 0, which stands for the film's own.
+        let share = format!("min(1,{longest_side}/max(iw*sar,ih))");
+        let side = |length: &str| format!("'max(1,round({length}*{share}))'");
+        let fits = format!("fps={RATE_HZ},scale=w={}:h={}", side("iw*sar"), side("ih"));
         let missing = |why| Error::other(format!("ffmpeg, which reads films, cannot be started: {why}"));
         let mut command = ffmpeg();
         command.args(["-nostdin", "-loglevel", "fatal"]);
         add_input(&mut command, path, &FORMATS);
         let mut child = command
-            .args(["-an", "-sn", "-vf", &fits, "-f", "image2pipe", "-c:v", "ppm", "-"])
+            .args(["-an", "-sn", "-vf", &fits, "-f", "image2pipe", "-c:v", "ppm", "-pix_fmt", "rgb24", "-"])
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -204,6 +205,26 @@ mod tests {
         for frame in [27, 3, 14] {
             later.go_to(f64::from(frame) / 25.0, || true).unwrap();
             assert_eq!(brightness(&later), seen[frame as usize], "{frame}");
+        }
+    }
+
+    #[test]
+    fn films_of_ten_bits_and_of_pixels_that_are_not_square_are_shown_as_players_do() {
+        if !chladni_testdata::program("ffmpeg") {
+            return;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wide.mkv");
+        let made = ffmpeg()
+            .args(["-nostdin", "-loglevel", "error", "-f", "lavfi", "-i", "color=gray:s=24x18:r=25:d=0.2"])
+            .args(["-vf", "setsar=4/3", "-pix_fmt", "yuv420p10le", "-c:v", "ffv1"])
+            .arg(&path)
+            .status();
+        assert!(made.unwrap().success());
+        for (longest_side, size) in [(LONGEST_SIDE, (32, 18)), (16, (16, 9))] {
+            let film = BackFilm::open(&path.to_string_lossy(), longest_side).unwrap();
+            assert_eq!((film.picture().width, film.picture().height), size);
+            assert!(film.picture().rgba[0].abs_diff(128) < 4, "{}", film.picture().rgba[0]);
         }
     }
 
