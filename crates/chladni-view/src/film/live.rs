@@ -115,13 +115,13 @@ impl LiveFilm {
 
     /// Whether a picture is wanted at `at_secs` since it began.
     pub fn is_due(&self, at_secs: f64) -> bool {
-        self.last.is_none_or(|last| self.rate.slot(at_secs) > last)
+        self.last.is_none_or(|last| self.rate.live_slot(at_secs) > last)
     }
 
     /// Takes the picture of `at_secs`, of any size; it is shown until the next one. A picture that is not due is
     /// ignored; one that comes while the encoder is too far behind is left out and counted.
     pub fn picture(&mut self, at_secs: f64, picture: Picture) {
-        let slot = self.rate.slot(at_secs);
+        let slot = self.rate.live_slot(at_secs);
         if !self.is_due(at_secs) {
             return;
         }
@@ -436,6 +436,31 @@ mod tests {
                 written += receiver.try_iter().map(|message| frames(&message)).sum::<u64>();
                 assert!(written.abs_diff(400 * i as u64) <= 800, "{written} frames in {i} pieces of {each}");
             }
+        }
+    }
+
+    #[test]
+    fn every_frame_has_a_picture_whatever_the_rate_of_the_screen() {
+        for rate_hz in [30, 50, 60, 75, 120, 144] {
+            let (mut film, receiver) = unwritten();
+            let (mut last, mut slots) = (None, Vec::new());
+            for i in 0..10 * rate_hz {
+                // No clock is even.
+                let off_secs = [0.0, -0.001, 0.001, -0.0005][i as usize % 4];
+                let at_secs = f64::from(i) / f64::from(rate_hz) + off_secs;
+                // As they are thinned before they are fetched.
+                let slot = film.rate.live_slot(at_secs);
+                if last.is_none_or(|last| slot > last) {
+                    last = Some(slot);
+                    film.picture(at_secs, flat(2, 2, 0));
+                    film.waiting.store(0, Ordering::Relaxed);
+                }
+                slots.extend(receiver.try_iter().filter_map(|message| match message {
+                    Message::Frame(slot, _) => Some(slot),
+                    _ => None,
+                }));
+            }
+            assert!(slots.iter().copied().take(300).eq(0..300), "{rate_hz} Hz: {slots:?}");
         }
     }
 

@@ -70,6 +70,12 @@ impl FrameRate {
         (at_secs * f64::from(self.numerator) / f64::from(self.denominator)).max(0.0) as u64
     }
 
+    /// The frame that a picture shown live is meant for. Screens show pictures where frames begin, a little early or late;
+    /// a quarter of a frame of room keeps each of them in its own.
+    pub fn live_slot(self, at_secs: f64) -> u64 {
+        self.slot(at_secs + 0.25 * self.start_secs(1))
+    }
+
     /// The number of frames that fill `secs`, at least 1.
     pub fn frames_in(self, secs: f64) -> u64 {
         (secs * f64::from(self.numerator) / f64::from(self.denominator)).round().max(1.0) as u64

@@ -132,11 +132,9 @@ impl Outgoing {
             self.flying.clear();
             return Ok(());
         }
-        let slot = RATE.slot(now_secs - self.since_secs);
-        if self.last.is_some_and(|last| slot <= last) {
+        if !self.is_due(now_secs) {
             return Ok(());
         }
-        self.last = Some(slot);
         let size = (canvas.width(), canvas.height());
         self.resting.retain(|rests| rests.size == size);
         let mut readback = match self.resting.pop() {
@@ -149,6 +147,20 @@ impl Outgoing {
             self.land(device, song_title)?;
         }
         Ok(())
+    }
+
+    /// Whether the picture shown now is the first for its frame; counted as the film counts them, from its beginning on.
+    fn is_due(&mut self, now_secs: f64) -> bool {
+        let begun = self.recorder.as_ref().and_then(Recorder::since_secs);
+        if let Some(since_secs) = begun.filter(|since_secs| *since_secs > self.since_secs) {
+            (self.since_secs, self.last) = (since_secs, None);
+        }
+        let slot = RATE.live_slot(now_secs - self.since_secs);
+        let is_due = self.last.is_none_or(|last| slot > last);
+        if is_due {
+            self.last = Some(slot);
+        }
+        is_due
     }
 
     fn land(&mut self, device: &Device, song_title: &mut SongTitle) -> Result<(), Error> {
@@ -191,5 +203,29 @@ fn shade(rgba: &mut [u8], veil: Veil, dark: f32) {
             let veiled = f32::from(*channel) + opacity * (to - f32::from(*channel));
             *channel = ((1.0 - dark) * veiled).round() as u8;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::listening::HeardSound;
+    use super::*;
+
+    #[test]
+    fn pictures_are_taken_for_the_frames_of_the_film() {
+        if !chladni_view::film::ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let mut outgoing = Outgoing::default();
+        let recorder = Recorder::begin(&folder.path().join("set.mp4"), [64, 48], 10.0).unwrap();
+        outgoing.record(recorder, 10.0);
+        assert!(outgoing.is_due(10.0));
+        // It begins between two frames as they are counted from when it was asked for.
+        let begins_secs = 15.0 + 0.5 / 30.0;
+        let recorder = outgoing.recorder.as_mut().unwrap();
+        recorder.sound(begins_secs, &HeardSound::default()).unwrap();
+        let due = [0, 1, 2, 3, 4].map(|i| outgoing.is_due(begins_secs + f64::from(i) / 60.0));
+        assert_eq!(due, [true, false, true, false, true]);
     }
 }

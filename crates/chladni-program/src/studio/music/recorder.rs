@@ -93,6 +93,11 @@ impl Recorder {
         self.ends
     }
 
+    /// When its film began.
+    pub fn since_secs(&self) -> Option<f64> {
+        self.since_secs
+    }
+
     fn at_secs(&self, now_secs: f64) -> f64 {
         self.since_secs.map_or(0.0, |since_secs| (now_secs - since_secs).max(0.0))
     }
