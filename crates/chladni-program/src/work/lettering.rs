@@ -56,9 +56,15 @@ impl Lettering {
             let Some(pixels) = picture.rgba.get_mut(4 * y * across..4 * (y + 1) * across) else { continue };
             let pixels = pixels.as_chunks_mut::<4>().0.iter_mut().skip(left);
             for (pixel, covered) in pixels.zip(covered) {
+                // Porter & Duff's "over" on straight alpha.
                 let share = opacity * covered;
-                for (channel, c) in pixel.iter_mut().zip([color[0], color[1], color[2], 255]) {
-                    *channel = (f32::from(*channel) * (1.0 - share) + f32::from(c) * share + 0.5) as u8;
+                let below = f32::from(pixel[3]) / 255.0 * (1.0 - share);
+                let alpha = share + below;
+                if alpha > 0.0 {
+                    for (channel, c) in pixel.iter_mut().zip(color) {
+                        *channel = ((f32::from(*channel) * below + f32::from(c) * share) / alpha + 0.5) as u8;
+                    }
+                    pixel[3] = (255.0 * alpha + 0.5) as u8;
                 }
             }
         }
@@ -179,5 +185,10 @@ mod tests {
         line.lay(&mut picture, [200, 900], [255; 3], 1.0);
         Lettering::new("", 40.0).lay(&mut picture, [0, 0], [255; 3], 1.0);
         assert!(picture.rgba.chunks(4).any(|p| p[0] > 200) && picture.rgba.chunks(4).any(|p| p[0] == 0));
+        // On nothing, letters keep their color up to their edges.
+        let mut nothing = Picture::filled(30, 20, [0; 4]);
+        line.lay(&mut nothing, [2, 18], [255; 3], 0.5);
+        let mut drawn = nothing.rgba.chunks(4).filter(|p| p[3] > 0).peekable();
+        assert!(drawn.peek().is_some() && drawn.all(|p| p[..3] == [255; 3] && p[3] <= 129));
     }
 }
