@@ -19,12 +19,16 @@ use crate::{MIB, divided, within};
 const EACH: usize = 64;
 /// What the pixels of a picture take at most: as they are in the file, and as they are drawn.
 const OF_PICTURES: usize = 768 * MIB;
+/// As floating-point numbers, a panorama takes twelve bytes a pixel.
+const OF_PANORAMAS: usize = 1024 * MIB;
 
 /// A picture that stands behind a shape.
 pub fn picture(bytes: &[u8]) {
     let read = within(bytes.len(), EACH, OF_PICTURES, || Picture::decode(bytes));
     let Ok(picture) = read else { return };
     assert_eq!(picture.rgba.len(), 4 * picture.width as usize * picture.height as usize);
+    let upright = within(bytes.len(), EACH, OF_PICTURES, || Picture::decode_upright(bytes));
+    assert_eq!(upright.expect("the same pixels").rgba.len(), picture.rgba.len());
     if picture.rgba.len() < 1 << 20 {
         let written = picture.to_png().expect("what was read can be written");
         assert_eq!(Picture::decode(&written).expect("and read").rgba, picture.rgba);
@@ -33,7 +37,7 @@ pub fn picture(bytes: &[u8]) {
 
 /// A picture of all that is around.
 pub fn panorama(bytes: &[u8]) {
-    let _ = within(bytes.len(), EACH, OF_PICTURES, || Panorama::decode(bytes));
+    let _ = within(bytes.len(), EACH, OF_PANORAMAS, || Panorama::decode(bytes));
 }
 
 /// A mask, as an attribute or the colors of a PLY mesh of twelve vertices; what is read is written and read back as the same.

@@ -1,5 +1,8 @@
 //! A finished picture, and the files it becomes.
 
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder};
+
 use crate::ViewError;
 
 /// An image in memory: sRGB, straight alpha, rows from the top.
@@ -126,18 +129,39 @@ impl Picture {
         size_of(bytes)
     }
 
-    /// Decodes a PNG or JPEG file, 64 megapixels at most.
+    /// Decodes a PNG or JPEG file, 64 megapixels at most, its rows as they are stored.
     ///
     /// # Errors
     /// [`ViewError::Image`] where the bytes are no such image.
     pub fn decode(bytes: &[u8]) -> Result<Self, ViewError> {
-        let (image, is_linear) = read(bytes)?;
-        if is_linear {
-            return Err(ViewError::Image("a picture is a PNG or a JPEG".into()));
-        }
-        let image = image.into_rgba8();
-        Ok(Self { width: image.width(), height: image.height(), rgba: image.into_raw() })
+        Ok(Self::of(stored(bytes)?.0))
     }
+
+    /// The same, rotated to stand as the camera was held (the orientation of EXIF).
+    ///
+    /// # Errors
+    /// As those of [`decode`](Self::decode).
+    pub fn decode_upright(bytes: &[u8]) -> Result<Self, ViewError> {
+        let (mut image, orientation) = stored(bytes)?;
+        image.apply_orientation(orientation);
+        Ok(Self::of(image))
+    }
+
+    fn of(image: DynamicImage) -> Self {
+        let image = image.into_rgba8();
+        Self { width: image.width(), height: image.height(), rgba: image.into_raw() }
+    }
+}
+
+/// A picture as it is stored, in eight bits a channel, and how it is to be rotated.
+fn stored(bytes: &[u8]) -> Result<(DynamicImage, Orientation), ViewError> {
+    let (mut decoder, is_linear) = begun(bytes)?;
+    if is_linear {
+        return Err(ViewError::Image("a picture is a PNG or a JPEG".into()));
+    }
+    let orientation = decoder.orientation().map_err(|error| failed(&error))?;
+    let image = DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?;
+    Ok((DynamicImage::ImageRgba8(image.into_rgba8()), orientation))
 }
 
 /// `image`, made smaller where it is wider or higher than `side` pixels.
@@ -177,16 +201,25 @@ fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
 }
 
 /// A PNG, JPEG or Radiance HDR file of 64 megapixels at most, and whether its numbers are linear light.
-pub(crate) fn read(bytes: &[u8]) -> Result<(image::DynamicImage, bool), ViewError> {
+pub(crate) fn read(bytes: &[u8]) -> Result<(DynamicImage, bool), ViewError> {
+    let (decoder, is_linear) = begun(bytes)?;
+    Ok((DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?, is_linear))
+}
+
+/// The same before its pixels are decoded.
+fn begun(bytes: &[u8]) -> Result<(impl ImageDecoder, bool), ViewError> {
     size_of(bytes)?;
     let mut reader = open(bytes)?;
+    let is_linear = reader.format() == Some(image::ImageFormat::Hdr);
     let mut limits = image::Limits::default();
     limits.max_image_width = Some(16_384);
     limits.max_image_height = Some(16_384);
-    limits.max_alloc = Some(256 << 20);
-    reader.limits(limits);
-    let is_linear = reader.format() == Some(image::ImageFormat::Hdr);
-    Ok((reader.decode().map_err(|error| failed(&error))?, is_linear))
+    // Three floating-point numbers a pixel, or four bytes.
+    limits.max_alloc = Some(MOST_PIXELS * if is_linear { 12 } else { 4 });
+    reader.limits(limits.clone());
+    let decoder = reader.into_decoder().map_err(|error| failed(&error))?;
+    limits.reserve(decoder.total_bytes()).map_err(|error| failed(&error))?;
+    Ok((decoder, is_linear))
 }
 
 /// Porter & Duff's "over" on straight alpha.
@@ -229,5 +262,26 @@ mod tests {
                 assert_eq!(error.contains("64 megapixels"), too_large, "{size:?}: {error}");
             }
         }
+        // A panorama of 8K is small enough, but ends here.
+        let large = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4096 +X 8192\n";
+        let error = Panorama::decode(large).unwrap_err().to_string();
+        assert!(!error.contains("limit"), "{error}");
+    }
+
+    #[test]
+    fn photos_stand_as_the_camera_was_held() {
+        // Entry 0x112 (orientation) of a big-endian TIFF: the first row is on the right.
+        let exif = b"MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0";
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
+        encoder.set_color(png::ColorType::Grayscale);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_chunk(png::chunk::eXIf, exif).unwrap();
+        writer.write_image_data(&[10, 200]).unwrap();
+        writer.finish().unwrap();
+        let reds = |picture: &Picture| picture.rgba.iter().step_by(4).copied().collect::<Vec<_>>();
+        let (stored, upright) = (Picture::decode(&bytes).unwrap(), Picture::decode_upright(&bytes).unwrap());
+        assert_eq!((stored.width, stored.height, reds(&stored)), (2, 1, vec![10, 200]));
+        assert_eq!((upright.width, upright.height, reds(&upright)), (1, 2, vec![10, 200]));
     }
 }

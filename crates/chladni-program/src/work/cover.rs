@@ -26,7 +26,7 @@ pub struct Cover {
 /// The cover of the song at `path`, which `reader` reads: the picture in its tags, else a file such as
 /// cover.jpg in its folder. A picture that cannot be read counts as none.
 pub fn cover_of(path: &Path, reader: &mut SongReader) -> Option<Cover> {
-    let in_tags = reader.cover().and_then(|bytes| Picture::decode(&bytes).ok());
+    let in_tags = reader.cover().and_then(|bytes| Picture::decode_upright(&bytes).ok());
     let (picture, file) = match in_tags {
         Some(picture) => (picture, None),
         None => beside(path).map(|(picture, file)| (picture, Some(file)))?,
@@ -48,7 +48,7 @@ fn beside(path: &Path) -> Option<(Picture, PathBuf)> {
     found.into_iter().find_map(|(_, name)| {
         let file = path.with_file_name(name);
         let bytes = chladni_task::read_file(&file, MOST_BYTES).ok()?;
-        Some((Picture::decode(&bytes).ok()?, file))
+        Some((Picture::decode_upright(&bytes).ok()?, file))
     })
 }
 

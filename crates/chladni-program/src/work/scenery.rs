@@ -43,7 +43,7 @@ impl Scenery {
         let behind = if is_film(picture) {
             BackFilm::open(picture, LONGEST_LIVE_SIDE).map(|film| Some(film.picture().clone()))
         } else {
-            read(picture, Picture::decode)
+            read(picture, Picture::decode_upright)
         };
         let behind = behind.unwrap_or_else(|why| {
             failures.push(why);
