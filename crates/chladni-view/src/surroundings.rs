@@ -1,5 +1,7 @@
 //! Users' own pictures around a scene: one behind it, and one that lights it from all sides.
 
+use std::borrow::Cow;
+
 use image::RgbaImage;
 
 use crate::style::{decoded, encoded};
@@ -11,8 +13,7 @@ use crate::{Device, Picture, Skin, ViewError};
 pub struct Surroundings {
     /// With its width over its height.
     pub(crate) behind: Option<(Skin, f32)>,
-    /// With its mean light.
-    pub(crate) around: Option<(Skin, f32)>,
+    pub(crate) around: Option<Skin>,
 }
 
 impl Surroundings {
@@ -39,9 +40,7 @@ impl Surroundings {
             let Picture { width, height, rgba } = picture;
             Skin::new(&device, *width, *height, rgba).map(|skin| (skin, *width as f32 / *height as f32))
         };
-        let light = |panorama: &Panorama| {
-            Skin::of_levels(&device, panorama.levels.clone()).map(|skin| (skin, panorama.mean))
-        };
+        let light = |panorama: &Panorama| Skin::of_levels(&device, panorama.levels.clone());
         Ok(Self { behind: behind.map(picture).transpose()?, around: around.map(light).transpose()? })
     }
 }
@@ -51,7 +50,6 @@ impl Surroundings {
 pub struct Panorama {
     /// Each of half the size of the one before, light l as l / (1 + l).
     levels: Vec<RgbaImage>,
-    mean: f32,
 }
 
 /// Texels around the sharpest level; it has half as many rows.
@@ -59,9 +57,15 @@ const AROUND: u32 = 256;
 /// How narrow the lobes of the levels after the first are (Phong's exponent): of roughness ⅓, ⅔ and 1, and of chalk.
 const LOBES: [f32; 4] = [19.0, 2.5, 1.0, 1.0];
 
+/// Light is bounded by this many times the mean, so that a few pixels, as of the sun, do not outshine all others.
+const BRIGHTEST: f32 = 2e4;
+
 type Light = [f32; 3];
 
 impl Panorama {
+    /// The mean light that any panorama is scaled to, where eight bits have the most levels for light and dark.
+    pub(crate) const MEAN: f32 = 0.5;
+
     /// Decodes a Radiance HDR, PNG or JPEG file that holds all directions, twice as wide as high (equirectangular, the middle
     /// in front of the viewer). Numbers of PNG and JPEG are sRGB.
     ///
@@ -75,31 +79,41 @@ impl Panorama {
                 "{width}×{height} pixels, where a panorama is twice as wide as high"
             )));
         }
-        let image = image.into_rgb32f();
-        let bounded = |c: f32| if c > 0.0 { c.min(1e4) } else { 0.0 };
-        let light = |c: f32| bounded(if is_linear { c } else { decoded(c) });
-        let pixels: Vec<Light> = image.pixels().map(|pixel| pixel.0.map(light)).collect();
+        let mut image = image.into_rgb32f();
+        for c in image.iter_mut() {
+            let light = if is_linear { *c } else { decoded(*c) };
+            // Sums stay finite.
+            *c = if light > 0.0 { light.min(1e30) } else { 0.0 };
+        }
+        let pixels = Cow::Borrowed(image.as_raw().as_chunks::<3>().0);
         Ok(Self::of(&Sphere { width: width as usize, height: height as usize, pixels }))
     }
 
-    fn of(sphere: &Sphere) -> Self {
-        let sharp = sphere.shrunk(AROUND as usize);
-        let source = sharp.shrunk(64);
-        let mean = source.mean();
+    fn of(sphere: &Sphere<'_>) -> Self {
+        let around = AROUND as usize;
+        let most = BRIGHTEST * sphere.shrunk(around, f32::INFINITY).mean();
+        let mut sharp = sphere.shrunk(around, most);
+        let mean = sharp.mean();
+        if mean > 0.0 {
+            for light in sharp.pixels.to_mut() {
+                *light = light.map(|c| Self::MEAN * c / mean);
+            }
+        }
+        let source = sharp.shrunk(64, f32::INFINITY);
         let rough = (1u32..).zip(LOBES).map(|(level, lobe)| source.blurred((AROUND >> level) as usize, lobe));
         let levels = [sharp.encoded()].into_iter().chain(rough.map(|level| level.encoded())).collect();
-        Self { levels, mean }
+        Self { levels }
     }
 }
 
 /// Light by direction: longitude along a row, latitude from above.
-struct Sphere {
+struct Sphere<'a> {
     width: usize,
     height: usize,
-    pixels: Vec<Light>,
+    pixels: Cow<'a, [Light]>,
 }
 
-impl Sphere {
+impl Sphere<'_> {
     /// Towards the middle of a texel: x right, y up, z to the viewer, who looks at the middle of the picture.
     fn direction(&self, x: usize, y: usize) -> [f32; 3] {
         use std::f32::consts::{PI, TAU};
@@ -126,8 +140,9 @@ impl Sphere {
         if all > 0.0 { sum / all } else { 0.0 }
     }
 
-    /// With `width` texels around, each the mean of those that it covers, or the nearest one.
-    fn shrunk(&self, width: usize) -> Self {
+    /// With `width` texels around, each the mean of those that it covers, or the nearest one; none counts as brighter
+    /// than `most`.
+    fn shrunk(&self, width: usize, most: f32) -> Sphere<'static> {
         let height = width / 2;
         let span = |i: usize, count: usize, of: usize| {
             let first = i * of / count;
@@ -139,18 +154,18 @@ impl Sphere {
             let mut sum = [0.0; 3];
             for y in rows {
                 for light in &self.pixels[y * self.width..][columns.clone()] {
-                    (0..3).for_each(|k| sum[k] += light[k] / count);
+                    (0..3).for_each(|k| sum[k] += light[k].min(most) / count);
                 }
             }
             sum
         };
-        Self { width, height, pixels: (0..width * height).map(texel).collect() }
+        Sphere { width, height, pixels: (0..width * height).map(texel).collect() }
     }
 
     /// The light from each direction, averaged over a lobe around it.
-    fn blurred(&self, width: usize, lobe: f32) -> Self {
+    fn blurred(&self, width: usize, lobe: f32) -> Sphere<'static> {
         use rayon::prelude::*;
-        let mut level = Self { width, height: width / 2, pixels: Vec::new() };
+        let mut level = Sphere { width, height: width / 2, pixels: Cow::Borrowed(&[]) };
         let from: Vec<([f32; 3], f32, Light)> =
             self.texels().map(|(x, y, light)| (self.direction(x, y), self.share(y), light)).collect();
         let texel = |i: usize| {
@@ -166,7 +181,8 @@ impl Sphere {
             }
             sum.map(|c| c / all)
         };
-        level.pixels = (0..width * level.height).into_par_iter().map(texel).collect();
+        let pixels: Vec<Light> = (0..width * level.height).into_par_iter().map(texel).collect();
+        level.pixels = pixels.into();
         level
     }
 
@@ -185,11 +201,10 @@ mod tests {
 
     #[test]
     fn even_light_stays_even_and_rough_surfaces_see_half_of_the_sky() {
-        let even = Sphere { width: 64, height: 32, pixels: vec![[0.5; 3]; 64 * 32] };
+        let even = Sphere { width: 64, height: 32, pixels: vec![[0.5_f32; 3]; 64 * 32].into() };
         let panorama = Panorama::of(&even);
         let first = panorama.levels[0].get_pixel(0, 0).0;
         assert!(panorama.levels.iter().flat_map(|level| level.pixels()).all(|p| p.0 == first));
-        assert!((panorama.mean - 0.5).abs() < 1e-4);
         let sizes: Vec<u32> = panorama.levels.iter().map(RgbaImage::width).collect();
         assert_eq!(sizes, [256, 128, 64, 32, 16]);
         // Bright above, dark below: chalk that looks aside sees half of it.
@@ -202,6 +217,19 @@ mod tests {
     }
 
     #[test]
+    fn a_panorama_looks_the_same_at_any_exposure() {
+        let levels = |exposure: f32| {
+            let light = |i: usize| [exposure * (0.1 + (i % 7) as f32); 3];
+            let pixels: Vec<Light> = (0..64 * 32).map(light).collect();
+            Panorama::of(&Sphere { width: 64, height: 32, pixels: pixels.into() }).levels
+        };
+        let usual = levels(1.0);
+        assert!(usual == levels(1024.0) && usual == levels(1.0 / 1024.0));
+        let black = Panorama::of(&Sphere { width: 2, height: 1, pixels: vec![[0.0_f32; 3]; 2].into() });
+        assert!(black.levels.iter().flat_map(|level| level.pixels()).all(|p| p.0 == [0, 0, 0, 255]));
+    }
+
+    #[test]
     fn only_whole_spheres_are_panoramas() {
         let png = |width, height| Picture::filled(width, height, [90, 120, 200, 255]).to_png().unwrap();
         assert!(Panorama::decode(&png(64, 32)).is_ok());
@@ -210,8 +238,8 @@ mod tests {
         }
         let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
         // Of each pixel three mantissas and an exponent: 1, 1, 1.
-        let hdr = [&header[..], &[128, 128, 128, 129].repeat(8)].concat();
-        let panorama = Panorama::decode(&hdr).unwrap();
-        assert!((panorama.mean - 1.0).abs() < 0.02, "{}", panorama.mean);
+        let hdr = |exponent| [&header[..], &[128, 128, 128, exponent].repeat(8)].concat();
+        let [ones, bright] = [129, 149].map(|exponent| Panorama::decode(&hdr(exponent)).unwrap());
+        assert_eq!(ones.levels, bright.levels);
     }
 }

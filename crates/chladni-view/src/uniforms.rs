@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
 use crate::style::linear;
-use crate::{Answer, Cell, Figure, NodalLines, Paint, Samples, Surroundings, ViewError};
+use crate::{Answer, Cell, Figure, NodalLines, Paint, Panorama, Samples, Surroundings, ViewError};
 
 /// Texels of a side, columns and rows of `count` maps in a texture of at most `limit` texels a side.
 pub(crate) fn arrangement(count: u32, samples: Samples, limit: u32) -> (u32, u32, u32) {
@@ -135,7 +135,7 @@ const PANORAMA: f32 = 1.8;
 pub(crate) fn cell_uniform(cell: &Cell<'_>, encode: bool, surroundings: &Surroundings) -> CellUniform {
     let brightness = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
     let usual = 0.5 * (brightness(cell.lights.sky) + brightness(cell.lights.ground));
-    let around = surroundings.around.as_ref().map_or(0.0, |(_, mean)| PANORAMA * usual / mean.max(1e-4));
+    let around = surroundings.around.as_ref().map_or(0.0, |_| PANORAMA * usual / Panorama::MEAN);
     let behind = surroundings.behind.as_ref().map_or(0.0, |(_, aspect)| *aspect);
     let rgb = |[r, g, b]: [f32; 3], w| [r, g, b, w];
     let srgb = |color: [u8; 3], w| rgb(color.map(|c| f32::from(c) / 255.0), w);

@@ -94,7 +94,7 @@ impl Default for Renderer {
 
 impl Renderer {
     pub(crate) fn surround(&mut self, surroundings: &Surroundings) -> Result<(), ViewError> {
-        for (skin, _) in surroundings.behind.iter().chain(&surroundings.around) {
+        for skin in surroundings.behind.iter().map(|(skin, _)| skin).chain(&surroundings.around) {
             skin.held.cpu()?;
         }
         self.surroundings = surroundings.clone();
@@ -122,7 +122,7 @@ impl Renderer {
             prepared: &self.prepared,
             subjects: &subjects,
             maps: &self.maps,
-            around: around.map(|(skin, _)| skin.held.cpu()).transpose()?.map(|pyramid| &**pyramid),
+            around: around.map(|skin| skin.held.cpu()).transpose()?.map(|pyramid| &**pyramid),
             circles: &circles,
             width: canvas.width as usize,
         };

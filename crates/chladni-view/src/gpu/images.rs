@@ -29,10 +29,10 @@ pub(crate) struct Images {
 impl Common {
     pub(super) fn new(gpu: &Gpu) -> Self {
         let device = &gpu.device;
-        let sampler = |mode, anisotropy_clamp, compare| {
+        let sampler = |[across, down]: [wgpu::AddressMode; 2], anisotropy_clamp, compare| {
             device.create_sampler(&wgpu::SamplerDescriptor {
-                address_mode_u: mode,
-                address_mode_v: mode,
+                address_mode_u: across,
+                address_mode_v: down,
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
                 mipmap_filter: wgpu::MipmapFilterMode::Linear,
@@ -44,11 +44,12 @@ impl Common {
         let (clamp, repeat) = (wgpu::AddressMode::ClampToEdge, wgpu::AddressMode::Repeat);
         Self {
             maps: map_texture(gpu),
-            map_sampler: sampler(clamp, 1, None),
-            skin_sampler: sampler(repeat, 4, None),
-            shadow_sampler: sampler(clamp, 1, Some(wgpu::CompareFunction::LessEqual)),
+            map_sampler: sampler([clamp, clamp], 1, None),
+            skin_sampler: sampler([repeat, repeat], 4, None),
+            shadow_sampler: sampler([clamp, clamp], 1, Some(wgpu::CompareFunction::LessEqual)),
+            // A panorama ends at its poles.
             // Anisotropic filtering would be sharper than the level that the roughness chooses.
-            around_sampler: sampler(repeat, 1, None),
+            around_sampler: sampler([repeat, clamp], 1, None),
         }
     }
 }

@@ -86,11 +86,11 @@ impl Renderer {
     }
 
     pub(crate) fn surround(&mut self, surroundings: &Surroundings) -> Result<(), ViewError> {
-        for (skin, _) in surroundings.behind.iter().chain(&surroundings.around) {
+        for skin in surroundings.behind.iter().map(|(skin, _)| skin).chain(&surroundings.around) {
             skin.held.gpu()?;
         }
         self.surroundings = surroundings.clone();
-        let around = surroundings.around.as_ref().map(|(skin, _)| skin.held.gpu().cloned()).transpose()?;
+        let around = surroundings.around.as_ref().map(|skin| skin.held.gpu().cloned()).transpose()?;
         self.images.surround(&self.gpu, around);
         Ok(())
     }

@@ -128,9 +128,9 @@ impl Model {
         let wave = |x: f32| (128.0 + 110.0 * (x * std::f32::consts::TAU).sin()) as u8;
         let texel = |i: u32| {
             let (u, v) = ((i % 128) as f32 / 128.0, (i / 128) as f32 / 64.0);
-            // A picture behind ends at its edges; a panorama continues around.
+            // A picture behind ends at its edges; a panorama continues around, and ends at its poles.
             let stretch = if behind { 0.6 } else { 1.0 };
-            [wave(2.0 * stretch * u), wave(stretch * v + 0.2), wave(stretch * u + 0.5), 255]
+            [wave(2.0 * stretch * u), wave(0.6 * v + 0.2), wave(stretch * u + 0.5), 255]
         };
         let rgba = (0..128 * 64).flat_map(texel).collect();
         let picture = Picture { width: 128, height: 64, rgba };

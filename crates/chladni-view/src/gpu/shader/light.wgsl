@@ -28,9 +28,7 @@ fn studio(d: vec3f, roughness: f32) -> vec3f {
 
 // Light of a panorama towards `d`, at one of its levels, or between two.
 fn panorama(d: vec3f, level: f32) -> vec3f {
-    let rows = f32(textureDimensions(around).y) / exp2(floor(level));
-    let down = acos(clamp(d.y, -1.0, 1.0)) / 3.1415927;
-    let uv = vec2f(0.5 + atan2(d.x, -d.z) / 6.2831853, clamp(down, 0.5 / rows, 1.0 - 0.5 / rows));
+    let uv = vec2f(0.5 + atan2(d.x, -d.z) / 6.2831853, acos(clamp(d.y, -1.0, 1.0)) / 3.1415927);
     let c = textureSampleLevel(around, around_sampler, uv, level).rgb;
     return c / max(1.0 - c, vec3f(1e-3)) * cell.ground.w;
 }
