@@ -100,7 +100,7 @@ impl Ensemble {
             return self.play_gallery(instrument, bands, beat);
         };
         let playing = self.within(instrument.parameters().playing());
-        self.play_voices(instrument, bands, beat)?;
+        self.play_voices(instrument, playing.limit, bands, beat)?;
         let cast = [scene.to, scene.from];
         let cast = if scene.weight < 1.0 { &cast[..] } else { &cast[..1] };
         for (slot, &id) in cast.iter().enumerate() {
@@ -128,7 +128,7 @@ impl Ensemble {
         beat: Beat,
     ) -> Result<&[Item], MusicError> {
         let playing = self.within(instrument.parameters().playing());
-        self.play_voices(instrument, bands, beat)?;
+        self.play_voices(instrument, playing.limit, bands, beat)?;
         let shown = instrument.gallery().items();
         for (slot, item) in shown.iter().enumerate() {
             self.play_slot(slot, item.id, &item.genome, playing, bands)?;
@@ -140,7 +140,7 @@ impl Ensemble {
     /// The first `count` items, with the voices.
     fn voiced(&mut self, count: usize) -> &[Item] {
         for item in &mut self.items[..count] {
-            item.terms.extend_from_slice(&self.voice_item.terms);
+            self.voices.join(&self.voice_item, item);
         }
         &self.items[..count]
     }
@@ -159,7 +159,7 @@ impl Ensemble {
         let mut parameters = instrument.parameters().clone();
         parameters.apply(settings)?;
         let playing = self.within(parameters.playing());
-        self.play_voices(instrument, bands, beat)?;
+        self.play_voices(instrument, playing.limit, bands, beat)?;
         let soloist = self.soloist.take().filter(|(slot, _)| slot.plays(None, mapping, playing, bands));
         let (mut slot, mut items) = match soloist {
             Some(ready) => ready,
@@ -172,7 +172,7 @@ impl Ensemble {
         self.wanted = wanted(std::slice::from_ref(&slot), parameters.harmonics, &self.voices);
         items[0].terms.truncate(slot.player.terms());
         slot.player.play(bands, &mut items[0])?;
-        items[0].terms.extend_from_slice(&self.voice_item.terms);
+        self.voices.join(&self.voice_item, &mut items[0]);
         Ok(&self.soloist.insert((slot, items)).1)
     }
 
@@ -188,13 +188,14 @@ impl Ensemble {
     fn play_voices(
         &mut self,
         instrument: &Instrument,
+        limit: f32,
         bands: &Bands<'_>,
         beat: Beat,
     ) -> Result<(), MusicError> {
         if self.voices.count() == 0 {
             return Ok(());
         }
-        self.voices.set_limit(instrument.parameters().get(Parameter::Limit))?;
+        self.voices.set_limit(limit)?;
         // The harmonics of a unison are left out together, as in mappings.
         let most = self.most_harmonics.filter(|most| (*most as usize) < self.dancer.harmonics());
         self.voices.use_at_most(most.map(|most| self.dancer.unison(most).start as usize));

@@ -81,11 +81,11 @@ impl Probes {
         self.vertices.len()
     }
 
-    /// The largest displacement of a probe under `item`. `scratch` keeps its memory between
+    /// The largest displacement of a probe under `terms`. `scratch` keeps its memory between
     /// calls; nothing else is allocated.
-    pub(crate) fn displacement(&self, item: &Item, scratch: &mut Vec<[f32; 3]>) -> f32 {
+    pub(crate) fn displacement(&self, terms: &[Term], scratch: &mut Vec<[f32; 3]>) -> f32 {
         let (part, total) = fields(scratch, self.count());
-        self.sum(item, part, total);
+        self.sum(terms, part, total);
         farthest(total)
     }
 
@@ -93,7 +93,7 @@ impl Probes {
     /// kind are divided by the number of places, so that they add up to a mean.
     pub(crate) fn feel(&self, item: &Item, limits: Limits, scratch: &mut Vec<[f32; 3]>, out: &mut Vec<f32>) {
         let (part, total) = fields(scratch, self.count());
-        self.sum(item, part, total);
+        self.sum(&item.terms, part, total);
         let (spots, corners) = total.split_at(self.spots);
         let scale = 1.0 / (limits.displacement * (spots.len().max(1) as f32).sqrt());
         out.extend(spots.as_flattened().iter().map(|d| scale * d));
@@ -141,9 +141,9 @@ impl Probes {
         most.max(reach)
     }
 
-    /// Adds all terms of an item to `total`.
-    fn sum(&self, item: &Item, part: &mut [[f32; 3]], total: &mut [[f32; 3]]) {
-        for term in &item.terms {
+    /// Adds all `terms` to `total`.
+    fn sum(&self, terms: &[Term], part: &mut [[f32; 3]], total: &mut [[f32; 3]]) {
+        for term in terms {
             let count = match &term.coefficients {
                 Coefficients::Vector(c) => c.len(),
                 Coefficients::Normal(c) => c.len(),

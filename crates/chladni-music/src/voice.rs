@@ -235,12 +235,31 @@ impl Voices {
             let VoiceSettings { driver, gain } = voice.settings;
             scale_term(term, gain * driver.strength(bands, beat));
         }
-        let reach = self.probes.displacement(item, &mut self.scratch) / self.limit;
+        let reach = self.probes.displacement(&item.terms, &mut self.scratch) / self.limit;
         let scale = soft_limit(reach);
         if scale < 1.0 {
             item.terms.iter_mut().for_each(|term| scale_term(term, scale));
         }
         Ok(reach)
+    }
+
+    /// Adds `voices`, as [`play`](Self::play) wrote them, to an item that keeps the limit by itself: weaker where together
+    /// they would go beyond it.
+    pub(crate) fn join(&mut self, voices: &Item, item: &mut Item) {
+        let own = item.terms.len();
+        item.terms.extend_from_slice(&voices.terms);
+        if voices.terms.is_empty() {
+            return;
+        }
+        let together = self.probes.displacement(&item.terms, &mut self.scratch);
+        if together <= self.limit {
+            return;
+        }
+        let (own, added) = item.terms.split_at_mut(own);
+        let alone = self.probes.displacement(own, &mut self.scratch).min(self.limit);
+        // The way of the farthest probe is a convex function of the voices' share.
+        let share = (self.limit - alone) / (together - alone);
+        added.iter_mut().for_each(|term| scale_term(term, share));
     }
 }
 

@@ -141,6 +141,38 @@ fn voices_move_every_item_of_an_ensemble_and_a_session_keeps_them() {
 }
 
 #[test]
+fn voices_take_what_a_mapping_leaves_of_the_limit() {
+    let (body, dancer) = ready();
+    let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: 8 };
+    let mut instrument = Instrument::new(3, 6, shape).unwrap();
+    let loud = VoiceSettings { driver: Driver::Mid, gain: 1.0 };
+    instrument.apply(Moment::default(), Action::SetVoice { voice: 0, settings: loud }).unwrap();
+    let length = |d: &[f64; 3]| d.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let farthest =
+        |item: &Item| displacements_f64(body, item).unwrap().iter().map(length).fold(0.0, f64::max);
+    let [low, high] = [f64::min, f64::max].map(|best: fn(f64, f64) -> f64| {
+        let all = |axis: usize| body.positions.iter().map(|p| p[axis]).reduce(best).unwrap();
+        [0, 1, 2].map(all)
+    });
+    let diagonal = length(&std::array::from_fn(|axis| high[axis] - low[axis]));
+    let limit = f64::from(instrument.parameters().get(Parameter::Limit)) * diagonal;
+    let mut ensemble = Ensemble::new(dancer.clone()).with_voices(vec![shift([10.0, 0.0, 0.0])]).unwrap();
+    let mut most = 0.0_f64;
+    for (gain, mid) in [(0.0, [1.0; 8]), (1.0, [0.5; 8]), (2.0, [1.0; 8])] {
+        let action = Action::Set { parameter: Parameter::Gain, value: gain };
+        instrument.apply(Moment::default(), action).unwrap();
+        for item in ensemble.play(&instrument, &mono(&mid), Beat::default()).unwrap() {
+            let own = Item { terms: item.terms[..item.terms.len() - 1].to_vec() };
+            let (own, together) = (farthest(&own), farthest(item));
+            assert!(together > 0.9 * limit && together < 1.1 * limit, "{own} {together} {limit}");
+            most = most.max(own);
+        }
+    }
+    // Both at their limit would go twice as far.
+    assert!(most > 0.3 * limit, "{most} {limit}");
+}
+
+#[test]
 fn voices_leave_out_what_a_slow_machine_does() {
     let (_, dancer) = ready();
     let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: 8 };
