@@ -7,6 +7,12 @@ use std::time::{Duration, Instant};
 use super::file_window::{self, Purpose, Request};
 use crate::work::formats::ends_in;
 
+/// Whether files can be dropped on the window: winit 0.30 takes none under Wayland, which it prefers to X11.
+pub fn takes_drops() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    !cfg!(target_os = "linux") || !(is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET"))
+}
+
 /// A kind of file: its name in a dialog and its extensions, without dots.
 pub type FileKind<'a> = (&'a str, &'a [&'a str]);
 
@@ -131,8 +137,7 @@ fn ask(request: &Request, folder: &Path, mut missing: bool) -> Asked {
         Err(error) => {
             let trouble = format!(
                 "No file dialog came up, neither the system's (on Linux from xdg-desktop-portal or zenity) \
-                 nor our own: {error}. Files can also be dropped on the window, or named on the command \
-                 line: chladni open FILE."
+                 nor our own: {error}. Files can also be named on the command line: chladni open FILE."
             );
             Asked { files: Vec::new(), missing, trouble: Some(trouble) }
         }
@@ -153,6 +158,7 @@ fn ask_the_system(request: &Request) -> Vec<PathBuf> {
         dialog = dialog.add_filter(name, &shown);
     }
     if is_read {
+        // Under zenity those whose name has a dot: rfd gives it `*.*`.
         dialog = dialog.add_filter("All files", &["*"]);
     }
     if let Some(folder) = request.start.parent().filter(|_| is_with_folder(&request.start)) {

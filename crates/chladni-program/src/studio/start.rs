@@ -7,6 +7,7 @@ use egui::{Align, Layout, RichText, Sense, Stroke, StrokeKind, Ui, UiBuilder, Ve
 
 use super::author_id::AuthorId;
 use super::card::card;
+use super::choose::takes_drops;
 use super::icon::{self, Icon};
 use super::keys::start::OPEN;
 use super::{Studio, theme};
@@ -21,12 +22,6 @@ const SAMPLE_CARD: Vec2 = vec2(104.0, 98.0);
 
 /// The choice by a click: a room, and the files to open in it.
 type Choice = (usize, Vec<PathBuf>);
-
-/// Whether files can be dropped on the window: winit 0.30 takes none under Wayland, which it prefers to X11.
-fn takes_drops() -> bool {
-    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    !cfg!(target_os = "linux") || !(is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET"))
-}
 
 impl Studio {
     /// Draws the start screen below the top bar.

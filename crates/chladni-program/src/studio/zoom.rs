@@ -1,8 +1,8 @@
 //! The size of letters and controls.
 
-use super::Studio;
 use egui::Key;
 
+use super::Studio;
 use super::keys::window::{ZOOM_IN, ZOOM_OUT, ZOOM_RESET};
 use super::opening::{SMALLEST, WINDOW};
 use super::shortcut::Shortcut;

@@ -133,7 +133,7 @@ fn a_project_whose_mesh_has_moved_opens_together_with_it() {
     std::fs::rename(desk.path("shape.obj"), &moved).unwrap();
     let mut person = desk.sit_down(&[]);
     person.drop_files(std::slice::from_ref(&project));
-    person.wait_to_see("drop the project together with its mesh");
+    person.wait_to_see("open the project together with its mesh");
     person.drop_files(&[moved.clone(), project.clone()]);
     person.wait_to_see("642 vertices");
     assert!(!person.sees("Layer "));

@@ -12,6 +12,7 @@ use super::lasso::LassoTool;
 use super::look::{Portrayal, Show};
 use super::session::Session;
 use super::stage::{self, BrushInHand, Stage, StageResponse};
+use crate::studio::choose::takes_drops;
 use crate::studio::keys::caricature::COMPARE;
 use crate::studio::room::Shared;
 use crate::studio::{job, theme, viewport};
@@ -105,7 +106,11 @@ impl CaricatureRoom {
 /// The hint where no shape is open.
 fn nothing_open(ui: &mut Ui) {
     ui.centered_and_justified(|ui| {
-        let hint = "Open a mesh or a project, or drop one here.";
+        let hint = if takes_drops() {
+            "Open a mesh or a project, or drop one here."
+        } else {
+            "Open a mesh or a project."
+        };
         ui.label(RichText::new(hint).color(theme::palette(ui).weak));
     });
 }

@@ -58,7 +58,10 @@ impl CaricatureRoom {
 
     /// Whether the shape is the sample that stands here in the beginning, as it was.
     fn is_untouched_sample(&self) -> bool {
-        self.unasked && self.session.as_ref().is_none_or(|session| !session.history.is_modified())
+        let is_untouched = |session: &Session| {
+            self.loading.is_none() && session.path.is_none() && !session.history.is_modified()
+        };
+        self.unasked && self.session.as_ref().is_none_or(is_untouched)
     }
 
     /// The meshes and projects among `paths`; of other files, it says where they are opened.
@@ -132,7 +135,8 @@ impl CaricatureRoom {
     }
 
     fn begin(&mut self, mut candidate: Candidate, ctx: &Context) {
-        self.unasked = false;
+        // It stays until the new shape is there.
+        self.unasked &= self.session.is_some();
         self.templates = std::mem::take(&mut candidate.templates);
         let label = match &candidate.project.shape {
             ShapeSource::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),

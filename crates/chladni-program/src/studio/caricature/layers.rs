@@ -46,7 +46,7 @@ impl LayerList {
             let weak = |text: &str| RichText::new(text).color(theme::palette(ui).weak);
             let (what, how) = (
                 weak("A layer exaggerates what makes the shape differ from another one, its template."),
-                weak("Or drop one here. Add offers templates that need no file."),
+                weak("Add offers templates that need no file."),
             );
             ui.label(what);
             ui.add_space(theme::GAP_SMALL);
@@ -214,8 +214,7 @@ impl LayerList {
             }
         }
         let add = ui.menu_button(icon::label(Icon::Plus, "Add"), |ui| {
-            let tip = format!("{}; or drop one on the window", ADD_MESH.tooltip(ui.ctx()));
-            if ui.button("A mesh…").on_hover_text(tip).clicked() {
+            if ui.button("A mesh…").on_hover_text(ADD_MESH.tooltip(ui.ctx())).clicked() {
                 self.wants_mesh = true;
                 ui.close();
             }

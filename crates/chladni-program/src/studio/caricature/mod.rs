@@ -313,6 +313,7 @@ impl CaricatureRoom {
         self.stage = Some(stage);
         self.health = unexamined.begin(&shared.ctx);
         let earlier = self.session.replace(session);
+        self.unasked &= earlier.is_none();
         if is_carried {
             let stays = earlier.and_then(|earlier| earlier.path).map_or_else(String::new, |path| {
                 format!(" The earlier project stays as it was saved in {}.", path.display())

@@ -41,7 +41,7 @@ pub fn open(path: &Path, meshes: &mut Vec<PathBuf>) -> Result<(Project, Vec<Foun
         project.apply(&Action::Set { layer, to: Property::Template(template) }, None)?;
     }
     if let Some(shape) = project.shape.file().filter(|shape| !shape.exists()) {
-        let why = "is not there; drop the project together with its mesh";
+        let why = "is not there; open the project together with its mesh";
         return Err(Error::Input(format!("{}: its shape {} {why}", path.display(), shape.display())));
     }
     meshes.retain(|mesh| found.iter().all(|found| found.mesh != *mesh));
@@ -61,12 +61,16 @@ fn found(project: &Project, meshes: &[PathBuf]) -> Vec<Found> {
     let mut pairs: Vec<(usize, &Path, &Path)> = missing.into_iter().flat_map(of).collect();
     pairs.retain(|(common, ..)| *common > 0);
     pairs.sort_by_key(|(common, ..)| Reverse(*common));
-    let mut found: Vec<Found> = Vec::new();
+    let (mut found, mut doubtful): (Vec<Found>, Vec<&Path>) = (Vec::new(), Vec::new());
     while let Some(&(common, missing, mesh)) = pairs.first() {
         pairs.retain(|pair| *pair != (common, missing, mesh));
-        let touches = |pair: &(usize, &Path, &Path)| pair.1 == missing || pair.2 == mesh;
-        let is_in_doubt = pairs.iter().any(|pair| pair.0 == common && touches(pair));
-        pairs.retain(|pair| !touches(pair));
+        let touches = |pair: &&(usize, &Path, &Path)| pair.1 == missing || pair.2 == mesh;
+        let rivals = pairs.iter().filter(|pair| pair.0 == common).filter(touches);
+        let before = doubtful.len();
+        // They may have to be the other way round.
+        doubtful.extend(rivals.flat_map(|&(_, missing, mesh)| [missing, mesh]));
+        let is_in_doubt = doubtful.len() > before || doubtful.contains(&missing) || doubtful.contains(&mesh);
+        pairs.retain(|pair| !touches(&pair));
         found.push(Found { missing: missing.into(), mesh: mesh.into(), is_in_doubt });
     }
     found
@@ -98,7 +102,7 @@ mod tests {
         }
         project.save(&at("p.chladni")).unwrap();
         let why = open(&at("p.chladni"), &mut vec![at("more.ply")]).unwrap_err().to_string();
-        assert!(why.contains("head.ply is not there; drop the project together"), "{why}");
+        assert!(why.contains("head.ply is not there; open the project together"), "{why}");
 
         let mut meshes = names.map(at).to_vec();
         let (found, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
@@ -129,5 +133,10 @@ mod tests {
         let doubts: Vec<_> =
             moved.iter().filter(|found| found.is_in_doubt).map(|found| &found.mesh).collect();
         assert_eq!((doubts, meshes), (vec![&at("a/head.ply")], vec![at("b/head.ply")]));
+
+        // Each of these may be either.
+        let mut meshes = vec![at("a/head.ply"), at("b/head.ply")];
+        let (_, moved) = open(&at("p.chladni"), &mut meshes).unwrap();
+        assert!(moved.len() == 2 && moved.iter().all(|found| found.is_in_doubt));
     }
 }

@@ -265,8 +265,7 @@ impl FileWindow {
         ui.horizontal(|ui| {
             let why = "Chladni's own file window: this system offers none.";
             ui.label(RichText::new(why).color(theme::palette(ui).weak).small()).on_hover_text(
-                "On Linux the system's dialog comes from xdg-desktop-portal or zenity; neither answered. Files \
-                 can also be dropped on the window.",
+                "On Linux the system's dialog comes from xdg-desktop-portal or zenity; neither answered.",
             );
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let label = match (self.browser.request().purpose, self.replaces) {

@@ -178,17 +178,19 @@ impl Room for MusicRoom {
     }
 
     fn open(&mut self, paths: &[PathBuf], shared: &mut Shared<'_>) {
-        let (mut songs, mut shape) = (Vec::new(), None);
+        let mut songs = Vec::new();
         let (opened, left_out) = formats::opened_together(paths);
         left_out.into_iter().for_each(|why| shared.notices.warn(why));
+        // A project brings its mesh by itself.
+        let project = opened.iter().find(|path| formats::is_project(path));
+        let shape = project.or_else(|| opened.iter().find(|path| is_shape(path)));
         for path in &opened {
             match formats::kind(path) {
                 _ if playlist::is_list(path) => songs.extend(songs_of_list(path, shared)),
                 Kind::Text => self.waiting.push(path.clone()),
                 Kind::Song => songs.push(path.clone()),
                 Kind::Project | Kind::Mesh | Kind::List => {
-                    let first = *shape.get_or_insert(path);
-                    if first != path {
+                    if let Some(first) = shape.filter(|first| *first != path) {
                         let (first, other) = (first.display(), path.display());
                         shared
                             .notices
@@ -346,11 +348,15 @@ impl MusicRoom {
     }
 }
 
+fn is_shape(path: &Path) -> bool {
+    !playlist::is_list(path) && matches!(formats::kind(path), Kind::Mesh)
+}
+
 /// The room's offer if the first shape could not be opened.
 fn nothing_dances(ui: &mut Ui, wishes: &mut Vec<Wish>) {
     ui.vertical_centered(|ui| {
         ui.add_space(ui.available_height() * 0.4);
-        ui.label("Nothing dances yet: drop a shape anywhere, or open one.");
+        ui.label("Nothing dances yet: open a shape.");
         ui.add_space(theme::GAP);
         let open = ui.button(icon::label(Icon::FolderOpen, "Open …")).author_id("open");
         if open.on_hover_text(OPEN.tooltip(ui.ctx())).clicked() {
