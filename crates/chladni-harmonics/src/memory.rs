@@ -100,28 +100,38 @@ pub(crate) fn room_for_solve<'a>(
 }
 
 /// The `room` that is left with factors of this many `bytes` each, with their fronts. Those of surfaces are what was
-/// expected; those of graphs and solids may be far larger.
-pub(crate) fn room_for_factors(
-    room: Room,
+/// expected; those of graphs and solids may be far larger. Again, the disk is used only where that allows more slices.
+pub(crate) fn room_for_factors<'a>(
+    room: Room<'a>,
+    scratch: Option<&'a Path>,
     vertices: usize,
     harmonics: usize,
     kept: usize,
     bytes: u64,
     free: u64,
-) -> Result<Room, HarmonicsError> {
+) -> Result<Room<'a>, HarmonicsError> {
     let more = bytes.saturating_sub(FACTOR.saturating_mul(vertices as u64));
     if more == 0 {
         return Ok(room);
     }
-    let on_disk = room.keep != Keep::Memory;
-    let needed = |slices: usize| {
-        of_solve(vertices, harmonics, slices, on_disk).saturating_add(more.saturating_mul(slices as u64))
+    let needed = |slices: usize, keep: Keep| {
+        let solve = of_solve(vertices, harmonics, slices, keep != Keep::Memory);
+        solve.saturating_add(more.saturating_mul(slices as u64))
     };
-    let Some(slices) = (1..=room.slices).rev().find(|slices| needed(*slices) <= free) else {
-        return Err(too_large(vertices, harmonics, needed(1), free));
+    let most = |keep: Keep| (1..=room.slices).rev().find(|slices| needed(*slices, keep) <= free);
+    let mut keep = room.keep;
+    if let (Keep::Memory, Some(folder)) = (keep, scratch)
+        && most(Keep::Folder(folder)) > most(keep)
+    {
+        check_disk(folder, on_disk(vertices, harmonics))?;
+        keep = Keep::Folder(folder);
+    }
+    let Some(slices) = most(keep) else {
+        let least = needed(1, scratch.map_or(keep, Keep::Folder));
+        return Err(too_large(vertices, harmonics, least, free));
     };
     let planned = of_plan(vertices, slices, kept).saturating_add(more.saturating_mul(kept as u64));
-    Ok(Room { slices, frugal: room.frugal || planned > free, ..room })
+    Ok(Room { slices, keep, frugal: room.frugal || planned > free })
 }
 
 /// Where harmonics are kept that were solved elsewhere, in this number of `copies` at once.
@@ -256,7 +266,7 @@ mod tests {
         // A slice of 1000 vertices takes 4.9 MB without vectors, and two take 9.0 MB, if a factor is that of a surface.
         let whole = Room { slices: 2, keep: Keep::Memory, frugal: false };
         let room = |megabytes: u64, free: u64| {
-            room_for_factors(whole, 1000, 0, 2, megabytes * 1_000_000, free * 1_000_000)
+            room_for_factors(whole, None, 1000, 0, 2, megabytes * 1_000_000, free * 1_000_000)
         };
         assert_eq!(room(1, 1).unwrap(), whole);
         assert_eq!(room(11, 29).unwrap(), whole);
@@ -288,6 +298,26 @@ mod tests {
         assert!(matches!(room_for_solve(n, 2, 8, &settings), Err(HarmonicsError::NoScratch { .. })));
         assert!(matches!(room_for_harmonics(n, 1, &settings), Ok(Keep::Memory)));
         assert!(matches!(room_for_harmonics(n, 2, &settings), Err(HarmonicsError::NoScratch { .. })));
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    #[test]
+    fn beside_large_factors_harmonics_go_to_disk_where_that_allows_more_slices() {
+        let folder = tempfile::tempdir().unwrap();
+        let whole = Room { slices: 2, keep: Keep::Memory, frugal: false };
+        // One slice takes 8.9 MB beside 2 MB of harmonics, two take 17.0 MB.
+        let room = |tenths: u64, scratch| {
+            room_for_factors(whole, scratch, 1000, 250, 2, 5_100_000, 100_000 * tenths)
+                .map(|room| (room.slices, room.keep != Keep::Memory))
+                .ok()
+        };
+        let scratch = Some(folder.path());
+        assert_eq!([room(190, scratch), room(189, scratch)], [Some((2, false)), Some((2, true))]);
+        assert_eq!([room(169, scratch), room(108, scratch)], [Some((1, false)), Some((1, true))]);
+        assert_eq!([room(88, scratch), room(108, None), room(189, None)], [None, None, Some((1, false))]);
+        let nowhere = folder.path().join("none");
+        let refused = room_for_factors(whole, Some(&nowhere), 1000, 250, 2, 5_100_000, 10_800_000);
+        assert!(matches!(refused, Err(HarmonicsError::NoScratch { .. })));
     }
 
     #[test]

@@ -80,3 +80,31 @@ fn a_graph_whose_factor_fills_is_refused_before_it_is_factored() {
     assert!(matches!(refused, HarmonicsError::TooMany { .. }), "{refused}");
     assert!(refused.to_string().contains("2.5 MB are free"), "{refused}");
 }
+
+#[test]
+fn beside_factors_that_fill_fewer_slices_are_reported_and_the_disk_is_used() {
+    // With its front, a factor takes 1.9 MB, where one of a surface would take 0.4 MB.
+    let n = 400;
+    let weight = |i: usize, j: usize| 1.5 + ((7 * i * i + 13 * j * j + i * j) as f64).sin();
+    let between = |i: usize, j: usize| if i == j { 0.0 } else { weight(i.max(j), i.min(j)) };
+    let edges = (0..n).flat_map(|j| (j + 1..n).map(move |i| (i, j, -between(i, j))));
+    let diagonal = (0..n).map(|v| (v, v, (0..n).map(|u| between(u, v)).sum::<f64>()));
+    let stiffness = SymmetricSparse::from_entries(n, edges.chain(diagonal)).unwrap();
+    let mass = vec![1.0; n];
+    let pencil = Pencil::new(&stiffness, &mass).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let solve = |bytes: Option<u64>| {
+        let usual = BasisSettings { threads: Some(2), memory_bytes: bytes, ..BasisSettings::new(130) };
+        let settings = BasisSettings { scratch: Some(folder.path().to_owned()), ..usual };
+        pencil.solve(&settings, &Task::new()).unwrap()
+    };
+    let (basis, report) = solve(None);
+    assert!(report.short_of_memory.is_none());
+    // One slice takes 3.9 MB, of which 0.4 MB may be on disk; two would take 7.0 MB.
+    for (bytes, is_on_disk) in [(5_000_000, false), (3_550_000, true)] {
+        let (fewer, report) = solve(Some(bytes));
+        let short = report.short_of_memory.unwrap();
+        assert_eq!((short.slices, short.of_slices, short.scratch.is_some()), (1, 2, is_on_disk), "{bytes}");
+        assert!(fewer == basis);
+    }
+}

@@ -58,13 +58,24 @@ pub(super) fn solve(
     task: &Task,
 ) -> Result<Solved, HarmonicsError> {
     task.stage("harmonics", 0);
-    let mut profile = Profile::default();
     let start = Instant::now();
     let components = Components::of(pencil, component, kind)?;
-    for component in &components.0 {
-        wanted.fitted(&component.problem.symbolic)?;
-    }
-    profile.analyze = start.elapsed().as_secs_f64();
+    let fitting = components.0.iter().try_fold(wanted, |room, part| room.fitted(&part.problem.symbolic))?;
+    let analyze = start.elapsed().as_secs_f64();
+    let solve = || solve_all(components, pencil, fitting, task);
+    let mut solved = wanted.on_fewer(fitting, pencil.mass.len(), solve)?;
+    solved.profile.analyze += analyze;
+    Ok(solved)
+}
+
+/// Solves all components where and with as many slices at once as `wanted` says.
+fn solve_all(
+    components: Components,
+    pencil: Pencil,
+    wanted: Wanted,
+    task: &Task,
+) -> Result<Solved, HarmonicsError> {
+    let mut profile = Profile::default();
     let start = Instant::now();
     let shift = components.common_shift(wanted.harmonics, &mut profile, task)?;
     profile.plan = start.elapsed().as_secs_f64();

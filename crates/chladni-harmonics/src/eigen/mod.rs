@@ -19,6 +19,8 @@ mod slicing;
 mod tall;
 mod window;
 
+use std::path::Path;
+
 use chladni_task::{Stage, Task};
 
 pub(crate) use assemble::check_certificate;
@@ -73,6 +75,8 @@ struct Wanted<'a> {
     free: Option<u64>,
     /// Where the vectors are kept.
     keep: Keep<'a>,
+    /// Where they may be kept if memory is short.
+    scratch: Option<&'a Path>,
     /// Whether to compute factors again rather than keep them.
     frugal: bool,
     /// How many slices may be solved at once, on however many threads.
@@ -90,8 +94,23 @@ impl Wanted<'_> {
         let Some(free) = self.free else { return Ok(self) };
         let room = Room { slices: self.at_once, keep: self.keep, frugal: self.frugal };
         let (n, kept) = (symbolic.size(), kept_factors(plan::slices(self.harmonics)));
-        let room = memory::room_for_factors(room, n, self.harmonics, kept, symbolic.bytes(), free)?;
-        Ok(Self { at_once: room.slices, frugal: room.frugal, ..self })
+        let bytes = symbolic.bytes();
+        let room = memory::room_for_factors(room, self.scratch, n, self.harmonics, kept, bytes, free)?;
+        Ok(Self { at_once: room.slices, keep: room.keep, frugal: room.frugal, ..self })
+    }
+
+    /// Runs `solve` for `n` vertices on the threads of `fitting`, for which there is room, and reports how that differs.
+    fn on_fewer(
+        self,
+        fitting: Self,
+        n: usize,
+        solve: impl FnOnce() -> Result<Solved, HarmonicsError> + Send,
+    ) -> Result<Solved, HarmonicsError> {
+        // Each thread solves a slice.
+        let solved =
+            if fitting.at_once < self.at_once { on_threads(Some(fitting.at_once), solve)? } else { solve() };
+        let short_of_memory = fitting.keep.short_of(fitting.at_once, self.at_once, n, self.harmonics);
+        Ok(Solved { short_of_memory, ..solved? })
     }
 
     /// How many pairs to keep where the group of the K-th ends after `end`.
@@ -127,13 +146,16 @@ fn where_it_fits(
     let Room { slices: fitting, keep, frugal } = memory::room_for_solve(vertices, slices, kept, settings)?;
     let harmonics = settings.harmonics;
     let most = largest_group(settings);
-    let free = memory::free(settings);
-    let wanted =
-        Wanted { harmonics, whole_clusters: true, most, free, keep, frugal, at_once: fitting.max(1) };
+    let (free, scratch) = (memory::free(settings), settings.scratch.as_deref());
+    let at_once = fitting.max(1);
+    let wanted = Wanted { harmonics, whole_clusters: true, most, free, keep, scratch, frugal, at_once };
     // Each thread solves a slice.
     let solved = if fitting < slices { on_threads(Some(fitting), || solve(wanted))? } else { solve(wanted) };
-    let short_of_memory = keep.short_of(fitting, slices, vertices, settings.harmonics);
-    Ok(Solved { short_of_memory, ..solved? })
+    let solved = solved?;
+    // There may be even less room once the size of the factors is known.
+    let later = solved.short_of_memory.map(|short| ShortOfMemory { of_slices: slices, ..short });
+    let short_of_memory = later.or_else(|| keep.short_of(fitting, slices, vertices, harmonics));
+    Ok(Solved { short_of_memory, ..solved })
 }
 
 /// Solves for the first pairs of `operator`. [`canonical`] chooses among equally good ones; for
@@ -218,8 +240,7 @@ fn solve_connected(
     let analyze = start.elapsed().as_secs_f64();
     let fitting = wanted.fitted(&problem.symbolic)?;
     let solve = || slicing::solve(&problem, pencil, fitting, stage, task);
-    let mut solved =
-        if fitting.at_once < wanted.at_once { on_threads(Some(fitting.at_once), solve)?? } else { solve()? };
+    let mut solved = wanted.on_fewer(fitting, n, solve)?;
     solved.profile.analyze = analyze;
     Ok(solved)
 }
