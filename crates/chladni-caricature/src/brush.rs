@@ -99,6 +99,8 @@ impl Brush {
             // It sees the same side of the image.
             let seen = Seen { eye: seen.eye.map(|eye| plane.image(eye)), ..*seen };
             let at = surface.nearest_corner(image, |t| seen.shows(t, side))?;
+            // The part there may be wound the other way.
+            let side = if seen.shows(at.triangle, side) { side } else { -side };
             Some(self.press(&seen, &at, side))
         };
         let (mut reach, twin) = rayon::join(|| self.press(seen, at, side), twin);
@@ -357,6 +359,26 @@ mod tests {
         assert!(both.iter().all(|v| (*v as usize) < front));
         let is_twin = |v: &&u32| ear.positions[**v as usize][0] < 0.0;
         assert!(both.iter().filter(is_twin).count() > 30);
+    }
+
+    #[test]
+    fn the_twin_is_as_large_on_a_part_that_is_wound_the_other_way() {
+        let (right, mut triangles) = plate(31, 0.05, 0.0, true);
+        let (left, under) = plate(31, 0.05, 0.0, false);
+        let count = right.len() as u32;
+        let beside = |x: f64| move |p: Vec3| [p[0] + x, p[1], p[2]];
+        let positions =
+            right.into_iter().map(beside(1.0)).chain(left.into_iter().map(beside(-1.0))).collect();
+        triangles.extend(under.iter().map(|t| t.map(|v| v + count)));
+        let surface = Surface::of(positions, triangles, FILE);
+        let positions = single(&surface.positions);
+        let eye = Some([0.2, 0.1, 9.0]);
+        let seen = Seen { surface: &surface, positions: &positions, eye, blocked: None };
+        let at = surface.nearest_vertex([1.0, 0.0, 0.0]).unwrap();
+        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: 0.0, misfit: 0.0 };
+        let both = Brush { radius: 0.3, hardness: 1.0, mirror: Some(plane) }.reach(&seen, &at).vertices();
+        let here = both.iter().filter(|v| **v < count).count();
+        assert!(here > 60 && 4 * (both.len() - here) > 3 * here, "{here} of {}", both.len());
     }
 
     #[test]
