@@ -135,16 +135,22 @@ fn moved(base: &[Vec3], u: &[Vec3]) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::bumpy_sphere;
+    use crate::fixture::base_and_target;
 
     #[test]
-    fn only_the_first_heat_steps_are_kept() {
-        let surface = Arc::new(bumpy_sphere().1);
+    fn only_the_first_heat_steps_are_kept_and_the_others_for_one_search() {
+        let (_, surface, base, _) = base_and_target();
         let flow = HeatFlow::on_surface(&surface.positions, &surface.triangles).unwrap();
-        let keeper = Keeper::of(surface, Arc::new(flow));
+        let keeper = Keeper::of(Arc::new(surface), Arc::new(flow));
         for (index, is_kept) in [(0, true), (KEPT_STEPS - 1, true), (KEPT_STEPS, false)] {
             let step = Arc::downgrade(&keeper.step(index, 0.1).unwrap());
             assert_eq!(step.upgrade().is_some(), is_kept, "{index}");
         }
+        let (still, task) = (vec![[0.0; 3]; base.positions.len()], Task::new());
+        let search = Search::of(&keeper, &base, &still, None, &task).unwrap();
+        let step = Arc::downgrade(&search.step(KEPT_STEPS, 0.1).unwrap());
+        assert!(Arc::ptr_eq(&step.upgrade().unwrap(), &search.step(KEPT_STEPS, 0.1).unwrap()));
+        drop(search);
+        assert!(step.upgrade().is_none());
     }
 }

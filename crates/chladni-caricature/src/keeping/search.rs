@@ -1,6 +1,6 @@
 //! The search for the longest displacement that keeps triangles.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use chladni_harmonics::HeatStep;
 use chladni_mesh::surface::vec3::{Vec3, add, length, scaled, sub};
@@ -78,6 +78,8 @@ pub(super) struct Search<'a> {
     task: &'a Task,
     /// Triangles that cross others in the base already, ascending.
     crossed: Vec<u32>,
+    /// The heat steps after those that the keeper keeps: each attempt takes the same.
+    later_steps: [OnceLock<Arc<HeatStep>>; ROUNDS],
 }
 
 impl<'a> Search<'a> {
@@ -91,7 +93,7 @@ impl<'a> Search<'a> {
         // A shape that does not move crosses nothing new.
         let moves = unlimited.iter().any(|u| *u != [0.0; 3]);
         let crossed = if moves { keeper.crossings.triangles(&base.positions, task)? } else { Vec::new() };
-        Ok(Self { keeper, base, unlimited, mask, task, crossed })
+        Ok(Self { keeper, base, unlimited, mask, task, crossed, later_steps: Default::default() })
     }
 
     /// The best of [`ATTEMPTS`]: it leaves next to nothing folded or crossing and, among those that do, keeps the
@@ -157,10 +159,23 @@ impl<'a> Search<'a> {
                 self.unfold(&mut u)?;
             }
             bad.append(&mut crossing);
-            let step = self.keeper.step(HOLDS_BACK + round, REACH * WIDER.powi(round as i32))?;
+            let step = self.step(HOLDS_BACK + round, REACH * WIDER.powi(round as i32))?;
             let heat = self.heat_around(&bad, &step);
             u.par_iter_mut().zip(heat).for_each(|(u, heat)| *u = scaled(*u, 1.0 - HOLD * f64::from(heat)));
         }
+    }
+
+    /// The heat step of number `index`, of the reach `sqrt_t`.
+    pub(super) fn step(&self, index: usize, sqrt_t: f64) -> Result<Arc<HeatStep>, CaricatureError> {
+        let later = index.checked_sub(KEPT_STEPS).and_then(|later| self.later_steps.get(later));
+        if let Some(step) = later.and_then(OnceLock::get) {
+            return Ok(step.clone());
+        }
+        let step = self.keeper.step(index, sqrt_t)?;
+        Ok(match later {
+            Some(later) => later.get_or_init(|| step).clone(),
+            None => step,
+        })
     }
 
     /// Moves `kept` toward `wanted` wherever that spoils no triangle, if it keeps [little](SCANT) and only a few
