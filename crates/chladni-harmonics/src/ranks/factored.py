@@ -10,7 +10,7 @@ from ritz import rotated
 
 TOLERANCE = 1e-10
 ROUNDS = 40
-# A bound with more eigenvalues below it than this share of K and a few is lowered, for so many rounds at most and unless
+# A bound with more eigenvalues below it than this share of K and a few is lowered, in a limited number of rounds and unless
 # one nearer to it than this ratio is known to have too few: there lies a group of many equal eigenvalues.
 SPARE, FEW = 1.25, 16
 LOWERED, NEAR = 20, 1.02
@@ -65,8 +65,9 @@ def interval(counter, wanted, zeros, weyl, gap):
         count = counter.below(high)
         if count < wanted:
             lower = high
-            high *= min(max(1.02, (wanted + 3) / max(count, 1)), 4)
-            if high >= upper:
+            if upper == math.inf:
+                high *= min(max(1.02, (wanted + 3) / max(count, 1)), 4)
+            else:
                 high = math.sqrt(lower * upper) if upper > NEAR * lower else upper
         elif count > SPARE * wanted + FEW and high > NEAR * lower and attempt < LOWERED:
             upper = high
