@@ -63,6 +63,7 @@ fn two_fans_take_as_many_flips_as_the_square_of_their_triangles() {
     let large = 3000;
     let sides = cover.tail.len() as u64 / u64::from(m) * large;
     assert!(super::flips::most_flips(sides) > large * (large - 1));
+    assert!(super::flips::most_flips(1 << 20) < 1 << 30, "they cannot be canceled");
 }
 
 #[test]
