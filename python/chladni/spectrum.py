@@ -10,6 +10,9 @@ from . import _chladni
 from ._arguments import number
 from ._errors import InputError, NotCertifiedError
 
+# The number of pairs whose residuals are measured at once.
+BLOCK = 16
+
 
 def mesh_laplacian(verts, faces, mollify_factor=1e-5):
     """The intrinsic Delaunay Laplacian of a mesh: signature and sign of ``robust_laplacian.mesh_laplacian``.
@@ -152,10 +155,18 @@ def _largest_residual(a, m, w, v):
     """The largest ‖A x − λ M x‖ / ‖A x‖ of the pairs with λ above 0. That of the certificate may be smaller: it is of
     A + tM, none of whose eigenvalues are small."""
     a, m = (part and _matrix(*part) for part in (a, m))
-    w, v = w[w > 0], v[:, w > 0]
-    image = a @ v
-    error = image - (v if m is None else m @ v) * w
-    return (np.linalg.norm(error, axis=0) / np.linalg.norm(image, axis=0)).max(initial=0)
+    largest = 0.0
+    # A few pairs at a time: the products of all would take several times the memory of v.
+    for first in range(0, len(w), BLOCK):
+        some = slice(first, first + BLOCK)
+        values, vectors = w[some], v[:, some]
+        values, vectors = values[values > 0], vectors[:, values > 0]
+        image = a @ vectors
+        error = image - (vectors if m is None else m @ vectors) * values
+        residuals = np.linalg.norm(error, axis=0) / np.linalg.norm(image, axis=0)
+        # A NaN stays one.
+        largest = np.maximum(largest, residuals.max(initial=0))
+    return largest
 
 
 def _matrix(n, starts, rows, values):

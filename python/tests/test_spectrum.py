@@ -1,11 +1,15 @@
 """Eigenpairs against closed forms and SciPy."""
 
+import math
+import tracemalloc
+
 import chladni
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.sparse
 import scipy.sparse.linalg
+from chladni import spectrum
 
 
 def gram(v, M):
@@ -127,6 +131,21 @@ def test_tol_is_of_small_eigenvalues_too():
     assert chladni.eigsh(A, 3, sigma=0, tol=1e-2)[0][0] == pytest.approx(1e-8, rel=1e-3)
     with pytest.raises(chladni.NotCertifiedError, match="relative residual"):
         chladni.eigsh(A, 3, sigma=0, tol=1e-11)
+
+
+def test_residuals_of_many_pairs_take_less_memory_than_their_vectors():
+    n, k = 2000, 200
+    w, v = np.arange(1.0, k + 1), np.eye(n, k, order="F")
+    A = scipy.sparse.diags(np.arange(1.0, n + 1)).tocsc()
+    a = spectrum._columns(A, "A")
+    tracemalloc.start()
+    assert spectrum._largest_residual(a, None, w, v) == 0
+    assert tracemalloc.get_traced_memory()[1] < v.nbytes
+    tracemalloc.stop()
+    w[20] *= 1.5
+    assert spectrum._largest_residual(a, None, w, v) == pytest.approx(0.5)
+    v[0, 20] = math.nan
+    assert math.isnan(spectrum._largest_residual(a, None, w, v))
 
 
 def test_the_laplacian_of_a_mesh(sphere, square):
