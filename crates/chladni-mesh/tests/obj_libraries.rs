@@ -203,6 +203,14 @@ fn number_signs_belong_to_names_where_there_is_such_a_file_or_material() {
     fs::write(at("in.obj"), format!("mtllib in.mtl # its look\n{TRIANGLE}")).unwrap();
     fs::write(at("in.mtl"), "newmtl wood\nNs 12\n").unwrap();
     assert_eq!(only_material(&at("in.obj")).other_statements, ["Ns 12"]);
+    // Pictures and libraries that cannot be read keep their number signs, too, but not their comments.
+    fs::write(at("in.mtl"), "newmtl wood\nmap_Kd wood#2.tga # oak\n").unwrap();
+    assert_eq!(only_material(&at("in.obj")).base_color_texture.unwrap().name, "wood#2.tga");
+    for (statement, name) in [("none.mtl # its look", "none.mtl"), ("none#2.mtl", "none#2.mtl")] {
+        fs::write(at("in.obj"), format!("mtllib {statement}\n{TRIANGLE}")).unwrap();
+        let mended = load_mesh(&at("in.obj")).unwrap().mended;
+        assert!(mended[0].to_string().starts_with(&format!("{name} could not")), "{mended:?}");
+    }
 }
 
 #[test]

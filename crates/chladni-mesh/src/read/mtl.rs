@@ -43,7 +43,8 @@ pub(crate) fn read_into(draft: &mut Draft, statements: &[String], beside: &Besid
             };
             draft.mended.extend(tried.into_iter().filter_map(missing));
         } else {
-            draft.mended.push(Mended::MissingFile(statement.clone(), reason));
+            let bare = Some(without_comment_apart(statement)).filter(|bare| !bare.is_empty());
+            draft.mended.push(Mended::MissingFile(bare.unwrap_or(statement).to_owned(), reason));
         }
     }
     let defined: HashSet<String> = libraries.iter().flat_map(|(_, bytes)| defined_names(bytes)).collect();
@@ -152,8 +153,9 @@ fn statement(
         },
         b"map_Kd" => {
             // A number sign may be of the name.
-            let is_whole = picture(without_options(whole)).1.is_ok();
-            let text = (if is_whole { whole } else { rest }).trim();
+            let bare = without_comment_apart(whole);
+            let found = [whole, bare, rest].into_iter().find(|text| picture(without_options(text)).1.is_ok());
+            let text = found.unwrap_or(bare).trim();
             let name = without_options(text);
             material.texture_options = text[..text.len() - name.len()].trim_end().to_owned();
             let (name, found) = picture(name);
