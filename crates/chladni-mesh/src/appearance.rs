@@ -83,6 +83,11 @@ impl Material {
             other_statements: Vec::new(),
         }
     }
+
+    /// Its texture, if the picture's file was read.
+    pub fn read_texture(&self) -> Option<&Texture> {
+        self.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
+    }
 }
 
 /// What the alpha of a material's color and picture does.

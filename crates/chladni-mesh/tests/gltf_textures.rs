@@ -83,7 +83,8 @@ fn a_material_is_as_opaque_as_its_mode_says() {
         (r#""alphaMode": "BLEND","#, AlphaMode::Blend, 0.25),
     ] {
         let document = format!(
-            r#"{{"asset": {{"version": "2.0"}}, "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
+            r#"{{"asset": {{"version": "2.0"}},
+            "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "material": 0}}]}}],
             "accessors": [{{"componentType": 5126, "count": 3, "type": "VEC3"}}],
             "materials": [{{{mode} "pbrMetallicRoughness": {{"baseColorFactor": [1, 1, 1, 0.25]}}}}]}}"#
         );

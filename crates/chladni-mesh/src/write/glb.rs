@@ -9,7 +9,7 @@ use super::{check, narrowed};
 use crate::read::gltf::MOST_VERTICES;
 use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};
 use crate::surface::{STAND_IN_NORMAL, corners, places, vertex_normals};
-use crate::{AlphaMode, CornerUvs, Format, Material, MeshError, Texture, TriMesh};
+use crate::{AlphaMode, CornerUvs, Format, Material, MeshError, TriMesh};
 
 /// A named deformation that viewers offer as a slider from 0 (rest) to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -289,13 +289,8 @@ fn normal_derivatives(place: &[u32], mesh: &TriMesh, displacements: &[Vec3]) -> 
 fn shows_colors(mesh: &TriMesh) -> bool {
     let look = &mesh.appearance;
     let is_textured =
-        |material: &u32| look.materials.get(*material as usize).and_then(read_texture).is_some();
+        |material: &u32| look.materials.get(*material as usize).and_then(Material::read_texture).is_some();
     look.colors_tint || look.uvs.is_none() || !look.face_materials.iter().flatten().any(is_textured)
-}
-
-/// The texture of a material, if its file was read.
-fn read_texture(material: &Material) -> Option<&Texture> {
-    material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
 }
 
 /// The triangles of each material in use, in the order of the materials.
@@ -315,7 +310,7 @@ fn materials(file: &mut Glb, mesh: &TriMesh) -> (Vec<Value>, usize) {
     // Many materials may share one picture, under several names.
     let (mut pictures, mut views) = (HashMap::new(), HashMap::new());
     for material in &look.materials {
-        let texture = read_texture(material);
+        let texture = material.read_texture();
         let base_color = match material.base_color {
             // Some programs write black beside a picture, which glTF would multiply with it.
             [0.0, 0.0, 0.0, alpha] if texture.is_some() => [1.0, 1.0, 1.0, alpha],

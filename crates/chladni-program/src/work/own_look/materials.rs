@@ -69,7 +69,7 @@ impl<'a> Drawn<'a> {
 
     fn of(material: &'a Material, has_uvs: bool) -> Self {
         let [r, g, b, _] = material.base_color;
-        Self { texture: read_texture(material).filter(|_| has_uvs), color: [r, g, b] }
+        Self { texture: material.read_texture().filter(|_| has_uvs), color: [r, g, b] }
     }
 
     /// Two that agree in this are drawn in one way.
@@ -89,7 +89,7 @@ fn drawn(mesh: &TriMesh, has_uvs: bool) -> (Vec<Drawn<'_>>, Vec<usize>) {
     let look = &mesh.appearance;
     if look.face_materials.is_empty() {
         // Nothing says so, but a texture is meant for something.
-        let first = look.materials.iter().find(|material| read_texture(material).is_some());
+        let first = look.materials.iter().find(|material| material.read_texture().is_some());
         let drawn = first.map_or(Drawn::PLAIN, |material| Drawn::of(material, has_uvs));
         return (vec![drawn], vec![0; mesh.triangles.len()]);
     }
@@ -104,11 +104,6 @@ fn drawn(mesh: &TriMesh, has_uvs: bool) -> (Vec<Drawn<'_>>, Vec<usize>) {
     });
     let of_triangle = of_triangle.collect();
     (drawn, of_triangle)
-}
-
-/// The texture of a material, if its file was read.
-fn read_texture(material: &Material) -> Option<&Texture> {
-    material.base_color_texture.as_ref().filter(|texture| !texture.bytes.is_empty())
 }
 
 /// Textures that several materials may have, each of which is read once.
