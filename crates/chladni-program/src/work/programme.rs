@@ -24,7 +24,8 @@ pub struct Programme {
     named: Settings,
     /// Bars up to then were heard.
     heard_secs: f64,
-    turns: usize,
+    /// The place in the gallery that the last turn took.
+    place: usize,
     /// In which all dance, whatever their presets say, unless a form is held.
     form: Option<Form>,
     /// Changes that stay, whatever the presets say.
@@ -68,7 +69,8 @@ impl Programme {
             set: None,
             named: Settings::default(),
             heard_secs: at_secs,
-            turns: 0,
+            // The first turn takes the place before it.
+            place: instrument.gallery().items().len().saturating_sub(1),
             form: None,
             held: Vec::new(),
             before: (instrument.parameters().of_a_dance(), instrument.gallery().current()),
@@ -173,13 +175,15 @@ impl Programme {
     }
 
     /// The actions that put a turn on stage. The last two places of the gallery are used in turns, since the dance
-    /// before it is still seen while it leaves. What waits to be next waits on.
+    /// before it is still seen while it leaves. What waits to be next waits on; where it has one of these places, the place
+    /// before them is used.
     fn actions(&mut self, turn: Turn, instrument: &Instrument) -> impl Iterator<Item = Action> + use<> {
-        self.turns += 1;
         let items = instrument.gallery().items();
-        let item = items.len().saturating_sub(1 + self.turns % 2);
         let next = instrument.next_on_stage().map(|(id, _)| id);
-        let next = items.iter().position(|known| Some(known.id) == next).filter(|place| *place != item);
+        let next = items.iter().position(|known| Some(known.id) == next);
+        let is_free = |place: &usize| *place != self.place && Some(*place) != next;
+        let item = (0..items.len()).rfind(is_free).unwrap_or_default();
+        self.place = item;
         let cue = next.map(|item| Action::CueUp { item });
         let mut preset = self.dances.get(turn.dance).cloned();
         if let Some(preset) = &mut preset {
@@ -313,28 +317,33 @@ mod tests {
     #[test]
     fn what_waits_to_be_next_waits_on_and_is_not_interrupted_once_it_comes() {
         let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
-        let mut instrument = Instrument::new(1, 6, shape).unwrap();
-        let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
-        turn(&mut programme, &mut instrument, 0.0);
-        let waiting = instrument.gallery().items()[2].id;
-        instrument.apply(Moment::default(), Action::CueUp { item: 2 }).unwrap();
-        let mut hear = |instrument: &mut Instrument, at_secs| {
-            let bar = BarLine { at_secs, secs: 2.0, energy: 0.5, begins_section: true };
-            let actions = programme.hear(&[bar], at_secs, instrument);
-            let count = actions.len();
-            for (at_secs, action) in actions {
-                instrument.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
+        // In the places of the programme's own dances, too.
+        for item in [2, 3, 4, 5] {
+            let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+            let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
+            turn(&mut programme, &mut instrument, 0.0);
+            let waiting = instrument.gallery().items()[item].id;
+            instrument.apply(Moment::default(), Action::CueUp { item }).unwrap();
+            let mut hear = |instrument: &mut Instrument, at_secs| {
+                let bar = BarLine { at_secs, secs: 2.0, energy: 0.5, begins_section: true };
+                let actions = programme.hear(&[bar], at_secs, instrument);
+                let count = actions.len();
+                for (at_secs, action) in actions {
+                    instrument.apply(Moment { at_secs, at_beat: 2.0 * at_secs }, action).unwrap();
+                }
+                (count > 0, programme.holds())
+            };
+            assert_eq!(hear(&mut instrument, 30.0), (true, false));
+            assert_eq!(instrument.next_on_stage(), Some((waiting, 0.0)), "place {item}");
+            instrument.apply(Moment::default(), Action::Crossfade { share: 0.4 }).unwrap();
+            assert_eq!(hear(&mut instrument, 60.0), (false, false));
+            assert_eq!(instrument.next_on_stage(), Some((waiting, 0.4)));
+            instrument.apply(Moment::default(), Action::Crossfade { share: 0.0 }).unwrap();
+            for at_secs in [90.0, 120.0] {
+                assert_eq!(hear(&mut instrument, at_secs), (true, false));
+                assert_eq!(instrument.next_on_stage(), Some((waiting, 0.0)), "place {item}");
             }
-            (count > 0, programme.holds())
-        };
-        assert_eq!(hear(&mut instrument, 30.0), (true, false));
-        assert_eq!(instrument.next_on_stage(), Some((waiting, 0.0)));
-        instrument.apply(Moment::default(), Action::Crossfade { share: 0.4 }).unwrap();
-        assert_eq!(hear(&mut instrument, 60.0), (false, false));
-        assert_eq!(instrument.next_on_stage(), Some((waiting, 0.4)));
-        instrument.apply(Moment::default(), Action::Crossfade { share: 0.0 }).unwrap();
-        assert_eq!(hear(&mut instrument, 90.0), (true, false));
-        assert_eq!(instrument.next_on_stage(), Some((waiting, 0.0)));
+        }
     }
 
     #[test]
