@@ -3,7 +3,7 @@
 use crate::timbre::TONES;
 
 /// The state of the oscillators of all bands at one moment, for each signal that a form may use.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Ringing {
     pub(crate) bands: usize,
     /// Left, right, middle, side, and swing toward the left: TONES rows of bands each.
@@ -21,6 +21,18 @@ pub(crate) enum Signal {
 }
 
 pub(crate) const SIGNALS: usize = 5;
+
+impl Clone for Ringing {
+    fn clone(&self) -> Self {
+        Self { bands: self.bands, q: self.q.clone() }
+    }
+
+    /// Keeps the memory, since each picture copies one.
+    fn clone_from(&mut self, source: &Self) {
+        self.bands = source.bands;
+        self.q.clone_from(&source.q);
+    }
+}
 
 impl Ringing {
     /// #ω, the number of bands.
@@ -49,5 +61,22 @@ impl Ringing {
                 q.iter_mut().zip(other).for_each(|(q, other)| *q += weight * (other - *q));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_keeps_its_memory() {
+        let mut ringing = Ringing::default();
+        ringing.still(8);
+        let mut copy = ringing.clone();
+        ringing.q[Signal::Mid as usize][3] = 0.5;
+        let memory = |of: &Ringing| of.q.each_ref().map(Vec::as_ptr);
+        let before = memory(&copy);
+        copy.clone_from(&ringing);
+        assert_eq!((memory(&copy), &copy), (before, &ringing));
     }
 }

@@ -153,6 +153,19 @@ fn a_blend_of_spectra_leads_from_one_side_to_the_other() {
 }
 
 #[test]
+fn a_copy_of_a_spectrum_keeps_its_memory() {
+    let of = |level: f32| {
+        let [mid, side, left, right] = std::array::from_fn(|_| vec![level; 8]);
+        Spectrum { mid, side, left, right, side_gain: level }
+    };
+    let (source, mut copy) = (of(0.5), of(0.1));
+    let memory = |of: &Spectrum| [&of.mid, &of.side, &of.left, &of.right].map(Vec::as_ptr);
+    let before = memory(&copy);
+    copy.clone_from(&source);
+    assert_eq!((memory(&copy), &copy), (before, &source));
+}
+
+#[test]
 fn silence_stays_silent() {
     let silence = vec![0.0; 100_000];
     for (_, amplitude) in peaks(SpectrumSettings::new(RATE_HZ), &silence, &silence, 735) {

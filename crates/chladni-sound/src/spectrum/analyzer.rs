@@ -85,7 +85,7 @@ impl SpectrumSettings {
 
 /// Amplitudes of the bands. At fixed level 1, a sine of full scale has amplitude 1. At automatic level, 1
 /// is the louder channel of the loudest band of the last two seconds of a loud passage.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Spectrum {
     /// Amplitudes of (left + right) / 2, one per band.
     pub mid: Vec<f32>,
@@ -98,6 +98,24 @@ pub struct Spectrum {
     pub right: Vec<f32>,
     /// The gain by which `side` was multiplied.
     pub side_gain: f32,
+}
+
+impl Clone for Spectrum {
+    fn clone(&self) -> Self {
+        let mut copy = Self::default();
+        copy.clone_from(self);
+        copy
+    }
+
+    /// Keeps the memory, since each picture copies one.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { mid, side, left, right, side_gain } = source;
+        self.mid.clone_from(mid);
+        self.side.clone_from(side);
+        self.left.clone_from(left);
+        self.right.clone_from(right);
+        self.side_gain = *side_gain;
+    }
 }
 
 impl Spectrum {
