@@ -185,9 +185,14 @@ impl Engine {
         let current = self.list.current;
         let last = songs.len().checked_sub(1);
         self.list.songs = songs;
-        let repeats = self.list.repeat == Repeat::Song;
+        if let Some((at, _)) = heard {
+            self.list.current = at;
+        }
+        let (repeats, after) = (self.list.repeat == Repeat::Song, self.list.after(false));
         let is_next = |place: usize, at: usize, heard: Stretch| {
-            repeats || place.wrapping_sub(at) == current.wrapping_sub(heard.song)
+            // The same song, or one behind others that cannot be read; none where the list has begun anew.
+            let ahead = current.checked_sub(heard.song);
+            repeats || after == Some(place) || ahead.is_some_and(|songs| place == at + songs)
         };
         match (places.get(current).copied().flatten(), heard) {
             (Some(place), None) => self.list.current = place,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use chladni_sound::{Player, PlayerEvent, PlayerState, Song, WavSample, write_wav};
+use chladni_sound::{Player, PlayerEvent, PlayerState, Repeat, Song, WavSample, write_wav};
 use chladni_testdata::HANGS;
 
 use super::{paused_at, silent, wait};
@@ -125,6 +125,38 @@ fn all_songs_of_a_list_in_another_order_follow_the_one_that_is_heard() {
     ear.hear(&player);
     let parts = parts(&ear.left);
     assert!(parts.ends_with(&[(475_200, 480_000), (500_000, 524_000), (700_000, 724_000)]), "{parts:?}");
+}
+
+#[test]
+fn behind_the_last_song_of_a_list_that_repeats_comes_what_follows_in_a_changed_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let ramps = [("a.wav", 2.0), ("b.wav", 0.5), ("c.wav", 0.5), ("d.wav", 10.0)];
+    let [a, b, c, d] = ramps.map(|(name, secs)| write_ramp(folder.path(), name, 0, secs));
+    for (before, after, starts) in [
+        // The first song still follows: the second one is the next to start.
+        (vec![&a, &b, &c, &d], vec![&a, &c, &d], 1),
+        // Another song does: the one that is heard starts again, where it is.
+        (vec![&a, &b, &d], vec![&a, &b, &d, &c], 2),
+    ] {
+        let [before, after] = [before, after].map(|songs| songs.into_iter().cloned().collect::<Vec<_>>());
+        let player = silent();
+        player.repeat(Repeat::List);
+        let last = before.len() - 1;
+        player.play_list(before);
+        player.select(last);
+        paused_at(&player);
+        player.events().for_each(drop);
+        player.seek(9.9);
+        wait("the song ahead", || player.events().any(|event| event == PlayerEvent::SongStarted(0)));
+        player.set_songs(after);
+        player.play();
+        let mut next = None;
+        wait("the next start", || {
+            next = player.events().next();
+            next.is_some()
+        });
+        assert_eq!(next, Some(PlayerEvent::SongStarted(starts)));
+    }
 }
 
 #[test]
