@@ -135,6 +135,16 @@ impl History {
         Some(step.label)
     }
 
+    /// Takes one step forth or back where that leads to a project that is wanted; whether there was such a step.
+    pub fn step_to(&mut self, is_wanted: impl Fn(&Project) -> bool) -> bool {
+        let leads_there = |steps: &[Step]| steps.last().is_some_and(|step| is_wanted(&step.project));
+        if leads_there(&self.future) {
+            self.redo().is_some()
+        } else {
+            leads_there(&self.past) && self.undo().is_some()
+        }
+    }
+
     /// The number of steps that can be undone.
     pub fn steps(&self) -> usize {
         self.past.len()

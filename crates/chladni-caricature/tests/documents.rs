@@ -396,6 +396,21 @@ fn what_changes_nothing_is_no_step_and_keeps_what_was_undone() {
 }
 
 #[test]
+fn a_step_is_taken_only_where_it_leads_to_a_project_that_is_wanted() {
+    let mut history = History::new(empty());
+    for harmonics in [100, 200] {
+        history.apply(&Action::SetHarmonics(harmonics), None).unwrap();
+    }
+    let mut steps_to = |wanted| {
+        let steps = history.step_to(|project| project.harmonics == wanted);
+        (steps, history.project().harmonics, history.steps())
+    };
+    assert_eq!(steps_to(64), (false, 200, 2), "two steps back");
+    assert_eq!(steps_to(100), (true, 100, 1));
+    assert_eq!(steps_to(200), (true, 200, 2));
+}
+
+#[test]
 fn landmarks_go_with_the_template_that_they_were_set_on() {
     let mut layer = Layer::new("a", Template::File("one/other.obj".into()));
     layer.matching.landmarks = vec![chladni_match::Landmark { shape: 5, template: 9 }; 3];

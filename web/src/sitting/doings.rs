@@ -70,13 +70,8 @@ impl Sitting {
             return Ok(());
         }
         // By the way that led here, so that no step back leads here again: forth where it was a step back.
-        for back in [false, true] {
-            if self.travel(back).is_some() {
-                if self.history.project().harmonics == harmonics {
-                    return Ok(self.refresh()?);
-                }
-                self.travel(!back);
-            }
+        if self.history.step_to(|project| project.harmonics == harmonics) {
+            return Ok(self.refresh()?);
         }
         // Something else was done meanwhile.
         Ok(self.act_once(&Action::SetHarmonics(harmonics))?)
@@ -248,11 +243,6 @@ impl Sitting {
             (_, Some(hanging)) => &mut hanging.camera,
             _ => &mut self.stage.camera,
         }
-    }
-
-    /// Undoes a step, or does it again; returns its label, if there was one.
-    fn travel(&mut self, back: bool) -> Option<&'static str> {
-        if back { self.history.undo() } else { self.history.redo() }
     }
 
     /// Does an action as a step of its own.

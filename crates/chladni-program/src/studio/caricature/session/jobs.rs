@@ -140,17 +140,13 @@ impl Session {
     /// and one saved with a cancelled solve would open with that solve.
     fn restore_solved(&mut self) -> Result<(), Error> {
         self.asked = self.solved;
+        let (harmonics, laplacian) = self.solved;
         // By the way that led here, so that no step back leads here again: forth where it was a step back.
-        for back in [false, true] {
-            if self.travel(back).is_some() {
-                if (self.project().harmonics, self.project().laplacian) == self.solved {
-                    return Ok(());
-                }
-                self.travel(!back);
-            }
+        if self.history.step_to(|project| (project.harmonics, project.laplacian) == (harmonics, laplacian)) {
+            self.refresh();
+            return Ok(());
         }
         // Something else was done meanwhile.
-        let (harmonics, laplacian) = self.solved;
         let mut edits = Vec::new();
         if self.project().harmonics != harmonics {
             edits.push(Edit::Once(Action::SetHarmonics(harmonics)));
