@@ -41,9 +41,11 @@ async function playSong(song, begins = true) {
     try { decoded = await songs.soundOf(song); } catch (error) {
       if (mine !== turn) return;
       unreadable(ofFile(song.name, error));
-      song = error.name === "AbortError" ? undefined : songs.strike(song);
-      // Cancelled, it does not begin anew because the one before it has ended.
-      if (error.name === "AbortError" && sound.hasEnded) sound.pause();
+      const stays = ["AbortError", "StoppedError"].includes(error.name);
+      if (error.name === "AbortError") song = undefined;
+      else song = stays ? songs.behind(song) : songs.strike(song);
+      // One that stays does not begin anew because the one before it has ended.
+      if (stays && !song && sound.hasEnded) sound.pause();
     }
   }
   if (mine !== turn) return;
@@ -59,7 +61,7 @@ async function playSong(song, begins = true) {
   }
 }
 
-/** A song begins that was asked for when there had been so many `pauses`. */
+/** Begins a song. `pauses` is how often the sound had been paused when it was asked for. */
 async function begin(song, decoded, begins, pauses) {
   const { sound } = room;
   // A pause meanwhile has the last word.

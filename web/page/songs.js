@@ -45,6 +45,9 @@ export function begin(sound) {
 /** So many places after a song, or before it; the first comes after the last. */
 export const beside = (song, steps) => list.at((list.indexOf(song) + steps) % list.length);
 
+/** What stands behind a song, if anything does. */
+export const behind = (song) => list[list.indexOf(song) + 1];
+
 /** Takes out a song; the last one makes room for the tune. Gives what is to play in its place, where it was the one that played. */
 export function takeOut(song) {
   const next = strike(song) ?? list[0];
@@ -102,7 +105,8 @@ export function play(song, sound) {
 }
 
 /** Decodes the next song while this one plays. One that was decoded earlier and no longer comes next is dropped. What cannot be
- * read is struck and reported to `failed`, and the next is taken. So is reported that the worker stopped, but the song stays. */
+ * read is struck and reported to `failed`, and the next is taken. If only its worker stopped, that is reported, too, and the
+ * song stays. */
 export function prepare(failed) {
   const song = playing && beside(playing, 1);
   if (ahead?.song === song) return;

@@ -4,40 +4,9 @@ import { readFileSync } from "node:fs";
 import { head, song, torus } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
 import { address, browser, downloaded, drop, opened, step, until } from "./driver.mjs";
+import { comesLate, holdBack, holdsBack, isHeldBack, release } from "./held.mjs";
 
 const LAPTOP = { width: 1280, height: 800 };
-
-/** What workers and files are asked for can be held back: what `holds` is part of, until `release()`. The worker stops that is
- * asked for what `breaks` is. */
-function holdsBack() {
-  const held = [];
-  window.holds = undefined;
-  window.heldBack = () => held.length;
-  window.release = () => { window.holds = undefined; for (const goOn of held.splice(0)) goOn(); };
-  const isHeld = (text) => window.holds && text.includes(window.holds);
-  const { postMessage } = Worker.prototype;
-  Worker.prototype.postMessage = function (message, ...rest) {
-    const post = () => postMessage.call(this, message, ...rest);
-    const what = `${message.work} ${message.name}`;
-    if (window.breaks === what) return this.onerror(new ErrorEvent("error", { message: "it broke" }));
-    return message.work && isHeld(what) ? held.push(post) : post();
-  };
-  const { fetch } = window;
-  window.fetch = async (what, ...rest) => {
-    if (isHeld(String(what))) await new Promise((done) => held.push(done));
-    if (window.missing && String(what).includes(window.missing)) return new Response("", { status: 404 });
-    return fetch(what, ...rest);
-  };
-}
-
-const holdBack = (page, what) => page.evaluate((what) => { window.holds = what; }, what);
-const isHeldBack = (page) => until(page, () => window.heldBack() > 0);
-const release = (page) => page.evaluate(() => window.release());
-/** What was held back has had the time to do harm. */
-async function comesLate(page) {
-  await release(page);
-  await page.waitForTimeout(2000);
-}
 
 const body = (page) => page.evaluate(() => window.chladni.state.body);
 const dances = (page, name) => until(page, (name) => window.chladni.state?.body === name, name);
@@ -322,12 +291,15 @@ export async function songs() {
 
   // The worker stops that decodes the next song: that is not the song's fault.
   await page.evaluate(() => { window.breaks = "decode next.wav"; });
-  await drop(page, ["this.wav", song(30)], ["next.wav", song(30)]);
+  await drop(page, ...["this.wav", "next.wav", "last.wav"].map((name) => [name, song(30)]));
   await says(page, "next.wav: The work stopped: it broke");
-  assert.equal(await songNow(page), "3 of 4: this.wav");
-  await page.evaluate(() => { window.breaks = undefined; });
+  assert.equal(await songNow(page), "3 of 5: this.wav");
+  // Asked for, it leaves its turn to the one behind it.
   await page.click("#next");
-  await songIs(page, "4 of 4: next.wav");
+  await songIs(page, "5 of 5: last.wav");
+  await page.evaluate(() => { window.breaks = undefined; });
+  await page.click("#previous");
+  await songIs(page, "4 of 5: next.wav");
   step("a song stays where its worker stops");
 
   // A pause while a device begins.
