@@ -1,6 +1,7 @@
 //! `chladni project`: make, change and read caricature projects without the window.
 
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 use chladni_caricature::{DEFAULT_HARMONICS, Layer, Painted, Project, Resolution, ShapeSource, Template};
 use chladni_harmonics::{Laplacian, Operator};
@@ -98,8 +99,7 @@ impl New {
             return Err(Error::input(format_args!("{}: a project ends in .chladni", self.output.display())));
         }
         if self.output.exists() {
-            // Hours of painting may be in it.
-            return Err(Error::input(format_args!("{}: exists already", self.output.display())));
+            return Err(exists_already(&self.output));
         }
         check_file(&self.output)?;
         if self.harmonics == 0 {
@@ -121,7 +121,7 @@ impl New {
             // Reported now rather than with the first layer.
             Operator::with(&mesh, project.laplacian).map_err(|error| Error::from(error).of(&self.shape))?;
         }
-        project.save(&self.output).map_err(Error::unsaved)?;
+        save_new(&project, &self.output)?;
         terminal.wrote(&self.output)
     }
 }
@@ -130,6 +130,7 @@ impl AddLayer {
     fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.layer.check_for(Some(&self.template))?;
         let mut project = source::project(&self.project, terminal)?;
+        let before = project.clone();
         self.layer.check_clamp(project.laplacian == Laplacian::Cotangent)?;
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
@@ -152,11 +153,34 @@ impl AddLayer {
         let painted = self.region.painted(&shape, &subject, terminal)?;
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;
+        check_unchanged(&self.project, &before)?;
         project.save(&self.project).map_err(Error::unsaved)?;
         let layers = project.layers().len();
         let noun = if layers == 1 { "layer" } else { "layers" };
         terminal.result(format_args!("{} has {layers} {noun}", self.project.display()))
     }
+}
+
+/// Saves a project where nothing is yet, nor has come there while its shape was read.
+fn save_new(project: &Project, path: &Path) -> Result<(), Error> {
+    let text = project.to_text(path, None).map_err(Error::unsaved)?;
+    chladni_task::write_new(path, text.as_bytes()).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => exists_already(path),
+        _ => Error::unwritten(path, error),
+    })
+}
+
+/// The refusal of a place where a file is: hours of painting may be in it.
+fn exists_already(path: &Path) -> Error {
+    Error::input(format_args!("{}: exists already", path.display()))
+}
+
+/// Checks that the file at `path` still holds the project that was `read`: a window may have saved its work meanwhile.
+fn check_unchanged(path: &Path, read: &Project) -> Result<(), Error> {
+    if Project::load(path)? == *read {
+        return Ok(());
+    }
+    Err(Error::input(format_args!("{}: has changed meanwhile; run this again", path.display())))
 }
 
 fn own_name(template: &Template) -> String {
@@ -277,5 +301,25 @@ impl Show {
             ))?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_that_was_saved_meanwhile_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.chladni");
+        let shape = ShapeSource::Sample("bell".into());
+        save_new(&Project::new(shape.clone(), 8), &path).unwrap();
+        let read = Project::load(&path).unwrap();
+        check_unchanged(&path, &read).unwrap();
+        Project::new(shape, 9).save(&path).unwrap();
+        let why = check_unchanged(&path, &read).unwrap_err().to_string();
+        assert!(why.contains("p.chladni") && why.contains("changed meanwhile"), "{why}");
+        assert!(save_new(&read, &path).unwrap_err().to_string().contains("exists already"));
+        assert_eq!(Project::load(&path).unwrap().harmonics, 9);
     }
 }
