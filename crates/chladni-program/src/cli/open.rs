@@ -8,6 +8,7 @@ use super::Terminal;
 use super::choice::one_of;
 use super::frames::Size;
 use crate::window::{self, Live, SetOutput, SetTarget, Until};
+use crate::work::outputs::{check_apart, check_film};
 use crate::work::{Error, Watcher};
 
 /// Open the window, on files where some are given.
@@ -72,6 +73,9 @@ impl Open {
         } else if !FilmFormat::of(path).is_ok_and(|format| format == FilmFormat::Mp4) {
             return Err(Error::input(format!("{}: a set is recorded as an .mp4", path.display())));
         } else {
+            // A window would play the whole set before anybody sees that none of it is recorded.
+            check_film(path)?;
+            check_apart(path, &self.files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
             SetTarget::Film(path.clone())
         };
         Ok(Some(SetOutput { to, size: self.size.map(|size| [size.width, size.height]) }))

@@ -98,6 +98,7 @@ fn wrong_arguments_are_told_in_one_line() {
         (&["basis", "a.obj", "-k", "many"], "many"),
         (&["sing"], "sing"),
         (&["open", "-o", "set.txt"], "set.txt"),
+        (&["open", "-o", "no/such/folder/set.mp4"], "set.mp4"),
         (&["open", "song.wav", "-o", "set.mp4", "--format", "y4m"], "--format"),
         (&["open", "song.wav", "-o", "-", "--measure", "3"], "standard output"),
         (&["dance", "--show", "a.toml", "--seed", "2", "-o", "a.gif"], "--seed"),
