@@ -1,7 +1,7 @@
 //! Checks where results go before the work: a missing folder is reported at once, not after minutes of
 //! computing.
 
-use std::path::Path;
+use std::path::{Path, PathBuf, is_separator};
 
 use chladni_caricature::Template;
 use chladni_mesh::{Format, Material, ShapeSource, Texture, TriMesh};
@@ -38,6 +38,9 @@ pub fn check_file(path: &Path) -> Result<(), Error> {
     if path.exists() && !path.is_file() {
         return refused("is a device or a pipe; the name of a file is needed");
     }
+    if path.as_os_str().as_encoded_bytes().last().is_some_and(|last| is_separator(char::from(*last))) {
+        return refused("is the name of a folder; that of a file is needed");
+    }
     let folder = folder_of(path);
     if !folder.is_dir() {
         return refused("its folder does not exist");
@@ -55,6 +58,9 @@ fn check_writable(folder: &Path, path: &Path) -> Result<(), Error> {
 /// # Errors
 /// As [`check_file`] does, and [`Error::Input`] for a file.
 pub fn check_folder(path: &Path) -> Result<(), Error> {
+    // With a slash at its end, a file would be no file.
+    let bare: PathBuf = path.components().collect();
+    let path = bare.as_path();
     if path.is_dir() {
         check_writable(path, path)
     } else if path.exists() {
@@ -257,5 +263,25 @@ mod tests {
         }
         let why = check_size(16_384, 4097).unwrap_err().to_string();
         assert!(why.contains("16384 × 4097") && why.contains("64 megapixels"), "{why}");
+    }
+
+    #[test]
+    fn a_slash_at_the_end_names_a_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| format!("{}/{name}", folder.path().display());
+        std::fs::write(place("file"), "").unwrap();
+        std::fs::create_dir(place("folder")).unwrap();
+        for name in ["folder", "folder/", "new", "new/"] {
+            assert!(check_folder(Path::new(&place(name))).is_ok(), "{name}");
+        }
+        for name in ["file", "file/"] {
+            let why = check_folder(Path::new(&place(name))).unwrap_err().to_string();
+            assert!(why.contains("is a file"), "{name}: {why}");
+        }
+        for name in ["file/", "folder/", "new.obj/"] {
+            let why = check_file(Path::new(&place(name))).unwrap_err().to_string();
+            assert!(why.contains("folder"), "{name}: {why}");
+        }
+        assert!(check_file(Path::new(&place("new.obj"))).is_ok());
     }
 }
