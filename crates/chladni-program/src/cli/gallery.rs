@@ -6,12 +6,12 @@ use std::str::FromStr;
 use chladni_caricature::{
     GALLERY_SIZE, Group, Layer, Portrait as Drawn, Sitter, Variant, VariantGallery, surprise,
 };
-use chladni_task::write_atomic;
+use chladni_task::{Task, write_atomic};
 use chladni_view::Camera;
 
 use super::Terminal;
 use super::sheet::{self, Portrayed};
-use crate::work::{Error, Lettering};
+use crate::work::{Error, Lettering, Watcher};
 
 /// Which caricatures of the gallery.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -69,15 +69,14 @@ impl GalleryOptions {
     /// # Errors
     /// Errors of the gallery.
     pub fn single(&self, sitter: &Sitter, seed: u64, terminal: &Terminal) -> Result<Vec<Layer>, Error> {
-        let (variant, drawn) = match self.variant {
-            None => surprise(seed, sitter)?,
-            Some(number) => {
-                let gallery = self.bred(sitter, seed)?;
-                let variant = gallery.variants()[number - 1].clone();
-                let drawn = sitter.portray_one(&variant)?;
-                (variant, drawn)
-            }
-        };
+        let (variant, drawn) = terminal.watch("breeding", |task| -> Result<_, Error> {
+            let Some(number) = self.variant else { return Ok(surprise(seed, sitter)?) };
+            let gallery = self.bred(sitter, seed, task)?;
+            let variant = gallery.variants()[number - 1].clone();
+            let drawn = sitter.portray_one(&variant)?;
+            Ok((variant, drawn))
+        })?;
+        terminal.task().check()?;
         terminal.result(format_args!("{}", described(sitter, &variant, &drawn)))?;
         Ok(drawn.layers)
     }
@@ -94,9 +93,10 @@ impl GalleryOptions {
         path: &Path,
         terminal: &Terminal,
     ) -> Result<(), Error> {
-        let gallery = self.bred(sitter, seed)?;
+        let gallery = terminal.watch("breeding", |task| self.bred(sitter, seed, task))?;
         let variants = gallery.variants();
-        let drawn = sitter.portray(&variants)?;
+        let drawn = terminal.watch("exaggerating", |_| sitter.portray(&variants))?;
+        terminal.task().check()?;
         for (number, (variant, drawn)) in (1..).zip(variants.iter().zip(&drawn)) {
             terminal.result(format_args!("{number:>2}  {}", described(sitter, variant, drawn)))?;
         }
@@ -112,16 +112,20 @@ impl GalleryOptions {
             let lettering = Lettering::new(&u32::to_string(&number), size_px);
             lettering.lay(&mut picture, [left as usize, foot as usize], [60, 60, 66], 1.0);
         }
-        write_atomic(path, &picture.to_png()?).map_err(|error| Error::unwritten(path, error))
+        let png = picture.to_png()?;
+        terminal.task().check()?;
+        write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
     }
 
     /// The gallery after all that was chosen.
-    fn bred(&self, sitter: &Sitter, seed: u64) -> Result<VariantGallery, Error> {
+    fn bred(&self, sitter: &Sitter, seed: u64, task: &Task) -> Result<VariantGallery, Error> {
         let mut gallery = VariantGallery::new(seed, sitter)?;
+        task.check()?;
         self.lock.iter().for_each(|group| gallery.lock(*group, true));
         for Chosen(chosen) in &self.choose {
             chosen.iter().try_for_each(|number| gallery.choose(number - 1, true))?;
             gallery.breed(sitter)?;
+            task.check()?;
         }
         Ok(gallery)
     }
@@ -138,4 +142,40 @@ fn described(sitter: &Sitter, variant: &Variant, drawn: &Drawn) -> String {
     };
     let mu = drawn.layers.first().map_or(0.0, |layer| layer.mu);
     format!("{}, μ = {mu:.2}{held}, {} triangles folded", sitter.title(variant), drawn.folded)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use chladni_caricature::{SitterPart, Stack, Template};
+    use chladni_harmonics::{BasisSettings, Body};
+    use chladni_match::MatchSettings;
+    use chladni_mesh::samples::icosphere;
+
+    use super::*;
+
+    #[test]
+    fn a_gallery_that_is_canceled_writes_nothing() {
+        let mut mesh = icosphere(2);
+        mesh.positions.iter_mut().for_each(|p| *p = [1.5 * p[0], p[1], 0.7 * p[2] + 0.3 * p[0] * p[0]]);
+        let body = Body::build(&mesh, &BasisSettings::new(12), &Task::new()).unwrap();
+        let stack = Stack::new(Arc::new(body)).unwrap();
+        let painted = (0..stack.body().positions.len()).map(|vertex| f32::from(u8::from(vertex < 40)));
+        let part = SitterPart { name: "part".into(), painted: painted.collect() };
+        let template = (Template::LowPass(4), MatchSettings::default());
+        let sitter = Sitter::new(&stack, &[template], vec![part]).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sheet.png");
+        let terminal = Terminal::new(true);
+        terminal.task().cancel();
+        let options = GalleryOptions::default();
+        let drawn = options.sheet(&sitter, 1, (Camera::default(), [64, 64]), &path, &terminal);
+        assert!(drawn.unwrap_err().is_cancelled());
+        assert!(!path.exists());
+        for variant in [None, Some(1)] {
+            let single = GalleryOptions { variant, ..GalleryOptions::default() };
+            assert!(single.single(&sitter, 1, &terminal).unwrap_err().is_cancelled());
+        }
+    }
 }
