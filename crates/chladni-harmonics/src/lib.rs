@@ -69,6 +69,7 @@ pub use error::HarmonicsError;
 pub use functional_map::{Eigenvectors, FunctionalMap};
 pub use geodesic::HeatGeodesics;
 pub use heat::{HeatFlow, HeatStep};
+pub use memory::available as available_memory;
 pub use operator::{Operator, mesh_laplacian, point_cloud_laplacian};
 pub use pencil::{ConsistentPencil, Eigenpairs, Pencil};
 #[cfg(not(target_family = "wasm"))]

@@ -212,7 +212,7 @@ fn check_promise(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError
 }
 
 /// The bytes that are available without swapping out other programs; `None` if the system does not say.
-fn available() -> Option<u64> {
+pub fn available() -> Option<u64> {
     let system = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| in_meminfo(&text));
     let read = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok();
     let number = |text: String| text.trim().parse::<u64>().ok();

@@ -22,7 +22,7 @@ pub struct Beats {
 impl Beats {
     /// Runs the command.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
-        let song = source::song(&self.song, 0.0, None, terminal)?;
+        let song = source::long_song(&self.song, terminal)?;
         let found = terminal.watch("beats", |task| {
             if self.causal { track_beats_causally(&song, task) } else { track_beats(&song, task) }
         });

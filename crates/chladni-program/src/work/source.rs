@@ -5,13 +5,18 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use chladni_caricature::Project;
+use chladni_harmonics::available_memory;
 use chladni_mesh::{Loaded, ShapeSource, TriMesh, nothing_beside, read_named_mesh};
-use chladni_sound::{Song, SongOptions, SongReader, sample_tune};
+use chladni_sound::{Song, SongOptions, SongReader, SoundError, sample_tune};
+use chladni_task::open_file;
 
 use super::{Error, Warning, Watcher};
 
 /// The name of the sample tune.
 pub const TUNE: &str = "sample:tune";
+
+/// The most bytes that the samples of one [long song](long_song) may take: six hours at 48 kHz.
+const MOST_BYTES: u64 = 8 << 30;
 
 /// The users' name for the sample shape `name`.
 pub fn sample_path(name: &str) -> PathBuf {
@@ -68,6 +73,18 @@ pub fn mesh(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<TriMesh, E
     shape(&ShapeSource::named(name.as_ref()), watcher)
 }
 
+/// Checks, before long work, that a mesh is there to be read.
+///
+/// # Errors
+/// As [`shape`] does.
+pub fn check_there(source: &ShapeSource, watcher: &impl Watcher) -> Result<(), Error> {
+    if source.file().is_some_and(|file| open_file(file).is_ok()) {
+        return Ok(());
+    }
+    // The error is that of reading it.
+    shape(source, watcher).map(drop)
+}
+
 /// The project at `path`; warns where it was made by an older program.
 ///
 /// # Errors
@@ -101,6 +118,32 @@ pub fn song(
     duration_secs: Option<f64>,
     watcher: &impl Watcher,
 ) -> Result<Song, Error> {
+    read_song(name, &SongOptions { start_secs, duration_secs, ..SongOptions::default() }, watcher)
+}
+
+/// Reads all of a song, or of `sample:tune`, for work without a listener, which may take more memory; warns of damage.
+///
+/// # Errors
+/// As [`song`] does, but [`Error::Input`] for a song that is too long.
+pub fn long_song(name: &str, watcher: &impl Watcher) -> Result<Song, Error> {
+    let options = SongOptions { max_bytes: most_bytes(available_memory()), ..SongOptions::default() };
+    match read_song(name, &options, watcher) {
+        Err(Error::Sound(error @ SoundError::TooLong { .. })) => {
+            Err(Error::Input(format!("{error}; free some memory, or cut it into several files")))
+        }
+        read => read,
+    }
+}
+
+/// How much the samples of one long song may take where this much memory is `free`: a film has them twice, and needs more
+/// beside them.
+fn most_bytes(free: Option<u64>) -> usize {
+    let most = free.map_or(0, |free| MOST_BYTES.min(free / 4));
+    SongOptions::default().max_bytes.max(usize::try_from(most).unwrap_or(usize::MAX))
+}
+
+fn read_song(name: &str, options: &SongOptions, watcher: &impl Watcher) -> Result<Song, Error> {
+    let SongOptions { start_secs, duration_secs, .. } = *options;
     check_stretch(start_secs, duration_secs)?;
     if let Some(sample) = ShapeSource::sample_name(Path::new(name)) {
         if name != TUNE {
@@ -108,9 +151,8 @@ pub fn song(
         }
         return stretch(sample_tune(), start_secs, duration_secs);
     }
-    let options = SongOptions { start_secs, duration_secs, ..SongOptions::default() };
     let mut reader = SongReader::open(Path::new(name))?;
-    let song = watcher.watch("decoding the song", |task| Song::read(&mut reader, &options, task));
+    let song = watcher.watch("decoding the song", |task| Song::read(&mut reader, options, task));
     if let Some(damage) = reader.damage() {
         watcher.warn(Warning::of(name, damage));
     }
@@ -150,7 +192,29 @@ fn stretch(song: Song, start_secs: f64, duration_secs: Option<f64>) -> Result<So
 
 #[cfg(test)]
 mod tests {
+    use chladni_task::Task;
+
+    use super::super::Aside;
     use super::*;
+
+    #[test]
+    fn long_songs_take_a_quarter_of_the_memory_at_most() {
+        let usual = SongOptions::default().max_bytes;
+        assert_eq!([None, Some(1 << 30)].map(most_bytes), [usual; 2]);
+        assert_eq!([12, 1000].map(|gib: u64| most_bytes(Some(gib << 30)) as u64), [3 << 30, MOST_BYTES]);
+    }
+
+    #[test]
+    fn a_mesh_that_is_not_there_is_known_before_it_is_read() {
+        let (folder, task) = (tempfile::tempdir().unwrap(), Task::new());
+        let [there, gone] = ["there.obj", "gone.obj"].map(|name| folder.path().join(name));
+        std::fs::write(&there, "not read yet").unwrap();
+        let check = |name: &Path| check_there(&ShapeSource::named(name), &Aside::new(&task));
+        check(&there).unwrap();
+        check(Path::new("sample:bell")).unwrap();
+        assert!(check(&gone).unwrap_err().to_string().contains("gone.obj"));
+        assert!(check(Path::new("sample:gone")).unwrap_err().to_string().contains("gone"));
+    }
 
     #[test]
     fn a_part_of_any_length_ends_with_the_song() {

@@ -59,7 +59,7 @@ impl Songs {
         let mut songs = Vec::new();
         for (number, (name, _)) in names.iter().enumerate() {
             let song = if numbers.contains(&number) {
-                let song = Arc::new(source::song(name, 0.0, None, watcher)?);
+                let song = Arc::new(source::long_song(name, watcher)?);
                 Some(KnownSong::new(song)?)
             } else {
                 None
