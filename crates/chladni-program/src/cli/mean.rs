@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_match::{MatchSettings, MeanShape, Method};
-use chladni_mesh::{TriMesh, save_mesh};
+use chladni_mesh::{ShapeSource, TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{method, scaling};
@@ -49,6 +49,8 @@ impl Mean {
             return Err(Error::input("the mean needs two shapes or more"));
         };
         let shape = source::mesh(first, terminal)?;
+        // Each match takes long: a wrong name would lose all before it.
+        others.iter().try_for_each(|path| source::check_there(&ShapeSource::named(path), terminal))?;
         let (method, scaling) = (self.matching, scaling(self.rigid));
         let settings = MatchSettings { method, scaling, seed: self.seed, ..MatchSettings::default() };
         let mut mean = MeanShape::of(&shape);

@@ -9,7 +9,7 @@ use chladni_mesh::{Orientation, ShapeSource};
 use chladni_synth::Term;
 
 use super::outputs::check_textures;
-use super::{Error, Stance, Subject, Watcher, body, formats, make, source};
+use super::{Error, Stance, Subject, Watcher, body, check_templates, formats, make, source};
 
 /// A mesh, and the project that it comes from where it is a caricature.
 pub struct Cast {
@@ -57,6 +57,14 @@ impl Cast {
         let layers = self.project.iter().flat_map(|project| project.layers());
         let templates = layers.map(|(_, layer)| &layer.template);
         check_textures(paths, (&self.shape, self.subject.whole()), templates)
+    }
+
+    /// Checks, before any work, that the templates of its project are there to be read.
+    ///
+    /// # Errors
+    /// As [`check_templates`].
+    pub fn check_templates(&self, watcher: &impl Watcher) -> Result<(), Error> {
+        self.project.as_ref().map_or(Ok(()), |project| check_templates(project, watcher))
     }
 
     /// How its project says that it stands.

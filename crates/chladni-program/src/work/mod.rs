@@ -107,7 +107,7 @@ pub use starting_point::{STARTING_POINTS, StartingPoint, layer_against, layer_si
 pub use subject::Subject;
 pub use swelling::{Swelling, swollen_at};
 pub use symmetry_figure::figure_markers;
-pub use template::{is_namesake, matched, matched_with, template_mesh};
+pub use template::{check_template, check_templates, is_namesake, matched, matched_with, template_mesh};
 pub use template_name::template_name;
 pub use theatre::{
     FIRST_VIEW, OWN_COLORS, Staged, Staging, Wardrobe, along, blur, cautions, chooses_shots, dots,

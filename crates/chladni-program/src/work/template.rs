@@ -1,6 +1,6 @@
 //! Templates: their meshes, and the match of a shape with one.
 
-use chladni_caricature::{CaricatureError, MatchRequest, Matched, Template};
+use chladni_caricature::{CaricatureError, MatchRequest, Matched, Project, Template};
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
 use chladni_task::read_file;
@@ -13,6 +13,23 @@ use super::{Error, Warning, Watcher, source};
 /// As [`source::shape`] does.
 pub fn template_mesh(template: &Template, watcher: &impl Watcher) -> Result<Option<TriMesh>, Error> {
     template.mesh().map(|source| source::shape(&source, watcher)).transpose()
+}
+
+/// Checks, before any work, that a template is there to be read.
+///
+/// # Errors
+/// As [`template_mesh`] does.
+pub fn check_template(template: &Template, watcher: &impl Watcher) -> Result<(), Error> {
+    template.mesh().map_or(Ok(()), |source| source::check_there(&source, watcher))
+}
+
+/// The same for the templates of all layers of `project` that act.
+///
+/// # Errors
+/// As [`template_mesh`] does.
+pub fn check_templates(project: &Project, watcher: &impl Watcher) -> Result<(), Error> {
+    let mut acting = project.layers().iter().filter(|(_, layer)| project.acts(layer));
+    acting.try_for_each(|(_, layer)| check_template(&layer.template, watcher))
 }
 
 /// Whether `next` is another mesh of the same file name than `template`, rather than the same file moved: the one before is

@@ -89,6 +89,19 @@ fn panels_and_turntables_show_the_colors_or_the_texture_of_the_shape() {
 }
 
 #[test]
+fn a_picture_that_fails_does_not_take_the_mesh_with_it() {
+    let desk = Desk::new();
+    // A folder in the place of the first frame.
+    std::fs::create_dir_all(desk.path("turn/frame-00000.png")).unwrap();
+    for out in ["out.ply", "out.obj"] {
+        let film = "--turntable turn --turn-secs 0.1 --size 64x64 --ink";
+        let run = desk.run(&format!("caricature shape.obj ellipsoid -k 16 -o {out} {film}"));
+        assert!(!run.status.success());
+        assert_eq!(desk.mesh(out).triangles.len(), desk.mesh("shape.obj").triangles.len());
+    }
+}
+
+#[test]
 fn a_picture_shows_the_panels_asked_for_in_a_row_for_each_mu() {
     let desk = Desk::new();
     desk.ok(

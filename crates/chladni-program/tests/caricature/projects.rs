@@ -191,3 +191,29 @@ fn a_project_that_keeps_triangles_says_how_much_it_keeps() {
     desk.ok("caricature --recipe p.chladni -o again.ply");
     assert_eq!(desk.mesh("again.ply").positions, desk.mesh("kept.ply").positions);
 }
+
+/// More harmonics than there are vertices are warned of when they are solved.
+#[test]
+fn a_template_that_is_not_there_is_reported_before_any_harmonics_are_solved() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("many")).unwrap();
+    for name in ["gone.obj", "many/a.obj"] {
+        std::fs::copy(desk.path("shape.obj"), desk.path(name)).unwrap();
+    }
+    desk.ok("project new shape.obj -o p.chladni -k 2000");
+    desk.ok("project add-layer p.chladni --template gone.obj --match same");
+    std::fs::remove_file(desk.path("gone.obj")).unwrap();
+    for line in [
+        "caricature shape.obj gone.obj -k 2000 -o out.obj",
+        "caricature shape.obj gone.obj -k 2000 --gallery -o out.png",
+        "caricature --recipe p.chladni -o out.obj",
+        "caricature --recipe p.chladni --batch many -o out",
+        "dance p.chladni sample:tune -o film.gif --duration 0.1 --size 32x32",
+    ] {
+        let said = desk.refused(line);
+        assert!(said.contains("gone.obj") && !said.contains("instead of"), "{line}: {said}");
+    }
+    let mean = desk.run("mean shape.obj many/a.obj gone.obj --match same -o mean.obj");
+    let said = String::from_utf8(mean.stderr).unwrap();
+    assert!(mean.stdout.is_empty() && said.contains("gone.obj"), "{said}");
+}

@@ -23,7 +23,8 @@ use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
 use crate::work::outputs::{check_distinct, check_film, check_mesh, check_picture, check_textures};
 use crate::work::{
-    Error, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, make, settled, sitter, source,
+    Error, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, check_template, check_templates, make,
+    settled, sitter, source,
 };
 
 /// Exaggerate what makes a shape differ from a template.
@@ -94,6 +95,7 @@ impl Caricature {
         }
         let Some(recipe) = &self.recipe else { return self.single(terminal) };
         let mut project = source::project(recipe, terminal)?;
+        check_templates(&project, terminal)?;
         project.keep_triangles |= self.keep_triangles;
         match (&self.batch, &self.shape) {
             (Some(folder), _) => self.batch(project, folder, terminal),
@@ -175,6 +177,7 @@ impl Caricature {
         if self.harmonics == Some(0) {
             return Err(Error::input("the number of harmonics must be 1 or more"));
         }
+        check_template(template, terminal)?;
         let source: ShapeSource = shape.parse()?;
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
@@ -212,6 +215,7 @@ impl Caricature {
         } else {
             check_picture(output)?;
         }
+        self.template.iter().try_for_each(|template| check_template(template, terminal))?;
         let (harmonics, laplacian) = (self.harmonics.unwrap_or(DEFAULT_HARMONICS), laplacian(self.paper));
         let mut project = Project::new(shape.parse()?, harmonics);
         (project.laplacian, project.keep_triangles) = (laplacian, self.keep_triangles);
@@ -301,7 +305,7 @@ fn finish(
     pictures: Pictures<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let Pictures { path, turntable, portrait, sheet, ink } = pictures;
+    let Pictures { path, turntable, .. } = pictures;
     let templates = project.layers().iter().map(|(_, layer)| &layer.template);
     let paths: Vec<&Path> = path.into_iter().chain(turntable.turntable.as_deref()).collect();
     check_textures(&paths, (shape, subject.whole()), templates)?;
@@ -317,23 +321,38 @@ fn finish(
         _ => Ok(()),
     };
     save(&made.sculpture, !is_last)?;
+    // A picture that fails does not take the mesh with it.
+    let drawn = draw(&mut made, &name, project, pictures, terminal);
+    save(&made.sculpture, is_last)?;
+    drawn
+}
+
+/// Draws the pictures of `made`, whose shape is called `name`.
+fn draw(
+    made: &mut Made,
+    name: &str,
+    project: &Project,
+    pictures: Pictures<'_>,
+    terminal: &Terminal,
+) -> Result<(), Error> {
+    let Pictures { path, turntable, portrait, sheet, ink } = pictures;
     // Ink has colors of its own.
     let is_colored =
         path.is_some_and(|path| !ink.wanted(path)) || (turntable.turntable.is_some() && !ink.is_asked_for());
     let Sculpture { subject, body, .. } = &made.sculpture;
-    let look = if is_colored { OwnLook::of_subject(&name, subject, body, terminal) } else { None };
+    let look = if is_colored { OwnLook::of_subject(name, subject, body, terminal) } else { None };
     let look = look.as_ref();
     if let Some(path) = path {
-        portrait::render(&mut made, &name, look, project, path, portrait, sheet, ink, terminal)?;
+        portrait::render(made, name, look, project, path, portrait, sheet, ink, terminal)?;
         terminal.wrote(path)?;
     }
     if let Some(path) = &turntable.turntable {
         let from =
-            portrait.camera(&name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
+            portrait.camera(name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
         turntable.film(path, &made.sculpture, look, from, portrait.size(), ink, terminal)?;
         terminal.wrote(path)?;
     }
-    save(&made.sculpture, is_last)
+    Ok(())
 }
 
 /// Prints for every acting layer how far it moves the shape and how many triangles it folds.

@@ -46,6 +46,7 @@ impl Prepared {
         let cast = Cast::open(Path::new(&wanted.body), watcher)?;
         wanted.output.check_apart(&cast.files())?;
         wanted.output.check_textures(&cast)?;
+        cast.check_templates(watcher)?;
         if wanted.output.animation.is_some() && cast.subject().proxy.is_some() {
             watcher.warn(Warning::of(&wanted.body, ONLY_THE_PROXY));
         }
