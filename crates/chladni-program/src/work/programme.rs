@@ -1,8 +1,8 @@
 //! The autopilot at work: dances, looks and strength change with the music, on any instrument.
 
 use chladni_music::{
-    Action, Autopilot, BarLine, Candidate, Form, GalleryItem, Instrument, Parameter, Preset, Settings, Turn,
-    repertoire,
+    Action, Autopilot, BarLine, Candidate, Form, GalleryItem, Instrument, ItemId, Parameter, Preset,
+    Settings, Turn, repertoire,
 };
 
 use chladni_view::Look;
@@ -32,6 +32,8 @@ pub struct Programme {
     held: Vec<Action>,
     /// Where the knobs of a dance stood when it began, and the generation that was seen.
     before: (Settings, usize),
+    /// The first dance of that generation, by which it is known.
+    first: Option<ItemId>,
 }
 
 impl Programme {
@@ -74,6 +76,7 @@ impl Programme {
             form: None,
             held: Vec::new(),
             before: (instrument.parameters().of_a_dance(), instrument.gallery().current()),
+            first: instrument.gallery().items().first().map(|item| item.id),
         })
     }
 
@@ -137,20 +140,26 @@ impl Programme {
         let Action::PerformGallery { first } = *action else { return false };
         let gallery = instrument.gallery();
         let dance = |items: &[GalleryItem]| items.get(first).map(|item| item.id);
-        let returning = gallery.generations().get(self.before.1);
+        let returning = gallery.generations().get(self.returning(instrument));
         let returning = returning.and_then(|generation| dance(&generation.items));
         returning.is_some() && returning == dance(gallery.items())
+    }
+
+    /// The generation that was seen when it began, or the first one where another gallery has taken the place of that.
+    fn returning(&self, instrument: &Instrument) -> usize {
+        let seen = instrument.gallery().generations().get(self.before.1);
+        let first = seen.and_then(|generation| generation.items.first()).map(|item| item.id);
+        if first == self.first { self.before.1 } else { 0 }
     }
 
     /// Actions that end the programme, once the stage is left or shows another dance: gallery and knobs return to
     /// where they were when it began.
     pub fn end(&self, instrument: &Instrument) -> Vec<Action> {
-        let (before, generation) = (&self.before.0, self.before.1);
+        let (before, generation) = (&self.before.0, self.returning(instrument));
         let now = instrument.parameters().of_a_dance();
         let mut actions = Vec::new();
         let gallery = instrument.gallery();
-        // Another gallery may have taken the place of that one.
-        if gallery.current() != generation && generation < gallery.generations().len() {
+        if gallery.current() != generation {
             actions.push(Action::GoTo { generation });
         }
         let form = before.form.filter(|_| before.form != now.form);
@@ -312,6 +321,24 @@ mod tests {
         let ends_before = |first| programme.ends_before(&Action::PerformGallery { first }, &instrument);
         assert_eq!([0, 3, 4, 5, 6].map(ends_before), [true, true, false, false, false]);
         assert!(!programme.ends_before(&Action::Perform { item: 0 }, &instrument));
+    }
+
+    #[test]
+    fn it_ends_where_another_gallery_began() {
+        let shape = GalleryShape { eigenvalues: (0..64).map(f64::from).collect(), bands: 32 };
+        let mut instrument = Instrument::new(1, 6, shape).unwrap();
+        instrument.apply(Moment::default(), Action::Mutate { item: 0, amount: 0.1 }).unwrap();
+        let mut programme = Programme::new(&instrument, Vec::new(), 0.0, 0).unwrap();
+        instrument.apply(Moment::default(), Action::NewGallery { seed: 2, size: 6 }).unwrap();
+        let items = instrument.gallery().items().to_vec();
+        for i in 0..3 {
+            turn(&mut programme, &mut instrument, f64::from(i));
+        }
+        assert_ne!(instrument.gallery().items(), items);
+        for action in programme.end(&instrument) {
+            instrument.apply(Moment::default(), action).unwrap();
+        }
+        assert_eq!(instrument.gallery().items(), items);
     }
 
     #[test]
