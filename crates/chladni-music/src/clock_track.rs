@@ -98,6 +98,12 @@ impl ClockTrack {
         }
     }
 
+    /// Forgets how the clock ran after `at_secs`, as where a show that was known to its end goes on otherwise.
+    pub fn cut(&mut self, at_secs: f64) {
+        let begun = self.begun(at_secs);
+        self.marks.truncate(begun);
+    }
+
     /// The mark that determines the beat at `at_secs`; none before the first.
     pub fn mark_at(&self, at_secs: f64) -> Option<&ClockMark> {
         self.marks.get(self.begun(at_secs).checked_sub(1)?)
@@ -231,6 +237,19 @@ mod tests {
         assert_eq!([0.5, 4.0, 5.5].map(|at| track.followed_since(at)), [None, Some(1.0), None]);
         let bars = track.bars_between(0.0, 9.0);
         assert_eq!(bars.iter().map(|bar| bar.at_secs).collect::<Vec<_>>(), [1.0, 3.0]);
+    }
+
+    #[test]
+    fn a_clock_that_is_cut_goes_on_or_is_left_before_its_later_marks() {
+        let mut track = ClockTrack::default();
+        let beat = |count| Beat { count, confidence: 1.0 };
+        track.follow(1.0, beat(8.0), 120.0, 0.0);
+        track.follow(3.0, beat(20.0), 60.0, 0.0);
+        track.cut(2.0);
+        assert_eq!((track.marks().len(), track.beat_at(2.5)), (1, Some(beat(11.0))));
+        track.leave(2.0);
+        assert!(track.is_sound());
+        assert_eq!((track.beat_at(2.5), track.mark_at(2.5).map(|mark| mark.count)), (None, Some(10.0)));
     }
 
     #[test]

@@ -166,6 +166,12 @@ impl Instrument {
         self.stage.scene(beat, &self.favorites, &self.parameters)
     }
 
+    /// The place, among favorites or in the gallery on stage, of the dance that is shown there in turn after `beat`
+    /// beats; `None` where none are shown in turn.
+    pub fn place_in_turn(&self, beat: f64) -> Option<usize> {
+        self.stage.place_in_turn(beat, &self.favorites, &self.parameters)
+    }
+
     /// Whether a gallery is on stage through which the beat steps.
     pub fn steps_through_gallery(&self) -> bool {
         self.stage.shows_gallery() && self.parameters.is_on(Switch::BeatSteps)
@@ -236,16 +242,16 @@ impl Instrument {
         Ok(())
     }
 
-    /// All actions replayed, with the beat of each recomputed by `beats` from its time: for a song whose
+    /// All actions replayed, with the beat of each recomputed by `beats` from its moment: for a song whose
     /// beats become known while it plays.
     ///
     /// # Errors
     /// Bugs only: all of these actions were done before.
-    pub fn with_beats(&self, beats: impl Fn(f64) -> f64) -> Result<Self, MusicError> {
+    pub fn with_beats(&self, beats: impl Fn(Moment) -> f64) -> Result<Self, MusicError> {
         let mut again =
             Self::beginning_with(self.beginning.clone(), self.seed, self.size, self.shape.clone())?;
         for line in &self.log {
-            let moment = Moment { at_beat: beats(line.moment.at_secs), ..line.moment };
+            let moment = Moment { at_beat: beats(line.moment), ..line.moment };
             again.apply(moment, line.action.clone())?;
         }
         Ok(again)
@@ -306,6 +312,11 @@ impl Instrument {
                 self.staying_in_turn(moment.at_beat, |instrument| {
                     instrument.parameters.set(parameter, value)
                 })?;
+            }
+            Action::Set { parameter: parameter @ Parameter::TransitionBeats, value } => {
+                parameter.check(value)?;
+                self.stage.keep_transition(moment.at_beat, &self.favorites, &self.parameters);
+                self.parameters.set(parameter, value)?;
             }
             Action::Set { parameter, value } => self.parameters.set(parameter, value)?,
             Action::Switch { switch: switch @ Switch::BeatSteps, on } => {

@@ -79,6 +79,8 @@ pub struct Stage {
     gallery: Vec<ItemId>,
     since_beat: f64,
     before: Option<ItemId>,
+    /// The beats that the one shown takes to come, where a setting has changed since; else what the knobs say.
+    comes_within: Option<f64>,
     /// The next item, and where the fader stood when it was chosen.
     next: Option<(ItemId, f32)>,
     /// Where it stands, in [0, 1]. It goes to the other end and, for the one after, back again.
@@ -187,7 +189,7 @@ impl Stage {
         if !matches!(shown, Shown::InTurn(List::Gallery, _)) {
             self.gallery.clear();
         }
-        (self.shown, self.since_beat) = (Some(shown), beat);
+        (self.shown, self.since_beat, self.comes_within) = (Some(shown), beat, None);
     }
 
     fn enter(&mut self, shown: Shown, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) {
@@ -209,15 +211,31 @@ impl Stage {
         }
     }
 
+    /// The beats that the dance shown takes to come; where others follow it, it is whole before the next one comes.
+    fn transition_beats(&self, parameters: &Parameters) -> f64 {
+        let steps = matches!(self.shown, Some(Shown::InTurn(..))) && parameters.is_on(Switch::BeatSteps);
+        let most = if steps { turns::beats_per_step(parameters) } else { f64::INFINITY };
+        let by_knob = || f64::from(parameters.get(Parameter::TransitionBeats));
+        self.comes_within.unwrap_or_else(by_knob).min(most)
+    }
+
+    /// A dance that has begun to come goes on as it began, whatever `parameters` become, and what has left stays away.
+    pub(crate) fn keep_transition(&mut self, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) {
+        match self.in_turn(beat, favorites, parameters) {
+            Some((stage, _)) => *self = stage,
+            None => self.comes_within = Some(self.transition_beats(parameters)),
+        }
+    }
+
     fn by_beats(&self, beat: f64, favorites: &[GalleryItem], parameters: &Parameters) -> Option<Scene> {
-        let transition = f64::from(parameters.get(Parameter::TransitionBeats));
         let gone = (beat - self.since_beat).max(0.0);
-        let entering = |to: ItemId, transition: f64| {
+        let entering = |to: ItemId| {
             let from = self.before.unwrap_or(to);
-            Scene { from, to, weight: if from == to { 1.0 } else { ease(gone, transition) } }
+            let weight = if from == to { 1.0 } else { ease(gone, self.transition_beats(parameters)) };
+            Scene { from, to, weight }
         };
         match self.shown? {
-            Shown::Item(id) => Some(entering(id, transition)),
+            Shown::Item(id) => Some(entering(id)),
             Shown::InTurn(list, first) => {
                 let count = self.count(list, favorites);
                 if count == 0 {
@@ -227,12 +245,11 @@ impl Stage {
                 let per_step = turns::beats_per_step(parameters);
                 let step = turns::steps(gone, parameters);
                 if step < 1.0 {
-                    // Whole before the next one comes.
-                    let most = if parameters.is_on(Switch::BeatSteps) { per_step } else { f64::INFINITY };
-                    return at(0).map(|to| entering(to, transition.min(most)));
+                    return at(0).map(entering);
                 }
                 let from = at(step as usize - 1)?;
                 let to = at(step as usize)?;
+                let transition = f64::from(parameters.get(Parameter::TransitionBeats));
                 let weight = ease(gone - step * per_step, transition.min(per_step));
                 Some(Scene { from, to, weight: if from == to { 1.0 } else { weight } })
             }

@@ -148,7 +148,7 @@ impl Concert {
         let (number, mut reading) = song.ok_or_else(|| Error::input("No song is heard that has a beat."))?;
         reading.change_octave(by);
         // A show that is played is the user's own from then on.
-        self.script = None;
+        self.leave_script();
         self.read_otherwise(number, reading)
     }
 
@@ -159,7 +159,7 @@ impl Concert {
         let Some(beats) = &song.beats else { return Ok(()) };
         self.hearing.know_beats(number, read_beats(beats, reading));
         // What was done so far was done at other beats now.
-        self.instrument = self.instrument.with_beats(|at_secs| self.hearing.beat_at(at_secs).count)?;
+        self.instrument = self.instrument.with_beats(|moment| self.hearing.beats_at(moment))?;
         Ok(())
     }
 }

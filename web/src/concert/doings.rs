@@ -137,7 +137,7 @@ impl Concert {
 impl Concert {
     /// Does an action now. A show that is played is the user's own from then on.
     pub(super) fn act(&mut self, action: Action) -> Result<(), Error> {
-        self.script = None;
+        self.leave_script();
         self.act_at(self.clock.at_secs(), action)
     }
 

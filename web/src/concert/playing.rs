@@ -50,6 +50,7 @@ impl Concert {
         self.looks = show.looks.unwrap_or_default();
         (self.programme, self.before_sand, self.live) = (None, None, None);
         (self.hearing, self.clock) = (Hearing::default(), ShowClock::default());
+        self.hearing.know_clock(show.clock);
         self.hearing.tune(0.0, self.instrument.parameters());
         self.songs = show.songs.into_iter().map(ShowSong::from).collect();
         Ok(())
@@ -77,11 +78,18 @@ impl Concert {
 
     /// The show that is played is one's own from now on.
     pub fn stop_show(&mut self) {
-        self.script = None;
+        self.leave_script();
     }
 }
 
 impl Concert {
+    /// What follows is not of the show that was played, nor is its clock.
+    pub(super) fn leave_script(&mut self) {
+        if self.script.take().is_some() {
+            self.hearing.give_up_clock(self.clock.at_secs());
+        }
+    }
+
     /// Repeats the actions up to a time of the show that is played.
     pub(super) fn follow_script(&mut self, now_secs: f64) -> Result<(), Error> {
         loop {
@@ -89,7 +97,7 @@ impl Concert {
             let Some(line) = script.actions.pop_front_if(|line| line.moment.at_secs <= now_secs) else {
                 let is_over = script.actions.is_empty() && script.heard.is_empty();
                 if is_over && now_secs >= script.ends_secs {
-                    self.script = None;
+                    self.leave_script();
                 }
                 return Ok(());
             };

@@ -39,6 +39,19 @@ impl Stage {
         }
     }
 
+    /// The place in its list of the dance that is shown in turn.
+    pub(crate) fn place_in_turn(
+        &self,
+        beat: f64,
+        favorites: &[GalleryItem],
+        parameters: &Parameters,
+    ) -> Option<usize> {
+        let Some(Shown::InTurn(list, first)) = self.shown else { return None };
+        let count = self.count(list, favorites);
+        let step = steps((beat - self.since_beat).max(0.0), parameters);
+        (count > 0).then(|| index(first, step as usize, count))
+    }
+
     /// The stage of now, counted from the dance that is shown, and the scene; `None` where none are shown in turn. With
     /// both, [`go_on_after`](Self::go_on_after) stays with that dance.
     pub(crate) fn in_turn(
@@ -55,8 +68,9 @@ impl Stage {
             let now = index(first, step as usize, self.count(list, favorites));
             stage.shown = Some(Shown::InTurn(list, now));
             stage.since_beat += step * beats_per_step(parameters);
-            stage.before = Some(scene.from);
+            (stage.before, stage.comes_within) = (Some(scene.from), None);
         }
+        stage.comes_within = Some(stage.transition_beats(parameters));
         Some((stage, scene))
     }
 
@@ -76,7 +90,7 @@ impl Stage {
         }
         let Some(is) = (0..count).find(|&place| self.at(list, place, favorites) == Some(scene.to)) else {
             self.shown = Some(Shown::InTurn(list, was % count));
-            self.since_beat = beat;
+            (self.since_beat, self.comes_within) = (beat, None);
             self.before = Some(if scene.weight < 0.5 { scene.from } else { scene.to });
             return;
         };
@@ -86,7 +100,7 @@ impl Stage {
             // It has been there for longer than a step is now. Cuts keep their place within the beat; where it is still coming,
             // it comes from its beginning.
             self.since_beat += gone.floor();
-            self.before = (scene.weight < 1.0).then_some(scene.from);
+            (self.before, self.comes_within) = ((scene.weight < 1.0).then_some(scene.from), None);
         }
     }
 }

@@ -108,7 +108,7 @@ fn the_favorite_that_is_shown_stays_when_their_list_or_their_steps_change() {
         assert_eq!(shown(0.0), (second, 1.0), "{action:?}");
         assert_eq!(shown(next.unwrap_or(1000.0) - 0.5), (second, 1.0), "{action:?}");
         assert!(next.is_none_or(|next| shown(next + 0.5).0 == third), "{action:?}");
-        assert_eq!(instrument.with_beats(|secs| secs).unwrap(), instrument);
+        assert_eq!(instrument.with_beats(|moment| moment.at_secs).unwrap(), instrument);
     }
     // A change during a transition is not seen either.
     let mut instrument = three.clone();
@@ -151,7 +151,7 @@ fn a_favorite_that_is_one_no_longer_leaves_the_stage() {
     // The stage does not open by itself where there is a favorite again.
     apply(&mut instrument, beat + 6.0, Action::Favorite { item: 4, on: true });
     assert_eq!(instrument.scene(beat + 6.0), None);
-    assert_eq!(instrument.with_beats(|secs| secs).unwrap(), instrument);
+    assert_eq!(instrument.with_beats(|moment| moment.at_secs).unwrap(), instrument);
 }
 
 #[test]
@@ -175,7 +175,7 @@ fn the_gallery_steps_on_the_beat_from_the_dance_that_was_put_on_stage() {
     assert!(ids.iter().all(|id| instrument.item(*id).is_some()));
     apply(&mut instrument, 2.9 * STEP, steps(false));
     assert_eq!(shown(&instrument, 9.9 * STEP), ids[0]);
-    assert_eq!(instrument.with_beats(|secs| secs).unwrap(), instrument);
+    assert_eq!(instrument.with_beats(|moment| moment.at_secs).unwrap(), instrument);
     // Alone is alone.
     apply(&mut instrument, 10.0 * STEP, steps(true));
     apply(&mut instrument, 10.0 * STEP, Action::Perform { item: 0 });
@@ -201,4 +201,39 @@ fn the_gallery_goes_on_from_the_one_that_is_brought_by_hand() {
         assert_eq!([8.0, 7.0 + STEP, 9.0 + STEP].map(shown), [3, 3, 4].map(|place: usize| Some(ids[place])));
         assert_eq!(instrument.next_on_stage(), None);
     }
+}
+
+#[test]
+fn a_transition_that_has_begun_goes_on_as_it_began() {
+    let takes = |value| Action::Set { parameter: Parameter::TransitionBeats, value };
+    // One dance after another, amid the transition and long after it.
+    let mut alone = instrument();
+    apply(&mut alone, 0.0, Action::Perform { item: 0 });
+    apply(&mut alone, 8.0, Action::Perform { item: 3 });
+    // Dances in turn likewise, and in a transition that a step cuts short.
+    let (in_turn, _) = three();
+    let mut cut_short = in_turn.clone();
+    apply(&mut cut_short, 0.0, takes(64.0));
+    let steps_off = Action::Switch { switch: Switch::BeatSteps, on: false };
+    for (before, beat, action) in [
+        (&alone, 10.0, takes(64.0)),
+        (&alone, 28.0, takes(64.0)),
+        (&alone, 28.0, takes(0.0)),
+        (&in_turn, 7.0 * STEP + 1.0, takes(64.0)),
+        (&in_turn, 7.0 * STEP + 8.0, takes(64.0)),
+        (&cut_short, 7.0 * STEP + 8.0, steps_off),
+    ] {
+        let (mut after, scene) = (before.clone(), before.scene(beat).unwrap());
+        apply(&mut after, beat, action.clone());
+        let now = after.scene(beat).unwrap();
+        assert_eq!((now.to, now.weight), (scene.to, scene.weight), "{action:?} at {beat}");
+        assert_eq!(after.scene(beat + 7.5).map(|scene| scene.weight > 0.99), Some(true), "{action:?}");
+        assert_eq!(after.with_beats(|moment| moment.at_secs).unwrap(), after);
+    }
+    // The next one takes what the knob says.
+    apply(&mut alone, 28.0, takes(64.0));
+    apply(&mut alone, 30.0, Action::Perform { item: 1 });
+    assert_eq!(alone.scene(62.0).map(|scene| scene.weight), Some(0.5));
+    let unchanged = alone.clone();
+    assert!(alone.apply(Moment::default(), takes(1e3)).is_err() && alone == unchanged);
 }

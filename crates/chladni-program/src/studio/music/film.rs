@@ -8,6 +8,7 @@ use chladni_music::{BeatReading, Show};
 use chladni_view::{FrameRate, Look, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
+pub use self::as_it_is::OnStage;
 use self::as_it_is::as_it_is;
 use super::view::View;
 use super::wish::Then;
@@ -91,8 +92,8 @@ pub struct Scene {
     pub song: Option<usize>,
     /// The content of the middle of the room.
     pub view: View,
-    /// Something is on stage.
-    pub on_stage: bool,
+    /// What is on stage.
+    pub on_stage: Option<OnStage>,
     /// How many favorites there are.
     pub favorites: usize,
 }
@@ -100,7 +101,7 @@ pub struct Scene {
 impl Scene {
     /// Whether nothing but the gallery dances now.
     fn is_gallery(&self) -> bool {
-        !matches!(self.view, View::CloseUp(_)) && !self.on_stage && self.favorites == 0
+        !matches!(self.view, View::CloseUp(_)) && self.on_stage.is_none() && self.favorites == 0
     }
 }
 
@@ -357,7 +358,7 @@ impl Form {
                     let why = "A GLB holds one dance: put one on stage, or make it a favorite.";
                     return Err(Error::input(why));
                 }
-                let show = as_it_is(scene.show, scene.view, scene.on_stage, scene.favorites);
+                let show = as_it_is(scene.show, scene.view, scene.on_stage.as_ref(), scene.favorites);
                 Film::of_show(show, scene.body, vec![song], output)
             }
         };
@@ -397,7 +398,7 @@ mod tests {
                 songs: vec![("sample:tune".into(), BeatReading::default())],
                 song: Some(0),
                 view: View::Gallery,
-                on_stage: false,
+                on_stage: None,
                 favorites: 0,
             };
             form.film(scene, Output::to("film.gif".into())).unwrap()
@@ -425,7 +426,7 @@ mod tests {
                 songs: vec![named("first.wav"), named("second.wav")],
                 song: Some(1),
                 view: View::Gallery,
-                on_stage: false,
+                on_stage: None,
                 favorites: 0,
             };
             let film = filming.form.as_ref().unwrap().film(scene, Output::to("film.gif".into())).unwrap();
@@ -449,7 +450,7 @@ mod tests {
             songs: Vec::new(),
             song: None,
             view: View::Gallery,
-            on_stage: false,
+            on_stage: None,
             favorites: 0,
         };
         let (path, ctx) = (Path::new("film.gif"), egui::Context::default());
@@ -460,14 +461,14 @@ mod tests {
     #[test]
     fn a_gallery_is_no_dance_for_a_glb() {
         let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
-        let film = |view, on_stage, favorites| {
+        let film = |view, on_stage: bool, favorites| {
             let scene = Scene {
                 show: Show::of(&Instrument::new(1, 6, shape.clone()).unwrap()),
                 body: "sample:ring".into(),
                 songs: vec![("sample:tune".into(), BeatReading::default())],
                 song: Some(0),
                 view,
-                on_stage,
+                on_stage: on_stage.then(OnStage::default),
                 favorites,
             };
             Form::FIRST.film(scene, Output::to("dance.glb".into()))

@@ -7,7 +7,7 @@ use egui::Ui;
 use super::MusicRoom;
 use super::concert::Concert;
 use super::curtain::Curtain;
-use super::film::Scene;
+use super::film::{OnStage, Scene};
 use super::listening::Listening;
 use super::shows::{songs_of, songs_of_list, the_show};
 use super::view::View;
@@ -332,6 +332,8 @@ impl MusicRoom {
     ) -> Result<(), Error> {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
             let show = the_show(concert, listening, &self.names, shared, unread);
+            let look = concert.instrument().look().unwrap_or_default().to_owned();
+            let on_stage = OnStage { place: concert.place_in_turn(), look };
             let scene = Scene {
                 songs: songs_of(&show),
                 show,
@@ -339,7 +341,7 @@ impl MusicRoom {
                 song: listening.song_number(),
                 // A close-up behind the stage is not seen.
                 view: if self.hides_the_window() { View::Gallery } else { concert.view() },
-                on_stage: concert.on_stage(),
+                on_stage: concert.on_stage().then_some(on_stage),
                 favorites: concert.instrument().favorites().len(),
             };
             self.filming.begin(scene, path, is_folder, &shared.ctx)?;

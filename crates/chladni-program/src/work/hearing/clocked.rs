@@ -1,7 +1,7 @@
 //! Beats, bars and framing of a show: those of an outer clock while one is followed, otherwise those of its
 //! songs.
 
-use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing};
+use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing, Moment};
 
 use super::Hearing;
 
@@ -39,6 +39,27 @@ impl Hearing {
     /// From `at_secs` on, later than all so far, the beat is that of the songs.
     pub fn leave_clock(&mut self, at_secs: f64) {
         self.clocked.track.leave(at_secs);
+    }
+
+    /// From `at_secs` on, the clock of a show that was known to its end is followed no longer.
+    pub fn give_up_clock(&mut self, at_secs: f64) {
+        self.clocked.track.cut(at_secs);
+        self.leave_clock(at_secs);
+    }
+
+    /// Live input ends at `at_secs`, later than all so far, after `beat`. No song knows the beats that came in live: they
+    /// count as those of a clock that is left then.
+    pub fn leave_live(&mut self, at_secs: f64, beat: Beat) {
+        self.follow_clock(at_secs, beat, 0.0, 0.0);
+        self.leave_clock(at_secs);
+    }
+
+    /// Beats gone by at a moment at which something was done. Those of live input stay as they were counted.
+    pub fn beats_at(&self, moment: Moment) -> f64 {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= moment.at_secs);
+        let stretch = self.stretches.get(begun.saturating_sub(1));
+        let is_live = stretch.is_some_and(|(stretch, _)| stretch.song.is_none());
+        if is_live { moment.at_beat } else { self.beat_at(moment.at_secs).count }
     }
 
     /// Beats gone by at any time of the show so far.
@@ -164,6 +185,21 @@ mod tests {
         // Shots that have begun go on.
         assert_eq!(frames[..125], before[..125]);
         assert!(frames[125..] != before[125..] && before[..125] != after[..125]);
+    }
+
+    #[test]
+    fn no_beat_goes_back_where_a_clock_is_given_up_or_live_input_ends() {
+        let mut given_up = clocked();
+        let before = given_up.beat_at(5.0).count;
+        given_up.give_up_clock(5.0);
+        assert!(given_up.beat_at(5.0).count >= before && given_up.clock().beat_at(5.0).is_none());
+        let mut live = hearing();
+        live.begin(Stretch { song: None, ..stretch(0.0, 0.0, true) }).unwrap();
+        live.begin(stretch(6.0, 2.0, true)).unwrap();
+        live.leave_live(6.0, Beat { count: 500.0, confidence: 1.0 });
+        assert!((500.0..502.0).contains(&live.beat_at(6.0).count), "{:?}", live.beat_at(6.0));
+        let done = |at_secs| live.beats_at(Moment { at_secs, at_beat: 77.0 });
+        assert_eq!([3.0, 7.0].map(done), [77.0, live.beat_at(7.0).count]);
     }
 
     #[test]

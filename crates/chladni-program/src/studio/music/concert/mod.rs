@@ -307,9 +307,10 @@ impl Concert {
         self.hand.home(self.viewpoint)
     }
 
-    /// Recomputes the beats of all logged actions.
-    pub fn count_beats(&mut self, beats: impl Fn(f64) -> f64) -> Result<(), Error> {
-        self.instrument = self.instrument.with_beats(beats)?;
+    /// Recomputes the beats of all logged actions, and of now.
+    pub fn count_beats(&mut self, beats: impl Fn(Moment) -> f64) -> Result<(), Error> {
+        self.instrument = self.instrument.with_beats(&beats)?;
+        self.moment.at_beat = beats(self.moment);
         Ok(())
     }
 
@@ -407,6 +408,11 @@ impl Concert {
     /// Whether something is on stage.
     pub fn on_stage(&self) -> bool {
         self.instrument.scene(self.moment.at_beat).is_some()
+    }
+
+    /// The place of the dance on stage among those that are shown in turn.
+    pub fn place_in_turn(&self) -> Option<usize> {
+        self.instrument.place_in_turn(self.moment.at_beat)
     }
 
     /// The item on stage, or the one that is coming.

@@ -41,7 +41,7 @@ impl Concert {
         self.backcloth.follow(shared);
         self.moving = self.backcloth.moves();
         if listening.beats_changed() {
-            self.count_beats(|at_secs| listening.beats_at(at_secs))?;
+            self.count_beats(|moment| listening.beats_at(moment))?;
         }
         listening.set_seed(self.instrument.seed());
         self.follow_bars(&listening.new_bars())?;

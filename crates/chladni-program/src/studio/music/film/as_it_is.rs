@@ -4,17 +4,26 @@ use chladni_music::{Action, LoggedAction, Moment, Show, Switch};
 
 use crate::studio::music::view::View;
 
+/// What is on stage now.
+#[derive(Clone, Debug, Default)]
+pub struct OnStage {
+    /// The place of the dance among those that are shown in turn, where it is one of them.
+    pub place: Option<usize>,
+    /// The name of the look over it; empty where that is the show's own.
+    pub look: String,
+}
+
 /// The show that begins where this one stands now, and lasts for one song.
-pub fn as_it_is(mut show: Show, view: View, on_stage: bool, favorites: usize) -> Show {
+pub fn as_it_is(mut show: Show, view: View, on_stage: Option<&OnStage>, favorites: usize) -> Show {
     for line in &mut show.actions {
         line.moment = Moment::default();
     }
     let mut now = |action| show.actions.push(LoggedAction { moment: Moment::default(), action });
-    match view {
+    match (view, on_stage) {
         // Alone, even if the beat was set to step.
-        View::CloseUp(item) => now(Action::Perform { item }),
-        _ if on_stage => {}
-        _ if favorites > 0 => {
+        (View::CloseUp(item), _) => now(Action::Perform { item }),
+        (_, Some(OnStage { place: Some(place), look })) => go_on_in_turn(&mut show.actions, *place, look),
+        (_, None) if favorites > 0 => {
             // In turn, even if the beat was not set to step.
             now(Action::Switch { switch: Switch::BeatSteps, on: true });
             now(Action::PerformFavorites { first: 0 });
@@ -23,37 +32,30 @@ pub fn as_it_is(mut show: Show, view: View, on_stage: bool, favorites: usize) ->
     }
     // What left the stage long ago does not come back to fade out.
     if let Some(last) = show.actions.iter().rposition(|line| line.action.opens_stage()) {
-        let line = |action| LoggedAction { moment: Moment::default(), action };
-        let opening = if goes_on_in_turn(&show.actions[..=last]) {
-            Vec::from(brought_at_once(&show.actions[..last]).map(line))
-        } else {
-            vec![line(Action::LeaveStage), show.actions[last].clone()]
-        };
-        show.actions.splice(last..=last, opening);
+        let leave = LoggedAction { moment: Moment::default(), action: Action::LeaveStage };
+        show.actions.insert(last, leave);
     }
     show.unheard()
 }
 
-/// Whether the last of these actions brings a dance from which a gallery on stage may go on in turn.
-fn goes_on_in_turn(actions: &[LoggedAction]) -> bool {
-    let mut latest_first = actions.iter().rev().map(|line| &line.action);
-    let is_brought = latest_first.next() == Some(&Action::Go);
-    let opens_or_leaves =
-        |action: &Action| *action == Action::LeaveStage || *action != Action::Go && action.opens_stage();
-    let before = latest_first.find(|action| opens_or_leaves(action));
-    is_brought && matches!(before, Some(Action::PerformGallery { .. }))
-}
-
-/// [`Action::Go`] without the transition, where something is on stage: by the fader, which then stands where it did after
-/// the actions `before`.
-fn brought_at_once(before: &[LoggedAction]) -> [Action; 4] {
-    let fade = |share| Action::Crossfade { share };
-    let stood = before.iter().rev().find_map(|line| match line.action {
-        Action::Crossfade { share } => Some(share),
-        _ => None,
-    });
-    // Its far end is one of both. It keeps the look, unlike what it stands for.
-    [fade(0.0), fade(1.0), fade(stood.unwrap_or(0.0)), Action::SetLook { look: String::new() }]
+/// The dances in turn begin with the one that the beat, or a hand, has come to, in its look.
+fn go_on_in_turn(actions: &mut Vec<LoggedAction>, place: usize, look: &str) {
+    let line = |action| LoggedAction { moment: Moment::default(), action };
+    let opens_list = |line: &LoggedAction| {
+        matches!(line.action, Action::PerformGallery { .. } | Action::PerformFavorites { .. })
+    };
+    let Some(at) = actions.iter().rposition(opens_list) else { return };
+    if let Some(LoggedAction { action: Action::PerformGallery { first }, .. }) = actions.get_mut(at) {
+        // The gallery as it was then; nothing is brought that has come already.
+        *first = place;
+        let since = actions.split_off(at + 1);
+        let brings = |action: &Action| matches!(action, Action::Go | Action::CueUp { .. });
+        actions.extend(since.into_iter().filter(|line| !brings(&line.action)));
+    } else {
+        // The favorites as they are now.
+        actions.push(line(Action::PerformFavorites { first: place }));
+    }
+    actions.push(line(Action::SetLook { look: look.to_owned() }));
 }
 
 #[cfg(test)]
@@ -61,6 +63,44 @@ mod tests {
     use chladni_music::{GalleryShape, Instrument, Parameter};
 
     use super::*;
+
+    /// What a film of the stage as it is after `beat` beats begins with.
+    fn filmed(instrument: &Instrument, beat: f64) -> Instrument {
+        let look = instrument.look().unwrap_or_default().to_owned();
+        let on_stage = OnStage { place: instrument.place_in_turn(beat), look };
+        let show = as_it_is(Show::of(instrument), View::Gallery, Some(&on_stage), 3);
+        show.replay(instrument.shape().clone()).unwrap()
+    }
+
+    #[test]
+    fn dances_in_turn_are_filmed_from_the_one_of_now() {
+        let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+        let step = f64::from(Parameter::BeatsPerStep.initial());
+        let steps = |on| Action::Switch { switch: Switch::BeatSteps, on };
+        for of_gallery in [false, true] {
+            let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+            let mut act = |at_beat: f64, action| {
+                instrument.apply(Moment { at_secs: 0.5 * at_beat, at_beat }, action).unwrap();
+            };
+            (0..6).for_each(|item| act(0.0, Action::Favorite { item, on: true }));
+            act(0.0, Action::Perform { item: 2 });
+            act(0.0, steps(true));
+            let [of_favorites, of_all] =
+                [Action::PerformFavorites { first: 0 }, Action::PerformGallery { first: 0 }];
+            act(1.0, if of_gallery { of_all } else { of_favorites });
+            act(2.0, Action::SetLook { look: "ember".into() });
+            act(3.0, Action::Favorite { item: 5, on: false });
+            let beat = 1.0 + 3.5 * step;
+            let ids: Vec<_> = instrument.gallery().items().iter().map(|item| item.id).collect();
+            let film = filmed(&instrument, beat);
+            let scene = film.scene(0.0).unwrap();
+            assert_eq!((scene.from, scene.to, film.look()), (ids[3], ids[3], Some("ember")));
+            assert_eq!(film.scene(1.5 * step).unwrap().to, ids[4]);
+            // Where the beat steps no longer, it stays there.
+            instrument.apply(Moment { at_secs: 0.5 * beat, at_beat: beat }, steps(false)).unwrap();
+            assert_eq!(filmed(&instrument, beat + 100.0).scene(9.5 * step).unwrap().to, ids[3]);
+        }
+    }
 
     #[test]
     fn favorites_in_turn_are_all_seen() {
@@ -70,7 +110,7 @@ mod tests {
             let moment = Moment { at_secs: secs, at_beat: 2.0 * secs };
             instrument.apply(moment, Action::Favorite { item, on: true }).unwrap();
         }
-        let show = as_it_is(Show::of(&instrument), View::Gallery, false, 3);
+        let show = as_it_is(Show::of(&instrument), View::Gallery, None, 3);
         let filmed = show.replay(shape).unwrap();
         let step = f64::from(Parameter::BeatsPerStep.initial());
         let seen: Vec<_> = (0..4).map(|i| filmed.scene((f64::from(i) + 0.9) * step).unwrap().to).collect();
@@ -94,8 +134,7 @@ mod tests {
             ] {
                 instrument.apply(Moment { at_secs: secs, at_beat: 2.0 * secs }, action).unwrap();
             }
-            let filmed = as_it_is(Show::of(&instrument), View::Gallery, true, 0);
-            let filmed = filmed.replay(shape.clone()).unwrap();
+            let filmed = filmed(&instrument, 10.0);
             let step = f64::from(Parameter::BeatsPerStep.initial());
             let seen: Vec<_> =
                 (0..4).map(|i| filmed.scene((f64::from(i) + 0.9) * step).unwrap().to).collect();
@@ -117,7 +156,8 @@ mod tests {
             instrument.apply(moment, Action::Perform { item: i }).unwrap();
         }
         let first = |view, favorites| {
-            let show = as_it_is(Show::of(&instrument), view, favorites == 0, favorites);
+            let on_stage = (favorites == 0).then(OnStage::default);
+            let show = as_it_is(Show::of(&instrument), view, on_stage.as_ref(), favorites);
             show.replay(shape.clone()).unwrap().scene(0.0).unwrap()
         };
         let items = instrument.gallery().items();
@@ -138,8 +178,9 @@ mod tests {
         let moment = Moment { at_secs: 2.0, at_beat: 4.0 };
         instrument.apply(moment, Action::Favorite { item: 1, on: true }).unwrap();
         instrument.apply(moment, Action::Perform { item: 4 }).unwrap();
-        let seen = |view, on_stage| {
-            let show = as_it_is(Show::of(&instrument), view, on_stage, 1);
+        let seen = |view, on_stage: bool| {
+            let on_stage = on_stage.then(OnStage::default);
+            let show = as_it_is(Show::of(&instrument), view, on_stage.as_ref(), 1);
             show.replay(shape.clone()).unwrap().scene(8.0).unwrap().to
         };
         let items = instrument.gallery().items();

@@ -129,16 +129,20 @@ mod tests {
         };
         let at = Moment { at_secs: 20.0, at_beat: 0.0 };
         listening.go_on(Vec::from(songs), &[stretch(0.0, 1), stretch(10.0, 0)], ClockTrack::default(), at);
-        let began = Instant::now();
+        let (began, mut last_beat) = (Instant::now(), 0.0);
         while listening.repertoire.iter().any(|song| song.beats.is_none()) {
             let gone_secs = began.elapsed();
             assert!(gone_secs < chladni_testdata::HANGS, "they are not looked for");
             let now_secs = gone_secs.as_secs_f64();
-            listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            let heard = listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            let beat = heard.beat.count;
+            // What was done before is not yet counted anew.
+            assert!(!listening.beats_changed() || beat == last_beat, "{beat} after {last_beat}");
+            last_beat = beat;
             std::thread::sleep(Duration::from_millis(5));
         }
         // As in a film of the show, which knows both.
-        let beats = listening.beats_at(10.0);
+        let beats = listening.hearing.beat_at(10.0).count;
         assert!(beats > 10.0, "{beats}");
     }
 }

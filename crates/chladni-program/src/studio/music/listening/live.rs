@@ -177,6 +177,7 @@ mod tests {
     use chladni_sound::{Song, WavSample, capture_sources, write_wav};
 
     use super::*;
+    use crate::work::BeatCount;
 
     fn until(what: &str, mut done: impl FnMut(f64) -> bool) {
         let began = Instant::now();
@@ -193,6 +194,25 @@ mod tests {
         assert_eq!(live.keep(0.0), Fate::Unchanged);
         drop(feed);
         assert_eq!(live.keep(0.1), Fate::Gone);
+    }
+
+    #[test]
+    fn the_count_of_beats_goes_on_after_it() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let (capture, _feed) = Capture::fed(48_000).unwrap();
+        listening.listen_on(capture, "feed".into());
+        listening.ear.beats = BeatCount::from(500.0);
+        let hear = |listening: &mut Listening, now_secs| {
+            listening.hear(now_secs, &Parameters::default(), |_, _| Ok(())).unwrap().beat.count
+        };
+        assert!(hear(&mut listening, 1.0) >= 500.0);
+        listening.stop_listening();
+        until("the song", |secs| {
+            hear(&mut listening, 2.0 + secs);
+            listening.hearing.stretch().is_some_and(|stretch| stretch.song.is_some())
+        });
+        let beat = listening.hearing.beat_at(listening.at_secs());
+        assert!(beat.count >= 500.0, "{beat:?}");
     }
 
     #[test]

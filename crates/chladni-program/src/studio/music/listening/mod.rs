@@ -242,9 +242,9 @@ impl Listening {
         !self.follows_clock() && std::mem::take(&mut self.beats_changed)
     }
 
-    /// Beats gone by at any time of the show so far.
-    pub fn beats_at(&self, at_secs: f64) -> f64 {
-        self.hearing.beat_at(at_secs).count
+    /// Beats gone by at a moment of the show so far at which something was done.
+    pub fn beats_at(&self, moment: Moment) -> f64 {
+        self.hearing.beats_at(moment)
     }
 
     /// The song after the one that plays; live input ends.
@@ -297,7 +297,9 @@ impl Listening {
         self.keep_wanted();
         let status = self.player.status();
         self.heard_at = Instant::now();
+        let had_changed = self.beats_changed;
         self.learn(&status);
+        let have_changed = self.beats_changed && !had_changed;
         self.hearing.tune(self.clock.at_secs(), parameters);
         let song = if self.live.is_some() { None } else { self.number_of_heard(&status) };
         let playing = Playing {
@@ -313,8 +315,10 @@ impl Listening {
         if let Some(stretch) = follows.then(|| self.clock.follow(now_secs, playing)).flatten() {
             before(&mut self.hearing, stretch.at_secs)?;
             self.hearing.begin(stretch)?;
-            // Beats counted by the live tracker are not stored in the show.
-            self.beats_changed |= was_live;
+            // No beat goes back.
+            if was_live && !self.follows_clock() {
+                self.hearing.leave_live(stretch.at_secs, self.last_beat);
+            }
         }
         let at_secs = self.clock.at_secs();
         let is_playing = self.live.is_some() || status.state == PlayerState::Playing;
@@ -353,20 +357,21 @@ impl Listening {
         self.levels = std::array::from_fn(|side| Loudness::of(heard[side], self.levels[side], dt_secs));
         let by_ear = self.ear.beat();
         let confidence = if is_playing { by_ear.confidence } else { self.last_beat.confidence };
-        let by_ear = Beat { confidence, ..by_ear };
+        // Until past actions are counted anew, the beat stays among those that they were done at.
+        let by_ear = if have_changed { self.last_beat } else { Beat { confidence, ..by_ear } };
         if !known {
             let beat = self.beat_or(by_ear);
             self.last_beat = beat;
             let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, ear_secs);
             return Ok(Heard { at_secs, is_known: false, bands, harmony, beat, fading: None });
         }
-        let by_music = if has_beats { self.hearing.beat_at(at_secs) } else { by_ear };
+        let by_music = if has_beats && !have_changed { self.hearing.beat_at(at_secs) } else { by_ear };
         let beat = self.beat_or(by_music);
         self.last_beat = beat;
         let is_given = self.follows_clock();
         let heard = self.hearing.hear(at_secs)?;
         let heard = heard.ok_or_else(|| Error::other("the song is forgotten"))?;
-        Ok(Heard { beat, is_known: has_beats && !is_given, ..heard })
+        Ok(Heard { beat, is_known: has_beats && !have_changed && !is_given, ..heard })
     }
 
     /// The bars that have begun since the last call, by the time of the show.
