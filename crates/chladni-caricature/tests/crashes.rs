@@ -18,7 +18,9 @@ const SAVED: &str = "saved ";
 
 /// The project of a number: every second one is large.
 fn project(number: usize) -> Project {
-    let mut project = Project::new(ShapeSource::File("/somewhere/shape.obj".into()), number);
+    // Absolute, also where that takes a drive.
+    let shape = std::path::absolute("/somewhere/shape.obj").unwrap();
+    let mut project = Project::new(ShapeSource::File(shape), number);
     if number % 2 == 1 {
         let painted = (0..20_000).map(|i| (i % 97) as f32 / 96.0).collect();
         let region = Region { painted: Painted::Vertices(painted), smoothing: Smoothing::default() };

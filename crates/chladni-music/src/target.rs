@@ -224,6 +224,7 @@ pub fn controls_page() -> String {
         Target::Form => FORMS.map(|(name, _)| name).join(", "),
         Target::Choir => CHOIRS.map(|(name, _)| name).join(", "),
         Target::Repeat => REPEATS.join(", "),
+        Target::Song => "number from 1, or name (file, title, *artist – title*); none: the next".into(),
         _ => match target.kind() {
             Kind::Level => "0 to 1".into(),
             Kind::Switch => "0 or 1".into(),
