@@ -13,15 +13,18 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     if ShapeSource::sample_name(path).is_some() {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
     }
-    FileRef { path: place(path, folder).to_string_lossy().into_owned(), blake3: hash(path) }
+    FileRef { path: place(path, folder), blake3: hash(path) }
 }
 
-/// `path` relative to `folder` if it lies below it, else absolute.
-fn place(path: &Path, folder: Option<&Path>) -> PathBuf {
+/// `path` relative to `folder` if it lies below it, with slashes on every system, so that a show can move between them;
+/// else absolute.
+fn place(path: &Path, folder: Option<&Path>) -> String {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = folder.and_then(|folder| std::path::absolute(folder).ok());
-    let below = folder.and_then(|folder| whole.strip_prefix(folder).ok().map(Path::to_owned));
-    below.unwrap_or(whole)
+    match folder.and_then(|folder| whole.strip_prefix(folder).ok()) {
+        Some(below) => below.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/"),
+        None => whole.to_string_lossy().into_owned(),
+    }
 }
 
 /// How a copy of a show names a file: its whole path, without reading it.
@@ -62,7 +65,7 @@ pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option
 pub fn refer_looks(looks: Looks, folder: Option<&Path>) -> Looks {
     let named = |file: String| match &*file {
         "" => file,
-        path => place(Path::new(path), folder).to_string_lossy().into_owned(),
+        path => place(Path::new(path), folder),
     };
     Looks { picture: named(looks.picture), panorama: named(looks.panorama), ..looks }
 }
@@ -106,7 +109,7 @@ mod tests {
         let song = old.path().join("songs/a.wav");
         std::fs::write(&song, b"la").unwrap();
         let named = refer(&song, Some(old.path()));
-        assert_eq!(Path::new(&named.path), Path::new("songs/a.wav"));
+        assert_eq!(named.path, "songs/a.wav");
         assert_eq!(resolve(&named, Some(old.path())).unwrap(), (song.clone(), None));
         assert!(resolve(&named, Some(new.path())).unwrap_err().to_string().contains("not there"));
         let moved = new.path().join("a.wav");
@@ -128,13 +131,16 @@ mod tests {
             std::fs::create_dir(folder.path().join("around")).unwrap();
             std::fs::write(folder.path().join("around/wall.png"), b"wall").unwrap();
         }
-        let [picture, sky] = ["around/wall.png", "sky.hdr"].map(|name| text(old.path().join(name)));
+        let [picture, sky] =
+            [old.path().join("around").join("wall.png"), old.path().join("sky.hdr")].map(text);
         std::fs::write(&sky, b"sky").unwrap();
         let chosen = Looks { picture, panorama: sky.clone(), ..Looks::default() };
         let saved = refer_looks(chosen.clone(), Some(old.path()));
-        assert_eq!(Path::new(&saved.picture), Path::new("around/wall.png"));
+        assert_eq!(saved.picture, "around/wall.png");
         assert_eq!(saved.panorama, "sky.hdr");
-        assert_eq!(resolve_looks(saved.clone(), Some(old.path())), (chosen.clone(), Vec::new()));
+        let (found, warnings) = resolve_looks(saved.clone(), Some(old.path()));
+        assert_eq!([&found.picture, &found.panorama].map(Path::new), [&chosen.picture, &sky].map(Path::new));
+        assert_eq!(warnings, []);
         // The picture has moved along, the panorama has not.
         let (found, warnings) = resolve_looks(saved, Some(new.path()));
         assert_eq!(Path::new(&found.picture), new.path().join("around/wall.png"));
