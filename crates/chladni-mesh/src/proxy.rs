@@ -1,17 +1,19 @@
 //! A smaller mesh that stands in for a very large one while we work on it.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::surface::vec3::{Vec3, add, cross, distance, dot, length, scaled, sub, unit};
 use crate::surface::{
-    SurfacePoint, TriangleTree, corners, doubled_area_normal, mixed, vertex_triangles, weld,
+    Closest, SurfacePoint, TriangleTree, components, corners, doubled_area_normal, mixed, vertex_triangles,
+    weld,
 };
 use crate::{Rows, TriMesh};
 
 /// A mesh with some of the vertices of a larger one, and the way back: for each vertex of the large mesh the
-/// point of the small surface closest to it.
+/// point closest to it on its own piece of the small surface, or on all of it where nothing is left of that piece.
 #[derive(Clone, Debug)]
 pub struct Proxy {
     whole: Arc<TriMesh>,
@@ -49,9 +51,10 @@ impl Proxy {
         let rest: Vec<[f32; 3]> =
             welded.positions.par_iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
         let detail = crate::surface::details(&rest, &welded.triangles, &[vertices]).pop()?;
+        let piece = components(welded.positions.len(), &welded.triangles);
         // Where triangles share few vertices they are few for as many.
         if detail.vertices > 2 * vertices
-            || lost(&welded, &detail.triangles) > MOST_LOST * welded.positions.len() as f64
+            || lost(&piece, &detail.triangles) > MOST_LOST * welded.positions.len() as f64
         {
             return None;
         }
@@ -63,7 +66,7 @@ impl Proxy {
         }
         let triangles: Vec<[u32; 3]> =
             detail.triangles.iter().map(|t| t.map(|v| file_vertex[v as usize])).collect();
-        Some(Self::between(whole, &triangles, &welded.operator_vertex))
+        Some(Self::between(whole, &triangles, &welded.operator_vertex, &piece))
     }
 
     /// The proxy with these `triangles` over vertices of `whole`, from whatever simplifies.
@@ -71,11 +74,23 @@ impl Proxy {
     /// # Panics
     /// If a triangle names a vertex that is not there.
     pub fn over(whole: &Arc<TriMesh>, triangles: &[[u32; 3]]) -> Self {
-        Self::between(whole, triangles, &weld(whole).operator_vertex)
+        let welded = weld(whole);
+        let of = |v: u32| welded.operator_vertex[v as usize];
+        // Pieces that the given triangles join are one.
+        let joining = triangles.iter().filter_map(|[a, b, c]| Some([of(*a)?, of(*b)?, of(*c)?]));
+        let joined: Vec<[u32; 3]> = welded.triangles.iter().copied().chain(joining).collect();
+        let piece = components(welded.positions.len(), &joined);
+        Self::between(whole, triangles, &welded.operator_vertex, &piece)
     }
 
-    /// The proxy with these `triangles` over vertices of `whole`, whose [`weld`] has this `operator_vertex`.
-    fn between(whole: &Arc<TriMesh>, triangles: &[[u32; 3]], operator_vertex: &[Option<u32>]) -> Self {
+    /// The proxy with these `triangles` over vertices of `whole`, whose [`weld`] has this `operator_vertex`; `piece` is the
+    /// component of each vertex of that.
+    fn between(
+        whole: &Arc<TriMesh>,
+        triangles: &[[u32; 3]],
+        operator_vertex: &[Option<u32>],
+        piece: &[u32],
+    ) -> Self {
         let mut used = vec![false; whole.positions.len()];
         triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
         let whole_vertex: Vec<u32> = (0..).zip(&used).filter(|(_, used)| **used).map(|(v, _)| v).collect();
@@ -83,10 +98,11 @@ impl Proxy {
         (0..).zip(&whole_vertex).for_each(|(new, old)| row[*old as usize] = new);
         let triangles = triangles.iter().map(|t| t.map(|v| row[v as usize])).collect();
         let mesh = chosen(whole, &whole_vertex, triangles);
-        let tree = TriangleTree::new(&mesh.positions, &mesh.triangles);
+        let piece_of = |v: u32| operator_vertex[whole_vertex[v as usize] as usize].map(|o| piece[o as usize]);
+        let trees = PieceTrees::new(&mesh, piece_of);
         // The vertices that the operator has are those of the surface: by place, and none of a collapsed triangle alone.
         let on_surface =
-            |(p, seen): (&Vec3, &Option<u32>)| seen.and_then(|_| tree.closest(*p, f64::INFINITY));
+            |(p, seen): (&Vec3, &Option<u32>)| seen.and_then(|o| trees.closest(*p, piece[o as usize]));
         let closest: Vec<_> = whole.positions.par_iter().zip(operator_vertex).map(on_surface).collect();
         let farthest =
             closest.par_iter().flatten().map(|c| c.distance_squared).reduce(|| 0.0, f64::max).sqrt();
@@ -165,10 +181,45 @@ impl Proxy {
     }
 }
 
-/// Number of vertices in pieces that are missing from `triangles`.
+/// A tree over the triangles of each piece of a mesh, and one over all of them: where pieces touch, none takes along what
+/// lies on another.
+struct PieceTrees {
+    all: TriangleTree,
+    /// For each piece that has triangles its tree, and which of the mesh's triangles its own are.
+    of_piece: HashMap<u32, (TriangleTree, Vec<u32>)>,
+}
+
+impl PieceTrees {
+    /// `piece_of` says to which piece a vertex of `mesh` belongs.
+    fn new(mesh: &TriMesh, piece_of: impl Fn(u32) -> Option<u32>) -> Self {
+        let mut members: HashMap<u32, Vec<u32>> = HashMap::new();
+        for (t, [v, ..]) in (0..).zip(&mesh.triangles) {
+            if let Some(piece) = piece_of(*v) {
+                members.entry(piece).or_default().push(t);
+            }
+        }
+        let with_tree = |(piece, members): (u32, Vec<u32>)| {
+            let own: Vec<[u32; 3]> = members.iter().map(|t| mesh.triangles[*t as usize]).collect();
+            (piece, (TriangleTree::new(&mesh.positions, &own), members))
+        };
+        let all = TriangleTree::new(&mesh.positions, &mesh.triangles);
+        Self { all, of_piece: members.into_iter().map(with_tree).collect() }
+    }
+
+    /// The point of `piece` closest to `place`, or of all where it has no triangle.
+    fn closest(&self, place: Vec3, piece: u32) -> Option<Closest> {
+        let Some((tree, members)) = self.of_piece.get(&piece) else {
+            return self.all.closest(place, f64::INFINITY);
+        };
+        let closest = tree.closest(place, f64::INFINITY)?;
+        let triangle = members[closest.on.triangle as usize];
+        Some(Closest { on: SurfacePoint { triangle, ..closest.on }, ..closest })
+    }
+}
+
+/// Number of vertices in pieces that are missing from `triangles`, where `piece` is that of each vertex.
 #[cfg(feature = "simplify")]
-fn lost(welded: &crate::Weld, triangles: &[[u32; 3]]) -> f64 {
-    let piece = crate::surface::components(welded.positions.len(), &welded.triangles);
+fn lost(piece: &[u32], triangles: &[[u32; 3]]) -> f64 {
     let mut is_kept = vec![false; piece.len()];
     triangles.iter().flatten().for_each(|v| is_kept[piece[*v as usize] as usize] = true);
     piece.iter().filter(|p| !is_kept[**p as usize]).count() as f64
@@ -331,6 +382,25 @@ mod tests {
         assert!(distance(carried[n as usize], carried[a as usize]) < 1e-9 && carried[n as usize][2] > 1.9);
         assert_eq!(carried[n as usize + 1], [0.0; 3]);
         assert!(proxy.farthest() < 1.0, "{}", proxy.farthest());
+    }
+
+    #[test]
+    fn pieces_that_touch_move_each_by_itself() {
+        // Two squares in one plane that overlap in a quarter of each.
+        let square = |low: f64, high: f64| [[low, low], [high, low], [high, high], [low, high]];
+        let places = [square(0.0, 2.0), square(1.0, 3.0)].into_iter().flatten();
+        let whole = Arc::new(TriMesh {
+            positions: places.map(|[x, y]| [x, y, 0.0]).collect(),
+            triangles: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]],
+            ..TriMesh::default()
+        });
+        let proxy = Proxy::over(&whole, &whole.triangles);
+        assert!((0..8).all(|v| proxy.nearest(v) == Some(v)));
+        let displacements: Vec<Vec3> = (0..8).map(|v| [0.0, 0.0, f64::from(u8::from(v < 4))]).collect();
+        assert!(farthest(&proxy.carried(&displacements), &displacements) < 1e-9);
+        // Of a piece that vanishes the vertices go with what is left.
+        let first_alone = Proxy::over(&whole, &whole.triangles[..2]);
+        assert!((4..8).all(|v| first_alone.nearest(v).is_some_and(|v| v < 4)));
     }
 
     #[test]
