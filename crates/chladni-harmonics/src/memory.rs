@@ -71,7 +71,7 @@ pub(crate) struct Room<'a> {
 }
 
 /// The room for a solve of up to `slices` at once, with a plan that has `kept` factors at its end. The disk
-/// is used only where that allows more slices.
+/// is used only where that allows more slices. Where it has no room for them, the solve takes fewer in memory.
 pub(crate) fn room_for_solve<'a>(
     vertices: usize,
     slices: usize,
@@ -86,21 +86,25 @@ pub(crate) fn room_for_solve<'a>(
     };
     let most = |on_disk| (1..=slices.max(1)).rev().find(|slices| needed(*slices, on_disk) <= free);
     let room = |slices, keep| Room { slices, keep, frugal: of_plan(vertices, slices, kept) > free };
-    match (&settings.scratch, most(false), most(true)) {
-        (Some(folder), in_memory, Some(slices)) if in_memory.is_none_or(|fewer| fewer < slices) => {
-            check_disk(folder, on_disk(vertices, harmonics))?;
-            Ok(room(slices, Keep::Folder(folder)))
+    let in_memory = most(false);
+    if let (Some(folder), Some(slices)) = (&settings.scratch, most(true))
+        && in_memory.is_none_or(|fewer| fewer < slices)
+    {
+        match check_disk(folder, on_disk(vertices, harmonics)) {
+            Ok(()) => return Ok(room(slices, Keep::Folder(folder))),
+            Err(why) if in_memory.is_none() => return Err(why),
+            Err(_) => {}
         }
-        (_, Some(slices), _) => {
-            check_promise(vertices, harmonics)?;
-            Ok(room(slices, Keep::Memory))
-        }
-        (scratch, None, _) => Err(too_large(vertices, harmonics, needed(1, scratch.is_some()), free)),
     }
+    let Some(slices) = in_memory else {
+        return Err(too_large(vertices, harmonics, needed(1, settings.scratch.is_some()), free));
+    };
+    check_promise(vertices, harmonics)?;
+    Ok(room(slices, Keep::Memory))
 }
 
 /// The `room` that is left with factors of this many `bytes` each, with their fronts. Those of surfaces are what was
-/// expected; those of graphs and solids may be far larger. Again, the disk is used only where that allows more slices.
+/// expected; those of graphs and solids may be far larger. The disk is used as in [`room_for_solve`].
 pub(crate) fn room_for_factors<'a>(
     room: Room<'a>,
     scratch: Option<&'a Path>,
@@ -123,8 +127,11 @@ pub(crate) fn room_for_factors<'a>(
     if let (Keep::Memory, Some(folder)) = (keep, scratch)
         && most(Keep::Folder(folder)) > most(keep)
     {
-        check_disk(folder, on_disk(vertices, harmonics))?;
-        keep = Keep::Folder(folder);
+        match check_disk(folder, on_disk(vertices, harmonics)) {
+            Ok(()) => keep = Keep::Folder(folder),
+            Err(why) if most(keep).is_none() => return Err(why),
+            Err(_) => {}
+        }
     }
     let Some(slices) = most(keep) else {
         let least = needed(1, scratch.map_or(keep, Keep::Folder));
@@ -213,18 +220,47 @@ fn check_promise(vertices: usize, harmonics: usize) -> Result<(), HarmonicsError
 
 /// The bytes that are available without swapping out other programs; `None` if the system does not say.
 pub fn available() -> Option<u64> {
-    let system = std::fs::read_to_string("/proc/meminfo").ok().and_then(|text| in_meminfo(&text));
-    let read = |name: &str| std::fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok();
-    let number = |text: String| text.trim().parse::<u64>().ok();
-    // In a container, its limit if it has one. Its file cache counts as used but can be reclaimed.
-    let files = read("stat")
-        .and_then(|text| number(text.lines().find_map(|l| l.strip_prefix("inactive_file "))?.into()));
-    let used = read("current").and_then(number).map(|used| used.saturating_sub(files.unwrap_or(0)));
-    let left = read("max").and_then(number).zip(used).map(|(limit, used)| limit.saturating_sub(used));
+    available_below(Path::new("/"))
+}
+
+/// The same where the system's own files are below `root`.
+fn available_below(root: &Path) -> Option<u64> {
+    let read = |name: &str| std::fs::read_to_string(root.join(name)).ok();
+    let system = read("proc/meminfo").and_then(|text| in_meminfo(&text));
+    let groups = read("proc/self/cgroup").unwrap_or_default();
+    let left = groups.lines().filter_map(|line| left_in_group(root, line)).min();
     match (system, left) {
         (Some(system), Some(left)) => Some(system.min(left)),
         (system, left) => system.or(left).or(MOST_BYTES),
     }
+}
+
+/// The bytes that are left in the control group of a `line` of `/proc/self/cgroup` and in those around it, as containers,
+/// services and the jobs of a cluster have them; `None` where none has a limit.
+fn left_in_group(root: &Path, line: &str) -> Option<u64> {
+    let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
+    let (top, [most, used, files]) = if controllers.is_empty() {
+        ("sys/fs/cgroup", ["memory.max", "memory.current", "inactive_file "])
+    } else if controllers.split(',').any(|controller| controller == "memory") {
+        let names = ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file "];
+        ("sys/fs/cgroup/memory", names)
+    } else {
+        return None;
+    };
+    let number = |text: &str| text.trim().parse::<u64>().ok();
+    let left = |group: &Path| {
+        let read = |name: &str| std::fs::read_to_string(group.join(name)).ok();
+        let (limit, used) = (number(&read(most)?)?, number(&read(used)?)?);
+        // The file cache counts as used but can be reclaimed.
+        let cached = read("memory.stat")
+            .and_then(|text| number(text.lines().find_map(|line| line.strip_prefix(files))?))
+            .unwrap_or(0);
+        Some(limit.saturating_sub(used.saturating_sub(cached)))
+    };
+    // In a container, the path may be that of the system outside, and only the last folder is there.
+    let top = root.join(top);
+    let group = top.join(path.trim_start_matches('/'));
+    group.ancestors().take_while(|group| group.starts_with(&top)).filter_map(left).min()
 }
 
 fn in_meminfo(text: &str) -> Option<u64> {
@@ -294,6 +330,8 @@ mod tests {
         assert_eq!([room(132, scratch), room(100, scratch)], [Some((2, false)), Some((2, true))]);
         assert_eq!([room(60, scratch), room(48, scratch)], [Some((1, true)), None]);
         let nowhere = folder.path().join("none");
+        // Without room on disk two slices become one, as long as that fits in memory.
+        assert_eq!(room(100, Some(&nowhere)), Some((1, false)));
         let settings = settings(k, 6_000_000, Some(&nowhere));
         assert!(matches!(room_for_solve(n, 2, 8, &settings), Err(HarmonicsError::NoScratch { .. })));
         assert!(matches!(room_for_harmonics(n, 1, &settings), Ok(Keep::Memory)));
@@ -316,8 +354,42 @@ mod tests {
         assert_eq!([room(169, scratch), room(108, scratch)], [Some((1, false)), Some((1, true))]);
         assert_eq!([room(88, scratch), room(108, None), room(189, None)], [None, None, Some((1, false))]);
         let nowhere = folder.path().join("none");
+        assert_eq!(room(189, Some(&nowhere)), Some((1, false)));
         let refused = room_for_factors(whole, Some(&nowhere), 1000, 250, 2, 5_100_000, 10_800_000);
         assert!(matches!(refused, Err(HarmonicsError::NoScratch { .. })));
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    #[test]
+    fn the_narrowest_limit_around_the_program_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        let write = |name: &str, text: &str| {
+            let path = root.join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        };
+        let groups = |text: &str| write("proc/self/cgroup", text);
+        write("proc/meminfo", "MemAvailable: 1000 kB\n");
+        groups("0::/job/step\n");
+        assert_eq!(available_below(root), Some(1_024_000));
+        // The job's limit is that of its step, too.
+        write("sys/fs/cgroup/job/step/memory.max", "max\n");
+        write("sys/fs/cgroup/job/step/memory.current", "1\n");
+        write("sys/fs/cgroup/job/memory.max", "900000\n");
+        write("sys/fs/cgroup/job/memory.current", "300000\n");
+        write("sys/fs/cgroup/job/memory.stat", "anon 7\ninactive_file 100000\n");
+        assert_eq!(available_below(root), Some(700_000));
+        write("sys/fs/cgroup/memory.max", "500000\n");
+        write("sys/fs/cgroup/memory.current", "0\n");
+        assert_eq!(available_below(root), Some(500_000));
+        // The older interface, in a container whose own path is not seen inside.
+        groups("5:cpu,cpuacct:/a\n4:memory:/a/b\n");
+        assert_eq!(available_below(root), Some(1_024_000));
+        write("sys/fs/cgroup/memory/memory.limit_in_bytes", "400000\n");
+        write("sys/fs/cgroup/memory/memory.usage_in_bytes", "200000\n");
+        write("sys/fs/cgroup/memory/memory.stat", "inactive_file 1\ntotal_inactive_file 50000\n");
+        assert_eq!(available_below(root), Some(250_000));
     }
 
     #[test]
