@@ -1,7 +1,7 @@
 //! A cache on disk for bases: a shape is solved only once.
 
 use std::fs;
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -127,7 +127,11 @@ impl CacheEntry {
             Err(source) => return Err(CacheError::Unreadable { path: self.path.clone(), source }),
         };
         // The time of an entry is that of its last use. In a folder that cannot be written nothing is removed, either.
-        let _ = file.set_modified(SystemTime::now());
+        // Some systems set the time only through a file that is open for writing.
+        let _ = fs::File::options()
+            .append(true)
+            .open(&self.path)
+            .and_then(|entry| entry.set_modified(SystemTime::now()));
         let length = file.metadata().map(|m| m.len()).unwrap_or(0);
         let keep = memory::room_for_harmonics(vertices, 1, settings)?;
         read_entry(&mut file, length, vertices, self.laplacian, keep)
@@ -150,7 +154,8 @@ impl CacheEntry {
             max_relative_residual: basis.certificate.max_relative_residual,
             max_orthogonality_error: basis.certificate.max_orthogonality_error,
         };
-        write_atomic_with(&self.path, |file| {
+        let mut checksum = [0; blake3::OUT_LEN];
+        let written = write_atomic_with(&self.path, |file| {
             let mut hash = blake3::Hasher::new();
             for part in [
                 bytemuck::bytes_of(&header),
@@ -161,11 +166,26 @@ impl CacheEntry {
                 hash.update(part);
                 file.write_all(part)?;
             }
-            file.write_all(hash.finalize().as_bytes())
-        })
-        .map_err(unwritten)?;
+            checksum = *hash.finalize().as_bytes();
+            file.write_all(&checksum)
+        });
+        // Some systems do not replace a file that is read: then another program has written this entry.
+        if let Err(source) = written
+            && !self.ends_with(&checksum).is_ok_and(|is_same| is_same)
+        {
+            return Err(unwritten(source));
+        }
         self.remove_unused();
         Ok(())
+    }
+
+    /// Whether the file that is there has this checksum at its end.
+    fn ends_with(&self, checksum: &[u8; blake3::OUT_LEN]) -> io::Result<bool> {
+        let mut file = chladni_task::open_file(&self.path)?;
+        file.seek(SeekFrom::End(-(blake3::OUT_LEN as i64)))?;
+        let mut there = [0; blake3::OUT_LEN];
+        file.read_exact(&mut there)?;
+        Ok(there == *checksum)
     }
 
     /// Removes the entries that were used the longest time ago while all take more than they may. This one stays. What
