@@ -70,6 +70,21 @@ pub fn write_animated_glb(
     write(mesh, targets, Some(animation), task)
 }
 
+/// Checks, before the work that makes them, that `mesh` can be written as GLB with this number of morph `targets`.
+///
+/// # Errors
+/// [`MeshError::Unwritable`] as from [`write_glb`], as far as it can be known without displacements and textures.
+pub fn check_glb(mesh: &TriMesh, targets: usize) -> Result<(), MeshError> {
+    check(mesh, FORMAT)?;
+    // Texture coordinates alone make more vertices.
+    let vertices = match &mesh.appearance.uvs {
+        Some(_) => Entries::of(mesh).vertices.len(),
+        None => mesh.positions.len(),
+    };
+    check_count(vertices)?;
+    check_size(targets, vertices)
+}
+
 fn write(
     mesh: &TriMesh,
     targets: &[MorphTarget],
@@ -458,5 +473,8 @@ mod tests {
         assert!(check_size(1024, 170_000).is_ok());
         let refused = check_size(1024, 180_000).unwrap_err().to_string();
         assert!(refused.contains("4 GiB"), "{refused}");
+        let ball = crate::samples::icosphere(0);
+        assert!(check_glb(&ball, 2).is_ok() && check_glb(&ball, 20_000_000).is_err());
+        assert!(check_glb(&TriMesh::default(), 0).is_err());
     }
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use chladni_task::write_atomic;
 
-pub use glb::{MorphAnimation, MorphTarget, write_animated_glb, write_glb};
+pub use glb::{MorphAnimation, MorphTarget, check_glb, write_animated_glb, write_glb};
 pub use gltf_patch::{add_morph_targets, add_morph_targets_in};
 
 use crate::read::draft::GREATEST_COORDINATE;

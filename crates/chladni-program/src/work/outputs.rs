@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf, is_separator};
 
 use chladni_caricature::Template;
-use chladni_mesh::{Format, Material, ShapeSource, Texture, TriMesh};
+use chladni_mesh::{Format, Material, ShapeSource, Texture, TriMesh, check_glb};
 use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
@@ -202,6 +202,22 @@ pub fn check_textures<'a>(
     Ok(())
 }
 
+/// Checks, before the work, that the file at `output` can hold a shape, all of `mesh`, with this number of morph `targets`,
+/// where it is a GLB that is written anew. That of a glTF file gains targets alone.
+///
+/// # Errors
+/// [`Error::Unwritten`], with the path.
+pub fn check_fits(
+    output: &Path,
+    (shape, mesh): (&ShapeSource, &TriMesh),
+    targets: usize,
+) -> Result<(), Error> {
+    if Format::of_path(output) != Some(Format::Glb) || shape.file().is_some_and(is_gltf) {
+        return Ok(());
+    }
+    check_glb(mesh, targets).map_err(|error| Error::unwritten(output, error))
+}
+
 /// A warning where the mesh of the file `source` is written anew to `path`, both glTF: only an export of layers keeps all
 /// else that such a file holds.
 pub fn left_of_gltf(source: &Path, path: &Path) -> Option<Warning> {
@@ -263,6 +279,17 @@ mod tests {
         }
         let why = check_size(16_384, 4097).unwrap_err().to_string();
         assert!(why.contains("16384 × 4097") && why.contains("64 megapixels"), "{why}");
+    }
+
+    #[test]
+    fn what_no_glb_holds_is_refused_before_the_work() {
+        let ball = chladni_mesh::samples::icosphere(0);
+        let refused = |output: &str, shape: &str, targets| {
+            check_fits(Path::new(output), (&ShapeSource::named(Path::new(shape)), &ball), targets).is_err()
+        };
+        let many = 20_000_000;
+        assert!(refused("out.glb", "scan.ply", many) && !refused("out.glb", "scan.ply", 2));
+        assert!(!refused("out.ply", "scan.ply", many) && !refused("out.glb", "scan.glb", many));
     }
 
     #[test]

@@ -21,7 +21,9 @@ use super::resolution::ResolutionOptions;
 use super::sheet::SheetOptions;
 use super::turntable::TurntableOptions;
 use crate::work::body::{self, laplacian};
-use crate::work::outputs::{check_distinct, check_film, check_mesh, check_picture, check_textures};
+use crate::work::outputs::{
+    check_distinct, check_film, check_fits, check_mesh, check_picture, check_textures,
+};
 use crate::work::{
     Error, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, check_template, check_templates, make,
     settled, sitter, source,
@@ -222,7 +224,10 @@ impl Caricature {
         project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
         let subject = Subject::of(&mut project, terminal)?;
         let mesh = &subject.mesh;
-        check_textures(&[output.as_path()], (&project.shape, subject.whole()), self.template.iter())?;
+        let whole = (&project.shape, &**subject.whole());
+        check_textures(&[output.as_path()], whole, self.template.iter())?;
+        // With layers that are yet to be chosen.
+        check_fits(output, whole, 0)?;
         let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
@@ -309,6 +314,10 @@ fn finish(
     let templates = project.layers().iter().map(|(_, layer)| &layer.template);
     let paths: Vec<&Path> = path.into_iter().chain(turntable.turntable.as_deref()).collect();
     check_textures(&paths, (shape, subject.whole()), templates)?;
+    if let Some(output) = output {
+        let targets = project.layers().iter().filter(|(_, layer)| project.acts(layer)).count();
+        check_fits(output, (shape, subject.whole()), targets)?;
+    }
     let name = shape.to_string();
     let (body, _) = body::build(&name, &subject.mesh, project.harmonics, project.laplacian, terminal)?;
     let mut made = make(subject, Arc::new(body), project, false, terminal)?;
