@@ -1,6 +1,9 @@
 //! Shapes with their harmonics.
 
-use chladni_harmonics::{BasisCache, BasisSettings, BasisWarning, Body, BuildReport, Laplacian};
+use chladni_caricature::ProxyKey;
+use chladni_harmonics::{
+    BasisCache, BasisSettings, BasisWarning, Body, BuildReport, HarmonicsError, Laplacian,
+};
 use chladni_mesh::TriMesh;
 
 use super::{Error, Warning, Watcher};
@@ -23,7 +26,7 @@ pub fn laplacian(paper: bool) -> Laplacian {
 /// from the user's cache where they are there.
 ///
 /// # Errors
-/// [`Error::Harmonics`] with that name.
+/// [`Error::Harmonics`] with that name; [`Error::Input`] with a way out where there are too many.
 pub fn build(
     name: &str,
     mesh: &TriMesh,
@@ -35,7 +38,7 @@ pub fn build(
     let settings = BasisSettings { laplacian, ..BasisSettings::new(harmonics) };
     let (body, report) = watcher
         .watch("solving for harmonics", |task| Body::load_or_build(mesh, &settings, cache.as_ref(), task))
-        .map_err(|error| Error::from(error).of(name))?;
+        .map_err(|error| advised(error).of(name))?;
     for warning in report.warnings(&body.basis.certificate) {
         watcher.warn(match warning {
             BasisWarning::FewerHarmonics { asked, vertices } => {
@@ -45,4 +48,32 @@ pub fn build(
         });
     }
     Ok((body, report))
+}
+
+/// The error of a solve, with a way out where there are too many harmonics and enough vertices for a proxy.
+fn advised(error: HarmonicsError) -> Error {
+    match error {
+        HarmonicsError::TooMany { vertices, .. } if vertices >= 2 * ProxyKey::FEWEST => {
+            Error::input(format_args!(
+                "{error}; ask for fewer harmonics, or work on fewer of its vertices (--proxy N, chladni project new \
+                 --proxy N)"
+            ))
+        }
+        error => error.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_too_large_has_a_way_out_where_there_is_one() {
+        let of = |vertices| {
+            let reason = "they are too many".to_owned();
+            advised(HarmonicsError::TooMany { harmonics: 9, vertices, reason }).to_string()
+        };
+        assert!(of(200).contains("too many; ask for fewer harmonics") && of(200).contains("--proxy N"));
+        assert!(of(199).ends_with("they are too many"));
+    }
 }

@@ -130,7 +130,18 @@ fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Paint
             place.iter().map(|first| there[*first as usize]).collect()
         }
     };
-    Ok(Painted::of_file(values.into_iter().map(|x| x as f32), &operator_vertex))
+    let takes_some = values.iter().any(|x| *x > 0.0);
+    let painted = Painted::of_file(values.into_iter().map(|x| x as f32), &operator_vertex);
+    if subject.proxy.is_some()
+        && takes_some
+        && let Painted::Vertices(values) = &painted
+        && !values.iter().any(|x| *x > 0.0)
+    {
+        return Err(Error::input(
+            "none of its vertices above 0 is among those that are worked on: work on more of them (--proxy)",
+        ));
+    }
+    Ok(painted)
 }
 
 /// Writes χ01 of a shape to `path`: an array, an archive with the array `mask`, a PLY with the attribute `mask`, or, as OBJ
@@ -297,6 +308,24 @@ mod tests {
             panic!()
         };
         assert!(subject.proxy.is_some() && painted.iter().all(|x| *x == 1.0));
+    }
+
+    #[test]
+    fn a_mask_that_the_proxy_misses_is_refused_and_an_empty_one_is_not() {
+        let mut project = Project::new(ShapeSource::Sample("ball".into()), 4);
+        project.resolution = Resolution::Proxy(ProxyKey { vertices: 200, fingerprint: None });
+        let task = Task::new();
+        let subject = Subject::of_mesh(icosphere(3), &mut project, &Aside::new(&task)).unwrap();
+        let kept = subject.proxy.as_ref().unwrap().whole_vertex();
+        let n = subject.whole().positions.len();
+        let missed = (0..n).find(|v| !kept.contains(&(*v as u32))).unwrap();
+        let of = |inside: Option<usize>| {
+            let values = (0..n).map(|v| f64::from(u8::from(inside == Some(v)))).collect();
+            painted(values, subject.whole(), &subject)
+        };
+        let why = of(Some(missed)).unwrap_err().to_string();
+        assert!(why.contains("--proxy"), "{why}");
+        assert!(of(Some(kept[0] as usize)).is_ok() && of(None).is_ok());
     }
 
     #[test]

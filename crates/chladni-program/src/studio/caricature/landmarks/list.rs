@@ -51,7 +51,9 @@ pub fn show_list(
         });
     });
     let mut removed = None;
-    for (index, landmark) in settings.landmarks.iter().enumerate() {
+    // As in the text file: not those of a proxy.
+    let numbered = session.subject.numbered_in_file(&settings.landmarks);
+    for (index, landmark) in numbered.iter().enumerate() {
         ui.horizontal(|ui| {
             let (dot, _) = ui.allocate_exact_size(egui::vec2(12.0, 16.0), egui::Sense::hover());
             ui.painter().circle_filled(dot.center(), 5.0, color(index));
