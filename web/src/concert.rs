@@ -273,7 +273,7 @@ impl Concert {
                 (live.hear(at_secs, self.instrument.parameters())?, framing)
             }
             None => {
-                self.sand.follow(hearing, ensemble, &self.instrument, at_secs)?;
+                self.sand.follow(hearing, ensemble, &self.instrument, None, at_secs)?;
                 let framing = hearing.framing_at(at_secs, |secs| self.instrument.seed_at(secs));
                 let Some(heard) = hearing.hear(at_secs)? else { return Ok(None) };
                 (heard, framing)

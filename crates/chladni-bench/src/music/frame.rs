@@ -75,7 +75,7 @@ impl BenchMusic {
             (Ensemble::new(Arc::clone(dancer)), SandTable::new(body.clone(), 0.0));
         let mut synthesizer = CpuSynthesizer::new(SynthModel::new(body)?);
         let settings = instrument.parameters().frame_settings();
-        table.follow(&mut hearing, &mut ensemble, &instrument, FROM_SECS)?;
+        table.follow(&mut hearing, &mut ensemble, &instrument, None, FROM_SECS)?;
         let (mut times, mut grains) = ([const { Vec::new() }; 7], 0);
         for frame in 1..=self.frames {
             let at_secs = FROM_SECS + frame as f64 / RATE_HZ;
@@ -86,7 +86,7 @@ impl BenchMusic {
                 passed = now;
                 now - before
             };
-            table.follow(&mut hearing, &mut ensemble, &instrument, at_secs)?;
+            table.follow(&mut hearing, &mut ensemble, &instrument, None, at_secs)?;
             let strewn = lap(&start);
             let heard = hearing.hear(at_secs).map_err(Error::other)?;
             let heard = heard.ok_or_else(|| Error::input("the tune is too short for so many frames"))?;

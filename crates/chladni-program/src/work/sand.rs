@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni_harmonics::Body;
-use chladni_music::{Ensemble, Instrument, Parameter, SAND_STEP_SECS, Sand, Switch, Tray};
+use chladni_music::{Ensemble, Instrument, Mapping, Parameter, SAND_STEP_SECS, Sand, Settings, Switch, Tray};
 use chladni_synth::Item;
 use chladni_view::{Grain, Grains};
 use rayon::prelude::*;
@@ -29,6 +29,8 @@ pub struct SandTable {
     sweeps: u32,
     /// The next step, counted from the beginning of the show.
     next: i64,
+    /// The first step from which on the show is seen.
+    begins: i64,
     /// The most steps that are caught up: at the beginning of a film those before it.
     most_steps: i64,
     /// The grains to draw on each item, and their size.
@@ -40,9 +42,9 @@ impl SandTable {
     /// A shape without sand, for a show that is seen from `begins_secs` on.
     pub fn new(body: Body, begins_secs: f64) -> Self {
         let next = ((begins_secs - BEFORE_SECS).max(0.0) / SAND_STEP_SECS).ceil() as i64;
-        let before = (begins_secs / SAND_STEP_SECS).ceil() as i64 - next;
-        let (sands, grains, most_steps) = (Vec::new(), Vec::new(), before.max(MOST_STEPS));
-        Self { body, tray: None, sands, sweeps: 0, next, most_steps, grains, radius: 0.0 }
+        let begins = (begins_secs / SAND_STEP_SECS).ceil() as i64;
+        let (sands, grains, most_steps) = (Vec::new(), Vec::new(), (begins - next).max(MOST_STEPS));
+        Self { body, tray: None, sands, sweeps: 0, next, begins, most_steps, grains, radius: 0.0 }
     }
 
     /// The time of the next step, where it is not after `at_secs`.
@@ -54,13 +56,15 @@ impl SandTable {
             self.next = last;
         }
         self.next = self.next.max(last - self.most_steps);
-        if self.next > last {
+        // Not before: a film may ask step by step.
+        if self.next >= self.begins {
             self.most_steps = MOST_STEPS;
         }
         (self.next <= last).then_some(self.next as f64 * SAND_STEP_SECS)
     }
 
-    /// Does all steps up to a time of the show, as long as the sound is known.
+    /// Does all steps up to a time of the show, as long as the sound is known; by a `solo` where that is heard in place of
+    /// the instrument's own dances.
     ///
     /// # Errors
     /// Those of hearing and playing.
@@ -69,6 +73,7 @@ impl SandTable {
         hearing: &mut Hearing,
         ensemble: &mut Ensemble,
         instrument: &Instrument,
+        solo: Option<&(Mapping, Settings)>,
         until_secs: f64,
     ) -> Result<(), Error> {
         while let Some(at_secs) = self.due(until_secs) {
@@ -77,7 +82,12 @@ impl SandTable {
                 continue;
             }
             let Some(heard) = hearing.hear(at_secs)? else { break };
-            let items = ensemble.play(instrument, &heard.bands, heard.beat)?;
+            let items = match solo {
+                Some((mapping, settings)) => {
+                    ensemble.audition(instrument, (mapping, settings), &heard.bands, heard.beat)
+                }
+                None => ensemble.play(instrument, &heard.bands, heard.beat),
+            }?;
             self.step(items, instrument);
         }
         Ok(())
@@ -181,7 +191,7 @@ mod tests {
             let mut table = SandTable::new(body.clone(), 0.0);
             for frame in 0..=2 * fps {
                 let at_secs = f64::from(frame) / f64::from(fps);
-                table.follow(&mut hearing, &mut ensemble, instrument, at_secs).unwrap();
+                table.follow(&mut hearing, &mut ensemble, instrument, None, at_secs).unwrap();
                 hearing.hear(at_secs).unwrap();
             }
             (table.drawn()[0].grains.to_vec(), table)
@@ -192,10 +202,10 @@ mod tests {
         let (version, before) = (table.version(), often);
         instrument.apply(Moment::default(), Action::Sweep).unwrap();
         let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(dancer));
-        table.follow(&mut hearing, &mut ensemble, &instrument, 2.1).unwrap();
+        table.follow(&mut hearing, &mut ensemble, &instrument, None, 2.1).unwrap();
         assert!(table.version() != version && table.drawn()[0].grains != before);
         instrument.apply(Moment::default(), Action::Switch { switch: Switch::Sand, on: false }).unwrap();
-        table.follow(&mut hearing, &mut ensemble, &instrument, 2.2).unwrap();
+        table.follow(&mut hearing, &mut ensemble, &instrument, None, 2.2).unwrap();
         assert!(table.drawn().is_empty());
     }
 
@@ -207,7 +217,7 @@ mod tests {
             let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(Arc::clone(&dancer)));
             for step in 0..=20 {
                 let at_secs = until_secs * f64::from(step) / 20.0;
-                table.follow(&mut hearing, &mut ensemble, &instrument, at_secs).unwrap();
+                table.follow(&mut hearing, &mut ensemble, &instrument, None, at_secs).unwrap();
             }
             table.drawn()[0].grains.to_vec()
         };
@@ -221,6 +231,10 @@ mod tests {
         let (body, _, instrument) = stage();
         let mut table = SandTable::new(body.clone(), 60.0);
         assert_eq!(table.due(60.0), Some(55.0));
+        // The film does each step in a show that has come to its time.
+        table.step(&[], &instrument);
+        assert_eq!(table.due(55.0), None);
+        assert!(table.due(60.0).is_some_and(|secs| (55.01..55.02).contains(&secs)));
         while table.due(60.0).is_some() {
             table.step(&[], &instrument);
         }
@@ -235,11 +249,17 @@ mod tests {
         instrument.apply(Moment::default(), Action::LeaveStage).unwrap();
         let (mut hearing, mut ensemble) = (hearing(&instrument), Ensemble::new(dancer));
         let mut table = SandTable::new(body, 0.0);
-        table.follow(&mut hearing, &mut ensemble, &instrument, 2.0).unwrap();
+        table.follow(&mut hearing, &mut ensemble, &instrument, None, 2.0).unwrap();
         let drawn = table.drawn();
         assert_eq!(drawn.len(), instrument.gallery().items().len());
         let each = (2000.0 / drawn.len() as f32).round() as usize;
         assert!(drawn.iter().all(|sand| sand.grains.len() == each));
         assert!(drawn[1..].iter().all(|sand| sand.grains != drawn[0].grains));
+        // A close-up of one of them has all.
+        let genome = &instrument.gallery().items()[3].genome;
+        let solo = (genome.clone(), Settings::default());
+        table.follow(&mut hearing, &mut ensemble, &instrument, Some(&solo), 2.1).unwrap();
+        let drawn = table.drawn();
+        assert_eq!((drawn.len(), drawn[0].grains.len()), (1, 2000));
     }
 }

@@ -200,7 +200,7 @@ impl Performance {
         let listening = Instant::now();
         while let Some(step_secs) = self.sand.due(at_secs) {
             self.go_to(step_secs)?;
-            self.sand.follow(&mut self.hearing, &mut self.ensemble, &self.instrument, step_secs)?;
+            self.sand.follow(&mut self.hearing, &mut self.ensemble, &self.instrument, None, step_secs)?;
             // The sound of before the film is not always known: no sand is poured until it is.
             if self.sand.due(step_secs).is_some() {
                 self.sand.step(&[], &self.instrument);

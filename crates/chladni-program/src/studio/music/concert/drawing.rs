@@ -46,8 +46,10 @@ impl Concert {
             self.pane.viewport.invalidate();
         }
         let buffers = self.deformed.buffers()?;
-        // Beside a stage in a window of its own the gallery has no sand: that lies on the stage.
-        let grains = Some(self.sand.drawn()).filter(|all| all.len() == cells.len()).unwrap_or_default();
+        // Beside a stage in a window of its own the gallery and a close-up have no sand: that lies on the stage.
+        let has_sand = self.draws_stage || !frame.is_apart;
+        let grains = Some(self.sand.drawn()).filter(|all| has_sand && all.len() == cells.len());
+        let grains = grains.unwrap_or_default();
         let mut drawn_vertices = 0;
         let figures: Vec<Figure<'_>> = (0..)
             .zip(cells)

@@ -82,8 +82,11 @@ impl Concert {
         listening: &mut Listening,
         began: Instant,
     ) -> Result<(Frame, Vec<Item>), Error> {
+        let tried_out = self.tried_out.take().or_else(|| self.close_up_mapping());
+        // On stage sand lies on the dance there.
+        let solo = tried_out.as_ref().filter(|_| !self.on_stage());
         let (sand, ensemble, instrument) = (&mut self.sand, &mut self.ensemble, &self.instrument);
-        let before = |hearing: &mut _, at_secs| sand.follow(hearing, ensemble, instrument, at_secs);
+        let before = |hearing: &mut _, at_secs| sand.follow(hearing, ensemble, instrument, solo, at_secs);
         let heard = listening.hear(self.seconds, instrument.parameters(), before)?;
         self.moment = Moment { at_secs: heard.at_secs, at_beat: heard.beat.count };
         self.recent.hear(heard.at_secs, &heard.bands);
@@ -93,7 +96,6 @@ impl Concert {
             self.house.open();
         }
         let is_apart = staged && shared.settings.music.own_window;
-        let tried_out = self.tried_out.take().or_else(|| self.close_up_mapping());
         let frame = Frame {
             began,
             at_secs: heard.at_secs,
