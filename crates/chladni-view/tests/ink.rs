@@ -18,8 +18,13 @@ fn ball() -> Plate {
 /// The ring's and the tube's radius of [`ring`].
 const RING: [f64; 2] = [1.0, 0.4];
 
-/// A torus about y.
 fn ring() -> Plate {
+    let (positions, triangles) = torus();
+    Plate::new(&positions, &triangles, Plate::SMOOTHING).unwrap()
+}
+
+/// A torus about y.
+fn torus() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let [around, tube] = [160_u32, 64];
     let mut positions = Vec::new();
     for i in 0..around {
@@ -32,13 +37,11 @@ fn ring() -> Plate {
     }
     let at = |i: u32, j: u32| (i % around) * tube + j % tube;
     let quads = (0..around).flat_map(|i| (0..tube).map(move |j| [i, j]));
-    let triangles: Vec<[u32; 3]> = quads
-        .flat_map(|[i, j]| {
-            let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect();
-    Plate::new(&positions, &triangles, Plate::SMOOTHING).unwrap()
+    let triangles = quads.flat_map(|[i, j]| {
+        let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+        [[a, b, c], [a, c, d]]
+    });
+    (positions, triangles.collect())
 }
 
 fn ring_distance([x, y, z]: Vec3) -> f64 {
@@ -138,6 +141,23 @@ fn furrows_and_edges_are_drawn_where_they_are_seen() {
             let off = ((x - phase) * 2.0).round() * 0.5 + phase - x;
             assert!(off.abs() < 0.02, "{mark:?} at {x}");
         }
+    }
+}
+
+#[test]
+fn lines_are_the_same_whichever_way_triangles_face() {
+    let (positions, triangles) = torus();
+    let camera = Camera { distance: 6.0, pitch_rad: 0.35, ..Camera::default() };
+    let strokes = |triangles: &[[u32; 3]]| {
+        let plate = Plate::new(&positions, triangles, Plate::SMOOTHING).unwrap();
+        plate.outlines(&Ink { detail: 2.0, ..BARE }, &camera, CELL)
+    };
+    let expected = strokes(&triangles);
+    // All of them, and every third.
+    for step in [1, 3] {
+        let mut turned = triangles.clone();
+        turned.iter_mut().step_by(step).for_each(|t| t.swap(1, 2));
+        assert_eq!(strokes(&turned), expected, "{step}");
     }
 }
 

@@ -1,9 +1,9 @@
 //! A shape prepared for drawing: everything that does not depend on the point of view.
 
-use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub, unit};
+use chladni_mesh::surface::vec3::{Vec3, dot, unit};
 use chladni_mesh::surface::{
-    Principal, Rows, Tensor, averaged, boundary_vertices, curvature_tensors, vertex_areas, vertex_gradients,
-    vertex_neighbors, vertex_normals_around, vertex_triangles,
+    Principal, Rows, Tensor, averaged, boundary_vertices, curvature_tensors, inward_triangles, vertex_areas,
+    vertex_gradients, vertex_neighbors, vertex_normals_around, vertex_triangles,
 };
 use rayon::prelude::*;
 
@@ -60,16 +60,15 @@ impl Plate {
         if !finite || area <= 0.0 {
             return Err(ViewError::Shape("a drawing needs a surface with finite coordinates".into()));
         }
+        let outward = outward(positions, triangles);
+        let triangles = &outward[..];
         let size = (area / std::f64::consts::PI).sqrt();
         let around = vertex_triangles(n, triangles);
         let neighbors = vertex_neighbors(n, triangles);
         // A vertex of a mesh of equilateral triangles has √3/2 ℓ² of the area.
         let edge = (area / n as f64 / 0.866).sqrt();
         let passes = |share: f64| ((share * size / (0.65 * edge)).powi(2).ceil() as usize).min(MOST_PASSES);
-        let mut normals = vertex_normals_around(positions, triangles, &around);
-        if volume(positions, triangles) < 0.0 {
-            normals.iter_mut().for_each(|n| *n = scaled(*n, -1.0));
-        }
+        let normals = vertex_normals_around(positions, triangles, &around);
         let mut normals = averaged(normals, &neighbors, &areas, passes(smoothing));
         normals.iter_mut().for_each(|n| *n = unit(*n));
         let tensors = curvature_tensors(positions, triangles, &normals, &around);
@@ -91,7 +90,7 @@ impl Plate {
         let borders = borders(n, triangles);
         Ok(Self {
             positions: positions.to_vec(),
-            triangles: triangles.to_vec(),
+            triangles: outward,
             around,
             normals,
             tensors,
@@ -120,14 +119,10 @@ impl Plate {
     }
 }
 
-/// Six times the signed volume about the middle: negative for a shape that is inside out.
-fn volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
-    let middle = scaled(positions.iter().fold([0.0; 3], |sum, p| add(sum, *p)), 1.0 / positions.len() as f64);
-    let wedge = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| sub(positions[v as usize], middle));
-        dot(a, cross(b, c))
-    };
-    triangles.iter().map(wedge).sum()
+/// `triangles`, those that face inward turned round: on them furrows would be edges.
+fn outward(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let all = triangles.iter().zip(inward_triangles(positions, triangles));
+    all.map(|(&[a, b, c], inward)| if inward { [a, c, b] } else { [a, b, c] }).collect()
 }
 
 fn borders(vertices: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
