@@ -21,7 +21,9 @@ pub struct InkedStage {
     wanted: Option<Scene>,
     /// When the wanted drawing last changed.
     changed_secs: f64,
-    running: Option<Job<Drawn>>,
+    running: Option<(Scene, Job<Drawn>)>,
+    /// What could not be drawn, which is not tried again before something changes.
+    failed: Option<Scene>,
     shown: Option<(TextureHandle, Scene, Depth)>,
     /// Shapes that were made ready before, by figure.
     plates: Vec<(Pictured, Arc<Plate>)>,
@@ -74,12 +76,18 @@ impl InkedStage {
         triangles: &Arc<[[u32; 3]]>,
     ) -> Result<(), Error> {
         let now_secs = ui.input(|input| input.time);
-        if let Some(ended) = self.running.as_ref().and_then(Job::ended) {
-            self.running = None;
-            self.take(ui, ended?);
+        if let Some(ended) = self.running.as_ref().and_then(|(_, job)| job.ended()) {
+            let begun = self.running.take().map(|(scene, _)| scene);
+            match ended {
+                Ok(drawn) => self.take(ui, drawn),
+                Err(why) => {
+                    self.failed = begun;
+                    return Err(why);
+                }
+            }
         }
         if self.wanted.as_ref() != Some(&scene) {
-            (self.wanted, self.changed_secs) = (Some(scene.clone()), now_secs);
+            (self.wanted, self.changed_secs, self.failed) = (Some(scene.clone()), now_secs, None);
         }
         let rests = now_secs - self.changed_secs >= REST_SECS;
         let depth = if rests { Depth::Shade } else { Depth::Lines };
@@ -87,10 +95,11 @@ impl InkedStage {
             .shown
             .as_ref()
             .is_some_and(|(_, shown, has)| *shown == scene && (*has == depth || *has == Depth::Shade));
-        if self.running.is_none() && !is_shown {
+        let is_done = is_shown || self.failed.as_ref() == Some(&scene);
+        if self.running.is_none() && !is_done {
             self.start(ui, scene, depth, poses, triangles);
         }
-        if !is_shown || !rests {
+        if !is_done || !rests {
             ui.ctx().accesskit_node_builder(stage, egui::accesskit::Node::set_busy);
         }
         if !rests {
@@ -131,6 +140,7 @@ impl InkedStage {
             )
         });
         let (ready, triangles) = (ready.collect::<Vec<Ready>>(), Arc::clone(triangles));
+        let begun = scene.clone();
         let job = Job::start("Drawing in ink", ui.ctx(), move |_| {
             let ink = scene.pen.ink;
             let mut drawing = Drawing::new(scene.size[0], scene.size[1], &ink)?;
@@ -142,7 +152,7 @@ impl InkedStage {
             let plates = pictured.zip(plates).collect();
             Ok(Drawn { picture: drawing.to_picture(), scene, depth, plates })
         });
-        self.running = Some(job);
+        self.running = Some((begun, job));
     }
 }
 
@@ -203,5 +213,32 @@ mod tests {
         assert!(!Arc::ptr_eq(&first, &third), "its lines have other widths");
         let fourth = drawn_at(2.5, 0.5, Depth::Lines, Pen { exaggeration: true, smoothing: 0.05, ..usual });
         assert!(!Arc::ptr_eq(&third, &fourth), "its lines are others");
+    }
+
+    #[test]
+    fn a_drawing_that_fails_is_not_begun_again_before_something_changes() {
+        let poses = vec![(vec![[f32::NAN; 3]; 3], vec![[0.0; 3]; 3])];
+        let triangles: Arc<[[u32; 3]]> = [[0, 1, 2]].into();
+        let (ctx, mut stage) = (egui::Context::default(), InkedStage::default());
+        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(200.0, 200.0));
+        // Whether it went well, and whether a drawing is under way.
+        let mut show = |yaw_rad: f32| {
+            let camera = Camera { yaw_rad, ..Camera::default() };
+            let figures = vec![((0, 1), Rect::of_size(200, 200))];
+            let scene = Scene { camera, pen: Pen::default(), size: [200; 2], figures };
+            let mut shown = Ok(());
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                shown = stage.show(ui, (rect, egui::Id::NULL), scene.clone(), &poses, &triangles);
+            });
+            (shown.is_ok(), stage.running.is_some())
+        };
+        let start = std::time::Instant::now();
+        for yaw_rad in [0.0, 0.5] {
+            while show(yaw_rad).0 {
+                assert!(start.elapsed() < chladni_testdata::HANGS, "it never failed");
+                std::thread::yield_now();
+            }
+            assert_eq!([show(yaw_rad), show(yaw_rad)], [(true, false); 2]);
+        }
     }
 }
