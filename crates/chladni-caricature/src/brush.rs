@@ -11,6 +11,9 @@ use chladni_mesh::surface::vec3::{Vec3, dot, sub};
 /// Whether something stands between an eye and a point, both in the working frame.
 pub type Blocked<'a> = dyn Fn([f64; 3], [f64; 3]) -> bool + Sync + 'a;
 
+/// The triangle that an eye sees right at a point of the surface, both in the working frame; `None` where it sees past it.
+pub type SeenAt<'a> = dyn Fn([f64; 3], [f64; 3]) -> Option<u32> + Sync + 'a;
+
 /// The shape as displayed, and the viewpoint.
 #[derive(Clone, Copy)]
 pub struct Seen<'a> {
@@ -73,10 +76,21 @@ impl Seen<'_> {
 }
 
 impl Seen<'_> {
-    /// Those of `vertices` < N that nothing hides from the eye; all where there is none.
-    pub fn shown(&self, mut vertices: Vec<u32>) -> Vec<u32> {
+    /// Those of `vertices` < N that nothing hides from the eye, not even the front of a thin part of which they are the
+    /// back; all where there is no eye. Empty if the positions belong to another shape.
+    pub fn shown(&self, mut vertices: Vec<u32>, seen_at: &SeenAt<'_>) -> Vec<u32> {
+        if self.positions.len() != self.surface.vertices() {
+            return Vec::new();
+        }
         if let Some((eye, blocked)) = self.eye.zip(self.blocked) {
-            vertices = vertices.into_par_iter().filter(|v| !blocked(eye, self.at(*v))).collect();
+            let side = |t: u32| self.facing(t, eye).signum();
+            // What is seen there faces as some triangle around the vertex, if it is of the same side.
+            let is_back = |v: u32| {
+                let seen = seen_at(eye, self.at(v)).map(side);
+                seen.is_some_and(|seen| self.surface.triangles_around(v).iter().all(|t| side(*t) != seen))
+            };
+            vertices =
+                vertices.into_par_iter().filter(|v| !blocked(eye, self.at(*v)) && !is_back(*v)).collect();
         }
         vertices
     }
@@ -238,6 +252,23 @@ mod tests {
         let below = Some([0.2, 0.1, -5.0]);
         let back = reach(&ear, [0.0, 0.0, -0.02], 0.3, below).vertices();
         assert!(back.len() > 40 && back.iter().all(|v| *v as usize >= front));
+    }
+
+    #[test]
+    fn what_is_shown_of_a_thin_part_is_the_side_toward_the_eye() {
+        let (ear, front) = ear();
+        let (positions, front) = (single(&ear.positions), front as u32);
+        let blocked = |_: [f64; 3], _: [f64; 3]| false;
+        let first_of = |v: u32| ear.triangles_around(v)[0];
+        for (z, side) in [(5.0, 0..front), (-5.0, front..2 * front)] {
+            let eye = Some([0.2, 0.1, z]);
+            let seen = Seen { surface: &ear, positions: &positions, eye, blocked: Some(&blocked) };
+            // In the middle of the side.
+            let before = first_of(side.start + front / 2);
+            let shown = seen.shown((0..2 * front).collect(), &|_, _| Some(before));
+            assert_eq!(shown, side.collect::<Vec<u32>>());
+            assert_eq!(seen.shown(vec![front + 1, 2], &|_, _| None), [front + 1, 2]);
+        }
     }
 
     #[test]

@@ -77,7 +77,7 @@ mod stack;
 mod surface;
 mod wavelength;
 
-pub use brush::{Blocked, Brush, Reach, Seen};
+pub use brush::{Blocked, Brush, Reach, Seen, SeenAt};
 pub use carry::Carried;
 pub use crossing::Crossings;
 pub use curved::{Bend, Curved};

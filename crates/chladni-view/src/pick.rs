@@ -108,16 +108,41 @@ impl PickTree {
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
     ) -> bool {
+        let Some((ray, distance)) = self.view(eye, point) else { return false };
+        let hit = self.pick(&ray, positions, triangles);
+        hit.is_some_and(|hit| f64::from(hit.distance) < distance)
+    }
+
+    /// The triangle that `eye` sees right at `point` on the surface, of those that [`blocks`](Self::blocks) passes
+    /// over; `None` where it sees past them. `positions` are those of the last [`refit`](Self::refit).
+    pub fn seen_at(
+        &self,
+        eye: [f64; 3],
+        point: [f64; 3],
+        positions: &[[f32; 3]],
+        triangles: &[[u32; 3]],
+    ) -> Option<u32> {
+        let (Ray { origin, direction }, _) = self.view(eye, point)?;
+        let ray = Ray { origin, direction: direction.map(|x| -x) };
+        let hit = self.pick(&ray, positions, triangles)?;
+        // A triangle of the point itself is met there, but for rounding.
+        (f64::from(hit.distance) < 1.001 * self.clearance()).then_some(hit.triangle)
+    }
+
+    /// The half-line from right in front of `point` toward `eye`, and how far that is; `None` where it is at the point.
+    fn view(&self, eye: [f64; 3], point: [f64; 3]) -> Option<(Ray, f64)> {
         let [eye, point] = [eye, point].map(glam::DVec3::from);
-        let way = eye - point;
-        let clearance = CLEARANCE * self.tree.bounds().diagonal();
-        let Some(direction) = way.try_normalize().filter(|_| way.length() > clearance) else { return false };
+        let (way, clearance) = (eye - point, self.clearance());
+        let direction = way.try_normalize().filter(|_| way.length() > clearance)?;
         let ray = Ray {
             origin: (point + direction * clearance).as_vec3().to_array(),
             direction: direction.as_vec3().to_array(),
         };
-        let hit = self.pick(&ray, positions, triangles);
-        hit.is_some_and(|hit| f64::from(hit.distance) < way.length() - clearance)
+        Some((ray, way.length() - clearance))
+    }
+
+    fn clearance(&self) -> f64 {
+        CLEARANCE * self.tree.bounds().diagonal()
     }
 }
 

@@ -140,6 +140,23 @@ fn the_far_side_is_blocked_and_the_near_side_is_not() {
 }
 
 #[test]
+fn of_a_thin_part_the_side_toward_the_eye_is_seen() {
+    let flat = |z: f32| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
+    let (positions, triangles) = ([flat(0.0), flat(-5e-4)].concat(), [[0, 1, 2], [3, 5, 4]]);
+    let tree = PickTree::new(&positions, &triangles);
+    let seen_at = |eye, point| tree.seen_at(eye, point, &positions, &triangles);
+    for far in [5.0, 1e6] {
+        for z in [0.0, -5e-4] {
+            let point = [0.2, 0.2, z];
+            assert!(!tree.blocks([0.2, 0.2, far], point, &positions, &triangles));
+            assert_eq!(seen_at([0.2, 0.2, far], point), Some(0));
+            assert_eq!(seen_at([0.2, 0.2, -far], point), Some(1));
+        }
+        assert_eq!(seen_at([2.0, 2.0, far], [2.0, 2.0, 0.0]), None);
+    }
+}
+
+#[test]
 fn nothing_and_nonsense_are_never_hit() {
     let ray = Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0] };
     assert!(PickTree::new(&[], &[]).pick(&ray, &[], &[]).is_none());

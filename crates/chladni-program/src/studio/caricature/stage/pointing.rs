@@ -90,6 +90,9 @@ impl Stage {
         let blocked = |eye: [f64; 3], point: [f64; 3]| {
             tree.is_some_and(|tree| tree.blocks(eye, point, positions, &self.triangles))
         };
+        let seen_at = |eye: [f64; 3], point: [f64; 3]| {
+            tree.and_then(|tree| tree.seen_at(eye, point, positions, &self.triangles))
+        };
         let within = |point: [f64; 3]| {
             let pixel = self.camera.project(point.map(|x| x as f32), cell);
             pixel.is_some_and(|(at, _)| encloses(&line, at.into()))
@@ -97,10 +100,10 @@ impl Stage {
         let place = |v: &u32| positions[*v as usize].map(f64::from);
         let all = || 0..positions.len() as u32;
         let seen = |eye| Seen { surface: hand.surface, positions, eye: Some(eye), blocked: Some(&blocked) };
-        let mut taken = seen(eye).shown(all().filter(|v| within(place(v))).collect());
+        let mut taken = seen(eye).shown(all().filter(|v| within(place(v))).collect(), &seen_at);
         if let Some(plane) = hand.brush.mirror {
             let twins = all().filter(|v| within(plane.image(place(v)))).collect();
-            taken.extend(seen(plane.image(eye)).shown(twins));
+            taken.extend(seen(plane.image(eye)).shown(twins, &seen_at));
             taken.sort_unstable();
             taken.dedup();
         }
