@@ -196,7 +196,7 @@ fn on_whole(painted: &Painted, subject: &Subject) -> Result<(Vec<f32>, Masked), 
     let of = |vertex: &Option<u32>| vertex.and_then(|v| values.get(v as usize)).copied().unwrap_or(0.0);
     let on_mesh: Vec<f32> = welded.operator_vertex.iter().map(of).collect();
     let on_whole = subject.proxy.as_ref().map(|proxy| proxy.spread(&on_mesh));
-    let counted = on_whole.as_deref().unwrap_or(&values);
+    let counted = on_whole.as_deref().unwrap_or(&on_mesh);
     let masked = Masked { inside: counted.iter().filter(|x| **x > 0.0).count(), vertices: counted.len() };
     Ok((on_whole.unwrap_or(on_mesh), masked))
 }
@@ -275,6 +275,18 @@ mod tests {
         assert!(why("a.npz", "weight").to_string().contains("no array \"weight\""));
         let odd = write(&folder.path().join("a.stl"), &painted, &mesh, false);
         assert!(odd.unwrap_err().to_string().contains("ends in one of"));
+    }
+
+    #[test]
+    fn counts_are_those_of_the_file() {
+        // A vertex of a seam is there twice.
+        let mut mesh = icosphere(1);
+        let welded = mesh.positions.len();
+        mesh.positions.push(mesh.positions[0]);
+        *mesh.triangles.iter_mut().flatten().find(|v| **v == 0).unwrap() = welded as u32;
+        let painted = Painted::Vertices(vec![1.0; welded].into());
+        let (_, masked) = to_bytes("npy", &painted, &Subject::from(mesh)).unwrap();
+        assert_eq!(masked, Masked { inside: welded + 1, vertices: welded + 1 });
     }
 
     #[test]
