@@ -401,6 +401,17 @@ fn inside(painted: &Painted) -> usize {
 }
 
 #[test]
+fn a_layer_that_moves_nothing_is_not_said_to_never_fold() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    person.slide("μ", 0.0);
+    person.press(Key::E);
+    person.wait_to_see("Nothing moves at");
+}
+
+#[test]
 fn what_is_encircled_is_painted_on_the_side_that_is_seen_and_undone_at_once() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);

@@ -406,6 +406,12 @@ fn as_far_as_it_goes(session: &mut Session, may_fold: f64, edits: &mut Edits, sh
     if let Err(why) = session.catch_up(&shared.ctx) {
         return shared.notices.failed(why);
     }
+    if let Some(layer) = session.selected.and_then(|id| session.project().layer(id))
+        && layer.effective_mu() == 0.0
+    {
+        let why = "Nothing moves at a μ or strength of 0: move it a little in the direction first.";
+        return shared.notices.warn(why);
+    }
     match (session.selected, session.furthest_mu(may_fold)) {
         (Some(layer), Some(mu)) => edits.set(layer, Property::Mu(mu)),
         _ => shared.notices.warn("This layer never folds in that direction, or does not act yet."),
