@@ -5,11 +5,10 @@ use std::str::FromStr;
 
 use chladni_mesh::surface::vec3::{Vec3, unit};
 use chladni_mesh::surface::{
-    Principal, averaged, curvature_tensors, vertex_areas, vertex_neighbors, vertex_normals_around,
-    vertex_triangles,
+    Principal, averaged, curvature_tensors, facing_outward, vertex_areas, vertex_neighbors,
+    vertex_normals_around, vertex_triangles,
 };
 
-use crate::surface::facing_outward;
 use crate::{CaricatureError, Painted};
 
 /// Which way a surface bends.

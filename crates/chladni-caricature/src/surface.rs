@@ -2,7 +2,7 @@
 
 use chladni_harmonics::Body;
 use chladni_mesh::Frame;
-use chladni_mesh::surface::{Rows, inward_triangles, vertex_normals_around, vertex_triangles};
+use chladni_mesh::surface::{Rows, vertex_normals_around, vertex_triangles};
 
 use chladni_mesh::surface::vec3::Vec3;
 
@@ -50,12 +50,4 @@ impl Surface {
     pub fn normals(&self, positions: &[Vec3]) -> Vec<Vec3> {
         vertex_normals_around(positions, &self.triangles, &self.around)
     }
-}
-
-/// `triangles` over `positions`, those that face inward turned round: some programs write shapes inside out, and
-/// there a bump would be a hollow.
-pub(crate) fn facing_outward(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let inward = inward_triangles(positions, triangles);
-    let all = triangles.iter().zip(inward);
-    all.map(|(&[a, b, c], inward)| if inward { [a, c, b] } else { [a, b, c] }).collect()
 }

@@ -32,7 +32,7 @@ pub struct HealthReport {
     /// Triangles on the same three vertices as an earlier one, in any order.
     pub duplicate_triangles: usize,
     /// Triangles of the welded mesh that face inward, or against most of those around them, as
-    /// [`inward_triangles`] finds them: a match turns them round.
+    /// [`inward_triangles`] finds them: matches and drawings, among others, turn them round.
     pub inward_triangles: usize,
     /// Least corner of the bounding box of all used vertices, in file units.
     pub bounds_min: [f64; 3],

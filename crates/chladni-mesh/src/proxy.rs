@@ -1,7 +1,7 @@
 //! A smaller mesh that stands in for a very large one while we work on it.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
@@ -183,15 +183,17 @@ impl Proxy {
 
 /// A tree over the triangles of each piece of a mesh, and one over all of them: where pieces touch, none takes along what
 /// lies on another.
-struct PieceTrees {
-    all: TriangleTree,
+struct PieceTrees<'a> {
+    mesh: &'a TriMesh,
+    /// Only vertices of pieces that have no triangles left need it.
+    all: OnceLock<TriangleTree>,
     /// For each piece that has triangles its tree, and which of the mesh's triangles its own are.
     of_piece: HashMap<u32, (TriangleTree, Vec<u32>)>,
 }
 
-impl PieceTrees {
+impl<'a> PieceTrees<'a> {
     /// `piece_of` says to which piece a vertex of `mesh` belongs.
-    fn new(mesh: &TriMesh, piece_of: impl Fn(u32) -> Option<u32>) -> Self {
+    fn new(mesh: &'a TriMesh, piece_of: impl Fn(u32) -> Option<u32>) -> Self {
         let mut members: HashMap<u32, Vec<u32>> = HashMap::new();
         for (t, [v, ..]) in (0..).zip(&mesh.triangles) {
             if let Some(piece) = piece_of(*v) {
@@ -202,14 +204,14 @@ impl PieceTrees {
             let own: Vec<[u32; 3]> = members.iter().map(|t| mesh.triangles[*t as usize]).collect();
             (piece, (TriangleTree::new(&mesh.positions, &own), members))
         };
-        let all = TriangleTree::new(&mesh.positions, &mesh.triangles);
-        Self { all, of_piece: members.into_iter().map(with_tree).collect() }
+        Self { mesh, all: OnceLock::new(), of_piece: members.into_iter().map(with_tree).collect() }
     }
 
     /// The point of `piece` closest to `place`, or of all where it has no triangle.
     fn closest(&self, place: Vec3, piece: u32) -> Option<Closest> {
         let Some((tree, members)) = self.of_piece.get(&piece) else {
-            return self.all.closest(place, f64::INFINITY);
+            let all = || TriangleTree::new(&self.mesh.positions, &self.mesh.triangles);
+            return self.all.get_or_init(all).closest(place, f64::INFINITY);
         };
         let closest = tree.closest(place, f64::INFINITY)?;
         let triangle = members[closest.on.triangle as usize];

@@ -162,6 +162,26 @@ fn lines_are_the_same_whichever_way_triangles_face() {
 }
 
 #[test]
+fn a_relief_is_drawn_alike_whichever_way_it_faces() {
+    let n = 24_u32;
+    let at = |i: u32| f64::from(i) / f64::from(n) - 0.5;
+    let height = |x: f64, y: f64| 0.25 * (-12.0 * (x * x + y * y)).exp();
+    let grid = (0..=n).flat_map(|j| (0..=n).map(move |i| (at(i), at(j))));
+    let positions: Vec<[f64; 3]> = grid.map(|(x, y)| [x, y, height(x, y)]).collect();
+    let cells = (0..n).flat_map(|j| (0..n).map(move |i| j * (n + 1) + i));
+    let triangles: Vec<[u32; 3]> =
+        cells.flat_map(|v| [[v, v + 1, v + n + 2], [v, v + n + 2, v + n + 1]]).collect();
+    let camera = Camera { distance: 2.0, pitch_rad: 0.9, ..Camera::default() };
+    let strokes = |triangles: &[[u32; 3]]| {
+        let plate = Plate::new(&positions, triangles, Plate::SMOOTHING).unwrap();
+        plate.outlines(&Ink { detail: 2.0, ..BARE }, &camera, CELL)
+    };
+    let expected = strokes(&triangles);
+    let turned: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+    assert!(!expected.is_empty() && strokes(&turned) == expected);
+}
+
+#[test]
 fn hatching_lies_in_the_shade_and_keeps_its_distance() {
     let camera = Camera { distance: 5.0, ..Camera::default() };
     let strokes = ring().strokes(&Ink { hatching: 0.4, ..BARE }, &camera, CELL);

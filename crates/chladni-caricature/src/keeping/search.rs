@@ -67,6 +67,8 @@ const GIVES_BACK: usize = 1;
 const HOLDS_BACK: usize = 2;
 /// How many of them are kept: most searches need few rounds, and a factorization of 50,000 vertices takes about 25 MB.
 pub(super) const KEPT_STEPS: usize = HOLDS_BACK + 4;
+/// How many more a search keeps for its other attempts: all of them would take gigabytes on a large shape.
+const SHARED_STEPS: usize = 4;
 
 /// The search for the longest displacement near `unlimited`, from `base`, that keeps triangles.
 pub(super) struct Search<'a> {
@@ -78,8 +80,8 @@ pub(super) struct Search<'a> {
     task: &'a Task,
     /// Triangles that cross others in the base already, ascending.
     crossed: Vec<u32>,
-    /// The heat steps after those that the keeper keeps: each attempt takes the same.
-    later_steps: [OnceLock<Arc<HeatStep>>; ROUNDS],
+    /// The next heat steps after those that the keeper keeps: each attempt takes the same.
+    later_steps: [OnceLock<Arc<HeatStep>>; SHARED_STEPS],
 }
 
 impl<'a> Search<'a> {

@@ -2,9 +2,7 @@
 
 use chladni_harmonics::Body;
 use chladni_mesh::surface::vec3::{Vec3, dot, sub};
-use chladni_mesh::surface::vertex_normals;
-
-use crate::surface::facing_outward;
+use chladni_mesh::surface::{facing_outward, vertex_normals};
 
 /// The lengths of cuts through the edges of a body. Along a crease they count as shorter: there people see parts meet
 /// (D. Hoffman & W. Richards, "Parts of recognition", 1984).

@@ -41,5 +41,5 @@ pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub(crate) use triangulation::{MOST_CORNERS, Triangulation, triangulation};
 pub use walk::Ground;
 pub use weld::{Weld, places, weld};
-pub use winding::inward_triangles;
+pub use winding::{facing_outward, inward_triangles};
 pub use zero_lines::{EdgePoint, chained, zero_lines};

@@ -30,11 +30,7 @@ pub fn inward_triangles(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<bool>
     let (links, rims) = touching(triangles);
     let area = |t: usize| 0.5 * length(doubled_area_normal(corners(positions, &triangles[t])));
     let (mut turned, one_sided) = against_most(triangles.len(), area, &links, &rims);
-    let even: Vec<[u32; 3]> = triangles
-        .iter()
-        .zip(&turned)
-        .map(|(&[a, b, c], turned)| if *turned { [a, c, b] } else { [a, b, c] })
-        .collect();
+    let even = turned_round(triangles, &turned);
     let surface = Surface { positions, triangles: &even };
     let parts = surface.parts(&rims, &one_sided);
     if parts.iter().any(|part| part.inward == Some(true)) {
@@ -43,6 +39,20 @@ pub fn inward_triangles(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<bool>
         }
     }
     turned
+}
+
+/// `triangles`, those that face inward turned round: some programs write shapes inside out, and there a bump would be a
+/// hollow.
+///
+/// # Panics
+/// As [`inward_triangles`].
+pub fn facing_outward(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    turned_round(triangles, &inward_triangles(positions, triangles))
+}
+
+fn turned_round(triangles: &[[u32; 3]], turned: &[bool]) -> Vec<[u32; 3]> {
+    let all = triangles.iter().zip(turned);
+    all.map(|(&[a, b, c], turned)| if *turned { [a, c, b] } else { [a, b, c] }).collect()
 }
 
 /// Two triangles with an edge of their own, and whether both have the same side up.

@@ -1,8 +1,8 @@
 //! A shape prepared for drawing: everything that does not depend on the point of view.
 
-use chladni_mesh::surface::vec3::{Vec3, dot, unit};
+use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub, unit};
 use chladni_mesh::surface::{
-    Principal, Rows, Tensor, averaged, boundary_vertices, curvature_tensors, inward_triangles, vertex_areas,
+    Principal, Rows, Tensor, averaged, boundary_vertices, curvature_tensors, facing_outward, vertex_areas,
     vertex_gradients, vertex_neighbors, vertex_normals_around, vertex_triangles,
 };
 use rayon::prelude::*;
@@ -121,8 +121,22 @@ impl Plate {
 
 /// `triangles`, those that face inward turned round: on them furrows would be edges.
 fn outward(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let all = triangles.iter().zip(inward_triangles(positions, triangles));
-    all.map(|(&[a, b, c], inward)| if inward { [a, c, b] } else { [a, b, c] }).collect()
+    let mut outward = facing_outward(positions, triangles);
+    // A relief has no inside, but a side that bulges.
+    if volume(positions, &outward) < 0.0 {
+        outward.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    outward
+}
+
+/// Six times the volume of the cone from the surface to the mean of its vertices.
+fn volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+    let middle = scaled(positions.iter().fold([0.0; 3], |sum, p| add(sum, *p)), 1.0 / positions.len() as f64);
+    let wedge = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| sub(positions[v as usize], middle));
+        dot(a, cross(b, c))
+    };
+    triangles.iter().map(wedge).sum()
 }
 
 fn borders(vertices: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
