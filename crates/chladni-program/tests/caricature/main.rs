@@ -239,11 +239,12 @@ fn samples_of_a_batch_have_files_of_their_own() {
     desk.ok("project new shape.obj -o p.chladni -k 16");
     desk.ok("project add-layer p.chladni --template self:scale=0.5");
     let text = std::fs::read_to_string(desk.path("p.chladni")).unwrap();
-    // No template is there, so that nothing is solved.
-    std::fs::write(desk.path("p.chladni"), text.replace("self:scale=0.5", "absent.obj")).unwrap();
+    // A template that cannot be read: nothing is made.
+    std::fs::write(desk.path("broken.obj"), "v 0 0\n").unwrap();
+    std::fs::write(desk.path("p.chladni"), text.replace("self:scale=0.5", "broken.obj")).unwrap();
     std::fs::write(desk.path("list.txt"), "sample:portrait?nose=0.3\nsample:portrait?nose=0.6\n").unwrap();
     let said = desk.refused("caricature --recipe p.chladni --batch list.txt -o .");
-    assert!(said.contains("2 of 2 shapes failed") && said.contains("absent.obj"), "{said}");
+    assert!(said.contains("2 of 2 shapes failed") && said.contains("broken.obj"), "{said}");
 }
 
 #[test]
