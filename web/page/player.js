@@ -36,6 +36,7 @@ async function playSong(song, begins = true) {
   const { pauses } = sound;
   room.endShow();
   let decoded;
+  const stopped = new Set();
   while (song && !decoded) {
     wanted = song;
     try { decoded = await songs.soundOf(song); } catch (error) {
@@ -43,7 +44,12 @@ async function playSong(song, begins = true) {
       unreadable(ofFile(song.name, error));
       const stays = ["AbortError", "StoppedError"].includes(error.name);
       if (error.name === "AbortError") song = undefined;
-      else song = stays ? songs.behind(song) : songs.strike(song);
+      else if (stays) {
+        stopped.add(song);
+        const next = playlist.repeats() === "list" ? songs.beside(song, 1) : songs.behind(song);
+        // It ends where the list has come round.
+        song = stopped.has(next) ? undefined : next;
+      } else song = songs.strike(song);
       // One that stays does not begin anew because the one before it has ended.
       if (stays && !song && sound.hasEnded) sound.pause();
     }

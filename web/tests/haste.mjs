@@ -297,9 +297,13 @@ export async function songs() {
   // Asked for, it leaves its turn to the one behind it.
   await page.click("#next");
   await songIs(page, "5 of 5: last.wav");
-  await page.evaluate(() => { window.breaks = undefined; });
+  await page.evaluate(() => { window.breaks = "decode last.wav"; });
   await page.click("#previous");
   await songIs(page, "4 of 5: next.wav");
+  // The last one leaves its turn to the first of a list that begins anew.
+  await page.click("#next");
+  await songIs(page, "1 of 5: late.wav");
+  await page.evaluate(() => { window.breaks = undefined; });
   step("a song stays where its worker stops");
 
   // A pause while a device begins.

@@ -102,10 +102,10 @@ impl Concert {
 
     /// Back to the songs.
     pub fn stop_listening(&mut self) {
-        let track = self.clock_track();
         if let Some(live) = self.live.take() {
-            self.hearing.know_clock(track);
-            self.hearing.fade_from(self.clock.at_secs(), live.ear.heard(), live.beat);
+            let at_secs = self.clock.at_secs();
+            self.hearing.leave_live(at_secs, live.beat);
+            self.hearing.fade_from(at_secs, live.ear.heard(), live.beat);
         }
     }
 }

@@ -97,8 +97,8 @@ impl Stage {
         self.shown = Some(Shown::InTurn(list, is));
         let gone = (beat - self.since_beat).max(0.0);
         if steps(gone, parameters) >= 1.0 {
-            // It has been there for longer than a step is now. Cuts keep their place within the beat; where it is still coming,
-            // it comes from its beginning.
+            // It has been there for longer than a step is now. Cuts keep their place within the beat; where it is still
+            // coming, it comes from its beginning.
             self.since_beat += gone.floor();
             (self.before, self.comes_within) = ((scene.weight < 1.0).then_some(scene.from), None);
         }

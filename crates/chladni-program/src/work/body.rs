@@ -55,8 +55,8 @@ fn advised(error: HarmonicsError) -> Error {
     match error {
         HarmonicsError::TooMany { vertices, .. } if vertices >= 2 * ProxyKey::FEWEST => {
             Error::input(format_args!(
-                "{error}; ask for fewer harmonics, or work on fewer of its vertices (--proxy N, chladni project new \
-                 --proxy N)"
+                "{error}; ask for fewer harmonics, or work on fewer of its vertices: chladni project new \
+                 --proxy N"
             ))
         }
         error => error.into(),

@@ -174,8 +174,8 @@ fn a_playlist_goes_on_over_a_broken_song_and_ends() {
     player.play();
     wait("playing again", || player.status().state == PlayerState::Playing);
     assert!(!player.status().is_over);
-    // A song that is left in the middle is not heard to its end. The list before it repeats until then, so that it does
-    // not end by itself.
+    // A song that is left in the middle is not heard to its end. Repeating is turned off only now: the list before would
+    // have ended by itself.
     player.play_list(vec![write_tone(folder.path(), "long.wav", 22_050, 60.0)]);
     player.repeat(Repeat::Off);
     player.next();

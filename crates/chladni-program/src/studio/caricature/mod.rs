@@ -409,7 +409,8 @@ fn as_far_as_it_goes(session: &mut Session, may_fold: f64, edits: &mut Edits, sh
     if let Some(layer) = session.selected.and_then(|id| session.project().layer(id))
         && layer.effective_mu() == 0.0
     {
-        let why = "Nothing moves at a μ or strength of 0: move it a little in the direction first.";
+        let why =
+            "Nothing moves at a μ or strength of 0. Set both, μ a little to the side on which it is to grow.";
         return shared.notices.warn(why);
     }
     match (session.selected, session.furthest_mu(may_fold)) {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni_music::{BeatReading, ClockTrack, Stretch};
-use chladni_sound::{Beats, SEAM_SECS, Song, SoundError, StereoResampler, crossfade_gain, track_beats};
+use chladni_sound::{Beats, SEAM_SECS, Song, StereoResampler, crossfade_gain, track_beats};
 
 use crate::work::sand::BEFORE_SECS;
 use crate::work::{Error, Hearing, KnownSong, Warning, Watcher, read_beats, source};
@@ -121,8 +121,6 @@ impl Songs {
             let beats = match beats_of(name, watcher) {
                 Ok(beats) => beats,
                 Err(Error::Cancelled) => return Err(Error::Cancelled),
-                // Of a song that is too long, the window did not count the beats as a whole either.
-                Err(Error::Sound(SoundError::TooLong { .. })) => continue,
                 Err(error) => {
                     watcher.warn(Warning::Plain(format!("{error}: its beats are not counted")));
                     continue;
@@ -234,7 +232,7 @@ impl Songs {
 
 /// The beats of the song that is called `name`.
 fn beats_of(name: &str, watcher: &impl Watcher) -> Result<Beats, Error> {
-    let song = source::song(name, 0.0, None, watcher)?;
+    let song = source::long_song(name, watcher)?;
     let beats = watcher.watch("tracking the beat", |task| track_beats(&song, task));
     beats.map_err(|error| Error::from(error).of(name))
 }

@@ -4,6 +4,7 @@
 use chladni_music::{BarLine, Beat, ClockTrack, Director, Framing, Moment};
 
 use super::Hearing;
+use super::songs::ROUNDED_BEATS;
 
 /// A clock, and who films to it.
 #[derive(Default)]
@@ -69,10 +70,26 @@ impl Hearing {
             return beat;
         }
         let beat = self.beat_by_songs(at_secs);
-        // After a clock, whole beats are added so that the count does not go back.
-        let Some(left) = track.mark_at(at_secs) else { return beat };
-        let added = (left.count - self.beat_by_songs(left.at_secs).count).ceil();
-        Beat { count: beat.count + added, ..beat }
+        Beat { count: beat.count + self.added_after_clocks(at_secs), ..beat }
+    }
+
+    /// The whole beats added to those of the songs at a time when no clock is followed, so that the count does not go
+    /// back from that of the clock, or of live input, before.
+    fn added_after_clocks(&self, at_secs: f64) -> f64 {
+        let track = &self.clocked.track;
+        let (mut ends, mut until_secs, mut clocked) = (Vec::new(), at_secs, false);
+        while let Some(left) = track.mark_at(until_secs).filter(|_| !clocked) {
+            ends.push(left);
+            until_secs = left.at_secs.next_down();
+            clocked = track.beat_at(until_secs).is_some();
+        }
+        // A recording of live input may have more beats than were counted when it came in. Those of a song do not
+        // count while a clock is followed.
+        let before = if clocked { f64::NEG_INFINITY } else { 0.0 };
+        ends.iter().rev().fold(before, |added, left| {
+            let least = self.beat_by_songs(left.at_secs.next_down()).count + added;
+            (left.count.max(least) - self.beat_by_songs(left.at_secs).count - ROUNDED_BEATS).ceil()
+        })
     }
 
     /// The bars that have begun after `from_secs` of the show, up to `to_secs`.
@@ -200,6 +217,26 @@ mod tests {
         assert!((500.0..502.0).contains(&live.beat_at(6.0).count), "{:?}", live.beat_at(6.0));
         let done = |at_secs| live.beats_at(Moment { at_secs, at_beat: 77.0 });
         assert_eq!([3.0, 7.0].map(done), [77.0, live.beat_at(7.0).count]);
+    }
+
+    #[test]
+    fn no_beat_goes_back_where_a_recording_has_more_beats_than_live_input_had() {
+        // Of 17 and 25 beats, the ear found 15 and 22.
+        let mut filmed = hearing();
+        let beats_secs: Vec<f64> = (0..40).map(|i| 0.25 * f64::from(i)).collect();
+        filmed.know_beats(0, Beats { beats_secs, confidence: 1.0, ..Beats::default() });
+        for at_secs in [0.0, 4.0, 6.0] {
+            filmed.begin(stretch(at_secs, 0.0, true)).unwrap();
+        }
+        let mut last = filmed.beat_at(0.0).count;
+        for (end_secs, count) in [(4.0, 15.0), (6.0, 22.0)] {
+            filmed.leave_live(end_secs, Beat { count, confidence: 1.0 });
+        }
+        for i in 0..800 {
+            let count = filmed.beat_at(0.01 * f64::from(i)).count;
+            assert!((last..last + 2.0).contains(&count), "{count} after {last}");
+            last = count;
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::{Hearing, SongDirector};
 use crate::work::bars::bar_lines;
 
 /// Fewer beats than this are not made up for by a whole one: counts are rounded.
-const ROUNDED_BEATS: f64 = 1e-6;
+pub(super) const ROUNDED_BEATS: f64 = 1e-6;
 
 impl Hearing {
     /// Beats of the songs gone by at any time of the show so far.
