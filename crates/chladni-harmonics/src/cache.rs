@@ -127,11 +127,7 @@ impl CacheEntry {
             Err(source) => return Err(CacheError::Unreadable { path: self.path.clone(), source }),
         };
         // The time of an entry is that of its last use. In a folder that cannot be written nothing is removed, either.
-        // Some systems set the time only through a file that is open for writing.
-        let _ = fs::File::options()
-            .append(true)
-            .open(&self.path)
-            .and_then(|entry| entry.set_modified(SystemTime::now()));
+        let _ = chladni_task::date_now(&self.path);
         let length = file.metadata().map(|m| m.len()).unwrap_or(0);
         let keep = memory::room_for_harmonics(vertices, 1, settings)?;
         read_entry(&mut file, length, vertices, self.laplacian, keep)

@@ -37,7 +37,7 @@ pub use atomic_file::{
 pub use other_program::{Needs, apart, other_program};
 pub use percent::percent_decoded;
 pub use progress::{Cancelled, Progress, Stage, Task};
-pub use read_file::{open_file, read_file, read_text_file};
+pub use read_file::{date_now, open_file, read_file, read_text_file};
 pub use recovery::RecoveryCopy;
 
 /// The examples of README.md, compiled.

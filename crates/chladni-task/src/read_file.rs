@@ -1,8 +1,9 @@
-//! Files that are read whole, up to a size limit.
+//! Files that are read whole, up to a size limit, and the time of their use.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
+use std::time::SystemTime;
 
 /// The content of the regular file at `path`, of at most `most_bytes` bytes.
 ///
@@ -59,6 +60,15 @@ pub fn open_file(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
+/// Dates the file at `path` now, as one that was used. Its content stays.
+///
+/// # Errors
+/// Those of the file system, such as of a file that may not be written.
+pub fn date_now(path: &Path) -> io::Result<()> {
+    // Windows dates only what is open for writing.
+    File::options().append(true).open(path)?.set_modified(SystemTime::now())
+}
+
 fn in_words(bytes: u64) -> String {
     if bytes >= 1 << 30 { format!("{} GiB", bytes >> 30) } else { format!("{} MiB", bytes >> 20) }
 }
@@ -73,6 +83,18 @@ mod tests {
         let path = folder.path().join("list.txt");
         std::fs::write(&path, b"\xef\xbb\xbfa.obj\n").unwrap();
         assert_eq!(read_text_file(&path, 99).unwrap(), "a.obj\n");
+    }
+
+    #[test]
+    fn a_file_that_was_used_is_dated_and_keeps_its_content() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("old");
+        assert!(date_now(&path).is_err() && !path.exists());
+        std::fs::write(&path, b"it").unwrap();
+        let modified = || path.metadata().unwrap().modified().unwrap();
+        File::options().append(true).open(&path).unwrap().set_modified(SystemTime::UNIX_EPOCH).unwrap();
+        date_now(&path).unwrap();
+        assert!(modified() > SystemTime::UNIX_EPOCH && std::fs::read(&path).unwrap() == b"it");
     }
 
     #[test]
