@@ -246,7 +246,9 @@ mod tests {
         let mut values = Values::from(numbers.clone()).moved(Keep::Folder(folder.path())).unwrap();
         assert!(!values.is_in_memory());
         assert_eq!(values[..], numbers[..]);
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "the file has no name");
+        // Elsewhere it has a name until it is closed.
+        let named = usize::from(!cfg!(unix));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), named, "the file has no name");
         values[len - 1] = -1.0;
         assert_eq!(values.clone()[len - 1], -1.0);
         assert!(values.clone().is_in_memory());
