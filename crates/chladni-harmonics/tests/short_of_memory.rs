@@ -27,7 +27,8 @@ fn both(mesh: &TriMesh, harmonics: usize, bytes: u64) {
     let bits = |body: &Body| body.basis.vectors.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     assert!(bits(&body) == bits(&spilled), "the same to the last bit");
     assert_eq!(body.basis.certificate, spilled.basis.certificate);
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    // On Unix the file has no name.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), usize::from(!cfg!(unix)));
     let refused = BasisSettings { scratch: None, ..short };
     let refused = Body::load_or_build(mesh, &refused, None, &task).unwrap_err();
     assert!(matches!(refused, HarmonicsError::TooMany { .. }), "{refused}");
