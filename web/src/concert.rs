@@ -244,20 +244,13 @@ impl Concert {
         duration_secs: f64,
     ) -> Result<Option<Shot>, Error> {
         self.now_secs = self.now_secs.max(now_secs);
-        let playing = match usize::try_from(song).ok().filter(|_| self.live.is_none()) {
-            None => Playing {
-                song: None,
-                position_secs: 0.0,
-                duration_secs: None,
-                crossfade_secs: 0.0,
-                is_over: false,
-            },
-            song => {
-                let duration_secs = Some(duration_secs).filter(|secs| *secs > 0.0);
-                // Songs whose length is known end by that.
-                Playing { song, position_secs, duration_secs, crossfade_secs: 0.0, is_over: false }
-            }
+        let song = usize::try_from(song).ok().filter(|_| self.live.is_none());
+        let (position_secs, duration_secs) = match song {
+            Some(_) => (position_secs, Some(duration_secs).filter(|secs| *secs > 0.0)),
+            None => (0.0, None),
         };
+        // Songs whose length is known end by that.
+        let playing = Playing { song, position_secs, duration_secs, crossfade_secs: 0.0, is_over: false };
         if let Some(stretch) = self.clock.follow(now_secs, playing) {
             self.hearing.begin(stretch)?;
         }

@@ -1,8 +1,8 @@
 // Holds back what the page waits for, so that something else comes before it.
 import { until } from "./driver.mjs";
 
-/** What workers and files are asked for can be held back: what `holds` is part of, until `release()`. The worker stops that
- * is asked for what `breaks` is. */
+/** What workers and files are asked for can be held back: what `holds` is part of, until `release()`. A worker that is asked
+ * for exactly what `breaks` says stops. */
 export function holdsBack() {
   const held = [];
   window.holds = undefined;

@@ -84,7 +84,7 @@ impl Seen<'_> {
         }
         if let Some((eye, blocked)) = self.eye.zip(self.blocked) {
             let side = |t: u32| self.facing(t, eye).signum();
-            // What is seen there faces as some triangle around the vertex, if it is of the same side.
+            // On the vertex's own side of a thin part, what is seen faces as some triangle around the vertex does.
             let is_back = |v: u32| {
                 let seen = seen_at(eye, self.at(v)).map(side);
                 seen.is_some_and(|seen| self.surface.triangles_around(v).iter().all(|t| side(*t) != seen))

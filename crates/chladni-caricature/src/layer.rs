@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use chladni_match::{Ellipsoid, MatchError, MatchSettings, Method};
-use chladni_mesh::ShapeSource;
 use chladni_mesh::samples::portrait_sliders;
+use chladni_mesh::{Known, ShapeSource};
 use serde::{Deserialize, Serialize};
 
 use crate::{CaricatureError, Model, Painted, Region, RollOff, ScaleCurve, Smoothing, usual_wavelength};
@@ -175,6 +175,11 @@ impl Template {
             Self::Sample(name) => Some(ShapeSource::Sample(name.clone())),
             _ => None,
         }
+    }
+
+    /// What is known of how its mesh stands; nothing where it is none.
+    pub fn known(&self) -> Known {
+        self.mesh().map_or_else(Known::default, |source| source.known())
     }
 }
 

@@ -149,8 +149,7 @@ impl MatchRequest {
         mesh: &TriMesh,
         task: &Task,
     ) -> Result<Matched, CaricatureError> {
-        let known = self.template.mesh().map_or_else(Known::default, |source| source.known());
-        let stands = like_template(mesh, known, &found, task)?;
+        let stands = like_template(mesh, self.template.known(), &found, task)?;
         let Match { correspondence, report } = found;
         let filled = infilled(shape, &correspondence).map_err(|error| self.failure(error.to_string()))?;
         let infill = match filled {

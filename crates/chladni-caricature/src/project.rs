@@ -165,6 +165,11 @@ impl Project {
         layer.enabled && (layer.solo || !self.layers.iter().any(|(_, l)| l.solo))
     }
 
+    /// The layers that [act](Self::acts).
+    pub fn acting(&self) -> impl Iterator<Item = &Layer> {
+        self.layers.iter().map(|(_, layer)| &**layer).filter(|layer| self.acts(layer))
+    }
+
     /// Whether any layer names vertices of the shape by number: in a painted region or by landmarks.
     pub fn names_vertices(&self) -> bool {
         self.layers.iter().any(|(_, layer)| layer.names_vertices())

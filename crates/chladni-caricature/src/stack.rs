@@ -110,7 +110,7 @@ impl Stack {
     /// [`install`](Self::install) what they find.
     pub fn missing(&self, project: &Project) -> Vec<MatchRequest> {
         let mut missing: Vec<MatchRequest> = Vec::new();
-        for (_, layer) in project.layers().iter().filter(|(_, l)| project.acts(l)) {
+        for layer in project.acting() {
             let unknown = |r: &MatchRequest| !self.matches.iter().any(|(known, _)| known == r);
             if let Some(request) = MatchRequest::of(layer).filter(|r| unknown(r) && !missing.contains(r)) {
                 missing.push(request);

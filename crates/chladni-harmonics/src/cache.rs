@@ -167,7 +167,7 @@ impl CacheEntry {
         });
         // Some systems do not replace a file that is read: then another program has written this entry.
         if let Err(source) = written
-            && !self.ends_with(&checksum).is_ok_and(|is_same| is_same)
+            && !self.ends_with(&checksum).unwrap_or(false)
         {
             return Err(unwritten(source));
         }

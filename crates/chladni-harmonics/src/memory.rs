@@ -79,28 +79,48 @@ pub(crate) fn room_for_solve<'a>(
     settings: &'a BasisSettings,
 ) -> Result<Room<'a>, HarmonicsError> {
     let harmonics = settings.harmonics;
-    let needed = |slices, on_disk| of_solve(vertices, harmonics, slices, on_disk);
     let Some(free) = free(settings) else {
         check_promise(vertices, harmonics)?;
         return Ok(Room { slices, keep: Keep::Memory, frugal: false });
     };
-    let most = |on_disk| (1..=slices.max(1)).rev().find(|slices| needed(*slices, on_disk) <= free);
-    let room = |slices, keep| Room { slices, keep, frugal: of_plan(vertices, slices, kept) > free };
-    let in_memory = most(false);
-    if let (Some(folder), Some(slices)) = (&settings.scratch, most(true))
-        && in_memory.is_none_or(|fewer| fewer < slices)
+    let scratch = settings.scratch.as_deref();
+    let (slices, keep) = fitting(slices.max(1), Keep::Memory, scratch, vertices, harmonics, 0, free)?;
+    if keep == Keep::Memory {
+        check_promise(vertices, harmonics)?;
+    }
+    Ok(Room { slices, keep, frugal: of_plan(vertices, slices, kept) > free })
+}
+
+/// How many of up to `slices` at once fit in the `free` bytes, if each takes `more` than one of a surface, and where the
+/// harmonics are kept then.
+fn fitting<'a>(
+    slices: usize,
+    mut keep: Keep<'a>,
+    scratch: Option<&'a Path>,
+    vertices: usize,
+    harmonics: usize,
+    more: u64,
+    free: u64,
+) -> Result<(usize, Keep<'a>), HarmonicsError> {
+    let needed = |slices: usize, keep: Keep| {
+        let solve = of_solve(vertices, harmonics, slices, keep != Keep::Memory);
+        solve.saturating_add(more.saturating_mul(slices as u64))
+    };
+    let most = |keep: Keep| (1..=slices).rev().find(|slices| needed(*slices, keep) <= free);
+    if let (Keep::Memory, Some(folder)) = (keep, scratch)
+        && most(Keep::Folder(folder)) > most(keep)
     {
         match check_disk(folder, on_disk(vertices, harmonics)) {
-            Ok(()) => return Ok(room(slices, Keep::Folder(folder))),
-            Err(why) if in_memory.is_none() => return Err(why),
+            Ok(()) => keep = Keep::Folder(folder),
+            Err(why) if most(keep).is_none() => return Err(why),
             Err(_) => {}
         }
     }
-    let Some(slices) = in_memory else {
-        return Err(too_large(vertices, harmonics, needed(1, settings.scratch.is_some()), free));
+    let Some(slices) = most(keep) else {
+        let least = needed(1, scratch.map_or(keep, Keep::Folder));
+        return Err(too_large(vertices, harmonics, least, free));
     };
-    check_promise(vertices, harmonics)?;
-    Ok(room(slices, Keep::Memory))
+    Ok((slices, keep))
 }
 
 /// The `room` that is left with factors of this many `bytes` each, with their fronts. Those of surfaces are what was
@@ -118,25 +138,7 @@ pub(crate) fn room_for_factors<'a>(
     if more == 0 {
         return Ok(room);
     }
-    let needed = |slices: usize, keep: Keep| {
-        let solve = of_solve(vertices, harmonics, slices, keep != Keep::Memory);
-        solve.saturating_add(more.saturating_mul(slices as u64))
-    };
-    let most = |keep: Keep| (1..=room.slices).rev().find(|slices| needed(*slices, keep) <= free);
-    let mut keep = room.keep;
-    if let (Keep::Memory, Some(folder)) = (keep, scratch)
-        && most(Keep::Folder(folder)) > most(keep)
-    {
-        match check_disk(folder, on_disk(vertices, harmonics)) {
-            Ok(()) => keep = Keep::Folder(folder),
-            Err(why) if most(keep).is_none() => return Err(why),
-            Err(_) => {}
-        }
-    }
-    let Some(slices) = most(keep) else {
-        let least = needed(1, scratch.map_or(keep, Keep::Folder));
-        return Err(too_large(vertices, harmonics, least, free));
-    };
+    let (slices, keep) = fitting(room.slices, room.keep, scratch, vertices, harmonics, more, free)?;
     let planned = of_plan(vertices, slices, kept).saturating_add(more.saturating_mul(kept as u64));
     Ok(Room { slices, keep, frugal: room.frugal || planned > free })
 }
@@ -257,7 +259,7 @@ fn left_in_group(root: &Path, line: &str) -> Option<u64> {
             .unwrap_or(0);
         Some(limit.saturating_sub(used.saturating_sub(cached)))
     };
-    // In a container, the path may be that of the system outside, and only the last folder is there.
+    // In a container, the path may be that of the system outside: then of these folders only the top is there.
     let top = root.join(top);
     let group = top.join(path.trim_start_matches('/'));
     group.ancestors().take_while(|group| group.starts_with(&top)).filter_map(left).min()

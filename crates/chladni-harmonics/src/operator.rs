@@ -293,8 +293,7 @@ fn refused(refusal: Refusal, operator_vertex: &[Option<u32>]) -> HarmonicsError 
     }
 }
 
-/// Returns an error if no component has an area. Beside others, one that rounding has flattened has what mollified
-/// lengths give it.
+/// Returns an error if no component has an area. One that only rounding has flattened is no reason to refuse the others.
 fn refuse_zero_area(
     positions: &[[f64; 3]],
     triangles: &[[u32; 3]],

@@ -173,8 +173,8 @@ fn edges(
     Ok(edges)
 }
 
-/// Pairs of nodes, the strongest at the two ends of an edge, that `pairs` do not connect, not even through others: edges
-/// longer than nodes reach would leave each vertex a node of its own, which nothing stiffens.
+/// Pairs of the nodes that count most at the two ends of an edge, where no chain of `pairs` joins them: where edges are
+/// longer than nodes reach, each vertex is a node of its own, which nothing else stiffens.
 fn along_edges(
     surface: &UnitSurface,
     nodes: usize,

@@ -98,6 +98,13 @@ impl ClockTrack {
         }
     }
 
+    /// Live input ends at `at_secs`, later than all so far, after `beat`. No song knows the beats that came in live: they
+    /// count as those of a clock that is left then.
+    pub fn leave_live(&mut self, at_secs: f64, beat: Beat) {
+        self.follow(at_secs, beat, 0.0, 0.0);
+        self.leave(at_secs);
+    }
+
     /// Forgets how the clock ran after `at_secs`, as where a show that was known to its end goes on otherwise.
     pub fn cut(&mut self, at_secs: f64) {
         let begun = self.begun(at_secs);

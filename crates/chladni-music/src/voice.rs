@@ -246,16 +246,16 @@ impl Voices {
     /// Adds `voices`, as [`play`](Self::play) wrote them, to an item that keeps the limit by itself: weaker where together
     /// they would go beyond it.
     pub(crate) fn join(&mut self, voices: &Item, item: &mut Item) {
-        let own = item.terms.len();
-        item.terms.extend_from_slice(&voices.terms);
         if voices.terms.is_empty() {
             return;
         }
+        let own_count = item.terms.len();
+        item.terms.extend_from_slice(&voices.terms);
         let together = self.probes.displacement(&item.terms, &mut self.scratch);
         if together <= self.limit {
             return;
         }
-        let (own, added) = item.terms.split_at_mut(own);
+        let (own, added) = item.terms.split_at_mut(own_count);
         let alone = self.probes.displacement(own, &mut self.scratch).min(self.limit);
         // The way of the farthest probe is a convex function of the voices' share.
         let share = (self.limit - alone) / (together - alone);

@@ -116,15 +116,13 @@ impl Concert {
         self.live.as_ref().map_or_else(|| self.hearing.beat_at(at_secs), |live| live.beat).count
     }
 
-    /// The clock of the show so far. No song knows the beats that came in live: they count as those of a clock that is left
-    /// now.
+    /// The clock of the show so far, as if live input ended now.
     pub(super) fn clock_track(&self) -> ClockTrack {
         let (mut track, at_secs) = (self.hearing.clock().clone(), self.clock.at_secs());
         // That of a show that is played is known to its end.
         track.cut(at_secs);
         if let Some(live) = &self.live {
-            track.follow(at_secs, live.beat, 0.0, 0.0);
-            track.leave(at_secs);
+            track.leave_live(at_secs, live.beat);
         }
         track
     }

@@ -69,6 +69,9 @@ impl KeepRequest {
     }
 }
 
+/// A heat step, made when first needed.
+type Step = OnceLock<Result<Arc<HeatStep>, HarmonicsError>>;
+
 struct Keeper {
     surface: Arc<Surface>,
     neighbors: Rows,
@@ -76,7 +79,7 @@ struct Keeper {
     pieces: SmallPieces,
     flow: Arc<HeatFlow>,
     /// The first of the heat steps.
-    steps: [OnceLock<Result<Arc<HeatStep>, HarmonicsError>>; KEPT_STEPS],
+    steps: [Step; KEPT_STEPS],
 }
 
 impl std::fmt::Debug for Keeper {
@@ -116,16 +119,6 @@ impl Keeper {
         let (crossings, pieces) = (Crossings::of(surface.clone()), SmallPieces::of(&surface));
         Self { surface, neighbors, crossings, pieces, flow, steps: Default::default() }
     }
-
-    /// The heat step of number `index`, of the reach `sqrt_t`: √t in the working frame.
-    fn step(&self, index: usize, sqrt_t: f64) -> Result<Arc<HeatStep>, CaricatureError> {
-        let new = || self.flow.step(sqrt_t * sqrt_t).map(Arc::new);
-        let step = match self.steps.get(index) {
-            Some(kept) => kept.get_or_init(new).clone(),
-            None => new(),
-        };
-        step.map_err(CaricatureError::from)
-    }
 }
 
 fn moved(base: &[Vec3], u: &[Vec3]) -> Vec<Vec3> {
@@ -142,11 +135,13 @@ mod tests {
         let (_, surface, base, _) = base_and_target();
         let flow = HeatFlow::on_surface(&surface.positions, &surface.triangles).unwrap();
         let keeper = Keeper::of(Arc::new(surface), Arc::new(flow));
+        let (still, task) = (vec![[0.0; 3]; base.positions.len()], Task::new());
         for (index, is_kept) in [(0, true), (KEPT_STEPS - 1, true), (KEPT_STEPS, false)] {
-            let step = Arc::downgrade(&keeper.step(index, 0.1).unwrap());
+            let search = Search::of(&keeper, &base, &still, None, &task).unwrap();
+            let step = Arc::downgrade(&search.step(index, 0.1).unwrap());
+            drop(search);
             assert_eq!(step.upgrade().is_some(), is_kept, "{index}");
         }
-        let (still, task) = (vec![[0.0; 3]; base.positions.len()], Task::new());
         let search = Search::of(&keeper, &base, &still, None, &task).unwrap();
         let step = Arc::downgrade(&search.step(KEPT_STEPS, 0.1).unwrap());
         assert!(Arc::ptr_eq(&step.upgrade().unwrap(), &search.step(KEPT_STEPS, 0.1).unwrap()));

@@ -1,7 +1,7 @@
 //! Small separate pieces, such as eyes and teeth, that keep their form.
 
 use chladni_match::{Scaling, Similarity};
-use chladni_mesh::surface::vec3::{Vec3, add, distance, scaled, sub};
+use chladni_mesh::surface::vec3::{Vec3, add, distance, dot, scaled, sub};
 use chladni_mesh::surface::{SurfacePoint, TriangleTree, components, corners, doubled_area_normal};
 use rayon::prelude::*;
 
@@ -104,7 +104,7 @@ fn is_meant(piece: &[(u32, SurfacePoint)], surface: &Surface, mask: &[f32]) -> b
     for (v, on) in piece {
         own += f64::from(mask[*v as usize]);
         let corners = surface.triangles[on.triangle as usize].map(|v| f64::from(mask[v as usize]));
-        around += corners.iter().zip(on.weights).map(|(x, w)| x * w).sum::<f64>();
+        around += dot(corners, on.weights);
     }
     own > MEANT * around
 }

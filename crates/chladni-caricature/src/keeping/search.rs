@@ -1,6 +1,6 @@
 //! The search for the longest displacement that keeps triangles.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use chladni_harmonics::HeatStep;
 use chladni_mesh::surface::vec3::{Vec3, add, length, scaled, sub};
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::leveling::level;
 use super::turning::turned;
 use super::unfolding::unfold;
-use super::{Keeper, Kept, moved};
+use super::{Keeper, Kept, Step, moved};
 use crate::fold::flipped_triangles;
 use crate::{Base, CaricatureError};
 
@@ -81,7 +81,7 @@ pub(super) struct Search<'a> {
     /// Triangles that cross others in the base already, ascending.
     crossed: Vec<u32>,
     /// The next heat steps after those that the keeper keeps: each attempt takes the same.
-    later_steps: [OnceLock<Arc<HeatStep>>; SHARED_STEPS],
+    later_steps: [Step; SHARED_STEPS],
 }
 
 impl<'a> Search<'a> {
@@ -167,17 +167,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The heat step of number `index`, of the reach `sqrt_t`.
+    /// The heat step of number `index`, of the reach `sqrt_t`: √t in the working frame.
     pub(super) fn step(&self, index: usize, sqrt_t: f64) -> Result<Arc<HeatStep>, CaricatureError> {
-        let later = index.checked_sub(KEPT_STEPS).and_then(|later| self.later_steps.get(later));
-        if let Some(step) = later.and_then(OnceLock::get) {
-            return Ok(step.clone());
-        }
-        let step = self.keeper.step(index, sqrt_t)?;
-        Ok(match later {
-            Some(later) => later.get_or_init(|| step).clone(),
-            None => step,
-        })
+        let new = || self.keeper.flow.step(sqrt_t * sqrt_t).map(Arc::new);
+        let kept = self.keeper.steps.iter().chain(&self.later_steps).nth(index);
+        kept.map_or_else(new, |kept| kept.get_or_init(new).clone()).map_err(CaricatureError::from)
     }
 
     /// Moves `kept` toward `wanted` wherever that spoils no triangle, if it keeps [little](SCANT) and only a few
@@ -186,7 +180,7 @@ impl<'a> Search<'a> {
         if kept.share >= SCANT || !self.are_few((kept.folded, kept.crossing)) {
             return Ok(());
         }
-        let close = self.keeper.step(GIVES_BACK, CLOSE)?;
+        let close = self.step(GIVES_BACK, CLOSE)?;
         let mut u = kept.displacement.to_vec();
         let mut given = vec![GIVEN; wanted.len()];
         let mut shares = vec![kept.share];
@@ -252,7 +246,7 @@ impl<'a> Search<'a> {
     }
 
     fn unfold(&self, u: &mut [Vec3]) -> Result<(), CaricatureError> {
-        let (step, mass) = (self.keeper.step(MAKES_ROOM, ROOM)?, &self.base.basis().mass);
+        let (step, mass) = (self.step(MAKES_ROOM, ROOM)?, &self.base.basis().mass);
         unfold(&self.keeper.surface, &self.base.positions, &step, ROOM * ROOM, mass, u);
         Ok(())
     }

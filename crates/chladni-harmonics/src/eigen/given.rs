@@ -48,7 +48,7 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
     let harmonics = wanted.harmonics;
     let mut profile = Profile::default();
     let problem = Problem::of(pencil);
-    // Before the first factor: here the pattern may be any.
+    // Before the first factor: those of graphs and solids may be far larger than those of surfaces.
     wanted.fitted(&problem.symbolic)?;
     let mut problem = problem.given(pencil)?;
     let bound = pencil.bound() * problem.stretch();

@@ -109,8 +109,12 @@ impl Wanted<'_> {
         // Each thread solves a slice.
         let solved =
             if fitting.at_once < self.at_once { on_threads(Some(fitting.at_once), solve)? } else { solve() };
-        let short_of_memory = fitting.keep.short_of(fitting.at_once, self.at_once, n, self.harmonics);
-        Ok(Solved { short_of_memory, ..solved? })
+        let solved = solved?;
+        // There may be even less room once the size of the factors is known.
+        let later = solved.short_of_memory.map(|short| ShortOfMemory { of_slices: self.at_once, ..short });
+        let short_of_memory =
+            later.or_else(|| fitting.keep.short_of(fitting.at_once, self.at_once, n, self.harmonics));
+        Ok(Solved { short_of_memory, ..solved })
     }
 
     /// How many pairs to keep where the group of the K-th ends after `end`.
@@ -142,20 +146,20 @@ fn where_it_fits(
     solve: impl FnOnce(Wanted) -> Result<Solved, HarmonicsError> + Send,
 ) -> Result<Solved, HarmonicsError> {
     let slices = rayon::current_num_threads().min(planned);
-    let kept = kept_factors(planned);
-    let Room { slices: fitting, keep, frugal } = memory::room_for_solve(vertices, slices, kept, settings)?;
-    let harmonics = settings.harmonics;
-    let most = largest_group(settings);
-    let (free, scratch) = (memory::free(settings), settings.scratch.as_deref());
-    let at_once = fitting.max(1);
-    let wanted = Wanted { harmonics, whole_clusters: true, most, free, keep, scratch, frugal, at_once };
-    // Each thread solves a slice.
-    let solved = if fitting < slices { on_threads(Some(fitting), || solve(wanted))? } else { solve(wanted) };
-    let solved = solved?;
-    // There may be even less room once the size of the factors is known.
-    let later = solved.short_of_memory.map(|short| ShortOfMemory { of_slices: slices, ..short });
-    let short_of_memory = later.or_else(|| keep.short_of(fitting, slices, vertices, harmonics));
-    Ok(Solved { short_of_memory, ..solved })
+    let Room { slices: fitting, keep, frugal } =
+        memory::room_for_solve(vertices, slices, kept_factors(planned), settings)?;
+    let whole = Wanted {
+        harmonics: settings.harmonics,
+        whole_clusters: true,
+        most: largest_group(settings),
+        free: memory::free(settings),
+        keep: Keep::Memory,
+        scratch: settings.scratch.as_deref(),
+        frugal: false,
+        at_once: slices,
+    };
+    let fitting = Wanted { keep, frugal, at_once: fitting.max(1), ..whole };
+    whole.on_fewer(fitting, vertices, || solve(fitting))
 }
 
 /// Solves for the first pairs of `operator`. [`canonical`] chooses among equally good ones; for

@@ -7,8 +7,7 @@ use crate::HarmonicsError;
 /// A cotangent sum above this counts as Delaunay; otherwise four points on a circle would be flipped
 /// forever.
 const TOLERANCE: f64 = -1e-10;
-/// However large the surface, it gets at most this many flips more than a few for every side: a few seconds of them, since
-/// they cannot be canceled.
+/// The most flips beyond a few for every side, however large the surface: they take a few seconds, and cannot be canceled.
 const MOST_MORE: u64 = 1 << 26;
 
 /// Flips edges whose opposite angles sum to more than π until there are none (Bobenko & Springborn 2007).

@@ -10,8 +10,8 @@ from ritz import rotated
 
 TOLERANCE = 1e-10
 ROUNDS = 40
-# A bound with more eigenvalues below it than this share of K and a few is lowered, in a limited number of rounds and unless
-# one nearer to it than this ratio is known to have too few: there lies a group of many equal eigenvalues.
+# A bound with more than SPARE · K + FEW eigenvalues below it is lowered, in at most LOWERED rounds. It stays where a bound
+# within the ratio NEAR has too few: between them lies a group of many equal eigenvalues.
 SPARE, FEW = 1.25, 16
 LOWERED, NEAR = 20, 1.02
 # MUMPS's INFOG(1) where memory or a limit of it is too small (its manual, section "Error and warning diagnostics").

@@ -20,7 +20,7 @@ use chladni_task::{Task, private_folder};
 use serde::{Deserialize, Serialize};
 
 use crate::build::file_triangles;
-use crate::eigen::{CLUSTER, certify, check_certificate, cluster_end, largest_group};
+use crate::eigen::{certify, check_certificate, largest_group};
 use crate::operator::Domain;
 use crate::values::{Keep, check_folder};
 use crate::{Basis, BasisSettings, Body, BuildReport, HarmonicsError, Operator, canonical, memory};
@@ -227,7 +227,7 @@ fn solve(
         InnerSolver::Iterated => 0,
     };
     let pairs = if harmonics > zeros {
-        let is_shared = matches!(keep, Keep::Folder(kept) if kept == scratch_of(ranks));
+        let is_shared = keep == Keep::Folder(&scratch_of(ranks));
         let entries = operator.stiffness.values.len();
         check_room(folder.path(), bytes_of(operator.vertices(), entries, harmonics, is_shared))?;
         task.stage("writing the operator", 0);
@@ -262,12 +262,8 @@ fn solve(
             eigenvalues.len()
         )));
     }
-    // There are none below λ = 0, and the last bound lies beyond a gap.
-    const { assert!(CLUSTER < GAP) };
-    let count = if harmonics < zeros { eigenvalues.len() } else { cluster_end(&eigenvalues, harmonics) };
-    eigenvalues.truncate(count);
     let mut vectors = pairs.vectors;
-    vectors.truncate(operator.vertices() * count);
+    eigenvalues.truncate(vectors.len() / operator.vertices());
     to_harmonics(&mut vectors, operator);
     let certificate = certify(operator.pencil(), zeros, &eigenvalues, &vectors, counts_match);
     check_certificate(&certificate)?;

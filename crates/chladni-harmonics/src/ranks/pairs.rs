@@ -7,8 +7,8 @@ use std::path::Path;
 use chladni_task::Task;
 use serde::Deserialize;
 
-use super::RanksSeconds;
-use crate::eigen::cluster_end;
+use super::{GAP, RanksSeconds};
+use crate::eigen::{CLUSTER, cluster_end};
 use crate::values::{Keep, Values};
 use crate::{BasisSettings, HarmonicsError, memory};
 
@@ -60,9 +60,9 @@ impl Pairs {
             let part: Part =
                 serde_json::from_slice(&json).map_err(|_| bad("a result that cannot be read"))?;
             if rank == 0 {
-                // The ranks may find more than is wanted.
-                let wanted = settings.harmonics.saturating_sub(zeros).max(1);
-                let columns = zeros + cluster_end(&part.eigenvalues, wanted);
+                // The ranks may find more than is wanted. There are none below λ = 0, and their last bound lies beyond a gap.
+                const { assert!(CLUSTER < GAP) };
+                let columns = zeros + cluster_end(&part.eigenvalues, settings.harmonics - zeros);
                 pairs.vectors = memory::vectors(n, columns, keep, memory::free(settings))?;
                 (pairs.eigenvalues, pairs.counts, pairs.seconds) =
                     (part.eigenvalues.clone(), part.counts, part.seconds);

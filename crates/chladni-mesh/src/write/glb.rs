@@ -147,10 +147,12 @@ fn write(
         root["textures"] = json!(textures);
         root["images"] = json!(std::mem::take(&mut file.images));
     }
-    container(&root, file.data).ok_or_else(|| unwritable(TOO_LARGE.into()))
+    container(&root, file.data)
 }
 
-const TOO_LARGE: &str = "the file would pass 4 GiB";
+fn too_large() -> MeshError {
+    MeshError::Unwritable { format: FORMAT, reason: "the file would pass 4 GiB".into() }
+}
 
 /// Refuses targets that are too large together, before memory is taken for them.
 fn check_size(targets: usize, vertices: usize) -> Result<(), MeshError> {
@@ -159,7 +161,7 @@ fn check_size(targets: usize, vertices: usize) -> Result<(), MeshError> {
     if targets as u64 * vertices as u64 <= u64::from(u32::MAX) / BYTES {
         return Ok(());
     }
-    Err(MeshError::Unwritable { format: FORMAT, reason: TOO_LARGE.into() })
+    Err(too_large())
 }
 
 /// Refuses more vertices than `_VERTEX` can number, which are more than the reader takes, too.
@@ -441,11 +443,11 @@ impl Glb {
     }
 }
 
-/// Header and chunks; `None` where lengths pass 32 bits.
-pub(super) fn container(root: &Value, data: Vec<u8>) -> Option<Vec<u8>> {
+/// Header and chunks, whose lengths must fit 32 bits.
+pub(super) fn container(root: &Value, data: Vec<u8>) -> Result<Vec<u8>, MeshError> {
     let mut json = root.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
-    let total = u32::try_from(12 + 8 + json.len() + 8 + data.len()).ok()?;
+    let total = u32::try_from(12 + 8 + json.len() + 8 + data.len()).map_err(|_| too_large())?;
     let mut bytes = Vec::with_capacity(total as usize);
     bytes.extend_from_slice(b"glTF");
     bytes.extend([2, total, json.len() as u32].iter().flat_map(|word| word.to_le_bytes()));
@@ -454,7 +456,7 @@ pub(super) fn container(root: &Value, data: Vec<u8>) -> Option<Vec<u8>> {
     bytes.extend_from_slice(&(data.len() as u32).to_le_bytes());
     bytes.extend_from_slice(b"BIN\0");
     bytes.extend_from_slice(&data);
-    Some(bytes)
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -379,6 +379,6 @@ impl Patch<'_> {
             buffer.remove("uri");
         }
         self.document["buffers"] = json!([buffer]);
-        container(&self.document, self.file.data).ok_or_else(|| unwritable("the file would pass 4 GiB"))
+        container(&self.document, self.file.data)
     }
 }

@@ -135,17 +135,17 @@ impl AddLayer {
         template_mesh(&self.template, terminal)?;
         let name = self.name.clone().unwrap_or_else(|| own_name(&self.template));
         let shape = project.shape.to_string();
-        let subject = if self.layer.needs_all_vertices() {
-            if matches!(project.resolution, Resolution::Proxy(_)) {
-                if project.names_vertices() {
-                    return Err(Error::input(format_args!(
-                        "{}: is worked on with a part of its vertices, and --match same needs all: begin anew with \
-                         --proxy 0",
-                        self.project.display()
-                    )));
-                }
-                project.resolution = Resolution::Whole;
+        let needs_all = self.layer.needs_all_vertices();
+        if needs_all && matches!(project.resolution, Resolution::Proxy(_)) {
+            if project.names_vertices() {
+                return Err(Error::input(format_args!(
+                    "{}: is worked on with a part of its vertices, and --match same needs all: begin anew with --proxy 0",
+                    self.project.display()
+                )));
             }
+            project.resolution = Resolution::Whole;
+        }
+        let subject = if needs_all {
             Subject::whole_of(&mut project, terminal)?
         } else {
             Subject::of(&mut project, terminal)?

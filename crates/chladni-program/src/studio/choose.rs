@@ -7,10 +7,19 @@ use std::time::{Duration, Instant};
 use super::file_window::{self, Purpose, Request};
 use crate::work::formats::ends_in;
 
-/// Whether files can be dropped on the window: winit 0.30 takes none under Wayland, which it prefers to X11.
+/// Whether an environment variable is set and not empty.
+pub fn is_set(variable: &str) -> bool {
+    std::env::var_os(variable).is_some_and(|value| !value.is_empty())
+}
+
+/// Whether windows open under Wayland, which winit prefers to X11.
+pub fn is_wayland() -> bool {
+    cfg!(target_os = "linux") && (is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET"))
+}
+
+/// Whether files can be dropped on the window: winit 0.30 takes none under Wayland.
 pub fn takes_drops() -> bool {
-    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    !cfg!(target_os = "linux") || !(is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET"))
+    !is_wayland()
 }
 
 /// A kind of file: its name in a dialog and its extensions, without dots.

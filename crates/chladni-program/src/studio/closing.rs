@@ -75,9 +75,9 @@ impl Studio {
         }
     }
 
-    /// Whether a question about closing is open.
+    /// Whether the window is being closed, or that is asked about.
     pub(super) fn is_closing(&self) -> bool {
-        !matches!(self.closing, Closing::No)
+        self.closing != Closing::No
     }
 
     fn ask_to_save(&mut self, ctx: &egui::Context, unsaved: &[String], errors: usize) {

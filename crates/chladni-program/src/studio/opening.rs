@@ -13,7 +13,7 @@ use winit::window::Window;
 
 use super::Studio;
 use super::caricature::PATIENCE;
-use super::choose::{Chooser, SystemDialogs};
+use super::choose::{Chooser, SystemDialogs, is_set, is_wayland};
 use super::device::wgpu_options;
 use super::error::StudioError;
 use super::folders::Folders;
@@ -44,8 +44,7 @@ pub fn open(
     ends: Task,
     mut output: Option<SetOutput>,
 ) -> Result<(), StudioError> {
-    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if cfg!(target_os = "linux") && !["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(named) {
+    if cfg!(target_os = "linux") && !is_set("DISPLAY") && !is_wayland() {
         return Err(StudioError::NoDisplay);
     }
     let handover = Handover::default();

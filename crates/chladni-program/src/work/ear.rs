@@ -1,11 +1,11 @@
 //! An ear that knows only the past: for live input, and for a song that is still being read.
 
-use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing, smooth};
+use chladni_music::{Bands, BarLine, Beat, Harmony, Parameters, Resonators, Ringing};
 use chladni_sound::{
     BeatFollower, HeardBar, Level, SoundError, Spectrum, SpectrumAnalyzer, SpectrumSettings,
 };
 
-use super::hearing::{FADE_SECS, bands_of};
+use super::hearing::{bands_of, faded};
 use super::tuning::spectrum_settings;
 
 /// Windows of sound follow each other at most this far apart, however seldom a picture is drawn. At 60 pictures a second
@@ -33,7 +33,7 @@ pub struct Ear {
 /// Sound that was heard in another way.
 struct Fade {
     from: (Spectrum, Ringing, Harmony),
-    /// Since it was; none before the first sound after it.
+    /// How long it has faded; none before the first sound that comes after it.
     gone_secs: Option<f64>,
 }
 
@@ -184,7 +184,7 @@ impl Ear {
         if let Some(Fade { from, gone_secs }) = &mut self.fade {
             let gone = gone_secs.map_or(0.0, |gone| gone + dt_secs);
             *gone_secs = Some(gone);
-            let left = 1.0 - smooth((gone / FADE_SECS).clamp(0.0, 1.0) as f32);
+            let left = 1.0 - faded(gone);
             spectrum.mix(&from.0, left);
             ringing.mix(&from.1, left);
             harmony.mix(from.2, left);
@@ -215,6 +215,7 @@ fn hops(dt_secs: f64) -> (u32, f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::hearing::FADE_SECS;
     use super::*;
 
     #[test]

@@ -199,8 +199,7 @@ impl Hearing {
         if leaps && stretch.at_secs + FORGOTTEN_SECS > self.begins_secs {
             let beat = self.beat_at(stretch.at_secs);
             if self.listen(stretch.at_secs)? {
-                let (from, ringing, harmony) = (self.now.clone(), self.ringing.clone(), self.harmony);
-                self.fade = Some(Fade { from, ringing, harmony, beat, since_secs: stretch.at_secs });
+                self.fade_from(stretch.at_secs, self.heard(), beat);
             }
         }
         if leaps || self.stretches.is_empty() {
@@ -322,8 +321,13 @@ impl Hearing {
     }
 }
 
+/// How far the fade after a jump is, `gone_secs` after it, in [0, 1].
+pub(super) fn faded(gone_secs: f64) -> f32 {
+    smooth((gone_secs / FADE_SECS).clamp(0.0, 1.0) as f32)
+}
+
 impl Fade {
     fn done(&self, at_secs: f64) -> f32 {
-        smooth(((at_secs - self.since_secs) / FADE_SECS).clamp(0.0, 1.0) as f32)
+        faded(at_secs - self.since_secs)
     }
 }

@@ -202,8 +202,8 @@ pub fn check_textures<'a>(
     Ok(())
 }
 
-/// Checks, before the work, that the file at `output` can hold a shape, all of `mesh`, with this number of morph `targets`,
-/// where it is a GLB that is written anew. That of a glTF file gains targets alone.
+/// Checks, before the work, that all of `mesh`, with this number of morph `targets`, fits in the GLB at `output`. Where the
+/// shape comes from a glTF file nothing is checked: that file is kept and only gains targets.
 ///
 /// # Errors
 /// [`Error::Unwritten`], with the path.

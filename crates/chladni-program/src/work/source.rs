@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_caricature::Project;
 use chladni_harmonics::available_memory;
+use chladni_mesh::samples::{SAMPLES, portrait_sliders};
 use chladni_mesh::{Loaded, ShapeSource, TriMesh, nothing_beside, read_named_mesh};
 use chladni_sound::{Song, SongOptions, SongReader, SoundError, sample_tune};
 use chladni_task::open_file;
@@ -78,7 +79,14 @@ pub fn mesh(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<TriMesh, E
 /// # Errors
 /// As [`shape`] does.
 pub fn check_there(source: &ShapeSource, watcher: &impl Watcher) -> Result<(), Error> {
-    if source.file().is_some_and(|file| open_file(file).is_ok()) {
+    // A sample is known by its name, without being modeled.
+    let is_there = match source {
+        ShapeSource::File(file) => open_file(file).is_ok(),
+        ShapeSource::Sample(name) => {
+            SAMPLES.contains(&name.as_str()) || portrait_sliders(name).is_some_and(|sliders| sliders.is_ok())
+        }
+    };
+    if is_there {
         return Ok(());
     }
     // The error is that of reading it.

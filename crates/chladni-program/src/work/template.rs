@@ -28,8 +28,7 @@ pub fn check_template(template: &Template, watcher: &impl Watcher) -> Result<(),
 /// # Errors
 /// As [`template_mesh`] does.
 pub fn check_templates(project: &Project, watcher: &impl Watcher) -> Result<(), Error> {
-    let mut acting = project.layers().iter().filter(|(_, layer)| project.acts(layer));
-    acting.try_for_each(|(_, layer)| check_template(&layer.template, watcher))
+    project.acting().try_for_each(|layer| check_template(&layer.template, watcher))
 }
 
 /// Whether `next` is another mesh of the same file name than `template`, rather than the same file moved: the one before is

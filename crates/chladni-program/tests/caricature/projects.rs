@@ -192,7 +192,7 @@ fn a_project_that_keeps_triangles_says_how_much_it_keeps() {
     assert_eq!(desk.mesh("again.ply").positions, desk.mesh("kept.ply").positions);
 }
 
-/// More harmonics than there are vertices are warned of when they are solved.
+/// A solve would be seen by its warning: more harmonics are asked for than there are vertices.
 #[test]
 fn a_template_that_is_not_there_is_reported_before_any_harmonics_are_solved() {
     let desk = Desk::new();

@@ -161,13 +161,7 @@ impl Engine {
             Command::Device(device) => {
                 self.device = device;
                 self.retry_after = FIRST_RETRY;
-                let was_silent = self.output.device.is_none();
-                // A device that played before is reported as lost by itself.
-                if let Some(why) = self.reopen()
-                    && was_silent
-                {
-                    self.tell(PlayerEvent::DeviceLost(why.to_string()));
-                }
+                self.reopen(true);
             }
             Command::Quit => {}
         }

@@ -287,11 +287,10 @@ impl SpectrumAnalyzer {
             self.settings = settings;
             return Ok(());
         }
-        let mut new = Self::new(settings)?;
-        if new.settings.loud == self.settings.loud {
-            new.leveler.remember(&self.leveler);
+        let before = std::mem::replace(self, Self::new(settings)?);
+        if self.settings.loud == before.settings.loud {
+            self.leveler.remember(before.leveler);
         }
-        *self = new;
         Ok(())
     }
 

@@ -67,9 +67,8 @@ impl Leveler {
     }
 
     /// Goes on from the levels that another one has followed, whose bands may be others.
-    pub fn remember(&mut self, before: &Self) {
-        (self.loud, self.is_known, self.softness) = (before.loud, before.is_known, before.softness);
-        (self.whole, self.side) = (before.whole.clone(), before.side.clone());
+    pub fn remember(&mut self, before: Self) {
+        *self = Self { bands: std::mem::take(&mut self.bands), ..before };
     }
 
     /// Takes the amplitude of each band in the louder channel, `dt_secs` after the previous ones, and
@@ -100,7 +99,6 @@ impl Leveler {
 
 /// Follows the level. It rises at once, and falls in decibels toward the loudest moment of the last 2 s. It
 /// scales with the sound: a master that is 40 dB quieter gives the same result.
-#[derive(Clone)]
 struct LevelFollower {
     slots: [f32; SLOTS],
     slot: usize,

@@ -23,6 +23,17 @@ fn write_ramp(folder: &Path, name: &str, first: u32, secs: f64) -> PathBuf {
     path
 }
 
+/// Plays to the end of the list, and says what was heard.
+fn heard_to_the_end(ear: &mut Ear, player: &Player) -> Vec<(i64, i64)> {
+    player.play();
+    wait("the end", || {
+        ear.hear(player);
+        player.events().any(|event| event == PlayerEvent::Finished)
+    });
+    ear.hear(player);
+    parts(&ear.left)
+}
+
 /// The parts of ramps that were heard one after the other, as their first sample and the one behind their last.
 fn parts(left: &[f32]) -> Vec<(i64, i64)> {
     let mut parts: Vec<(i64, i64)> = Vec::new();
@@ -92,13 +103,7 @@ fn removing_the_song_that_is_decoded_ahead_leaves_the_one_that_is_heard() {
     player.seek(9.9);
     wait("the song ahead", || player.events().any(|event| event == PlayerEvent::SongStarted(1)));
     player.set_songs(vec![a, c]);
-    player.play();
-    wait("the end", || {
-        ear.hear(&player);
-        player.events().any(|event| event == PlayerEvent::Finished)
-    });
-    ear.hear(&player);
-    let parts = parts(&ear.left);
+    let parts = heard_to_the_end(&mut ear, &player);
     // The song that is heard goes on to its end, and then comes the one that has taken the place of the other.
     assert!(parts.ends_with(&[(475_200, 480_000), (700_000, 796_000)]), "{parts:?}");
     assert!(parts.iter().all(|(begin, _)| !(500_000..700_000).contains(begin)), "{parts:?}");
@@ -117,13 +122,7 @@ fn all_songs_of_a_list_in_another_order_follow_the_one_that_is_heard() {
     player.seek(9.9);
     wait("the song ahead", || player.events().any(|event| event == PlayerEvent::SongStarted(2)));
     player.set_songs(vec![a, b, c]);
-    player.play();
-    wait("the end", || {
-        ear.hear(&player);
-        player.events().any(|event| event == PlayerEvent::Finished)
-    });
-    ear.hear(&player);
-    let parts = parts(&ear.left);
+    let parts = heard_to_the_end(&mut ear, &player);
     assert!(parts.ends_with(&[(475_200, 480_000), (500_000, 524_000), (700_000, 724_000)]), "{parts:?}");
 }
 

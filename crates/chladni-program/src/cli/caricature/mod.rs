@@ -226,7 +226,7 @@ impl Caricature {
         let mesh = &subject.mesh;
         let whole = (&project.shape, &**subject.whole());
         check_textures(&[output.as_path()], whole, self.template.iter())?;
-        // With layers that are yet to be chosen.
+        // Without targets: the layers are yet to be chosen.
         check_fits(output, whole, 0)?;
         let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
         let body = Arc::new(body);
@@ -315,8 +315,7 @@ fn finish(
     let paths: Vec<&Path> = path.into_iter().chain(turntable.turntable.as_deref()).collect();
     check_textures(&paths, (shape, subject.whole()), templates)?;
     if let Some(output) = output {
-        let targets = project.layers().iter().filter(|(_, layer)| project.acts(layer)).count();
-        check_fits(output, (shape, subject.whole()), targets)?;
+        check_fits(output, (shape, subject.whole()), project.acting().count())?;
     }
     let name = shape.to_string();
     let (body, _) = body::build(&name, &subject.mesh, project.harmonics, project.laplacian, terminal)?;

@@ -234,15 +234,14 @@ impl CaricatureRoom {
             return;
         }
         // It may be saved by now, or another project may have taken its place.
-        if !self.has_unsaved_work() {
-            if let Some(candidate) = self.candidate.take() {
-                self.begin(candidate, &shared.ctx);
-            }
-            return;
-        }
-        let name = self.session.as_ref().map(Session::name).unwrap_or_default();
-        let line = format!("“{name}” has changes that are not saved.");
-        match Question::OPENING.ask(&shared.ctx, &[line]) {
+        let answer = if self.has_unsaved_work() {
+            let name = self.session.as_ref().map(Session::name).unwrap_or_default();
+            let line = format!("“{name}” has changes that are not saved.");
+            Question::OPENING.ask(&shared.ctx, &[line])
+        } else {
+            Some(Answer::Discard)
+        };
+        match answer {
             None => {}
             Some(Answer::Save) if !self.save(false, shared) => {}
             Some(Answer::Save | Answer::Discard) => {

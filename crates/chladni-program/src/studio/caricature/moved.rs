@@ -66,10 +66,9 @@ fn found(project: &Project, meshes: &[PathBuf]) -> Vec<Found> {
         pairs.retain(|pair| *pair != (common, missing, mesh));
         let touches = |pair: &&(usize, &Path, &Path)| pair.1 == missing || pair.2 == mesh;
         let rivals = pairs.iter().filter(|pair| pair.0 == common).filter(touches);
-        let before = doubtful.len();
         // They may have to be the other way round.
         doubtful.extend(rivals.flat_map(|&(_, missing, mesh)| [missing, mesh]));
-        let is_in_doubt = doubtful.len() > before || doubtful.contains(&missing) || doubtful.contains(&mesh);
+        let is_in_doubt = doubtful.contains(&missing) || doubtful.contains(&mesh);
         pairs.retain(|pair| !touches(&pair));
         found.push(Found { missing: missing.into(), mesh: mesh.into(), is_in_doubt });
     }

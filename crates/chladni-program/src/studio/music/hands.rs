@@ -1,7 +1,5 @@
 //! Requests of controllers to the room, and the room's values for them.
 
-use std::path::PathBuf;
-
 use chladni_music::{Action, ItemId, Looks, REPEATS, SHOTS, Target, Which};
 use chladni_sound::{LONGEST_CROSSFADE_SECS, PlayerState, Repeat};
 use chladni_view::{Background, Lights, Look, Material, Palette};
@@ -150,13 +148,9 @@ fn pick_by_any(names: &[Vec<String>], now: Option<usize>, which: &Which) -> Opti
 
 /// The names of the songs of the list. Those of their files come first: they stay the same once tags are read.
 fn names_of_songs(listening: &Listening) -> [Vec<String>; 3] {
-    let songs = listening.songs();
-    let stem = |song: &PathBuf| song.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    [
-        songs.iter().map(stem).collect(),
-        (0..songs.len()).map(|song| listening.name_of(song)).collect(),
-        (0..songs.len()).map(|song| listening.title_of(song)).collect(),
-    ]
+    let kinds: [fn(&Listening, usize) -> String; 3] =
+        [Listening::file_name_of, Listening::name_of, Listening::title_of];
+    kinds.map(|name| (0..listening.songs().len()).map(|song| name(listening, song)).collect())
 }
 
 impl MusicRoom {

@@ -351,7 +351,7 @@ impl MusicRoom {
 }
 
 fn is_shape(path: &Path) -> bool {
-    !playlist::is_list(path) && matches!(formats::kind(path), Kind::Mesh)
+    !playlist::is_list(path) && formats::kind(path) == Kind::Mesh
 }
 
 /// The room's offer if the first shape could not be opened.

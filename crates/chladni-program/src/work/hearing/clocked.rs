@@ -48,18 +48,14 @@ impl Hearing {
         self.leave_clock(at_secs);
     }
 
-    /// Live input ends at `at_secs`, later than all so far, after `beat`. No song knows the beats that came in live: they
-    /// count as those of a clock that is left then.
+    /// Live input ends at `at_secs`, later than all so far, after `beat` ([`ClockTrack::leave_live`]).
     pub fn leave_live(&mut self, at_secs: f64, beat: Beat) {
-        self.follow_clock(at_secs, beat, 0.0, 0.0);
-        self.leave_clock(at_secs);
+        self.clocked.track.leave_live(at_secs, beat);
     }
 
     /// Beats gone by at a moment at which something was done. Those of live input stay as they were counted.
     pub fn beats_at(&self, moment: Moment) -> f64 {
-        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= moment.at_secs);
-        let stretch = self.stretches.get(begun.saturating_sub(1));
-        let is_live = stretch.is_some_and(|(stretch, _)| stretch.song.is_none());
+        let is_live = self.stretch_at(moment.at_secs).is_some_and(|(stretch, _)| stretch.song.is_none());
         if is_live { moment.at_beat } else { self.beat_at(moment.at_secs).count }
     }
 

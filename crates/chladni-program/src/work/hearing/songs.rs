@@ -9,22 +9,22 @@ use crate::work::bars::bar_lines;
 pub(super) const ROUNDED_BEATS: f64 = 1e-6;
 
 impl Hearing {
+    /// The stretch that is heard at `at_secs`, with the whole beats added to those of its song; before the first one, that.
+    pub(super) fn stretch_at(&self, at_secs: f64) -> Option<(Stretch, f64)> {
+        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
+        self.stretches.get(begun.saturating_sub(1)).copied()
+    }
+
     /// Beats of the songs gone by at any time of the show so far.
     pub(super) fn beat_by_songs(&self, at_secs: f64) -> Beat {
-        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
-        let Some((stretch, added)) = self.stretches.get(begun.saturating_sub(1)) else {
-            return Beat::default();
-        };
-        let beat = self.beat_of_song(*stretch, stretch.song_secs_at(at_secs));
+        let Some((stretch, added)) = self.stretch_at(at_secs) else { return Beat::default() };
+        let beat = self.beat_of_song(stretch, stretch.song_secs_at(at_secs));
         Beat { count: beat.count + added, ..beat }
     }
 
     /// How the camera frames the shape then: by the bars of the song that is heard, and the seeds of their times.
     pub(super) fn framing_by_songs(&mut self, at_secs: f64, seed_at: impl Fn(f64) -> u64) -> Framing {
-        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= at_secs);
-        let Some((stretch, _)) = self.stretches.get(begun.saturating_sub(1)) else {
-            return Framing::default();
-        };
+        let Some((stretch, _)) = self.stretch_at(at_secs) else { return Framing::default() };
         let song_secs = stretch.song_secs_at(at_secs);
         let Some(number) = stretch.song else { return Framing::default() };
         let (since_secs, seed) = (stretch.at_secs, seed_at(f64::INFINITY));
@@ -46,8 +46,7 @@ impl Hearing {
     /// The bars of the songs that have begun after `from_secs` of the show, up to `to_secs`, in the stretch that is
     /// heard then.
     pub(super) fn bars_of_songs(&self, from_secs: f64, to_secs: f64) -> Vec<BarLine> {
-        let begun = self.stretches.partition_point(|(stretch, _)| stretch.at_secs <= to_secs);
-        let stretch = self.stretches.get(begun.saturating_sub(1)).map(|(stretch, _)| *stretch);
+        let stretch = self.stretch_at(to_secs).map(|(stretch, _)| stretch);
         let Some(stretch) = stretch.filter(|stretch| stretch.playing) else { return Vec::new() };
         let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
         // A bar with which the stretch begins has begun with it.

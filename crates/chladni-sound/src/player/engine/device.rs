@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use super::{Engine, PlayerEvent};
-use crate::SoundError;
 use crate::history::History;
 use crate::player::output::Output;
 use crate::player::queue::Stretch;
@@ -25,18 +24,18 @@ impl Engine {
             self.retry_after = FIRST_RETRY;
             self.fall_silent();
         } else if self.retry_at.is_some_and(|at| now >= at) {
-            self.reopen();
+            self.reopen(false);
         }
     }
 
-    /// Tries the device again and continues at the position of the song; in silence where there is none, of which it
-    /// returns the reason.
-    pub(super) fn reopen(&mut self) -> Option<SoundError> {
+    /// Tries the device again and continues at the position of the song; in silence where there is none, which is reported
+    /// unless it `is_news` no longer.
+    pub(super) fn reopen(&mut self, is_news: bool) {
         let was_silent = self.output.device.is_none();
         self.hush();
         // The old stream is closed first: some devices allow only one.
         let place = if was_silent { None } else { self.change_output(Output::silence(), None) };
-        let failed = match Output::device(self.device.as_deref(), &self.shared.clock) {
+        match Output::device(self.device.as_deref(), &self.shared.clock) {
             Ok(output) => {
                 let place = self.change_output(output, place);
                 self.retry_at = None;
@@ -45,21 +44,20 @@ impl Engine {
                     self.tell(PlayerEvent::DeviceOpened(name));
                 }
                 self.go_on_at(place);
-                None
             }
             Err(error) => {
+                if is_news {
+                    self.tell(PlayerEvent::DeviceLost(error.to_string()));
+                }
                 // If the output was silent before, it continues without interruption.
                 if !was_silent {
-                    self.tell(PlayerEvent::DeviceLost(error.to_string()));
                     self.go_on_at(place);
                 }
                 self.retry_at = Some(Instant::now() + self.retry_after);
                 self.retry_after = (2 * self.retry_after).min(LONGEST_RETRY);
-                Some(error)
             }
-        };
+        }
         self.shared.clock.set_paused(!self.playing);
-        failed
     }
 
     /// Fades a device out that is about to be closed, as it would end with a click.
@@ -76,11 +74,8 @@ impl Engine {
 
     pub(super) fn open_output(&mut self) {
         self.change_output(Output::silence(), None);
-        if !self.audible {
-            return;
-        }
-        if let Some(why) = self.reopen() {
-            self.tell(PlayerEvent::DeviceLost(why.to_string()));
+        if self.audible {
+            self.reopen(true);
         }
     }
 

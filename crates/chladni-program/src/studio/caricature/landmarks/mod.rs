@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use chladni_caricature::{LayerId, Matched, Property, Template};
 use chladni_match::MatchSettings;
-use chladni_mesh::{Estimate, Known, Orientation, TriMesh};
+use chladni_mesh::{Estimate, Orientation, TriMesh};
 use chladni_view::{Cell, Marker};
 use egui::{Color32, PointerButton, Pos2, Ui};
 
@@ -72,8 +72,7 @@ impl Picking {
         let reading = Job::start("Reading the template", &shared.ctx, move |task| {
             let mesh = template_mesh(&wanted, &Aside::new(task))?;
             let mesh = mesh.ok_or_else(|| Error::Input(format!("{wanted} is no mesh")))?;
-            let known = wanted.mesh().map_or_else(Known::default, |source| source.known());
-            let stands = Estimate::of(&mesh, known, task)?;
+            let stands = Estimate::of(&mesh, wanted.known(), task)?;
             Ok((mesh, stands))
         });
         Some(Ok(Self {

@@ -18,7 +18,7 @@ pub fn as_it_is(mut show: Show, view: View, on_stage: Option<&OnStage>, favorite
     for line in &mut show.actions {
         line.moment = Moment::default();
     }
-    let mut now = |action| show.actions.push(LoggedAction { moment: Moment::default(), action });
+    let mut now = |action| show.actions.push(at_first(action));
     match (view, on_stage) {
         // Alone, even if the beat was set to step.
         (View::CloseUp(item), _) => now(Action::Perform { item }),
@@ -32,15 +32,18 @@ pub fn as_it_is(mut show: Show, view: View, on_stage: Option<&OnStage>, favorite
     }
     // What left the stage long ago does not come back to fade out.
     if let Some(last) = show.actions.iter().rposition(|line| line.action.opens_stage()) {
-        let leave = LoggedAction { moment: Moment::default(), action: Action::LeaveStage };
-        show.actions.insert(last, leave);
+        show.actions.insert(last, at_first(Action::LeaveStage));
     }
     show.unheard()
 }
 
+/// An action at the very beginning.
+fn at_first(action: Action) -> LoggedAction {
+    LoggedAction { moment: Moment::default(), action }
+}
+
 /// The dances in turn begin with the one that the beat, or a hand, has come to, in its look.
 fn go_on_in_turn(actions: &mut Vec<LoggedAction>, place: usize, look: &str) {
-    let line = |action| LoggedAction { moment: Moment::default(), action };
     let opens_list = |line: &LoggedAction| {
         matches!(line.action, Action::PerformGallery { .. } | Action::PerformFavorites { .. })
     };
@@ -53,9 +56,9 @@ fn go_on_in_turn(actions: &mut Vec<LoggedAction>, place: usize, look: &str) {
         actions.extend(since.into_iter().filter(|line| !brings(&line.action)));
     } else {
         // The favorites as they are now.
-        actions.push(line(Action::PerformFavorites { first: place }));
+        actions.push(at_first(Action::PerformFavorites { first: place }));
     }
-    actions.push(line(Action::SetLook { look: look.to_owned() }));
+    actions.push(at_first(Action::SetLook { look: look.to_owned() }));
 }
 
 #[cfg(test)]

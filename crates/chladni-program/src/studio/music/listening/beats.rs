@@ -34,8 +34,7 @@ impl Listening {
         let reading = self.repertoire.get(number).and_then(|song| {
             let (found, mut reading) = (song.beats.as_ref()?, song.reading);
             if !reading.hear(&taps, &found.beats_secs) {
-                let bars_secs: Vec<f64> = found.bars.iter().map(|bar| bar.at_secs).collect();
-                let gap_secs = gap_secs(&reading.of(&found.beats_secs, &bars_secs), song_secs)?;
+                let gap_secs = gap_secs(&read_beats(found, reading).beats_secs, song_secs)?;
                 reading.shift(gap_secs);
             }
             Some(reading)

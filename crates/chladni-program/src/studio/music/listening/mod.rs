@@ -359,19 +359,20 @@ impl Listening {
         let confidence = if is_playing { by_ear.confidence } else { self.last_beat.confidence };
         // Until past actions are counted anew, the beat stays among those that they were done at.
         let by_ear = if have_changed { self.last_beat } else { Beat { confidence, ..by_ear } };
+        let has_beats = has_beats && !have_changed;
         if !known {
             let beat = self.beat_or(by_ear);
             self.last_beat = beat;
             let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, ear_secs);
             return Ok(Heard { at_secs, is_known: false, bands, harmony, beat, fading: None });
         }
-        let by_music = if has_beats && !have_changed { self.hearing.beat_at(at_secs) } else { by_ear };
+        let by_music = if has_beats { self.hearing.beat_at(at_secs) } else { by_ear };
         let beat = self.beat_or(by_music);
         self.last_beat = beat;
         let is_given = self.follows_clock();
         let heard = self.hearing.hear(at_secs)?;
         let heard = heard.ok_or_else(|| Error::other("the song is forgotten"))?;
-        Ok(Heard { beat, is_known: has_beats && !have_changed && !is_given, ..heard })
+        Ok(Heard { beat, is_known: has_beats && !is_given, ..heard })
     }
 
     /// The bars that have begun since the last call, by the time of the show.

@@ -101,6 +101,11 @@ impl Listening {
         if let Some(title) = self.known(song).and_then(|known| known.tags.title.clone()) {
             return title;
         }
+        self.file_name_of(song)
+    }
+
+    /// Its file's name, without the ending.
+    pub fn file_name_of(&self, song: usize) -> String {
         let stem = self.songs.get(song).and_then(|path| path.file_stem());
         stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
     }

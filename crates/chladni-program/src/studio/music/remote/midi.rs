@@ -58,7 +58,7 @@ pub struct Outputs(Arc<Mutex<Ports>>);
 struct Ports {
     /// They are opened when they are there.
     wanted: HashSet<String>,
-    /// By name; and the node of the card.
+    /// By name, each with the node of its card.
     open: HashMap<String, (Option<u64>, MidiOutputConnection)>,
 }
 
@@ -259,11 +259,12 @@ impl Sender {
     }
 }
 
-/// By the port's number; its name, and the node of the card.
+/// By the port's number.
 type Open = HashMap<String, Input>;
 
 struct Input {
     name: String,
+    /// That of its card.
     node: Option<u64>,
     /// Listens until it is dropped.
     _connection: MidiInputConnection<()>,
