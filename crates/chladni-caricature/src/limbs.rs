@@ -39,6 +39,13 @@ pub struct Limb {
     pub middle: Vec3,
 }
 
+impl Limb {
+    /// Whether it is left over where all limbs are taken.
+    pub fn is_trunk(&self) -> bool {
+        self.persistence <= 0.0
+    }
+}
+
 /// The time at level 0, in squares of the size √(A / π), and the factor on it at level 1.
 const TIME: [f64; 2] = [0.25, 0.04];
 /// The same of the persistence from which on a hill is a limb.

@@ -25,6 +25,11 @@ impl MirrorPlane {
     /// The largest misfit of a plane in which a shape can be called symmetric.
     pub const TOLERANCE: f64 = 0.015;
 
+    /// Whether the shape can be called symmetric in this plane.
+    pub fn fits(&self) -> bool {
+        self.misfit <= Self::TOLERANCE
+    }
+
     /// The mirror image of `p`.
     pub fn image(&self, p: [f64; 3]) -> [f64; 3] {
         sub(p, scaled(self.normal, 2.0 * (dot(self.normal, p) - self.offset)))

@@ -3,12 +3,12 @@
 use chladni_caricature::{Limbs, Painted};
 use chladni_harmonics::Laplacian;
 use chladni_harmonics::npz::write_npz;
-use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
+use chladni_mesh::TriMesh;
 use serde::Serialize;
 
 use super::Terminal;
 use super::part_output::{COLORS, Colored, PartOutput, draw};
-use crate::work::{Error, Subject, Watcher, body};
+use crate::work::{Error, Subject, body, twins_of};
 
 /// A trunk in the picture, linear light.
 const TRUNK: [f32; 4] = [0.62, 0.66, 0.70, 1.0];
@@ -32,10 +32,7 @@ pub fn run(
     let mesh = &*subject.mesh;
     let (body, _) = body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, terminal)?;
     let found = Limbs::of(&body, level);
-    let search = MirrorSearch::of(&body.positions, &body.triangles);
-    let plane = search.map(|search| terminal.watch("looking for the mirror", |task| search.best(&[], task)));
-    let plane = plane.transpose()?.flatten().filter(|plane| plane.misfit <= MirrorPlane::TOLERANCE);
-    let twins = plane.map_or_else(|| vec![None; found.parts.len()], |plane| found.twins(&plane));
+    let twins = twins_of(&found, &body, terminal)?;
     let part_of = |vertex: &Option<u32>| vertex.and_then(|v| found.part.get(v as usize)).copied();
     if let Some(path) = &wanted.output {
         // −1 where no triangle uses the vertex.
@@ -57,10 +54,10 @@ pub fn run(
     if wanted.json {
         return terminal.json(&parts);
     }
-    for Printed { part, share, persistence, twin } in &parts {
+    for (Printed { part, share, persistence, twin }, limb) in parts.iter().zip(&found.parts) {
         let twin = twin.map_or_else(String::new, |twin| format!(", mirror image of {twin}"));
         let kind =
-            if *persistence > 0.0 { format!("stands out by {persistence:.2}") } else { "trunk".to_owned() };
+            if limb.is_trunk() { "trunk".to_owned() } else { format!("stands out by {persistence:.2}") };
         terminal.result(format_args!("{part:<3} {:.1} % of the surface, {kind}{twin}", 100.0 * share))?;
     }
     wanted.print_files(terminal)
@@ -92,10 +89,7 @@ fn colors(found: &Limbs, twins: &[Option<usize>]) -> Vec<[f32; 4]> {
     let mut colors: Vec<Option<[f32; 4]>> = vec![None; found.parts.len()];
     for (i, part) in found.parts.iter().enumerate() {
         let of_twin = twins[i].and_then(|twin| colors[twin]);
-        colors[i] = match part.persistence {
-            0.0 => Some(TRUNK),
-            _ => of_twin.or_else(|| next.next().copied()),
-        };
+        colors[i] = if part.is_trunk() { Some(TRUNK) } else { of_twin.or_else(|| next.next().copied()) };
     }
     colors.into_iter().map(Option::unwrap_or_default).collect()
 }

@@ -3,7 +3,9 @@
 
 use chladni_caricature::{HEAD_PARTS, Limbs, Painted};
 use chladni_harmonics::Body;
-use chladni_mesh::{MirrorPlane, ShapeSource, TriMesh, samples};
+use chladni_mesh::{MirrorPlane, MirrorSearch, ShapeSource, TriMesh, samples};
+
+use super::{Error, Watcher};
 
 /// Where each vertex belongs.
 #[derive(Default)]
@@ -43,12 +45,9 @@ impl Parts {
     /// The limbs at `level`.
     pub fn at_level(body: &Body, level: f64, mirror: Option<MirrorPlane>) -> Self {
         let limbs = Limbs::of(body, level);
-        let twins = match mirror.filter(|plane| plane.misfit <= MirrorPlane::TOLERANCE) {
-            Some(plane) => limbs.twins(&plane),
-            None => vec![None; limbs.parts.len()],
-        };
+        let twins = twins_in(&limbs, mirror);
         let named = |(i, limb): (usize, &chladni_caricature::Limb)| {
-            let kind = if limb.persistence > 0.0 { "part" } else { "trunk" };
+            let kind = if limb.is_trunk() { "trunk" } else { "part" };
             // The number that `parts --level` prints and --limb takes.
             format!("{kind} {i}, {:.0} %", 100.0 * limb.share)
         };
@@ -86,5 +85,22 @@ impl Parts {
             }
         }
         (0..within.len()).filter(|i| within[*i] && self.part.contains(&(*i as u32))).collect()
+    }
+}
+
+/// For each of the `limbs` of `body` its mirror image; none where the shape is not symmetric.
+///
+/// # Errors
+/// [`Error::Cancelled`].
+pub fn twins_of(limbs: &Limbs, body: &Body, watcher: &impl Watcher) -> Result<Vec<Option<usize>>, Error> {
+    let search = MirrorSearch::of(&body.positions, &body.triangles);
+    let plane = search.map(|search| watcher.watch("looking for the mirror", |task| search.best(&[], task)));
+    Ok(twins_in(limbs, plane.transpose()?.flatten()))
+}
+
+fn twins_in(limbs: &Limbs, mirror: Option<MirrorPlane>) -> Vec<Option<usize>> {
+    match mirror.filter(MirrorPlane::fits) {
+        Some(plane) => limbs.twins(&plane),
+        None => vec![None; limbs.parts.len()],
     }
 }

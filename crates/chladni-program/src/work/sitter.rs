@@ -6,9 +6,9 @@ use chladni_caricature::{
     HEAD_PARTS, HeadParts, Limbs, MatchRequest, Painted, Sitter, SitterPart, Stack, Template,
 };
 use chladni_match::{Match, MatchSettings, Method, match_shapes};
-use chladni_mesh::{MirrorPlane, MirrorSearch, TriMesh};
+use chladni_mesh::TriMesh;
 
-use super::{Error, Watcher, matched};
+use super::{Error, Watcher, matched, twins_of};
 
 /// The sample that heads are matched with.
 const HEAD: &str = "template";
@@ -120,14 +120,11 @@ fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Opt
 fn limbs(stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
     let body = stack.body();
     let found = Limbs::of(body, Limbs::USUAL_LEVEL);
-    let search = MirrorSearch::of(&body.positions, &body.triangles);
-    let plane = search.map(|search| watcher.watch("looking for the mirror", |task| search.best(&[], task)));
-    let plane = plane.transpose()?.flatten().filter(|plane| plane.misfit <= MirrorPlane::TOLERANCE);
-    let twins = plane.map_or_else(|| vec![None; found.parts.len()], |plane| found.twins(&plane));
+    let twins = twins_of(&found, body, watcher)?;
     let mut parts = Vec::new();
     for (i, twin) in twins.iter().enumerate().filter(|(i, twin)| twin.is_none_or(|twin| twin > *i)) {
         let both: Vec<usize> = std::iter::once(i).chain(*twin).collect();
-        let kind = if found.parts[i].persistence > 0.0 { "part" } else { "trunk" };
+        let kind = if found.parts[i].is_trunk() { "trunk" } else { "part" };
         let name = both.iter().map(usize::to_string).collect::<Vec<_>>().join("+");
         parts.extend(part(format!("{kind} {name}"), found.painted(&both)));
     }

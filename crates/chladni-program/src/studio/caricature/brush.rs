@@ -177,7 +177,7 @@ fn show_mirror(ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
         Some(None) => ("The shape has no extent to mirror".to_owned(), palette.warning),
         Some(Some(plane)) => {
             let share = 100.0 * plane.misfit;
-            let good = plane.misfit <= MirrorPlane::TOLERANCE;
+            let good = plane.fits();
             let text = if good {
                 format!("Its mirror image misses the shape by {share:.1} %")
             } else {
