@@ -5,6 +5,7 @@ mod fitting;
 use chladni_mesh::Orientation;
 use glam::{DVec3, Mat4, Vec3};
 
+pub use self::fitting::Turntable;
 use crate::Rect;
 use crate::pick::Ray;
 

@@ -72,7 +72,7 @@ mod surroundings;
 mod uniforms;
 
 pub use buffers::{BrushRing, ItemBuffers, Skin, Topology, VertexPaint};
-pub use camera::{Camera, Projection, View};
+pub use camera::{Camera, Projection, Turntable, View};
 pub use canvas::{Canvas, Readback};
 pub use colormap::{ColorMap, Scale};
 pub use device::{Device, Draw};

@@ -8,7 +8,7 @@ use glam::Vec3;
 use crate::film::shoot;
 use crate::{
     Background, Camera, Canvas, Cell, Device, Figure, Film, ItemBuffers, Lights, Marker, Material, Paint,
-    Picture, Rect, Renderer, Scale, Skin, Topology, VertexPaint, ViewError, Wire, framing, layout,
+    Picture, Rect, Renderer, Scale, Skin, Topology, Turntable, VertexPaint, ViewError, Wire, framing, layout,
     srgb_bytes,
 };
 
@@ -118,14 +118,12 @@ pub fn film_turntable(
     let device = renderer.device().clone();
     let canvas = Canvas::with_samples(&device, request.width, request.height, device.live_samples())?;
     let loaded = load(&device, request)?;
-    let (mut start, viewports) = (request.from, viewports(request));
+    let viewports = viewports(request);
     let points: Vec<[f32; 3]> = request.shapes.iter().flat_map(|s| s.positions).copied().collect();
     let aspect = viewports.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-    start.fit_turntable(&points, aspect, 0.92);
-    let frames = film.settings().frames;
+    let turntable = Turntable::new(request.from, &points, aspect, film.settings().frames);
     shoot(renderer, &canvas, film, task, |renderer, canvas, frame| {
-        let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
-        let camera = Camera { yaw_rad: start.yaw_rad - turn, ..start };
+        let camera = turntable.at(frame);
         let placed: Vec<_> = viewports.iter().map(|cell| (*cell, camera)).collect();
         draw(renderer, canvas, request, &loaded, &placed)
     })

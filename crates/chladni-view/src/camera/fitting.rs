@@ -189,6 +189,30 @@ impl Camera {
     }
 }
 
+/// A camera that goes once around in as many frames as a film has; nothing leaves its frame at any angle.
+#[derive(Clone, Copy, Debug)]
+pub struct Turntable {
+    start: Camera,
+    frames: u64,
+}
+
+impl Turntable {
+    const FILL: f32 = 0.92;
+
+    /// Begins where `from` stands, moved so that all `points` stay in a frame of `aspect` (width over height).
+    pub fn new(from: Camera, points: &[[f32; 3]], aspect: f32, frames: u64) -> Self {
+        let mut start = from;
+        start.fit_turntable(points, aspect, Self::FILL);
+        Self { start, frames }
+    }
+
+    /// The camera of a frame, counted from 0.
+    pub fn at(&self, frame: u64) -> Camera {
+        let turn = std::f32::consts::TAU * frame as f32 / self.frames as f32;
+        Camera { yaw_rad: self.start.yaw_rad - turn, ..self.start }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

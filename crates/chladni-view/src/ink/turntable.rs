@@ -3,7 +3,7 @@
 use chladni_task::Task;
 
 use super::{Drawing, Ink, Plate};
-use crate::{Camera, Film, Rect, ViewError};
+use crate::{Camera, Film, Rect, Turntable, ViewError};
 
 /// Films `plates`, each in its cell, turning once around in ink, and finishes the film; seen from `from`, moved back so
 /// that nothing leaves its cell at any angle. Lines and tones follow the surface; hatching is laid anew in each frame.
@@ -20,13 +20,11 @@ pub fn film_turntable(
     let (width, height, frames) = (film.settings().width, film.settings().height, film.settings().frames);
     let points: Vec<[f32; 3]> = plates.iter().flat_map(|(plate, _)| &plate.single).copied().collect();
     let aspect = plates.iter().map(|(_, cell)| cell.aspect()).fold(f32::INFINITY, f32::min);
-    let mut start = from;
-    start.fit_turntable(&points, aspect, 0.92);
+    let turntable = Turntable::new(from, &points, aspect, frames);
     let stage = task.stage("drawing", frames);
     for frame in 0..frames {
         task.check().map_err(ViewError::from)?;
-        let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
-        let camera = Camera { yaw_rad: start.yaw_rad - turn, ..start };
+        let camera = turntable.at(frame);
         let mut drawing = Drawing::new(width, height, ink)?;
         for (plate, cell) in plates {
             drawing.add(plate, ink, &camera, *cell);

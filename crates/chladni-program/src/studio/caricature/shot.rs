@@ -7,7 +7,7 @@ use chladni_task::Task;
 use chladni_view::ink::{self, Drawing, Plate};
 use chladni_view::{
     Background, Camera, Canvas, Cell, Device, Figure, Film, FilmSettings, ItemBuffers, Paint, Picture, Rect,
-    Renderer, Scale, Topology, VertexPaint, ViewError, film, layout,
+    Renderer, Scale, Topology, Turntable, VertexPaint, ViewError, film, layout,
 };
 
 use super::look::Portrayal;
@@ -111,13 +111,11 @@ impl Shot {
         let (width, height, frames) = (settings.width, settings.height, settings.frames);
         let canvas = Canvas::new(&self.device, width, height)?;
         let buffers = self.upload()?;
-        let mut start = self.camera;
         let points: Vec<[f32; 3]> = self.poses.iter().flat_map(|(positions, _)| positions).copied().collect();
-        start.fit_turntable(&points, self.narrowest(width, height), 0.92);
+        let turntable = Turntable::new(self.camera, &points, self.narrowest(width, height), frames);
         let film = Film::create(path, settings)?;
         film::shoot(&mut Renderer::new(&self.device), &canvas, film, task, |renderer, canvas, frame| {
-            let turn = std::f32::consts::TAU * frame as f32 / frames as f32;
-            self.draw(renderer, canvas, &buffers, Camera { yaw_rad: start.yaw_rad - turn, ..start })
+            self.draw(renderer, canvas, &buffers, turntable.at(frame))
         })
     }
 
