@@ -221,6 +221,17 @@ impl Camera {
         })
     }
 
+    /// The eye that sees the place under the point (x, y) of `viewport`: far away in a parallel view, where everything is
+    /// seen along the same direction.
+    pub fn eye_at(&self, x: f32, y: f32, viewport: Rect) -> [f64; 3] {
+        let ray = self.ray(x, y, viewport);
+        let far = match self.projection {
+            Projection::Perspective => 0.0,
+            Projection::Orthographic => 1e6,
+        };
+        std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]))
+    }
+
     /// The ray through the point (x, y) of `viewport`, pixels with y down.
     pub fn ray(&self, x: f32, y: f32, viewport: Rect) -> Ray {
         let [right, up, back] = self.axes();

@@ -3,7 +3,7 @@
 use chladni_caricature::{Action, Brush, Dab, PaintEdit, Reach, Seen, SurfacePoint};
 use chladni_mesh::MirrorPlane;
 use chladni_program::work::{Coating, Error, with_pointed};
-use chladni_view::{Hit, Projection};
+use chladni_view::Hit;
 use wasm_bindgen::prelude::*;
 
 use super::Sitting;
@@ -178,9 +178,7 @@ impl Sitting {
     fn reach(&mut self, hit: &Hit, x: f32, y: f32) -> Result<Reach, Error> {
         let mirror = if self.tool.both_sides { self.mirror()? } else { None };
         let brush = self.brush(mirror);
-        let ray = self.stage.camera.ray(x, y, self.stage.area());
-        let far = if self.stage.camera.projection == Projection::Perspective { 0.0 } else { 1e6 };
-        let eye = std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]));
+        let eye = self.stage.camera.eye_at(x, y, self.stage.area());
         let (tree, positions, triangles) = self.stage.pick_tree();
         let blocked = |eye: [f64; 3], point: [f64; 3]| tree.blocks(eye, point, positions, triangles);
         let surface = self.stack.surface();

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use chladni_caricature::{Base, Reach, Surface};
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
-use chladni_program::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, tints};
+use chladni_program::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, lay_ring, tints};
 use chladni_view::{
     Background, BrushRing, Camera, Canvas, Cell, Device, Figure, Hit, ItemBuffers, Lights, Marker, Material,
     Paint, PickTree, Picture, Rect, Renderer, Scale, Topology, VertexPaint, View,
@@ -207,14 +207,7 @@ impl Stage {
     /// Lays the ring where a brush would paint; lifts it where there is none.
     pub fn lay_ring(&mut self, reach: Option<&Reach>, surface: &Surface) -> Result<(), Error> {
         self.stale = true;
-        let Some(reach) = reach else {
-            self.model.ring.lift();
-            return Ok(());
-        };
-        let triangles = reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize));
-        let triangles: Vec<[u32; 3]> = triangles.copied().collect();
-        let distances = reach.distances.iter().map(|(v, distance)| (*v, *distance as f32));
-        Ok(self.model.ring.lay(self.screen.device(), reach.radius as f32, distances, &triangles)?)
+        Ok(lay_ring(&mut self.model.ring, self.screen.device(), reach, surface)?)
     }
 
     /// Turns the viewer where the shape stands otherwise.

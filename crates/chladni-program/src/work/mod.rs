@@ -97,7 +97,7 @@ pub use piece::{Piece, Share};
 pub use place_colors::place_colors;
 pub use programme::Programme;
 pub use recent::Recent;
-pub use region_look::{MARKED, PAINTED, RING, tints, with_pointed};
+pub use region_look::{MARKED, PAINTED, RING, lay_ring, tints, with_pointed};
 pub use sand::SandTable;
 pub use scenery::{PANORAMAS, PICTURES, Scenery};
 pub use sculpture::{Made, Sculpture, make, settled};

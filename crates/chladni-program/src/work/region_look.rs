@@ -1,7 +1,8 @@
 //! The look of a region on the shape while it is chosen.
 
+use chladni_caricature::{Reach, Surface};
 use chladni_mesh::linear_from_srgb;
-use chladni_view::{Material, srgb_bytes};
+use chladni_view::{BrushRing, Device, Material, ViewError, srgb_bytes};
 
 /// Color of painted places, sRGB: distinct from clay with any color vision.
 pub const PAINTED: [u8; 3] = [52, 122, 190];
@@ -30,4 +31,24 @@ pub fn with_pointed(region: &[f32], pointed: &[f32]) -> Vec<f32> {
         if everywhere { 0.6 * pointed } else { region.max(0.6 * pointed) }
     };
     region.iter().zip(pointed).map(both).collect()
+}
+
+/// Lays the ring where a brush with this `reach` would paint; lifts it where there is none.
+///
+/// # Errors
+/// As [`BrushRing::lay`].
+pub fn lay_ring(
+    ring: &mut BrushRing,
+    on: &Device,
+    reach: Option<&Reach>,
+    surface: &Surface,
+) -> Result<(), ViewError> {
+    let Some(reach) = reach else {
+        ring.lift();
+        return Ok(());
+    };
+    let triangles = reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize));
+    let triangles: Vec<[u32; 3]> = triangles.copied().collect();
+    let distances = reach.distances.iter().map(|(v, distance)| (*v, *distance as f32));
+    ring.lay(on, reach.radius as f32, distances, &triangles)
 }

@@ -18,7 +18,8 @@ impl Stage {
             let Some((point, normal)) = self.place(*figure, touch) else { continue };
             let Some((at, _)) = self.camera.project(point, *cell) else { continue };
             let at = rect.min + egui::Vec2::from(at) * scale;
-            let eye = self.eye_of([at.x - rect.min.x, at.y - rect.min.y].map(|c| c / scale), *cell);
+            let [x, y] = [at.x - rect.min.x, at.y - rect.min.y].map(|c| c / scale);
+            let eye = self.camera.eye_at(x, y, *cell);
             let faces =
                 (0..3).map(|i| f64::from(normal[i]) * (eye[i] - f64::from(point[i]))).sum::<f64>() > 0.0;
             mark_place(ui, viewport::to_points(ui, rect, *cell), at, faces);

@@ -29,7 +29,7 @@ use super::shot::{Coat, Pose};
 use crate::studio::keys;
 use crate::studio::screen::Screen;
 use crate::studio::viewport::{self, Viewport};
-use crate::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, tints};
+use crate::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, lay_ring, tints};
 
 /// The result of drawing the stage.
 pub struct StageResponse {
@@ -300,7 +300,8 @@ impl Stage {
         if let Some((hand, pointed)) = brush.zip(pointed.as_ref()) {
             let touches = trail.into_iter().chain(touch);
             presses.extend(touches.map(|touch| self.press(hand, pointed, touch)));
-            self.ring_around(presses.last().filter(|_| touch.is_some()), hand.surface)?;
+            let reach = presses.last().filter(|_| touch.is_some()).map(|press| &press.reach);
+            lay_ring(&mut self.ring, self.viewport.device(), reach, hand.surface)?;
         } else {
             self.ring.lift();
         }

@@ -1,7 +1,7 @@
 //! Places on the stage under the pointer and the brush.
 
 use chladni_caricature::{Brush, Reach, Seen, Surface, SurfacePoint};
-use chladni_view::{PickTree, Projection, Rect, ViewError};
+use chladni_view::{PickTree, Rect};
 use egui::Ui;
 
 use super::super::lasso::encloses;
@@ -55,7 +55,8 @@ pub struct Press {
 impl Stage {
     /// A press of the brush on the figure that is `pointed` at.
     pub(super) fn press(&self, hand: BrushInHand<'_>, pointed: &Pointed, touch: Touch) -> Press {
-        let eye = self.eye_of(pointed.at, pointed.cell);
+        let [x, y] = pointed.at;
+        let eye = self.camera.eye_at(x, y, pointed.cell);
         let positions = &self.poses[pointed.figure].0;
         let tree = self.pick.as_ref().filter(|(picked, _)| *picked == pointed.figure).map(|(_, tree)| tree);
         let triangles = &self.triangles;
@@ -83,8 +84,8 @@ impl Stage {
             return Vec::new();
         };
         self.refit_pick(figure);
-        let middle = [cell.x as f32 + 0.5 * cell.width as f32, cell.y as f32 + 0.5 * cell.height as f32];
-        let eye = self.eye_of(middle, cell);
+        let [x, y] = [cell.x as f32 + 0.5 * cell.width as f32, cell.y as f32 + 0.5 * cell.height as f32];
+        let eye = self.camera.eye_at(x, y, cell);
         let positions = &self.poses[figure].0;
         let tree = self.pick.as_ref().map(|(_, tree)| tree);
         let blocked = |eye: [f64; 3], point: [f64; 3]| {
@@ -108,29 +109,6 @@ impl Stage {
             taken.dedup();
         }
         taken
-    }
-
-    /// The eye that sees the place under a pixel: far away in a parallel view.
-    pub(super) fn eye_of(&self, [x, y]: [f32; 2], cell: Rect) -> [f64; 3] {
-        let ray = self.camera.ray(x, y, cell);
-        let far = match self.camera.projection {
-            Projection::Perspective => 0.0,
-            // Everything is seen along the same direction.
-            Projection::Orthographic => 1e6,
-        };
-        std::array::from_fn(|i| f64::from(ray.origin[i]) - far * f64::from(ray.direction[i]))
-    }
-
-    /// Lays the ring where `press` would paint.
-    pub(super) fn ring_around(&mut self, press: Option<&Press>, surface: &Surface) -> Result<(), ViewError> {
-        let Some(Press { reach, .. }) = press else {
-            self.ring.lift();
-            return Ok(());
-        };
-        let triangles: Vec<[u32; 3]> =
-            reach.triangles.iter().filter_map(|t| surface.triangles.get(*t as usize)).copied().collect();
-        let distances = reach.distances.iter().map(|(v, d)| (*v, *d as f32));
-        self.ring.lay(self.viewport.device(), reach.radius as f32, distances, &triangles)
     }
 
     /// The touches along the way `from` a pixel to where `pointed` is, about `step` apart, without its end, which is
