@@ -171,10 +171,7 @@ impl Performance {
                 self.hearing.begin(stretch)?;
             } else if let Some(line) = self.script.next_if(|_| done.is_some()) {
                 // Beats are those of the whole song, which the window may not have known yet.
-                let at_secs = line.moment.at_secs;
-                let at_beat = self.hearing.beat_at(at_secs).count;
-                self.instrument.apply(Moment { at_secs, at_beat }, line.action)?;
-                self.hearing.tune(at_secs, self.instrument.parameters());
+                self.act_at(line.moment.at_secs, line.action)?;
             } else {
                 return self.follow_programme(at_secs);
             }
@@ -186,10 +183,16 @@ impl Performance {
         let Some(programme) = &mut self.programme else { return Ok(()) };
         let bars = self.hearing.bars_between(programme.heard_secs(), now_secs);
         for (at_secs, action) in programme.hear(&bars, now_secs, &self.instrument) {
-            let at_beat = self.hearing.beat_at(at_secs).count;
-            self.instrument.apply(Moment { at_secs, at_beat }, action)?;
-            self.hearing.tune(at_secs, self.instrument.parameters());
+            self.act_at(at_secs, action)?;
         }
+        Ok(())
+    }
+
+    /// Does an action at its beat.
+    fn act_at(&mut self, at_secs: f64, action: Action) -> Result<(), Error> {
+        let at_beat = self.hearing.beat_at(at_secs).count;
+        self.instrument.apply(Moment { at_secs, at_beat }, action)?;
+        self.hearing.tune(at_secs, self.instrument.parameters());
         Ok(())
     }
 
