@@ -67,9 +67,9 @@ impl LimbTool {
         plane: Option<MirrorPlane>,
     ) -> bool {
         let vertex = press.and_then(|press| {
-            let corners = triangles.get(press.touch.triangle as usize)?;
-            let nearest =
-                (0..3).max_by(|a, b| press.touch.barycentric[*a].total_cmp(&press.touch.barycentric[*b]))?;
+            let hit = press.touch.hit;
+            let corners = triangles.get(hit.triangle as usize)?;
+            let nearest = (0..3).max_by(|a, b| hit.barycentric[*a].total_cmp(&hit.barycentric[*b]))?;
             Some(corners[nearest])
         });
         let part = vertex.and_then(|v| limbs.part.get(v as usize)).map(|part| *part as usize);

@@ -29,11 +29,11 @@ impl Stage {
     /// Where `touch` lies on a figure, and its normal there.
     fn place(&self, figure: usize, touch: &Touch) -> Option<([f32; 3], [f32; 3])> {
         let (positions, normals) = self.poses.get(figure)?;
-        let corners = self.triangles.get(touch.triangle as usize)?;
+        let corners = self.triangles.get(touch.hit.triangle as usize)?;
         let mixed = |values: &[[f32; 3]]| {
             let corner = |i: usize| values.get(corners[i] as usize).copied().unwrap_or_default();
             let [a, b, c] = [corner(0), corner(1), corner(2)];
-            let [u, v, w] = touch.barycentric;
+            let [u, v, w] = touch.hit.barycentric;
             std::array::from_fn(|i| u * a[i] + v * b[i] + w * c[i])
         };
         Some((mixed(positions), mixed(normals)))

@@ -1,7 +1,7 @@
 //! Places on the stage under the pointer and the brush.
 
 use chladni_caricature::{Brush, Reach, Seen, Surface, SurfacePoint};
-use chladni_view::{PickTree, Rect};
+use chladni_view::{Hit, PickTree, Rect};
 use egui::Ui;
 
 use super::super::lasso::encloses;
@@ -12,10 +12,8 @@ use crate::studio::viewport;
 /// A point under the pointer.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
-    /// The triangle.
-    pub triangle: u32,
-    /// Its weights, summing to 1.
-    pub barycentric: [f32; 3],
+    /// Its triangle and weights.
+    pub hit: Hit,
     /// The point, working frame.
     pub point: [f32; 3],
 }
@@ -23,7 +21,7 @@ pub struct Touch {
 impl Touch {
     /// The same place on the surface at rest.
     pub fn on_surface(&self) -> SurfacePoint {
-        SurfacePoint { triangle: self.triangle, weights: self.barycentric.map(f64::from) }
+        SurfacePoint { triangle: self.hit.triangle, weights: self.hit.barycentric.map(f64::from) }
     }
 }
 
@@ -140,7 +138,7 @@ impl Stage {
         let (_, tree) = self.pick.as_ref()?;
         let ray = self.camera.ray(x, y, cell);
         let hit = tree.pick(&ray, positions, &self.triangles)?;
-        Some(Touch { triangle: hit.triangle, barycentric: hit.barycentric, point: hit.point(&ray) })
+        Some(Touch { hit, point: hit.point(&ray) })
     }
 
     /// Brings the tree that picks up to date with `figure`.
