@@ -13,7 +13,7 @@ use chladni_program::work::OwnLook;
 use chladni_view::Picture;
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::{Damaged, numbers, take};
+use crate::numbers::{Damaged, head, headed, numbers};
 
 /// A body with all that a concert needs to know of it.
 pub struct Parcel {
@@ -104,7 +104,7 @@ impl Parcel {
         let columns = || basis.vectors.chunks_exact(n.max(1));
         let unit = |h: &[f64]| h.iter().fold(0.0_f64, |most, h| most.max(h.abs())) / f64::from(i16::MAX);
         let units: Vec<f64> = columns().map(unit).collect();
-        let head = Head {
+        let mut bytes = headed(&Head {
             name: self.name.clone(),
             stands: self.stands,
             center: frame.center,
@@ -116,10 +116,7 @@ impl Parcel {
             units: units.clone(),
             certificate: basis.certificate,
             own: Own::of(self.own.as_ref()),
-        };
-        let head = serde_json::to_vec(&head).map_err(|error| Damaged(error.to_string()))?;
-        let mut bytes = (head.len() as u32).to_le_bytes().to_vec();
-        bytes.extend(head);
+        })?;
         bytes.extend(positions.iter().flatten().flat_map(|c| (*c as f32).to_le_bytes()));
         bytes.extend(basis.mass.iter().flat_map(|area| (*area as f32).to_le_bytes()));
         bytes.extend(triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
@@ -134,9 +131,7 @@ impl Parcel {
     /// Reads the output of [`to_bytes`](Self::to_bytes).
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, Damaged> {
         let mut rest = bytes;
-        let head = u32::from_le_bytes(take(&mut rest, 4)?.try_into().unwrap_or_default()) as usize;
-        let head: Head =
-            serde_json::from_slice(take(&mut rest, head)?).map_err(|error| Damaged(error.to_string()))?;
+        let head: Head = head(&mut rest)?;
         let (n, k) = (head.vertices, head.eigenvalues.len());
         if head.units.len() != k || head.classes.len() != k {
             return Err(Damaged("its harmonics are not as many as their eigenvalues".into()));

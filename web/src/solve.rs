@@ -7,7 +7,7 @@ use js_sys::Function;
 use serde::{Deserialize, Serialize};
 use wasm_bindgen::prelude::*;
 
-use crate::numbers::{Damaged, numbers, take};
+use crate::numbers::{Damaged, head, headed, numbers};
 use crate::reporter::{Reporter, shape};
 
 /// The text before the numbers.
@@ -81,14 +81,11 @@ pub fn parts_of_head(
 
 /// The length of the head in four bytes, the head as JSON, then areas and harmonics, all little-endian.
 fn to_bytes(basis: &Basis) -> Result<Vec<u8>, Damaged> {
-    let head = Head {
+    let mut bytes = headed(&Head {
         vertices: basis.mass.len(),
         eigenvalues: basis.eigenvalues.clone(),
         certificate: basis.certificate,
-    };
-    let head = serde_json::to_vec(&head).map_err(|error| Damaged(error.to_string()))?;
-    let mut bytes = (head.len() as u32).to_le_bytes().to_vec();
-    bytes.extend(head);
+    })?;
     bytes.reserve(8 * (basis.mass.len() + basis.vectors.len()));
     bytes.extend(basis.mass.iter().chain(&basis.vectors).flat_map(|x| x.to_le_bytes()));
     Ok(bytes)
@@ -97,9 +94,7 @@ fn to_bytes(basis: &Basis) -> Result<Vec<u8>, Damaged> {
 /// Reads the output of [`to_bytes`].
 pub fn from_bytes(bytes: &[u8]) -> Result<Basis, Damaged> {
     let mut rest = bytes;
-    let head = u32::from_le_bytes(take(&mut rest, 4)?.try_into().unwrap_or_default()) as usize;
-    let Head { vertices, eigenvalues, certificate } =
-        serde_json::from_slice(take(&mut rest, head)?).map_err(|error| Damaged(error.to_string()))?;
+    let Head { vertices, eigenvalues, certificate } = head(&mut rest)?;
     let mass = numbers(&mut rest, vertices, 1, f64::from_le_bytes)?;
     let vectors = numbers(&mut rest, vertices, eigenvalues.len(), f64::from_le_bytes)?;
     Ok(Basis { eigenvalues, vectors: vectors.into(), mass, certificate })
