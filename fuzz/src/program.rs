@@ -43,7 +43,7 @@ pub fn panorama(bytes: &[u8]) {
 /// A mask, as an attribute or the colors of a PLY mesh of twelve vertices; what is read is written and read back as the same.
 pub fn mask_mesh(bytes: &[u8]) {
     static SHAPE: LazyLock<Subject> = LazyLock::new(|| samples::icosphere(0).into());
-    let read = |bytes: &[u8]| mask::read_in(Path::new("mask.ply"), bytes, None, &SHAPE);
+    let read = |bytes: &[u8]| mask::read_in(Path::new("mask.ply"), bytes, &SHAPE);
     let Ok(painted) = within(bytes.len(), EACH, MIB, || read(bytes)) else { return };
     let (written, masked) = mask::to_bytes("ply", &painted, &SHAPE).expect("what was read can be written");
     assert!(masked.inside <= masked.vertices);

@@ -102,7 +102,7 @@ impl Sitting {
     /// A file that holds no mask of this shape; no layer.
     pub fn open_mask(&mut self, name: &str, bytes: &[u8]) -> Result<(), JsError> {
         let layer = self.selected.ok_or_else(|| JsError::new("A mask needs a layer: add one first."))?;
-        let painted = mask::read_in(Path::new(name), bytes, None, &self.mesh.clone().into())?;
+        let painted = mask::read_in(Path::new(name), bytes, &self.mesh.clone().into())?;
         Ok(self.act_once(&Action::Paint { layer, edit: PaintEdit::Set(painted) })?)
     }
 

@@ -52,20 +52,15 @@ pub fn read(path: &Path, channel: Option<&str>, subject: &Subject) -> Result<Pai
     painted(values, subject.whole(), subject).map_err(|why| refused(path, why))
 }
 
-/// The same from the `bytes` of a file called `name`. Files that it names are not there.
+/// χ01 from the `bytes` of a file called `name`, as [`read`] finds it without a channel. Files that it names are not there.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_in(
-    name: &Path,
-    bytes: &[u8],
-    channel: Option<&str>,
-    subject: &Subject,
-) -> Result<Painted, Error> {
+pub fn read_in(name: &Path, bytes: &[u8], subject: &Subject) -> Result<Painted, Error> {
     let vertices = subject.whole().positions.len();
     let values = match Format::of_path(name) {
-        Some(format) => of_mesh(name, &read_named_mesh(name, bytes, &nothing_beside)?, format, channel)?,
-        None => of_array(name, vertices, numbers_in(bytes, channel.unwrap_or(MASK), vertices))?,
+        Some(format) => of_mesh(name, &read_named_mesh(name, bytes, &nothing_beside)?, format, None)?,
+        None => of_array(name, vertices, numbers_in(bytes, MASK, vertices))?,
     };
     painted(values, subject.whole(), subject).map_err(|why| refused(name, why))
 }
@@ -258,7 +253,7 @@ mod tests {
             let farthest = values.iter().zip(&*back).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
             assert!(farthest <= off, "{name}: {farthest}");
             let bytes = std::fs::read(&path).unwrap();
-            let in_memory = read_in(Path::new(name), &bytes, None, &mesh).unwrap();
+            let in_memory = read_in(Path::new(name), &bytes, &mesh).unwrap();
             assert_eq!(in_memory.values(&welded.positions), back, "{name}");
             if !as_colors {
                 let ending = path.extension().unwrap().to_str().unwrap();

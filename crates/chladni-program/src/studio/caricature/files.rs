@@ -6,7 +6,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use chladni_caricature::{Action, Layer, Project, Resolution, ShapeSource, Template};
-use chladni_view::{Background, Camera, View};
+use chladni_view::{Camera, View};
 use egui::Context;
 
 use super::CaricatureRoom;
@@ -212,7 +212,7 @@ impl CaricatureRoom {
         let (mut stack, project) = (session.stack.clone(), session.project().clone());
         let [width, height] = pictures::SIZE;
         let mut camera = Camera::on(session.stands(), View::ThreeQuarter);
-        let empty = stage.shot_of(Pose::default(), stage.own_coat(), Background::TRANSPARENT);
+        let empty = stage.shot_of(Pose::default(), stage.own_coat());
         shared.pictures.keep(&shared.ctx, path, move || {
             let result = on_own_threads(|| stack.evaluate(&project)).ok()?.result;
             let pose = (single(&result.positions), single(result.normals()));

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use chladni_caricature::{EvaluatedLayer, LayerId};
-use chladni_view::{Background, Camera, Canvas, ColorMap, Renderer, Scale, VertexPaint, View, ViewError};
+use chladni_view::{Camera, Canvas, ColorMap, Renderer, Scale, VertexPaint, View, ViewError};
 
 use super::session::Session;
 use super::shot::{Coat, Shot};
@@ -78,7 +78,7 @@ impl Thumbnails {
             camera.fit(single(&session.stack.original().positions).iter().copied(), 1.0, 0.86);
             camera
         });
-        let still = stage.shot_of(pose, Coat::Material, Background::TRANSPARENT);
+        let still = stage.shot_of(pose, Coat::Material);
         let values = VertexPaint::new(&still.device, length.len());
         values.write_values(&still.device, &length)?;
         let scale = Scale { low: 0.0, ..Scale::of(ColorMap::Viridis, &length) };

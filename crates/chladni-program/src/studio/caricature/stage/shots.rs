@@ -42,8 +42,8 @@ impl Stage {
         })
     }
 
-    /// Another pose of this shape, on its own.
-    pub fn shot_of(&self, pose: Pose, coat: Coat, background: Background) -> Shot {
+    /// Another pose of this shape, on its own, with nothing behind it.
+    pub fn shot_of(&self, pose: Pose, coat: Coat) -> Shot {
         let (device, topology) = (self.viewport.device().clone(), self.topology.clone());
         Shot {
             device,
@@ -55,7 +55,7 @@ impl Stage {
             camera: self.camera,
             aspect: self.aspect,
             look: Portrayal::default(),
-            background,
+            background: Background::TRANSPARENT,
         }
     }
 }
