@@ -105,6 +105,11 @@ pub fn heading(ui: &mut egui::Ui, name: &str) {
     ui.label(egui::RichText::new(name).size(14.5).strong());
 }
 
+/// A remark, small and weak.
+pub fn weak(ui: &mut egui::Ui, text: impl Into<String>) {
+    ui.label(egui::RichText::new(text).small().color(palette(ui).weak));
+}
+
 /// One line of a form: a label of fixed width, its tooltip, and controls. Sliders in it end where
 /// those of the other lines do; those that have no name of their own are called as the label.
 pub fn row<R>(ui: &mut egui::Ui, label: &str, tip: &str, controls: impl FnOnce(&mut egui::Ui) -> R) -> R {

@@ -135,7 +135,7 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let [symmetric, antisymmetric, undecided] = harmonics.class_counts();
     let text = format!("{symmetric} symmetric, {antisymmetric} antisymmetric, {undecided} undecided");
     ui.label(text);
-    ui.label(RichText::new(harmonics.method()).small().color(theme::palette(ui).weak));
+    theme::weak(ui, harmonics.method());
     let shown = match concert.view() {
         View::Harmonics(first) => Some(first),
         _ => None,
@@ -162,14 +162,14 @@ fn symmetry(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
         harmonics.count(),
         1e3 * pace.mean_secs()
     );
-    ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
-    ui.label(RichText::new(concert.means()).small().color(theme::palette(ui).weak));
+    theme::weak(ui, text);
+    theme::weak(ui, concert.means());
     let (all, drawn) = concert.drawn_vertices();
     if drawn < all {
         let about = 100 * drawn.div_ceil(100);
         let text = format!(
             "The processor draws here: of {all} vertices it shows as many as a picture needs, now about {about}."
         );
-        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+        theme::weak(ui, text);
     }
 }

@@ -57,7 +57,7 @@ pub fn show(
     theme::checkbox(ui, &mut preferences.own_window, "In a window of its own").on_hover_text(tip);
     let tip = "Nothing but the dance is shown on stage. Escape comes back. While a screen is not \
                connected the stage stays in its window.";
-    ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+    theme::weak(ui, tip);
     ui.add_space(theme::GAP);
     camera(ui, &mut preferences.camera);
     preferences.projection.show(ui, adjusts);
@@ -170,7 +170,7 @@ fn palette(ui: &mut Ui, chosen: &mut String, has_own_colors: bool) {
         .on_hover_text("The colors of what moves, or those that the shape brings: its texture or colors");
     if is_own && !has_own_colors {
         let text = "This shape has no colors of its own: those of the look are shown.";
-        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+        theme::weak(ui, text);
     }
     ui.add_space(theme::GAP);
 }

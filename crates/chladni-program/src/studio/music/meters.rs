@@ -78,7 +78,7 @@ fn bars(painter: &egui::Painter, rect: Rect, values: &[f32], color: Color32, dow
 
 fn levels(ui: &mut Ui, listening: &Listening) {
     ui.vertical(|ui| {
-        ui.label(RichText::new("Level").small().color(theme::palette(ui).weak));
+        theme::weak(ui, "Level");
         for (channel, of) in CHANNELS.into_iter().zip(listening.levels()) {
             ui.horizontal(|ui| {
                 let letter = RichText::new(&channel[..1]).small();

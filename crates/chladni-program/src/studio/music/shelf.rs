@@ -115,7 +115,7 @@ impl Shelf {
         };
         ui.label(RichText::new("Kept").strong());
         if self.kept.is_empty() {
-            weak(ui, "Nothing yet. What you keep here is there the next time, for any shape.");
+            theme::weak(ui, "Nothing yet. What you keep here is there the next time, for any shape.");
         }
         let mut found = 0;
         for (path, preset) in self.kept.iter().filter(|(_, preset)| is_wanted(preset)) {
@@ -129,7 +129,7 @@ impl Shelf {
             found += 1;
         }
         if found == 0 {
-            weak(ui, "Nothing here is called that.");
+            theme::weak(ui, "Nothing here is called that.");
         }
     }
 
@@ -198,7 +198,7 @@ fn free_path(folder: &Path, name: &str) -> PathBuf {
 fn favorites(ui: &mut Ui, instrument: &Instrument, wishes: &mut Vec<Wish>) {
     ui.label(RichText::new("Favorites of this show").strong());
     if instrument.favorites().is_empty() {
-        weak(ui, "None yet: point at a dance and press F.");
+        theme::weak(ui, "None yet: point at a dance and press F.");
     }
     for (index, item) in instrument.favorites().iter().enumerate() {
         let name = lineage::called(instrument, item);
@@ -271,8 +271,4 @@ fn thumbnail(ui: &mut Ui, mapping: &Mapping) {
     );
     let accent = theme::palette(ui).accent;
     curve::line(ui.painter(), lower, &mapping.amplification, (-1.0, 1.0), Stroke::new(1.2, accent));
-}
-
-fn weak(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
 }

@@ -141,7 +141,7 @@ fn lateness(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preference
     });
     if late_ms != 0 && listening.live().is_some() {
         let tip = "Not of live input, which nobody knows before it is heard.";
-        ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+        theme::weak(ui, tip);
     }
 }
 
@@ -181,7 +181,7 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
         }
     });
     let tip = "Songs, folders and M3U lists can be dropped anywhere on the window.";
-    ui.label(RichText::new(tip).small().color(theme::palette(ui).weak));
+    theme::weak(ui, tip);
 }
 
 /// A song of the list; whether it is to be played, and whether it is to be taken out.
@@ -239,7 +239,7 @@ fn live(
     });
     if inputs.found.is_empty() && inputs.looking.is_none() {
         let none = "No microphone and nothing to record from here.";
-        ui.label(RichText::new(none).small().color(theme::palette(ui).weak));
+        theme::weak(ui, none);
     }
     let mut chosen = None;
     for source in &inputs.found {

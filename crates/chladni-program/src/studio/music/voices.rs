@@ -12,7 +12,7 @@ pub fn show(ui: &mut Ui, instrument: &Instrument, names: &[String], wishes: &mut
     if names.is_empty() {
         let text = "Open a caricature (a .chladni project): each of its layers becomes a voice that the \
                     music drives.";
-        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+        theme::weak(ui, text);
     }
     for (voice, name) in names.iter().enumerate() {
         let before = instrument.voice(voice);

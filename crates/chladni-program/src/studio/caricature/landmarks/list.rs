@@ -59,7 +59,7 @@ pub fn show_list(
             ui.painter().circle_filled(dot.center(), 5.0, color(index));
             ui.label(format!("{}", index + 1));
             let text = format!("vertex {} on {}", landmark.shape, landmark.template);
-            ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+            theme::weak(ui, text);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let name = format!("Remove landmark {}", index + 1);
                 if icon_button(ui, Icon::X, &name)

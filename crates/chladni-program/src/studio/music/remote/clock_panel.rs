@@ -2,7 +2,6 @@
 
 use egui::{RichText, TextEdit, Ui};
 
-use super::panel::weak;
 use super::{Midi, Remote};
 use crate::studio::author_id::AuthorId;
 use crate::studio::keys::music::{LOCK_BEAT, NUDGE_BACK, NUDGE_ON};
@@ -30,7 +29,7 @@ impl Remote {
             }
             (false, false) => "The beat is that of the music.",
         };
-        weak(ui, message);
+        theme::weak(ui, message);
         ui.horizontal(|ui| {
             let mut locked = listening.is_locked();
             let lock = theme::checkbox(ui, &mut locked, "Hold the tempo");

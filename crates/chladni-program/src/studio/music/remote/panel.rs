@@ -38,7 +38,7 @@ impl Remote {
         self.clock(ui, preferences, listening);
         ui.add_space(theme::GAP);
         ui.label(RichText::new("What turns what").strong());
-        weak(
+        theme::weak(
             ui,
             "Click Learn, then move a knob, a fader or a pad. A number takes one dance, preset or song.",
         );
@@ -74,9 +74,9 @@ impl Remote {
         ui.label(RichText::new("MIDI").strong());
         let devices = self.midi.as_ref().map(Midi::devices).unwrap_or_default();
         match devices.failure {
-            Some(why) => weak(ui, &format!("No controllers: {why}.")),
+            Some(why) => theme::weak(ui, format!("No controllers: {why}.")),
             None if devices.names.is_empty() => {
-                weak(ui, "No controller is plugged in. One that comes later is found by itself.");
+                theme::weak(ui, "No controller is plugged in. One that comes later is found by itself.");
             }
             None => {}
         }
@@ -84,7 +84,7 @@ impl Remote {
             ui.label(icon::label(Icon::Cable, name));
         }
         if let Some(control) = &self.last {
-            weak(ui, &format!("Touched last: {control}"));
+            theme::weak(ui, format!("Touched last: {control}"));
         }
     }
 
@@ -107,7 +107,7 @@ impl Remote {
         match &self.osc {
             Some(Ok(osc)) => {
                 let (good, bad) = osc.counts();
-                weak(ui, &format!("Port {}: {good} packets, {bad} bad ones left out", osc.port()));
+                theme::weak(ui, format!("Port {}: {good} packets, {bad} bad ones left out", osc.port()));
             }
             Some(Err(why)) => {
                 ui.label(RichText::new(why.to_string()).small().color(theme::palette(ui).warning));
@@ -222,8 +222,4 @@ fn name(target: Target) -> &'static str {
         Target::Switch(switch) => knobs::switch_name(switch),
         _ => target.about(),
     }
-}
-
-pub(super) fn weak(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
 }
