@@ -15,12 +15,12 @@ let saying;
 export function say(text, bad = false, secs = 8) {
   if (bad) failed = { text, until: performance.now() + 1000 * ERROR_SECS };
   else if (text) failed = undefined;
-  if (text) write(text, bad, bad ? ERROR_SECS : secs); else settle();
+  if (text) write(text, bad ? ERROR_SECS : secs); else settle();
 }
 
-function write(text, bad, secs) {
+function write(text, secs) {
   of("status").textContent = text;
-  of("status").classList.toggle("bad", bad);
+  of("status").classList.toggle("bad", !!failed);
   clearTimeout(saying);
   if (text) saying = setTimeout(settle, 1000 * secs);
 }
@@ -30,7 +30,7 @@ function settle(news) {
   const left = failed ? (failed.until - performance.now()) / 1000 : 0;
   if (left <= 0) failed = undefined;
   const text = [failed?.text, news, ...working.values()].filter(Boolean).join(" · ");
-  write(text, !!failed, news ? 20 : failed ? left : 600);
+  write(text, news ? 20 : failed ? left : 600);
 }
 
 /** Does it, and says what went wrong. */

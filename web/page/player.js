@@ -99,8 +99,7 @@ export const beside = attempt((steps) => playSong(songs.beside(wanted ?? songs.c
 function ended() {
   // One that was asked for comes already.
   if (wanted || room.concert()?.plays_show()) return undefined;
-  const isLast = songs.place() === songs.count() - 1;
-  if (playlist.repeats() !== "off" || !isLast) return beside(playlist.repeats() === "song" ? 0 : 1);
+  if (playlist.repeats() !== "off" || songs.behind(songs.current())) return beside(playlist.repeats() === "song" ? 0 : 1);
   room.sound.pause();
   room.sound.seek(0);
   return room.refresh();
