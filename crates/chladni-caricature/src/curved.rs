@@ -3,10 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
-use chladni_mesh::surface::vec3::{Vec3, unit};
+use chladni_mesh::surface::vec3::Vec3;
 use chladni_mesh::surface::{
-    Principal, averaged, curvature_tensors, facing_outward, vertex_areas, vertex_neighbors,
-    vertex_normals_around, vertex_triangles,
+    Principal, averaged_curvature, averaging_passes, facing_outward, vertex_areas, vertex_neighbors,
+    vertex_triangles,
 };
 
 use crate::{CaricatureError, Painted};
@@ -33,8 +33,6 @@ pub struct Curved {
 
 /// How far normals and curvatures are averaged, as a share of the size √(A/π).
 const SMOOTHING: f64 = 0.015;
-/// Passes of averaging, at most.
-const MOST_PASSES: usize = 100;
 
 impl Curved {
     /// The share where none is given.
@@ -69,16 +67,8 @@ impl Curved {
         let n = positions.len();
         let around = vertex_triangles(n, triangles);
         let neighbors = vertex_neighbors(n, triangles);
-        let area: f64 = areas.iter().sum();
-        // A vertex of a mesh of equilateral triangles has √3/2 ℓ² of the area, and p passes reach 0.65 ℓ √p.
-        let edge = (area / n.max(1) as f64 / 0.866).sqrt();
-        let reach = SMOOTHING * (area / std::f64::consts::PI).sqrt() / (0.65 * edge);
-        let passes = (reach.powi(2).ceil() as usize).min(MOST_PASSES);
-        let normals = vertex_normals_around(positions, triangles, &around);
-        let mut normals = averaged(normals, &neighbors, areas, passes);
-        normals.iter_mut().for_each(|n| *n = unit(*n));
-        let tensors = curvature_tensors(positions, triangles, &normals, &around);
-        let tensors = averaged(tensors, &neighbors, areas, passes);
+        let passes = averaging_passes(areas, SMOOTHING);
+        let (normals, tensors) = averaged_curvature(positions, triangles, areas, &around, &neighbors, passes);
         let bend = |(tensor, normal): (_, &Vec3)| {
             let [a, b] = Principal::of(tensor, *normal).values;
             match self.bend {

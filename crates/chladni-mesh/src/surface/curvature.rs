@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::vec3::{Vec3, add, cross, distance, dot, length, scaled, sub, unit};
-use super::{Rows, corners, doubled_area_normal};
+use super::{Rows, corners, doubled_area_normal, vertex_normals_around};
 
 /// A symmetric 3×3 matrix: xx, xy, xz, yy, yz, zz. As the curvature at a point it is II on the tangent plane and 0
 /// along the normal, in 1 / length, positive where the surface is convex.
@@ -225,6 +225,40 @@ pub fn averaged<const D: usize>(
         values = (0..values.len()).into_par_iter().map(mean).collect();
     }
     values
+}
+
+/// Passes of averaging, at most: dense meshes are smoothed less far than asked for.
+const MOST_PASSES: usize = 100;
+
+/// How many passes of [`averaged`] reach `share` of the size √(A/π) of a surface with these vertex `areas`, or 100 where
+/// it would take more.
+pub fn averaging_passes(areas: &[f64], share: f64) -> usize {
+    let area: f64 = areas.iter().sum();
+    // A vertex of a mesh of equilateral triangles has √3/2 ℓ² of the area.
+    let edge = (area / areas.len().max(1) as f64 / 0.866).sqrt();
+    let size = (area / std::f64::consts::PI).sqrt();
+    ((share * size / (0.65 * edge)).powi(2).ceil() as usize).min(MOST_PASSES)
+}
+
+/// Unit normals and the [`curvature_tensors`] that follow from them, both [`averaged`]. `around` is the surface's
+/// [`vertex_triangles`](super::vertex_triangles).
+///
+/// # Panics
+/// As [`curvature_tensors`] and [`averaged`].
+pub fn averaged_curvature(
+    positions: &[Vec3],
+    triangles: &[[u32; 3]],
+    areas: &[f64],
+    around: &Rows,
+    neighbors: &Rows,
+    passes: usize,
+) -> (Vec<Vec3>, Vec<Tensor>) {
+    let normals = vertex_normals_around(positions, triangles, around);
+    let mut normals = averaged(normals, neighbors, areas, passes);
+    normals.iter_mut().for_each(|n| *n = unit(*n));
+    let tensors = curvature_tensors(positions, triangles, &normals, around);
+    let tensors = averaged(tensors, neighbors, areas, passes);
+    (normals, tensors)
 }
 
 #[cfg(test)]

@@ -24,7 +24,10 @@ mod zero_lines;
 
 pub(crate) use adjacency::{HalfEdge, Pieces, sorted_half_edges, vertex_faces};
 pub use adjacency::{Rows, boundary_vertices, components, vertex_neighbors, vertex_triangles};
-pub use curvature::{Principal, Tensor, averaged, curvature_tensors, times, vertex_areas, vertex_gradients};
+pub use curvature::{
+    Principal, Tensor, averaged, averaged_curvature, averaging_passes, curvature_tensors, times,
+    vertex_areas, vertex_gradients,
+};
 #[cfg(feature = "simplify")]
 pub use detail::{Detail, details};
 pub(crate) use flat::has_flat_triangle;

@@ -1,9 +1,9 @@
 //! A shape prepared for drawing: everything that does not depend on the point of view.
 
-use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub, unit};
+use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub};
 use chladni_mesh::surface::{
-    Principal, Rows, Tensor, averaged, boundary_vertices, curvature_tensors, facing_outward, vertex_areas,
-    vertex_gradients, vertex_neighbors, vertex_normals_around, vertex_triangles,
+    Principal, Rows, Tensor, averaged, averaged_curvature, averaging_passes, boundary_vertices,
+    facing_outward, vertex_areas, vertex_gradients, vertex_neighbors, vertex_triangles,
 };
 use rayon::prelude::*;
 
@@ -34,8 +34,6 @@ pub struct Plate {
 
 /// How far hatching directions are averaged, as a share of the size.
 const GRAIN: f64 = 0.03;
-/// Passes of averaging, at most: dense meshes are smoothed less far than asked for.
-const MOST_PASSES: usize = 100;
 
 impl Plate {
     /// How far curvatures are averaged, as a share of the shape's size, where nothing else is said.
@@ -65,14 +63,9 @@ impl Plate {
         let size = (area / std::f64::consts::PI).sqrt();
         let around = vertex_triangles(n, triangles);
         let neighbors = vertex_neighbors(n, triangles);
-        // A vertex of a mesh of equilateral triangles has √3/2 ℓ² of the area.
-        let edge = (area / n as f64 / 0.866).sqrt();
-        let passes = |share: f64| ((share * size / (0.65 * edge)).powi(2).ceil() as usize).min(MOST_PASSES);
-        let normals = vertex_normals_around(positions, triangles, &around);
-        let mut normals = averaged(normals, &neighbors, &areas, passes(smoothing));
-        normals.iter_mut().for_each(|n| *n = unit(*n));
-        let tensors = curvature_tensors(positions, triangles, &normals, &around);
-        let tensors = averaged(tensors, &neighbors, &areas, passes(smoothing));
+        let passes = averaging_passes(&areas, smoothing);
+        let (normals, tensors) =
+            averaged_curvature(positions, triangles, &areas, &around, &neighbors, passes);
         let of = |tensors: &[Tensor]| -> Vec<Principal> {
             tensors.par_iter().zip(&normals).map(|(t, n)| Principal::of(*t, *n)).collect()
         };
@@ -84,7 +77,7 @@ impl Plate {
         };
         let slopes = [slope(0), slope(1)];
         let grain = principal.iter().map(Principal::magnitude).collect();
-        let grain = averaged(grain, &neighbors, &areas, passes(GRAIN));
+        let grain = averaged(grain, &neighbors, &areas, averaging_passes(&areas, GRAIN));
         let single: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
         let tree = PickTree::new(&single, triangles);
         let borders = borders(n, triangles);
