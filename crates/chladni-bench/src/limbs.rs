@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use chladni_caricature::Limbs;
 use chladni_harmonics::{BasisSettings, Body};
 use chladni_mesh::surface::details;
-use chladni_mesh::surface::vec3::{add, distance, scaled, unit};
+use chladni_mesh::surface::vec3::{add, distance, scaled, single, unit};
 use chladni_mesh::{TriMesh, samples};
 use chladni_task::Task;
 
@@ -141,7 +141,7 @@ fn changed(known: &Known) -> [(&'static str, Known); 5] {
 
 /// The shape with a third of its vertices.
 fn coarser(known: &Known) -> Known {
-    let all: Vec<[f32; 3]> = known.mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    let all = single(&known.mesh.positions);
     let detail = details(&all, &known.mesh.triangles, &[all.len() / 3]).pop();
     let (mut positions, mut limb, mut number) = (Vec::new(), Vec::new(), BTreeMap::new());
     let mut kept = |v: u32| {

@@ -191,9 +191,9 @@ fn faded(t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{icosphere, single};
+    use crate::fixture::icosphere;
     use chladni_mesh::Frame;
-    use chladni_mesh::surface::vec3::distance;
+    use chladni_mesh::surface::vec3::{distance, single};
 
     const FILE: Frame = Frame { center: [0.0; 3], scale: 1.0 };
 

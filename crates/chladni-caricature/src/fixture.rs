@@ -85,11 +85,6 @@ pub(crate) fn polynomials(points: &[Vec3], mass: Vec<f64>) -> Basis {
     Basis { eigenvalues, vectors: columns.concat().into(), mass, certificate }
 }
 
-/// Positions in the precision of pictures.
-pub(crate) fn single(positions: &[Vec3]) -> Vec<[f32; 3]> {
-    positions.iter().map(|p| p.map(|c| c as f32)).collect()
-}
-
 /// The icosahedron subdivided `levels` times, on the unit sphere.
 pub(crate) fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let ball = chladni_mesh::samples::icosphere(levels);

@@ -211,7 +211,7 @@ mod tests {
     use super::*;
     use crate::fixture::{bumpy_sphere, icosphere};
     use crate::{Brush, Seen};
-    use chladni_mesh::surface::vec3::{Vec3, add};
+    use chladni_mesh::surface::vec3::{Vec3, add, single};
 
     fn count(painted: &Painted, surface: &Surface) -> (usize, f32) {
         let values = painted.values(&surface.file_positions());
@@ -227,7 +227,7 @@ mod tests {
     }
 
     fn brushed(surface: &Surface, triangle: u32, hardness: f64) -> Dab {
-        let positions = crate::fixture::single(&surface.positions);
+        let positions = single(&surface.positions);
         let seen = Seen { surface, positions: &positions, eye: None, blocked: None };
         Dab::of(&Brush { radius: 0.3, hardness, mirror: None }.reach(&seen, &at(triangle)), 0.75, false)
     }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use chladni_harmonics::{Basis, Body};
 use chladni_mesh::Orientation;
+use chladni_mesh::surface::vec3::single;
 use chladni_synth::Residual;
 use rayon::prelude::*;
 
@@ -90,7 +91,7 @@ impl Dancer {
             .zip(&smooth)
             .map(|(x, s)| std::array::from_fn(|i| (x[i] - s[i]) as f32))
             .collect();
-        let spectrum: Vec<[f32; 3]> = spectrum64.iter().map(|x| x.map(|c| c as f32)).collect();
+        let spectrum = single(&spectrum64);
         let runs = unisons(basis, classes, SymmetrySettings::default().cluster_gap);
         let normals = rest_normals(body);
         let patches = Patch::among(body, PATCHES);

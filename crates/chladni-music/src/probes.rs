@@ -1,6 +1,7 @@
 //! A few well-chosen places at which, before synthesis, an item's displacement and steepness are measured.
 
 use chladni_harmonics::Body;
+use chladni_mesh::surface::vec3::single;
 use chladni_synth::{Coefficients, Item, Residual, Term};
 
 use crate::steepness::Patch;
@@ -270,6 +271,5 @@ pub(crate) fn soft_limit(reach: f32) -> f32 {
 
 /// Area-weighted rest normals of all vertices, zero where there is none.
 pub(crate) fn rest_normals(body: &Body) -> Vec<[f32; 3]> {
-    let normals = chladni_mesh::surface::vertex_normals(&body.positions, &body.triangles);
-    normals.into_iter().map(|n| n.map(|c| c as f32)).collect()
+    single(&chladni_mesh::surface::vertex_normals(&body.positions, &body.triangles))
 }

@@ -1,6 +1,7 @@
 //! A contact sheet of all looks on the octopus, bent by waves: `looks PICTURE.png [COLUMNS]`.
 
 use chladni_mesh::samples;
+use chladni_mesh::surface::vec3::single;
 use chladni_view::{
     Camera, Canvas, Cell, Device, Draw, Figure, Floor, ItemBuffers, Look, Mood, Paint, Picture, Rect,
     Renderer, RestShape, Topology, bends, smooth_normals,
@@ -16,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let columns: u32 = arguments.next().map_or(Ok(4), |count| count.parse())?;
     let device = Device::open(Draw::Auto)?;
     let mesh = samples::sample("octopus").ok_or("the octopus is missing")?;
-    let rest: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+    let rest = single(&mesh.positions);
     let axis = |i: usize| {
         let all = rest.iter().map(|p| p[i]);
         (all.clone().fold(f32::INFINITY, f32::min), all.fold(f32::NEG_INFINITY, f32::max))

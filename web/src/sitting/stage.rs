@@ -7,6 +7,7 @@ use std::sync::Arc;
 use chladni_caricature::{Base, Reach, Surface};
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
+use chladni_mesh::surface::vec3::single;
 use chladni_program::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, lay_ring, tints};
 use chladni_view::{
     Background, BrushRing, Camera, Canvas, Cell, Device, Figure, Hit, ItemBuffers, Lights, Marker, Material,
@@ -354,8 +355,4 @@ fn draw(
         markers: &placed.markers,
     });
     Ok(renderer.draw(canvas, &cells.collect::<Vec<_>>())?)
-}
-
-pub fn single(points: &[[f64; 3]]) -> Vec<[f32; 3]> {
-    points.iter().map(|p| p.map(|c| c as f32)).collect()
 }

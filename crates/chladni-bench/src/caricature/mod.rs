@@ -18,6 +18,7 @@ use chladni_caricature::{
     furthest,
 };
 use chladni_harmonics::{HeatFlow, Laplacian};
+use chladni_mesh::surface::vec3::single;
 use chladni_mesh::{MirrorPlane, MirrorSearch};
 use chladni_task::Task;
 use rayon::prelude::*;
@@ -138,7 +139,7 @@ fn ids(history: &History) -> Vec<LayerId> {
 fn press(surface: &Surface, i: usize, radius: f64, mirror: Option<MirrorPlane>) -> PaintEdit {
     let triangle = ((i * 7919) % surface.triangles.len().max(1)) as u32;
     let at = SurfacePoint { triangle, weights: [0.3, 0.3, 0.4] };
-    let positions: Vec<[f32; 3]> = surface.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+    let positions = single(&surface.positions);
     let eye = surface.position(&at).map(|p| p.map(|c| 4.0 * c));
     let seen = Seen { surface, positions: &positions, eye, blocked: None };
     let reach = Brush { radius, hardness: 1.0, mirror }.reach(&seen, &at);

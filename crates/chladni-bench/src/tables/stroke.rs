@@ -5,6 +5,7 @@ use std::time::Instant;
 use chladni_caricature::{
     Action, Brush, Dab, History, LayerId, PaintEdit, Painted, Project, Seen, Smoothing, Stack, SurfacePoint,
 };
+use chladni_mesh::surface::vec3::single;
 use chladni_program::work::Error;
 use chladni_synth::Item;
 use chladni_view::PickTree;
@@ -96,8 +97,4 @@ impl Stroke {
         }
         Ok(picked)
     }
-}
-
-fn single(positions: &[[f64; 3]]) -> Vec<[f32; 3]> {
-    positions.iter().map(|p| p.map(|c| c as f32)).collect()
 }

@@ -41,12 +41,12 @@ pub fn details(positions: &[[f32; 3]], triangles: &[[u32; 3]], wanted: &[usize])
 mod tests {
     use super::*;
     use crate::surface::doubled_area_normal;
-    use crate::surface::vec3::{Vec3, cross, dot, length};
+    use crate::surface::vec3::{Vec3, cross, dot, length, single};
     use crate::{TriMesh, samples};
     use std::collections::HashMap;
 
     fn positions(mesh: &TriMesh) -> Vec<[f32; 3]> {
-        mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect()
+        single(&mesh.positions)
     }
 
     /// How often each edge is there in each direction.

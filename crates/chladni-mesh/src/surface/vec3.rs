@@ -44,6 +44,11 @@ pub fn unit(a: Vec3) -> Vec3 {
     if l > 1e-150 { scaled(a, 1.0 / l) } else { [0.0; 3] }
 }
 
+/// Points in the precision of pictures.
+pub fn single(points: &[Vec3]) -> Vec<[f32; 3]> {
+    points.iter().map(|p| p.map(|c| c as f32)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

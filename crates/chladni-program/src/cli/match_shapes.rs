@@ -11,6 +11,7 @@ use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, MatchReport, MatchSettings, Method, load_landmarks,
     match_shapes, onto_ellipsoid, self_scaled,
 };
+use chladni_mesh::surface::vec3::single;
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
 use chladni_view::{Camera, ColorMap, PictureRequest, PictureShape, Scale, Style, View, render_picture};
@@ -221,9 +222,7 @@ fn draw(
     found: &Correspondence,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let narrow =
-        |points: &[[f64; 3]]| -> Vec<[f32; 3]> { points.iter().map(|p| p.map(|x| x as f32)).collect() };
-    let (rest, laid) = (narrow(&shape.positions), narrow(&found.target));
+    let (rest, laid) = (single(&shape.positions), single(&found.target));
     let confidence: Vec<f32> = found.confidence.iter().map(|c| *c as f32).collect();
     let colors = place_colors(&shape.positions);
     let triangles = &shape.triangles;

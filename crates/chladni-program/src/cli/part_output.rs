@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_caricature::HEAD_PARTS;
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::vec3::single;
 use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_picture};
 
 use super::Terminal;
@@ -66,7 +67,7 @@ pub fn draw(
     Colored { name, mesh, colors }: Colored<'_>,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    let positions = single(&mesh.positions);
     let plain = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
     let shapes = [PictureShape { colors: Some(&colors), ..plain }, plain];
     let stands = Stance::default().of(name, mesh, None, None, terminal)?;

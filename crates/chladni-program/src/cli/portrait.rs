@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use chladni_caricature::{Action, Evaluation, LayerId, Model, Painted, Project, Property, Stack};
+use chladni_mesh::surface::vec3::single;
 use chladni_mesh::{Orientation, TriMesh};
 use chladni_task::write_atomic;
 use chladni_view::{
@@ -236,8 +237,6 @@ fn before_and_after(
     [width, height]: [u32; 2],
     device: &Device,
 ) -> Result<Picture, Error> {
-    let single =
-        |positions: &[[f64; 3]]| -> Vec<[f32; 3]> { positions.iter().map(|p| p.map(|c| c as f32)).collect() };
     let (before, after) = (single(&body.positions), single(&evaluation.result.positions));
     let colors = own.and_then(OwnLook::colors);
     let shapes = [&before, &after].map(|positions| PictureShape {

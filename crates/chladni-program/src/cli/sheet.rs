@@ -2,6 +2,7 @@
 //! `--sweep` ask for.
 
 use chladni_caricature::MAX_MU;
+use chladni_mesh::surface::vec3::single;
 use chladni_view::{
     Camera, ColorMap, Device, Marker, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style,
     layout, render_placed,
@@ -77,7 +78,7 @@ pub struct Portrayed {
 impl Portrayed {
     /// A shape as it is.
     pub fn plain(positions: &[[f64; 3]]) -> Self {
-        Self::of(positions.iter().map(|p| p.map(|c| c as f32)).collect())
+        Self::of(single(positions))
     }
 
     /// The same in single precision.

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
+use chladni_mesh::surface::vec3::single;
 use chladni_music::{Class, Symmetry, SymmetryMethod};
 use chladni_view::{
     Camera, ColorMap, Device, Marker, PictureRequest, PictureShape, Rect, Renderer, Scale, Style, View,
@@ -135,7 +136,7 @@ fn draw(
     const SHOWN: usize = 11;
     let rotated = symmetry.rotated(body);
     let basis = &*rotated.basis;
-    let positions: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+    let positions = single(&body.positions);
     let counts: Vec<f32> = symmetry.extrema_counts.iter().map(|&c| f32::from(c)).collect();
     let most = counts.iter().copied().fold(1.0, f32::max);
     let dots = figure_markers(body, symmetry);

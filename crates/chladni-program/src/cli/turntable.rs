@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use chladni_mesh::surface::vec3::single;
 use chladni_view::{
     Camera, Film, FilmSettings, FrameRate, PictureRequest, PictureShape, Rect, Renderer, Style,
     film_turntable,
@@ -47,8 +48,7 @@ impl TurntableOptions {
         let frames = rate.frames_in(self.turn_secs);
         earlier_frames(path, frames).into_iter().for_each(|warning| terminal.warn(warning));
         let film = Film::create(path, FilmSettings { width, height, rate, frames, first: 0, audio: None })?;
-        let result = &sculpture.evaluation.result.positions;
-        let positions: Vec<[f32; 3]> = result.iter().map(|p| p.map(|c| c as f32)).collect();
+        let positions = single(&sculpture.evaluation.result.positions);
         let triangles = &sculpture.body.triangles;
         let label = "filming the turntable";
         if ink.is_asked_for() {

@@ -115,6 +115,7 @@ pub fn plate(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Plate, Vi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_mesh::surface::vec3::single;
     use chladni_view::View;
 
     #[test]
@@ -130,7 +131,7 @@ mod tests {
     #[test]
     fn lines_are_wider_where_it_moved_farther_by_one_measure_for_the_sheet() {
         let ball = chladni_mesh::samples::icosphere(3);
-        let rest: Vec<[f32; 3]> = ball.positions.iter().map(|p| p.map(|x| x as f32)).collect();
+        let rest = single(&ball.positions);
         let large: Vec<[f32; 3]> = rest.iter().map(|p| p.map(|x| 1.5 * x)).collect();
         let from = |positions| Inked::moved(positions, ball.positions.iter().copied());
         // The widest line of each: a contour, whose width does not depend on the size of what it goes around.

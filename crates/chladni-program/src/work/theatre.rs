@@ -318,6 +318,7 @@ impl Staged {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_mesh::surface::vec3::single;
 
     #[test]
     fn how_a_picture_came_to_its_size_plays_no_part() {
@@ -327,7 +328,7 @@ mod tests {
         let body = Body::build(&mesh, &BasisSettings::new(8), &chladni_task::Task::new()).unwrap();
         let stands = Orientation::Y_UP;
         let dancer = Arc::new(Dancer::new(&body, &[Class::Symmetric; 8], &stands).unwrap());
-        let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let rest = single(&body.positions);
         let along = along(&body, &dancer);
         let mut staging = Staging::new(dancer, rest, &body.triangles, along, stands);
         staging.room.0 = 1.0;
@@ -346,7 +347,7 @@ mod tests {
     fn plates_are_flat_and_bodies_are_not() {
         let flat = |name: &str| {
             let mesh = chladni_mesh::samples::sample(name).unwrap();
-            is_flat(&mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect::<Vec<_>>())
+            is_flat(&single(&mesh.positions))
         };
         assert!(flat("plate") && flat("disc"));
         assert!(!["octopus", "ring", "drum", "bell", "cat", "head"].into_iter().any(flat));

@@ -1,6 +1,6 @@
 //! A shape prepared for drawing: everything that does not depend on the point of view.
 
-use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub};
+use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, single, sub};
 use chladni_mesh::surface::{
     Principal, Rows, Tensor, averaged, averaged_curvature, averaging_passes, boundary_vertices,
     facing_outward, vertex_areas, vertex_gradients, vertex_neighbors, vertex_triangles,
@@ -78,7 +78,7 @@ impl Plate {
         let slopes = [slope(0), slope(1)];
         let grain = principal.iter().map(Principal::magnitude).collect();
         let grain = averaged(grain, &neighbors, &areas, averaging_passes(&areas, GRAIN));
-        let single: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x as f32)).collect();
+        let single = single(positions);
         let tree = PickTree::new(&single, triangles);
         let borders = borders(n, triangles);
         Ok(Self {

@@ -2,10 +2,11 @@
 //! colors.
 
 use chladni_caricature::Surface;
+use chladni_mesh::surface::vec3::single;
 use chladni_program::work::Error;
 use chladni_view::{Background, ItemBuffers, Rect, layout};
 
-use super::{Placed, Stage, draw, single};
+use super::{Placed, Stage, draw};
 
 /// The three models and the original.
 pub const FIGURES: usize = 4;

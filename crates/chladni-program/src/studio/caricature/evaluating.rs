@@ -4,11 +4,11 @@ use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 
 use chladni_caricature::{EvaluatedLayer, Evaluation, LayerId, Project, Stack, Surface};
+use chladni_mesh::surface::vec3::single;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 use super::look::{Portrayal, Show};
 use super::shot::Pose;
-use super::single;
 use crate::work::Error;
 use crate::work::scale_plot::Spectrum;
 

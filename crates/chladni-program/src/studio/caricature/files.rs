@@ -6,6 +6,7 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use chladni_caricature::{Action, Layer, Project, Resolution, ShapeSource, Template};
+use chladni_mesh::surface::vec3::single;
 use chladni_view::{Camera, View};
 use egui::Context;
 
@@ -18,7 +19,6 @@ use super::moved;
 use super::preview::Preview;
 use super::session::Session;
 use super::shot::{Pose, Shot};
-use super::single;
 use crate::studio::choose::{FileKind, ask_where_to_save};
 use crate::studio::job::Job;
 use crate::studio::pictures;

@@ -44,6 +44,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use chladni_caricature::{Property, Recovered};
+use chladni_mesh::surface::vec3::single;
 use egui::Ui;
 
 pub use self::evaluating::PATIENCE;
@@ -429,9 +430,4 @@ fn toggle_picking(picking: &mut Option<Picking>, session: &Session, shared: &mut
         Some(Err(why)) => shared.notices.failed(why),
         None => shared.notices.warn("Landmarks need a layer whose template is a mesh."),
     }
-}
-
-/// Positions or normals in the precision of pictures.
-fn single(points: &[[f64; 3]]) -> Vec<[f32; 3]> {
-    points.iter().map(|point| point.map(|c| c as f32)).collect()
 }

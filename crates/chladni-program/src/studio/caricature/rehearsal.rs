@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use chladni_caricature::{Action, Project, Surface};
 use chladni_mesh::MirrorPlane;
+use chladni_mesh::surface::vec3::single;
 use chladni_task::Task;
 use chladni_view::Device;
 
@@ -16,7 +17,6 @@ use super::heat::{Heat, Painting};
 use super::loading::{self, Candidate};
 use super::look::{Portrayal, Show};
 use super::session::Session;
-use super::single;
 use super::stage::Stage;
 use crate::studio::screen::Screen;
 use crate::work::Error;

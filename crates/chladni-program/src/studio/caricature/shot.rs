@@ -168,12 +168,13 @@ impl Shot {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_mesh::surface::vec3::single;
     use chladni_view::{FrameRate, View};
 
     fn shot() -> Option<Shot> {
         let device = Device::Processor;
         let mesh = chladni_mesh::samples::icosphere(2);
-        let positions: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let positions = single(&mesh.positions);
         let topology = Topology::new(&device, positions.len(), &mesh.triangles).unwrap();
         let mut camera = Camera::looking(View::Front);
         camera.fit(positions.iter().copied(), 4.0 / 3.0, 0.8);

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use chladni_caricature::{EvaluatedLayer, LayerId};
+use chladni_mesh::surface::vec3::single;
 use chladni_view::{Camera, Canvas, ColorMap, Renderer, Scale, VertexPaint, View, ViewError};
 
 use super::session::Session;
 use super::shot::{Coat, Shot};
-use super::single;
 use super::stage::Stage;
 use crate::studio::screen::{Screen, Shown};
 

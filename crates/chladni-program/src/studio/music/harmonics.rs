@@ -1,6 +1,7 @@
 //! The body's harmonics in color, their classes, and the paper's figure of extrema and pairs.
 
 use chladni_harmonics::Body;
+use chladni_mesh::surface::vec3::single;
 use chladni_music::{Class, Symmetry, SymmetryMethod};
 use chladni_view::{
     Background, Camera, Cell, ColorMap, Figure, ItemBuffers, Lights, Marker, Material, Paint, Rect, Scale,
@@ -105,7 +106,7 @@ impl Harmonics {
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, shown, 1.0);
         let cells = layout::grid(area, rows, columns, 6, shown);
         let mut fitted = camera;
-        let points: Vec<[f32; 3]> = self.body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let points = single(&self.body.positions);
         let aspect = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
         fitted.fit_turntable(&points, aspect, 0.8);
         fitted.distance *= camera.distance / Camera::default().distance;
@@ -148,7 +149,7 @@ impl Harmonics {
     ) -> Result<Drawn, chladni_view::ViewError> {
         let device = viewport.device();
         let count = self.body.positions.len();
-        let positions: Vec<[f32; 3]> = self.body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let positions = single(&self.body.positions);
         let rest = ItemBuffers::new(device, count, 1);
         rest.write(device, 0, &positions, &smooth_normals(&positions, &self.body.triangles))?;
         let paint = |values: &[f32], scale: Scale| {

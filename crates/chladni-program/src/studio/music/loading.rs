@@ -4,6 +4,7 @@ use std::path::Path;
 
 use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::Orientation;
+use chladni_mesh::surface::vec3::single;
 use chladni_mesh::surface::{Detail, details as simplified};
 use chladni_music::Viewpoint;
 use chladni_synth::Term;
@@ -74,6 +75,5 @@ fn details(body: &Body) -> Vec<Detail> {
     let most = body.positions.len() as f64 / LEVEL_RATIO;
     let mut wanted: Vec<usize> = sizes.take_while(|size| *size <= most).map(|size| size as usize).collect();
     wanted.reverse();
-    let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
-    simplified(&rest, &body.triangles, &wanted)
+    simplified(&single(&body.positions), &body.triangles, &wanted)
 }

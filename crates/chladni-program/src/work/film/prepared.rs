@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use chladni_harmonics::Body;
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::vec3::single;
 use chladni_music::{Ensemble, Instrument};
 use chladni_sound::{WavSample, write_wav};
 use chladni_view::{Film as Reel, FilmFormat, FilmSettings};
@@ -69,7 +70,7 @@ impl Prepared {
         songs.track_beats(watcher)?;
         seconds.beats = listening.elapsed().as_secs_f64();
 
-        let rest: Vec<[f32; 3]> = body.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let rest = single(&body.positions);
         let keeps_look = wanted.beginning.keeps_look;
         let held = wanted.beginning.changes.clone();
         let begun = std::mem::take(&mut wanted.beginning).begin(&dancer, is_flat(&rest))?;

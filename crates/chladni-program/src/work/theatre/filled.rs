@@ -111,12 +111,13 @@ fn stands_on_a_narrow_part(surface: &[[f32; 3]], stands: Orientation) -> bool {
 mod tests {
     use super::*;
     use chladni_mesh::samples;
+    use chladni_mesh::surface::vec3::single;
 
     #[test]
     fn a_human_may_be_cut_off_at_the_knees_and_a_bell_may_not() {
         for (name, may) in [("human", true), ("bell", false), ("cat", false), ("octopus", false)] {
             let mesh = samples::sample(name).unwrap();
-            let points: Vec<[f32; 3]> = mesh.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+            let points = single(&mesh.positions);
             assert_eq!(stands_on_a_narrow_part(&points, Orientation::Y_UP), may, "{name}");
         }
     }

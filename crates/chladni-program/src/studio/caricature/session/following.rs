@@ -96,6 +96,7 @@ mod tests {
     use chladni_caricature::{
         Action, Evaluation, Layer, LayerId, Project, Property, ShapeSource, Stack, Template,
     };
+    use chladni_mesh::surface::vec3::single;
     use chladni_task::Task;
     use std::sync::mpsc::channel;
 
@@ -137,7 +138,7 @@ mod tests {
         let expected = at_once.evaluate(session.project());
         assert_eq!(bits(&session.shown.evaluation), bits(&expected));
         let figures = session.take_figures().unwrap();
-        assert_eq!(figures.result.0, crate::studio::caricature::single(&expected.result.positions));
+        assert_eq!(figures.result.0, single(&expected.result.positions));
         let folds: Vec<_> = expected.layers.iter().map(|l| l.folded_triangles(at_once.surface())).collect();
         assert_eq!(session.shown.folds.iter().map(|f| f.to_vec()).collect::<Vec<_>>(), folds);
     }

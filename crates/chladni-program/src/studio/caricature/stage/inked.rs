@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn lines_are_drawn_at_once_and_shade_when_the_shape_rests() {
         let ball = chladni_mesh::samples::icosphere(3);
-        let positions: Vec<[f32; 3]> = ball.positions.iter().map(|p| p.map(|c| c as f32)).collect();
+        let positions = chladni_mesh::surface::vec3::single(&ball.positions);
         let (poses, triangles) = (vec![(positions.clone(), positions)], ball.triangles.into());
         let (ctx, mut stage) = (egui::Context::default(), InkedStage::default());
         let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(200.0, 200.0));
