@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::surface::vec3::{cross, dot, length, sub};
 use crate::surface::{
-    HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, places, sorted_half_edges,
-    vertex_faces,
+    Bounds, HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, places,
+    sorted_half_edges, vertex_faces,
 };
 use crate::{TriMesh, weld};
 
@@ -86,15 +86,10 @@ impl HealthReport {
         for &v in mesh.triangles.iter().flatten() {
             used[v as usize] = true;
         }
-        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        for (p, _) in mesh.positions.iter().zip(&used).filter(|(_, used)| **used) {
-            for i in 0..3 {
-                bounds[0][i] = bounds[0][i].min(p[i]);
-                bounds[1][i] = bounds[1][i].max(p[i]);
-            }
-        }
-        if !bounds[0][0].is_finite() {
-            bounds = [[0.0; 3]; 2];
+        let used_positions = mesh.positions.iter().zip(&used).filter(|(_, used)| **used);
+        let mut bounds = Bounds::of(used_positions.map(|(p, _)| *p));
+        if !bounds.low[0].is_finite() {
+            bounds = Bounds { low: [0.0; 3], high: [0.0; 3] };
         }
         let areas =
             mesh.triangles.iter().map(|t| 0.5 * length(doubled_area_normal(corners(&mesh.positions, t))));
@@ -121,9 +116,9 @@ impl HealthReport {
                 .into_iter()
                 .filter(|inward| *inward)
                 .count(),
-            bounds_min: bounds[0],
-            bounds_max: bounds[1],
-            diagonal: length(sub(bounds[1], bounds[0])),
+            bounds_min: bounds.low,
+            bounds_max: bounds.high,
+            diagonal: bounds.diagonal(),
             area,
             volume: closed.then(|| volume(&welded.positions, &welded.triangles)),
             welded: Welded {

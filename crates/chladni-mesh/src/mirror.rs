@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::eigen::symmetric_eigen;
 use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub, unit};
-use crate::surface::{closest_on_triangle, corners, doubled_area_normal, mixed};
+use crate::surface::{Bounds, closest_on_triangle, corners, doubled_area_normal, mixed};
 use crate::{Rows, vertex_triangles};
 
 /// The plane {p : normal · p = offset}, and how far the shape is from being symmetric in it.
@@ -73,11 +73,9 @@ impl<'a> MirrorSearch<'a> {
     /// # Panics
     /// If a triangle names a vertex that is not there.
     pub fn of(positions: &'a [[f64; 3]], triangles: &'a [[u32; 3]]) -> Option<Self> {
-        let bound = |pick: fn(f64, f64) -> f64, from: f64| {
-            positions.iter().fold([from; 3], |b, p| std::array::from_fn(|i| pick(b[i], p[i])))
-        };
-        let diagonal = length(sub(bound(f64::max, f64::NEG_INFINITY), bound(f64::min, f64::INFINITY)));
-        if !(diagonal.is_finite() && positions.iter().flatten().all(|c| c.is_finite())) {
+        let diagonal = Bounds::of(positions.iter().copied()).diagonal();
+        let finite = diagonal.is_finite() && positions.iter().flatten().all(|c| c.is_finite());
+        if positions.is_empty() || !finite {
             return None;
         }
         let tree = ImmutableKdTree::<f64, 3>::new_from_slice(positions).ok()?;

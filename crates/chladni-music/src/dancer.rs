@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use chladni_harmonics::{Basis, Body};
 use chladni_mesh::Orientation;
+use chladni_mesh::surface::Bounds;
 use chladni_mesh::surface::vec3::single;
 use chladni_synth::Residual;
 use rayon::prelude::*;
@@ -238,13 +239,5 @@ fn length(v: [f32; 3]) -> f32 {
 }
 
 pub(crate) fn box_diagonal(positions: &[[f64; 3]]) -> f32 {
-    let mut low = [f64::MAX; 3];
-    let mut high = [f64::MIN; 3];
-    for p in positions {
-        for i in 0..3 {
-            low[i] = low[i].min(p[i]);
-            high[i] = high[i].max(p[i]);
-        }
-    }
-    (0..3).map(|i| (high[i] - low[i]).powi(2)).sum::<f64>().sqrt() as f32
+    Bounds::of(positions.iter().copied()).diagonal() as f32
 }

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub};
-use crate::surface::{corners, doubled_area_normal};
+use crate::surface::{Bounds, corners, doubled_area_normal};
 
 /// A surface as points of equal area, centered at its centroid and scaled to a diagonal of 1.
 pub(super) struct Cloud {
@@ -40,7 +40,7 @@ impl Cloud {
             missing = sub(missing, normal);
         }
         let center = scaled(centroid, 1.0 / area);
-        let diagonal = diagonal(positions);
+        let diagonal = Bounds::of(positions.iter().copied()).diagonal();
         if !(area > 0.0 && diagonal > 0.0 && center.iter().all(|c| c.is_finite()) && diagonal.is_finite()) {
             return None;
         }
@@ -117,13 +117,6 @@ impl Cloud {
         };
         self.points.iter().map(rough).collect()
     }
-}
-
-fn diagonal(positions: &[Vec3]) -> f64 {
-    let bound = |pick: fn(f64, f64) -> f64, from: f64| {
-        positions.iter().fold([from; 3], |b, p| std::array::from_fn(|i| pick(b[i], p[i])))
-    };
-    length(sub(bound(f64::max, f64::NEG_INFINITY), bound(f64::min, f64::INFINITY)))
 }
 
 /// The `i`th point of a sequence that fills a triangle evenly (Roberts' R2).

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::cloud::Cloud;
 use crate::samples::coarse_template;
+use crate::surface::Bounds;
 use crate::surface::vec3::{Vec3, add, dot, scaled, sub};
 
 /// The pose of the sample head.
@@ -39,10 +40,7 @@ fn model() -> Option<&'static Model> {
             let (bottom, top) = cloud.span([0.0, 1.0, 0.0]);
             let neck = bottom + 0.12 * (top - bottom);
             let kept = || cloud.points.iter().zip(&cloud.normals).filter(|(p, _)| p[1] > neck);
-            let bound = |pick: fn(f64, f64) -> f64, from: f64| {
-                kept().fold([from; 3], |b, (p, _)| std::array::from_fn(|i| pick(b[i], p[i])))
-            };
-            let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+            let Bounds { low, high } = Bounds::of(kept().map(|(p, _)| *p));
             let (middle, height) = (scaled(add(low, high), 0.5), high[1] - low[1]);
             // Neighbors in the list are neighbors on the head, so take every n-th.
             let count = kept().count();

@@ -1,15 +1,11 @@
 //! Colors that show where a point of one shape lies on another.
 
+use chladni_mesh::surface::Bounds;
+
 /// A color for each place in the bounding box, linear light from 0 to 1: the same color means the same vertex, wherever a match
 /// puts it.
 pub fn place_colors(positions: &[[f64; 3]]) -> Vec<[f32; 4]> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for p in positions {
-        for i in 0..3 {
-            low[i] = low[i].min(p[i]);
-            high[i] = high[i].max(p[i]);
-        }
-    }
+    let Bounds { low, high } = Bounds::of(positions.iter().copied());
     let color = |p: &[f64; 3]| {
         let [r, g, b] = std::array::from_fn(|i| {
             let share = (p[i] - low[i]) / (high[i] - low[i]).max(f64::MIN_POSITIVE);
