@@ -1,6 +1,7 @@
 //! The working frame: centered, uniformly scaled into [-1, 1]³.
 
 use crate::TriMesh;
+use crate::surface::vec3::{cross, sub};
 use crate::surface::{has_flat_triangle, is_collapsed, weld};
 
 /// The similarity between a file's coordinates and the working frame:
@@ -42,17 +43,12 @@ impl Frame {
         let Some(&origin) = first.and_then(|v| mesh.positions.get(*v as usize)) else {
             return Self { center: [0.0; 3], scale: 1.0 };
         };
-        let at = |v: u32| {
-            let p = mesh.positions[v as usize];
-            [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
-        };
+        let at = |v: u32| sub(mesh.positions[v as usize], origin);
         let mut area = 0.0;
         let mut moment = [0.0; 3];
         for &[a, b, c] in triangles() {
             let (pa, pb, pc) = (at(a), at(b), at(c));
-            let u: [f64; 3] = std::array::from_fn(|i| pb[i] - pa[i]);
-            let v: [f64; 3] = std::array::from_fn(|i| pc[i] - pa[i]);
-            let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+            let n = cross(sub(pb, pa), sub(pc, pa));
             let twice_area = n[0].hypot(n[1]).hypot(n[2]);
             area += twice_area;
             for i in 0..3 {

@@ -2,6 +2,7 @@
 //! the displacement.
 
 use chladni_harmonics::Body;
+use chladni_mesh::surface::vec3::{dot, sub};
 
 /// Least ratio of height to length; narrower triangles have no meaningful gradient.
 const LEAST_ASPECT: f64 = 1e-3;
@@ -23,8 +24,7 @@ impl Patch {
 
     fn of(positions: &[[f64; 3]], corners: [u32; 3]) -> Option<Self> {
         let [a, b, c] = corners.map(|v| positions[v as usize]);
-        let [e, f] = [b, c].map(|p| [0, 1, 2].map(|i| p[i] - a[i]));
-        let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        let (e, f) = (sub(b, a), sub(c, a));
         let (ee, ef, ff) = (dot(e, e), dot(e, f), dot(f, f));
         let determinant = ee * ff - ef * ef;
         let has_area = determinant > (LEAST_ASPECT * (ee + ff)).powi(2);

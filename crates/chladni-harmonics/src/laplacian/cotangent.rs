@@ -1,5 +1,7 @@
 //! The Laplacian of the papers, from the cotangents of the mesh's own triangles.
 
+use chladni_mesh::surface::vec3::{cross, dot, length, sub};
+
 use super::cover::{Edges, ends};
 use super::intrinsic::mixed_voronoi_parts;
 use crate::SymmetricSparse;
@@ -57,15 +59,9 @@ struct TriangleMeasures {
 
 impl TriangleMeasures {
     fn of(corner: [[f64; 3]; 3]) -> Self {
-        let side = |i: usize| -> [f64; 3] {
-            let (p, q) = (corner[i], corner[(i + 1) % 3]);
-            std::array::from_fn(|c| q[c] - p[c])
-        };
+        let side = |i: usize| sub(corner[(i + 1) % 3], corner[i]);
         let side = [side(0), side(1), side(2)];
-        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let [u, v] = [side[0], side[1]];
-        let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        let twice_area = dot(cross, cross).sqrt();
+        let twice_area = length(cross(side[0], side[1]));
         // The angle opposite to side i lies between the other two sides, one of which ends there and the
         // other starts.
         let cotangent = std::array::from_fn(|i| -dot(side[(i + 1) % 3], side[(i + 2) % 3]) / twice_area);

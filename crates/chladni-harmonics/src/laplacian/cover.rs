@@ -1,6 +1,8 @@
 //! The edge-manifold surface on which edges are flipped: the mesh itself if it is closed, edge-manifold and
 //! oriented, otherwise its tufted cover.
 
+use chladni_mesh::surface::vec3::{cross, dot, length, sub};
+
 use crate::CoverReport;
 
 /// Triangles glued side to side, with a length on every side and no boundary.
@@ -148,12 +150,8 @@ fn radial_order(positions: &[[f64; 3]], triangles: &[[u32; 3]], sides: &[u32], o
     }
     let (u, v) = ends(triangles, sides[0]);
     let (u, v) = (positions[u.min(v) as usize], positions[u.max(v) as usize]);
-    let axis: [f64; 3] = std::array::from_fn(|i| v[i] - u[i]);
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
-    let length = dot(axis, axis).sqrt();
+    let axis = sub(v, u);
+    let length = length(axis);
     let axis = axis.map(|x| x / length);
     let mut unit = [0.0; 3];
     unit[(0..3).min_by(|&i, &j| axis[i].abs().total_cmp(&axis[j].abs())).unwrap_or(0)] = 1.0;
@@ -163,7 +161,7 @@ fn radial_order(positions: &[[f64; 3]], triangles: &[[u32; 3]], sides: &[u32], o
         .iter()
         .map(|&side| {
             let apex = positions[triangles[side as usize / 3][(side as usize + 2) % 3] as usize];
-            let d: [f64; 3] = std::array::from_fn(|i| apex[i] - u[i]);
+            let d = sub(apex, u);
             (dot(d, y).atan2(dot(d, x)), side)
         })
         .collect();
