@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::meter::{Meter, Normalizer};
+use super::meter::{Meter, Normalizer, Tempo, ring};
 use crate::structure::{BarFollower, HeardBar};
 use crate::{ONSET_RATE_HZ, Onset, OnsetDetector, SoundError};
 
@@ -242,10 +242,7 @@ impl BeatFollower {
         let t = self.frames_heard;
         self.frames_heard += 1;
         let count = self.meter.tempi.len();
-        let begin = |tempo: &super::meter::Tempo| {
-            let period = tempo.period as u64;
-            tempo.first + ((period - t % period) % period) as usize
-        };
+        let begin = |tempo: &Tempo| tempo.first + ring(0, t, tempo.period);
         for (value, tempo) in self.arriving.iter_mut().zip(&self.meter.tempi) {
             *value = self.belief[begin(tempo)];
         }
@@ -256,16 +253,8 @@ impl BeatFollower {
             self.belief[begin(tempo)] = (1.0 - DOUBT) * sum + doubt;
         }
         for tempo in &self.meter.tempi {
-            let start = begin(tempo) - tempo.first;
-            let states = &mut self.belief[tempo.first..tempo.first + tempo.period];
-            let expected = &self.meter.expected[tempo.first..tempo.first + tempo.period];
-            let (before, from_start) = states.split_at_mut(start);
-            for (s, e) in from_start.iter_mut().zip(expected) {
-                *s *= (z * e).exp();
-            }
-            for (s, e) in before.iter_mut().zip(&expected[tempo.period - start..]) {
-                *s *= (z * e).exp();
-            }
+            let start = ring(0, t, tempo.period);
+            self.meter.expect(tempo, start, &mut self.belief, |s, e| *s *= (z * e).exp());
         }
         self.normalize();
         self.find_best();

@@ -70,6 +70,32 @@ impl Meter {
         }
         Self { tempi, expected, change }
     }
+
+    /// Calls `each` for every state of `tempo`, whose ring begins at index `start`, with its value and the onset strength
+    /// expected there.
+    pub fn expect(
+        &self,
+        tempo: &Tempo,
+        start: usize,
+        states: &mut [f32],
+        mut each: impl FnMut(&mut f32, f32),
+    ) {
+        let states = &mut states[tempo.first..tempo.first + tempo.period];
+        let expected = &self.expected[tempo.first..tempo.first + tempo.period];
+        let (before, from_start) = states.split_at_mut(start);
+        for (s, e) in from_start.iter_mut().zip(expected) {
+            each(s, *e);
+        }
+        for (s, e) in before.iter_mut().zip(&expected[tempo.period - start..]) {
+            each(s, *e);
+        }
+    }
+}
+
+/// Where `place` lies in the ring of a tempo at frame `t`. The positions of a tempo form a ring: advancing moves the
+/// start of the ring, not its values, so position p is at index (p − t) mod period.
+pub(super) fn ring(place: usize, t: u64, period: usize) -> usize {
+    (place + period - (t % period as u64) as usize) % period
 }
 
 /// The onset strength expected at a place within a beat of this period.

@@ -3,7 +3,7 @@
 use chladni_task::{Cancelled, Task};
 
 use super::follow::BeatFollower;
-use super::meter::{FASTEST_BPM, Meter, Normalizer};
+use super::meter::{FASTEST_BPM, Meter, Normalizer, ring};
 use crate::structure::{HeardBar, section_name, structure};
 use crate::{Bar, ENERGY_RATE_HZ, ONSET_RATE_HZ, Onset, OnsetDetector, Section, Song, SoundError};
 
@@ -106,8 +106,6 @@ fn onsets(song: &Song, task: &Task) -> Result<Vec<Onset>, SoundError> {
 fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Cancelled> {
     let stage = task.stage("tracking beats", heard.len() as u64);
     let count = meter.tempi.len();
-    // The positions of a tempo form a ring: advancing moves the start of the ring, not its values. Position
-    // p of tempo i at frame t is at ring index (p − t) mod period.
     let mut score = vec![0.0f32; meter.expected.len()];
     let mut came_from = vec![0u16; heard.len() * count];
     let mut arriving = vec![0.0f32; count];
@@ -116,7 +114,7 @@ fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Ca
             task.check()?;
             stage.advance(1024);
         }
-        let begin = |i: usize| meter.tempi[i].first + ring(0, t, meter.tempi[i].period);
+        let begin = |i: usize| meter.tempi[i].first + ring(0, t as u64, meter.tempi[i].period);
         // Paths at the last position of each tempo begin a beat now.
         for (i, value) in arriving.iter_mut().enumerate() {
             *value = score[begin(i)];
@@ -133,24 +131,11 @@ fn best_path(meter: &Meter, heard: &[f32], task: &Task) -> Result<Vec<usize>, Ca
             came_from[t * count + i] = best.1 as u16;
         }
         for tempo in &meter.tempi {
-            let start = ring(0, t, tempo.period);
-            let states = &mut score[tempo.first..tempo.first + tempo.period];
-            let expected = &meter.expected[tempo.first..tempo.first + tempo.period];
-            let (before, from_start) = states.split_at_mut(start);
-            for (s, e) in from_start.iter_mut().zip(expected) {
-                *s += z * e;
-            }
-            for (s, e) in before.iter_mut().zip(&expected[tempo.period - start..]) {
-                *s += z * e;
-            }
+            let start = ring(0, t as u64, tempo.period);
+            meter.expect(tempo, start, &mut score, |s, e| *s += z * e);
         }
     }
     Ok(walk_back(meter, &score, &came_from, heard.len()))
-}
-
-/// The ring index of `place` at frame `t`.
-fn ring(place: usize, t: usize, period: usize) -> usize {
-    (place + period - t % period) % period
 }
 
 fn walk_back(meter: &Meter, score: &[f32], came_from: &[u16], frames: usize) -> Vec<usize> {
@@ -159,7 +144,7 @@ fn walk_back(meter: &Meter, score: &[f32], came_from: &[u16], frames: usize) -> 
     let best =
         (0..count).flat_map(|i| (0..meter.tempi[i].period).map(move |place| (i, place))).max_by(|&a, &b| {
             let value = |(i, place): (usize, usize)| {
-                score[meter.tempi[i].first + ring(place, last, meter.tempi[i].period)]
+                score[meter.tempi[i].first + ring(place, last as u64, meter.tempi[i].period)]
             };
             value(a).total_cmp(&value(b))
         });
