@@ -91,6 +91,14 @@ impl Batch {
         }
     }
 
+    /// What the values of the corners come to at place `i`, and how much that changes to the pixels beside it.
+    #[inline(always)]
+    pub(super) fn value_and_slope(&self, i: usize, corners: [f32; 3]) -> (f32, f32) {
+        let at = |weights: &[Places; 3]| (0..3).map(|k| weights[k][i] * corners[k]).sum::<f32>();
+        let here = at(&self.weights);
+        (here, (at(&self.right) - here).abs() + (at(&self.below) - here).abs())
+    }
+
     /// Whole vectors, so that no loop has a rest.
     #[inline(always)]
     fn padded(&self) -> usize {

@@ -112,9 +112,7 @@ impl Tile<'_, '_> {
         for i in 0..batch.count {
             let corners =
                 subject.triangles[batch.triangle[i] as usize].map(|v| prepared.outward[v as usize][0]);
-            let at = |weights: &[[f32; PLACES]; 3]| (0..3).map(|k| weights[k][i] * corners[k]).sum::<f32>();
-            let here = at(&batch.weights);
-            let slope = (at(&batch.right) - here).abs() + (at(&batch.below) - here).abs();
+            let (here, slope) = batch.value_and_slope(i, corners);
             let near = 1.0 - smoothstep(width - 0.5, width + 0.5, here.abs() / max(slope, 1e-12));
             let stirred = smoothstep(STILL * farthest, STIRRED * farthest, slope);
             for k in 0..3 {

@@ -27,11 +27,8 @@ impl Tile<'_, '_> {
             for i in 0..batch.count {
                 let corners =
                     triangles[batch.triangle[i] as usize].map(|v| f32::from_ne_bytes(reach[v as usize]));
-                let at =
-                    |weights: &[[f32; PLACES]; 3]| (0..3).map(|k| weights[k][i] * corners[k]).sum::<f32>();
-                let here = at(&batch.weights);
-                let step = (at(&batch.right) - here).abs() + (at(&batch.below) - here).abs();
-                let ring = 1.0 - smoothstep(0.7, 1.7, (here - radius).abs() / max(step, 1e-9));
+                let (here, slope) = batch.value_and_slope(i, corners);
+                let ring = 1.0 - smoothstep(0.7, 1.7, (here - radius).abs() / max(slope, 1e-9));
                 let inside = if here < radius { 0.13 } else { 0.0 };
                 let alpha = max(ring, inside) * batch.share[i];
                 over(&mut tile.pixels[batch.pixel[i] as usize..], [r * alpha, g * alpha, b * alpha, alpha]);
