@@ -1,5 +1,6 @@
 //! A mass matrix that is not diagonal, as the inner product of a problem.
 
+use super::tall::row_times;
 use crate::ldlt::{Factor, Row, Symbolic, Workspace};
 use crate::simd::{Kernel, Lanes, dispatch};
 use crate::{HarmonicsError, SymmetricSparse};
@@ -113,12 +114,7 @@ impl Kernel for Times<'_> {
     fn run<L: Lanes>(self, lanes: L) {
         let Self { matrix, x, image } = self;
         for (i, image) in image.iter_mut().enumerate() {
-            let range = matrix.column_starts[i]..matrix.column_starts[i + 1];
-            let mut sum = lanes.splat(0.0);
-            for (&j, &a) in matrix.rows[range.clone()].iter().zip(&matrix.values[range]) {
-                sum = lanes.mul_add(lanes.splat(a), lanes.load(&x[j as usize]), sum);
-            }
-            lanes.store(sum, image);
+            lanes.store(row_times(lanes, matrix, i, x), image);
         }
     }
 }

@@ -316,11 +316,7 @@ impl Kernel for Residuals<'_> {
         let mut sums = [lanes.splat(0.0); 3];
         let values = lanes.load(values);
         for i in 0..x.len() {
-            let range = matrix.column_starts[i]..matrix.column_starts[i + 1];
-            let mut image = lanes.splat(0.0);
-            for (&j, &a) in matrix.rows[range.clone()].iter().zip(&matrix.values[range]) {
-                image = lanes.mul_add(lanes.splat(a), lanes.load(&x[j as usize]), image);
-            }
+            let image = row_times(lanes, matrix, i, x);
             let w = lanes.splat(weight[i]);
             let r = lanes.mul_sub_from(values, lanes.load(&x[i]), image);
             sums[0] = lanes.mul_add(r, r, sums[0]);
@@ -333,6 +329,17 @@ impl Kernel for Residuals<'_> {
         }
         out
     }
+}
+
+/// Row `i` of the matrix times `x`.
+#[inline(always)]
+pub(super) fn row_times<L: Lanes>(lanes: L, matrix: &SymmetricSparse, i: usize, x: &[Row]) -> L::V {
+    let range = matrix.column_starts[i]..matrix.column_starts[i + 1];
+    let mut sum = lanes.splat(0.0);
+    for (&j, &a) in matrix.rows[range.clone()].iter().zip(&matrix.values[range]) {
+        sum = lanes.mul_add(lanes.splat(a), lanes.load(&x[j as usize]), sum);
+    }
+    sum
 }
 
 #[cfg(test)]
