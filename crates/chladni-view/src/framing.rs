@@ -5,20 +5,14 @@ use crate::{Camera, Rect, layout};
 /// The share of its cell that the shape which needs most room fills in pictures.
 pub const FILL: f32 = 0.9;
 
-/// A cell for each of `shapes` within `area`, row by row with `gap` pixels between them, and its camera,
+/// A cell for each of `shapes` within `area`, row by row, and its camera,
 /// which looks in the direction of `from`. Each shape is in the middle of its cell, all have the same scale,
 /// and the one that needs most room takes up the share `fill` of its cell. The numbers of rows and columns
 /// are those that show the shapes largest.
-pub fn side_by_side(
-    from: Camera,
-    shapes: &[&[[f32; 3]]],
-    area: Rect,
-    gap: u32,
-    fill: f32,
-) -> Vec<(Rect, Camera)> {
+pub fn side_by_side(from: Camera, shapes: &[&[[f32; 3]]], area: Rect, fill: f32) -> Vec<(Rect, Camera)> {
     let arranged = |columns: usize| {
         let rows = shapes.len().div_ceil(columns);
-        let cells = layout::grid(area, rows, columns, gap, shapes.len());
+        let cells = layout::grid(area, rows, columns, 0, shapes.len());
         let mut placed: Vec<(Rect, Camera)> = cells
             .into_iter()
             .zip(shapes)
@@ -124,7 +118,7 @@ mod tests {
         let grown = corners([7.0, -3.0, 1.0], [0.4, 2.0, 0.3]);
         for (width, height) in [(1600, 900), (900, 1600), (600, 600)] {
             let area = Rect::of_size(width, height);
-            let placed = side_by_side(Camera::default(), &[&man, &grown], area, 0, 0.9);
+            let placed = side_by_side(Camera::default(), &[&man, &grown], area, 0.9);
             let ([_, man_high], [_, grown_high]) = (seen(&man, &placed[0]), seen(&grown, &placed[1]));
             // The taller one touches its margins, in cells of the format's full height.
             assert!((grown_high / height as f32 - 0.9).abs() < 0.01, "{width}×{height}: {grown_high}");
@@ -136,9 +130,9 @@ mod tests {
     #[test]
     fn wide_shapes_stand_above_each_other() {
         let whale = corners([0.0; 3], [6.0, 1.0, 1.0]);
-        let placed = side_by_side(Camera::default(), &[&whale, &whale], Rect::of_size(1600, 900), 2, 0.9);
+        let placed = side_by_side(Camera::default(), &[&whale, &whale], Rect::of_size(1600, 900), 0.9);
         assert!(placed[0].0.width == 1600 && placed[1].0.y > 400);
         assert!(seen(&whale, &placed[0])[0] > 0.88 * 1600.0);
-        assert!(side_by_side(Camera::default(), &[], Rect::of_size(10, 10), 0, 0.9).is_empty());
+        assert!(side_by_side(Camera::default(), &[], Rect::of_size(10, 10), 0.9).is_empty());
     }
 }

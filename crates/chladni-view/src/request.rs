@@ -83,7 +83,7 @@ pub fn render_picture_with(
 ) -> Result<Picture, ViewError> {
     let shapes: Vec<&[[f32; 3]]> = request.shapes.iter().map(|shape| shape.positions).collect();
     let area = Rect::of_size(request.width, request.height);
-    let placed = framing::side_by_side(request.from, &shapes, area, 0, framing::FILL);
+    let placed = framing::side_by_side(request.from, &shapes, area, framing::FILL);
     render_placed(renderer, request, &placed)
 }
 

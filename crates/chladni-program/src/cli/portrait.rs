@@ -133,7 +133,7 @@ fn pair(
 ) -> (Vec<Portrayed>, Vec<(Rect, Camera)>) {
     let both = [&body.positions[..], &evaluation.result.positions].map(Portrayed::plain);
     let shapes = both.each_ref().map(|panel| &panel.positions[..]);
-    let placed = framing::side_by_side(from, &shapes, Rect::of_size(width, height), 0, framing::FILL);
+    let placed = framing::side_by_side(from, &shapes, Rect::of_size(width, height), framing::FILL);
     (both.into(), placed)
 }
 
