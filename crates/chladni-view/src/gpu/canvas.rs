@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, sync_channel};
 
 use super::bindings::smooth_layout;
-use super::screen::DEPTH;
+use super::screen::{DEPTH, begin};
 use crate::{Gpu, Samples, ViewError};
 
 /// Color samples, depth, and the finished picture.
@@ -126,20 +126,7 @@ impl Canvas {
         target: &wgpu::TextureView,
     ) -> Option<(&wgpu::BindGroup, wgpu::RenderPass<'e>)> {
         let rough = self.rough.as_ref()?;
-        let pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("smooth"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: target,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        Some((rough, pass))
+        Some((rough, begin(encoder, "smooth", &[target])))
     }
 }
 

@@ -168,7 +168,7 @@ impl Focusing {
         if !cells.is_empty() {
             self.cells.upload(&gpu.device, &gpu.queue, &pipelines.cell);
         }
-        let mut pass = screen::begin(encoder, &[&self.circles]);
+        let mut pass = screen::begin(encoder, "finish", &[&self.circles]);
         pass.set_pipeline(&pipelines.circles);
         pass.set_bind_group(1, &self.depths, &[]);
         for (i, cell) in cells.iter().enumerate() {

@@ -110,6 +110,7 @@ pub(super) fn group(
 /// Begins a pass over whole targets, cleared to nothing.
 pub(super) fn begin<'e>(
     encoder: &'e mut wgpu::CommandEncoder,
+    label: &str,
     targets: &[&wgpu::TextureView],
 ) -> wgpu::RenderPass<'e> {
     let target = |view| {
@@ -125,7 +126,7 @@ pub(super) fn begin<'e>(
     };
     let targets: Vec<_> = targets.iter().copied().map(target).collect();
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some("finish"),
+        label: Some(label),
         color_attachments: &targets,
         ..Default::default()
     })
@@ -156,7 +157,7 @@ pub(super) fn pass(
     group: &wgpu::BindGroup,
     targets: &[&wgpu::TextureView],
 ) {
-    let mut drawing = begin(encoder, targets);
+    let mut drawing = begin(encoder, "finish", targets);
     drawing.set_pipeline(pipeline);
     drawing.set_bind_group(0, group, &[]);
     drawing.draw(0..3, 0..1);
