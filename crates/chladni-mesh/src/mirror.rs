@@ -256,8 +256,8 @@ mod tests {
 
     /// Turned so that no axis of coordinates stays an axis of the shape.
     fn turned(p: Vec3) -> Vec3 {
-        let turn = |[x, y]: [f64; 2], angle: f64| {
-            let (sin, cos) = angle.sin_cos();
+        let turn = |[x, y]: [f64; 2], angle_rad: f64| {
+            let (sin, cos) = angle_rad.sin_cos();
             [cos * x - sin * y, sin * x + cos * y]
         };
         let [x, y] = turn([p[0], p[1]], 0.7);

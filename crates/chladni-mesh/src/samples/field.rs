@@ -38,12 +38,12 @@ pub(crate) fn common(a: f64, b: f64, k: f64) -> f64 {
     -join(-a, -b, k)
 }
 
-/// `p` turned by `angle` radians about the axis (0 = x, 1 = y, 2 = z) through `center`, which
+/// `p` turned by `angle_rad` about the axis (0 = x, 1 = y, 2 = z) through `center`, which
 /// goes to the origin.
-pub(crate) fn turned(p: Vec3, center: Vec3, axis: usize, angle: f64) -> Vec3 {
+pub(crate) fn turned(p: Vec3, center: Vec3, axis: usize, angle_rad: f64) -> Vec3 {
     let mut q = sub(p, center);
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let (s, c) = angle.sin_cos();
+    let (s, c) = angle_rad.sin_cos();
     (q[i], q[j]) = (c * q[i] - s * q[j], s * q[i] + c * q[j]);
     q
 }

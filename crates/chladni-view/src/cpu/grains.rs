@@ -4,6 +4,7 @@ use glam::{Mat4, Vec3, Vec4, vec3};
 use rayon::prelude::*;
 
 use super::curves::{clamp, max, min, mix, smoothstep};
+use super::markers::touched;
 use super::project::Grid;
 use super::shade::{self, rgb};
 use super::shadow::ShadowMap;
@@ -94,7 +95,7 @@ impl GrainDiscs {
         }
         for i in &self.sorted[self.starts[tile] as usize..self.starts[tile + 1] as usize] {
             let disc = &self.discs[*i as usize];
-            let ([left, right], [top, bottom]) = (disc.span(0), disc.span(1));
+            let [[left, right], [top, bottom]] = [0, 1].map(|axis| touched(disc.center, disc.radius, axis));
             for y in top.max(low[1])..=bottom.min(high[1]) {
                 for x in left.max(low[0])..=right.min(high[0]) {
                     let (dx, dy) = (x as f32 + 0.5 - disc.center[0], disc.center[1] - y as f32 - 0.5);
@@ -109,16 +110,10 @@ impl GrainDiscs {
 }
 
 impl GrainDisc {
-    /// First and last pixels that it may touch, along an axis.
-    fn span(&self, axis: usize) -> [i32; 2] {
-        let grown = self.radius + 1.0;
-        [(self.center[axis] - grown).floor() as i32, (self.center[axis] + grown).ceil() as i32]
-    }
-
     /// The tiles that it may touch.
     fn tiles(&self, grid: &Grid, mut each: impl FnMut(usize)) {
         let spans: [[i32; 2]; 2] = [0, 1].map(|axis| {
-            let [first, last] = self.span(axis);
+            let [first, last] = touched(self.center, self.radius, axis);
             [first.max(grid.low[axis]), last.min(grid.high[axis])]
         });
         if spans.iter().any(|[first, last]| first > last) {

@@ -9,6 +9,12 @@ use crate::uniforms::CellUniform;
 /// The opacity of a marker behind a surface.
 const HIDDEN: f32 = 0.22;
 
+/// First and last pixels that a disc may touch, along an axis.
+pub(super) fn touched(center: [f32; 2], radius: f32, axis: usize) -> [i32; 2] {
+    let grown = radius + 1.0;
+    [(center[axis] - grown).floor() as i32, (center[axis] + grown).ceil() as i32]
+}
+
 /// A marker on the screen.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Disc {
@@ -40,8 +46,7 @@ impl Disc {
 
     /// First and last pixels that it may touch, along an axis.
     pub(super) fn span(&self, axis: usize) -> [i32; 2] {
-        let grown = self.radius + 1.0;
-        [(self.center[axis] - grown).floor() as i32, (self.center[axis] + grown).ceil() as i32]
+        touched(self.center, self.radius, axis)
     }
 
     /// Premultiplied color at the middle of a pixel before samples of these depths, the visible and the
