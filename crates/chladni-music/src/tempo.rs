@@ -157,7 +157,8 @@ impl Tempo {
     }
 
     /// The number of the beat within its bar, from 1.
-    pub fn beat_in_bar(&self, secs: f64) -> Option<u32> {
+    #[cfg(test)]
+    fn beat_in_bar(&self, secs: f64) -> Option<u32> {
         let beats = self.place(secs + self.nudge_secs)? * self.beats_per_quarter();
         Some(1 + beats.floor().rem_euclid(QUARTERS_PER_BAR) as u32)
     }

@@ -75,16 +75,3 @@ pub(super) fn mixed_voronoi_parts(square: [f64; 3], area: f64, cotangent: [f64; 
         }
     })
 }
-
-/// For each vertex a third of the area of its triangles, times `share`.
-#[cfg(test)]
-pub(super) fn barycentric_areas(cover: &Cover, vertices: usize, share: f64) -> Vec<f64> {
-    let mut mass = vec![0.0; vertices];
-    for (f, length) in cover.length.as_chunks::<3>().0.iter().enumerate() {
-        let area = cotangents(*length).0;
-        for i in 0..3 {
-            mass[cover.tail[3 * f + i] as usize] += area / 3.0 * share;
-        }
-    }
-    mass
-}
