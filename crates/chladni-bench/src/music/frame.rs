@@ -3,18 +3,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use chladni_harmonics::Laplacian;
-use chladni_mesh::Orientation;
 use chladni_music::{Action, Ensemble, GalleryShape, Instrument, Moment, Parameter, Stretch, Switch};
 use chladni_sound::sample_tune;
 use chladni_synth::{CpuSynthesizer, SynthModel, Synthesizer};
 use serde::Serialize;
 
 use super::BenchMusic;
+use super::ready::Ready;
 use super::timing::median;
 use chladni_program::cli::Terminal;
-use chladni_program::work::dancer::{Dancing, classes};
-use chladni_program::work::{Error, Hearing, KnownSong, SandTable, Watcher, body, source};
+use chladni_program::work::{Error, Hearing, KnownSong, SandTable, source};
 
 /// Frames a second; sand takes two steps in each.
 const RATE_HZ: f64 = 30.0;
@@ -48,14 +46,12 @@ pub struct Frame {
 pub fn measure(bench: &BenchMusic, terminal: &Terminal) -> Result<Vec<Frame>, Error> {
     let name = "octopus";
     let mesh = source::mesh(source::sample_path(name), terminal)?;
-    let (body, _) = body::build(name, &mesh, bench.harmonics, Laplacian::Delaunay, terminal)?;
-    let symmetry = terminal.watch("finding the mirror", |task| classes(&body, false, task))?;
-    let dancing = Dancing::new(&body, symmetry, &Orientation::default())?;
-    [false, true].into_iter().map(|sand| bench.frame(name, &dancing, sand)).collect()
+    let octopus = Ready::new(name, &mesh, bench.harmonics, terminal)?;
+    [false, true].into_iter().map(|sand| bench.frame(&octopus, sand)).collect()
 }
 
 impl BenchMusic {
-    fn frame(&self, name: &str, Dancing { body, dancer, .. }: &Dancing, sand: bool) -> Result<Frame, Error> {
+    fn frame(&self, Ready { name, body, dancer }: &Ready, sand: bool) -> Result<Frame, Error> {
         let bands = Parameter::Bands.initial() as usize;
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands };
         let mut instrument = Instrument::new(1, self.items, shape)?;
@@ -104,7 +100,7 @@ impl BenchMusic {
         let [sand_ms, sound_ms, mapping_ms, synthesis_ms, normals_ms, grains_ms, total_ms] =
             times.map(median);
         Ok(Frame {
-            shape: name.to_owned(),
+            shape: name.clone(),
             vertices: synthesizer.model().vertices(),
             harmonics: dancer.harmonics(),
             items: self.items,

@@ -57,7 +57,7 @@ pub struct Movement {
 /// The mesh in a file, ready to dance.
 pub fn shape(file: &str, terminal: &Terminal) -> Result<Ready, Error> {
     let name = std::path::Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
-    Ready::new(&name, &source::mesh(file, terminal)?, terminal)
+    Ready::new(&name, &source::mesh(file, terminal)?, HARMONICS, terminal)
 }
 
 /// The initial gallery of a seed, and one bred from all of it.

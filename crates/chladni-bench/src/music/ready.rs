@@ -14,7 +14,7 @@ pub const HARMONICS: usize = 128;
 
 pub const RATE_HZ: u32 = 44_100;
 
-/// A sample that is ready to dance.
+/// A sample or mesh that is ready to dance.
 pub struct Ready {
     pub name: String,
     pub body: Body,
@@ -24,12 +24,12 @@ pub struct Ready {
 impl Ready {
     /// The sample called `name`.
     pub fn sample(name: &str, terminal: &Terminal) -> Result<Self, Error> {
-        Self::new(name, &source::mesh(source::sample_path(name), terminal)?, terminal)
+        Self::new(name, &source::mesh(source::sample_path(name), terminal)?, HARMONICS, terminal)
     }
 
-    /// A mesh.
-    pub fn new(name: &str, mesh: &TriMesh, terminal: &Terminal) -> Result<Self, Error> {
-        let (body, _) = body::build(name, mesh, HARMONICS, Laplacian::Delaunay, terminal)?;
+    /// A mesh with this many harmonics.
+    pub fn new(name: &str, mesh: &TriMesh, harmonics: usize, terminal: &Terminal) -> Result<Self, Error> {
+        let (body, _) = body::build(name, mesh, harmonics, Laplacian::Delaunay, terminal)?;
         let symmetry = terminal.watch("finding the mirror", |task| classes(&body, false, task))?;
         let Dancing { body, dancer, .. } =
             Dancing::new(&body, symmetry, &chladni_mesh::Orientation::default())?;

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use chladni_harmonics::Laplacian;
 use chladni_mesh::TriMesh;
 use chladni_music::{Action, Dancer, Ensemble, Form, GalleryShape, Instrument, Moment, Resonators};
 use chladni_sound::{SpectrumAnalyzer, SpectrumSettings, sample_tune};
@@ -11,11 +10,10 @@ use chladni_synth::{CpuSynthesizer, FrameSettings, SynthModel, Synthesizer};
 use serde::Serialize;
 
 use super::BenchMusic;
+use super::ready::Ready;
 use crate::sphere::bumpy_sphere;
 use chladni_program::cli::Terminal;
-use chladni_program::work::body;
-use chladni_program::work::dancer::{Dancing, classes};
-use chladni_program::work::{Error, Watcher, bands_of};
+use chladni_program::work::{Error, bands_of};
 
 /// Medians per frame, in milliseconds, on the processor.
 #[derive(Serialize)]
@@ -38,9 +36,7 @@ pub struct Measured {
 pub fn measure(bench: &BenchMusic, terminal: &Terminal) -> Result<Vec<Measured>, Error> {
     let (positions, triangles) = bumpy_sphere(bench.vertices);
     let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
-    let (body, _) = body::build("bumpy sphere", &mesh, bench.harmonics, Laplacian::Delaunay, terminal)?;
-    let symmetry = terminal.watch("finding the mirror", |task| classes(&body, false, task))?;
-    let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &chladni_mesh::Orientation::default())?;
+    let Ready { body, dancer, .. } = Ready::new("bumpy sphere", &mesh, bench.harmonics, terminal)?;
     let mut synthesizer = CpuSynthesizer::new(SynthModel::new(&body)?);
     let forms = [Form::Filter, Form::Modal, Form::HalfMask];
     forms.into_iter().map(|form| bench.time(form, &dancer, &mut synthesizer)).collect()
