@@ -37,8 +37,6 @@ pub(crate) struct LayerMemo {
     difference: Memo<(Same<Base>, Same<Target>), Arc<Difference>>,
     /// One per model, so that the three can be chosen between.
     fields: [FieldMemo; 3],
-    /// The fields of all three, where they are shown side by side.
-    all_fields: Memo<(Same<Difference>, ScaleCurve), [Arc<Field>; 3]>,
     displacement: DisplacementMemo,
     capped: CapMemo,
     result: ResultMemo,
@@ -178,9 +176,17 @@ impl LayerMemo {
         field
     }
 
+    /// The fields of all three models, in the order of [`Model::ALL`]: those that are not known yet are computed together.
     pub fn all_fields(&mut self, difference: &Arc<Difference>, curve: &ScaleCurve) -> [Arc<Field>; 3] {
-        let compute = || Ok::<_, std::convert::Infallible>(difference.fields(curve).map(Arc::new));
-        let Ok(fields) = self.all_fields.get((Same::from(difference), curve.clone()), compute);
-        fields
+        let mut together = None;
+        Model::ALL.map(|model| {
+            let compute = || {
+                let together = together.get_or_insert_with(|| difference.fields(curve).map(Arc::new));
+                Ok::<_, std::convert::Infallible>(together[model as usize].clone())
+            };
+            let slot = &mut self.fields[model as usize];
+            let Ok(field) = slot.get((Same::from(difference), curve.clone()), compute);
+            field
+        })
     }
 }

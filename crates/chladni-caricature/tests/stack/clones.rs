@@ -34,6 +34,29 @@ fn a_clone_elsewhere_gives_the_same_bits_and_nothing_is_evaluated_again() {
 }
 
 #[test]
+fn nothing_is_evaluated_again_where_models_are_seen_side_by_side_and_no_more() {
+    let (_, mut stack) = stack();
+    let mut project = project();
+    let id = project.layers()[1].0;
+    let before = stack.evaluate(&project).result;
+    stack.prepare_models_of(Some(id));
+    assert!(Arc::ptr_eq(&stack.evaluate(&project).result, &before));
+    let curve = |to| Action::Set { layer: id, to: Property::Curve(to) };
+    project.apply(&curve(ScaleCurve::default()), None).unwrap();
+    let beside = stack.evaluate(&project).result;
+    stack.prepare_models_of(None);
+    assert!(Arc::ptr_eq(&stack.evaluate(&project).result, &beside));
+    // Another curve and back, before they are seen again.
+    for to in [ScaleCurve::mid(), ScaleCurve::default()] {
+        project.apply(&curve(to), None).unwrap();
+        stack.evaluate(&project);
+    }
+    let back = stack.evaluate(&project).result;
+    stack.prepare_models_of(Some(id));
+    assert!(Arc::ptr_eq(&stack.evaluate(&project).result, &back));
+}
+
+#[test]
 fn matches_and_limits_that_arrive_while_a_clone_evaluates_stay() {
     let mesh = bodies::lump();
     let body = Arc::new(Body::build(&mesh, &BasisSettings::new(64), &Task::new()).unwrap());
