@@ -1,9 +1,14 @@
 //! The pictures around the dancers, as the preferences name them: read beside the window, shown once they are there.
 
+use chladni_view::Finish;
+
 use super::Concert;
 use crate::studio::job::Job;
 use crate::studio::room::Shared;
 use crate::work::{Error, LiveBackFilm, Scenery};
+
+/// The number of no scenery at all.
+const NOTHING: u64 = u64::MAX;
 
 /// The scenery that is shown, and the one that is being read.
 #[derive(Default)]
@@ -57,6 +62,13 @@ impl Concert {
         {
             self.pane.viewport.put_behind(number, picture)?;
         }
+        Ok(())
+    }
+
+    /// Takes them down, and the finish of the dance: what is drawn next on the pane is as it is.
+    pub(super) fn take_down(&mut self) -> Result<(), Error> {
+        self.pane.viewport.finish(Finish::NOTHING, 0.0);
+        self.pane.viewport.surround(NOTHING, &Scenery::default())?;
         Ok(())
     }
 }

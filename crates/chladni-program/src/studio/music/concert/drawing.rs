@@ -6,7 +6,6 @@ use chladni_view::{Device, Figure, Rect, Topology};
 use egui::Ui;
 
 use super::super::coarse;
-use super::super::glimpse::Glimpse;
 use super::super::outgoing::Over;
 use super::super::projection::Projection;
 use super::super::stillness::StillPicture;
@@ -30,6 +29,7 @@ impl Concert {
         pose: u64,
     ) -> Result<(), Error> {
         let flash_area = self.instrument.parameters().flash_area();
+        self.pane.limit(flash_area.is_some());
         let from = (&self.viewpoint, framing.as_ref());
         let staged = self.staging.set(area, cells.len(), from, &frame.look, frame.reaction, &self.instrument);
         self.pane.viewport.finish(staged.look.finish, frame.at_secs);
@@ -70,13 +70,9 @@ impl Concert {
         let behind = theme::palette(ui).stage;
         ui.painter().rect_filled(rect, 0.0, behind);
         if flash_area.is_none() {
-            if self.pane.glimpse.is_coming() {
-                (self.pane.glimpse, self.pane.judged) = (Glimpse::default(), false);
-            }
             self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures))?;
             self.pane.shown = Some(shown);
-            self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.drawn_texture());
-            self.pane.veil = Veil::Clear;
+            self.project(ui, shared.settings.music.projection, rect);
             self.darken(ui, rect);
             return self.send(false);
         }
@@ -99,7 +95,7 @@ impl Concert {
             Veil::Clear
         };
         self.moving |= self.pane.glimpse.is_coming() || self.pane.veil != Veil::Clear;
-        self.project(ui, shared.settings.music.projection, rect, self.pane.viewport.kept_texture());
+        self.project(ui, shared.settings.music.projection, rect);
         self.cover(ui, rect);
         self.send(true)
     }
@@ -135,10 +131,10 @@ impl Concert {
         }
     }
 
-    /// Shows a picture: on stage as the projector needs it.
-    fn project(&self, ui: &Ui, projection: Projection, rect: egui::Rect, texture: Option<egui::TextureId>) {
+    /// Shows the picture: on stage as the projector needs it.
+    fn project(&self, ui: &Ui, projection: Projection, rect: egui::Rect) {
         let projection = if self.draws_stage { projection } else { Projection::default() };
-        if let Some(texture) = texture {
+        if let Some(texture) = self.pane.texture() {
             projection.paint(ui, rect, texture);
         }
     }
@@ -152,11 +148,12 @@ impl Concert {
     ) -> Result<(), Error> {
         ui.allocate_rect(rect, egui::Sense::hover());
         let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
+        self.pane.limit(limited);
         if limited && self.pane.judged {
             self.pane.veil = self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram());
             self.moving |= self.pane.veil != Veil::Clear;
         }
-        self.project(ui, projection, rect, self.pane.texture(limited));
+        self.project(ui, projection, rect);
         self.cover(ui, rect);
         self.send(limited)
     }

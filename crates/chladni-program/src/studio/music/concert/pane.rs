@@ -22,6 +22,8 @@ pub struct Pane {
     pub changed_secs: f64,
     /// The brightness of the kept picture is known.
     pub judged: bool,
+    /// Flashes are limited: the kept picture is the one that is seen.
+    limited: bool,
 }
 
 impl Pane {
@@ -35,6 +37,16 @@ impl Pane {
             shown: None,
             changed_secs: 0.0,
             judged: false,
+            limited: false,
+        }
+    }
+
+    /// Limits flashes from now on, or no longer. The picture that is seen stays until the next one, which is drawn anew.
+    pub fn limit(&mut self, limited: bool) {
+        if std::mem::replace(&mut self.limited, limited) != limited {
+            self.viewport.keep();
+            self.viewport.invalidate();
+            (self.glimpse, self.judged, self.veil) = (Glimpse::default(), false, Veil::Clear);
         }
     }
 
@@ -58,13 +70,53 @@ impl Pane {
     }
 
     /// The picture that is shown: where flashes are limited, the last one whose brightness is known.
-    pub fn texture(&self, limited: bool) -> Option<TextureId> {
-        if limited { self.viewport.kept_texture() } else { self.viewport.drawn_texture() }
+    pub fn texture(&self) -> Option<TextureId> {
+        if self.limited { self.viewport.kept_texture() } else { self.viewport.drawn_texture() }
     }
 
     /// Drops the picture that is being judged, and the veil.
     pub fn forget(&mut self) {
         (self.glimpse, self.judged, self.shown) = (Glimpse::default(), false, None);
         self.veil = Veil::Clear;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chladni_view::Device;
+
+    #[test]
+    fn the_picture_that_is_seen_stays_where_flashes_are_limited_or_no_longer() {
+        let mut pane = Pane::new(&Screen::unseen(&Device::Processor));
+        let ctx = egui::Context::default();
+        let draw = |pane: &mut Pane, is_new: bool| {
+            if is_new {
+                pane.viewport.invalidate();
+            }
+            let mut drawn = false;
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                let rect = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(8.0, 8.0));
+                drawn = pane.viewport.draw(ui, rect, |_| Vec::new()).unwrap();
+            });
+            drawn
+        };
+        pane.limit(true);
+        draw(&mut pane, true);
+        pane.glimpse.begin(pane.viewport.device(), pane.viewport.canvas().unwrap(), Color32::BLACK);
+        pane.judge().unwrap();
+        // Another one, which is not judged yet.
+        draw(&mut pane, true);
+        let seen = pane.texture();
+        assert!(pane.judged && seen.is_some() && !draw(&mut pane, false));
+        pane.limit(false);
+        assert_eq!((pane.texture(), pane.judged), (seen, false));
+        assert!(draw(&mut pane, false), "the next one is drawn though all rests");
+        let seen = pane.texture();
+        pane.limit(true);
+        assert_eq!(pane.texture(), seen);
+        assert!(draw(&mut pane, false));
+        pane.limit(true);
+        assert!(pane.texture() == seen && !draw(&mut pane, false), "nothing has changed");
     }
 }

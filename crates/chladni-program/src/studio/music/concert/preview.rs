@@ -1,6 +1,5 @@
 //! A small copy of the second window's picture, for those who look at the first.
 
-use chladni_music::Switch;
 use egui::{Color32, Rect, Sense, Ui, pos2, vec2};
 
 use super::Concert;
@@ -27,8 +26,7 @@ impl Concert {
     }
 
     fn paint_stage(&self, ui: &Ui, pane: &Pane, rect: Rect) {
-        let limited = self.instrument.parameters().is_on(Switch::FlashLimit);
-        let Some(texture) = pane.texture(limited) else { return };
+        let Some(texture) = pane.texture() else { return };
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         ui.painter().image(texture, rect, whole, Color32::WHITE);
         pane.lay_veil(ui, rect);

@@ -142,6 +142,7 @@ impl Concert {
             self.harmonics.leave();
         }
         self.pane.forget();
+        self.take_down()?;
         ui.painter().rect_filled(whole, 0.0, theme::palette(ui).stage);
         let (viewport, topology) = (&mut self.pane.viewport, &self.deformed.topology);
         self.moving |= self.harmonics.show(ui, viewport, topology, camera, whole, first)?;
