@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::SystemTime;
 
-use chladni_music::{BeatReading, Looks, Show};
+use chladni_music::{BeatReading, Looks, Show, Viewpoint};
 use chladni_task::RecoveryCopy;
 use egui::RichText;
 
@@ -20,6 +20,8 @@ use crate::work::unread;
 
 /// The least time between two copies.
 const INTERVAL_SECS: f64 = 2.0;
+/// A copy lacks no more than this of a show in which sound goes on and nothing else is done.
+const HEARD_SECS: f64 = 30.0;
 /// Beginning and ending of a copy's name.
 const NAMES: (&str, &str) = ("show", "toml");
 
@@ -40,6 +42,11 @@ struct Kept {
     /// Sets that were recorded.
     recorded: usize,
     looks: Looks,
+    viewpoint: Viewpoint,
+    /// Marks of the outer clock.
+    clock_marks: usize,
+    /// While sound is heard, how many times [`HEARD_SECS`] have gone by.
+    heard: Option<u64>,
 }
 
 impl Kept {
@@ -52,8 +59,17 @@ impl Kept {
             readings: songs.iter().map(|song| song.reading).collect(),
             recorded: concert.outgoing.recorded.len(),
             looks,
+            viewpoint: concert.viewpoint(),
+            clock_marks: listening.clock().marks().len(),
+            heard: heard_of(listening),
         }
     }
+}
+
+/// How many times [`HEARD_SECS`] of the show have gone by; `None` where nothing is heard.
+fn heard_of(listening: &Listening) -> Option<u64> {
+    let hears = listening.live().is_some() || listening.plays_songs();
+    hears.then(|| (listening.at_secs() / HEARD_SECS) as u64)
 }
 
 /// The copy of this window's show, and those that were found.
@@ -259,6 +275,7 @@ fn changed(path: &Path) -> Option<SystemTime> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_music::Parameters;
 
     #[test]
     fn a_copy_that_cannot_be_is_not_tried_again() {
@@ -266,6 +283,20 @@ mod tests {
         let show = Show::from_text("format_version = 1\nseed = 5\nsize = 6\n").unwrap();
         keepsake.write(show, Kept::default());
         assert!(matches!(keepsake.copy, Some(Err(()))) && keepsake.writing.is_none());
+    }
+
+    #[test]
+    fn a_show_in_which_nothing_is_done_while_sound_goes_on_is_copied_now_and_then() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
+        listening.listen_on(capture, "Built-in microphone".into());
+        let mut heard = |at_secs: f64| {
+            listening.hear(at_secs, &Parameters::default(), |_, _| Ok(())).unwrap();
+            heard_of(&listening)
+        };
+        let begun = heard(1.0);
+        assert!(begun.is_some() && heard(2.0) == begun);
+        assert_ne!(heard(2.0 + HEARD_SECS), begun);
     }
 
     #[test]

@@ -13,6 +13,8 @@ use crate::work::{COVER, Caption, GAP, TITLE, title_opacity};
 pub struct SongTitle {
     caption: Caption,
     cover: Option<TextureHandle>,
+    /// As the show numbers it: another song may have the same title.
+    song: Option<usize>,
     since_secs: f64,
     /// How many songs were named before.
     number: u64,
@@ -32,7 +34,9 @@ impl SongTitle {
         self.is_hidden = !is_shown;
         // A live input is no song.
         let text = if listening.live().is_some() { String::new() } else { listening.source_name() };
-        if self.caption.text != text {
+        let song = listening.song_number();
+        if self.caption.text != text || self.song != song {
+            self.song = song;
             (self.since_secs, self.number) = (now_secs, self.number + 1);
             (self.caption, self.cover) = (Caption::new(text, None), None);
         }
@@ -88,7 +92,9 @@ impl SongTitle {
 
 #[cfg(test)]
 mod tests {
+    use super::super::listening::ShowSong;
     use super::*;
+    use chladni_music::{BeatReading, ClockTrack, Moment, Stretch};
 
     fn titled() -> SongTitle {
         SongTitle { caption: Caption::new("A song".into(), None), ..SongTitle::default() }
@@ -107,6 +113,22 @@ mod tests {
         let mut picture = Picture::filled(320, 180, [0, 0, 0, 255]);
         title.lay(&mut picture, title.seen(1.0));
         assert!(picture.rgba.chunks(4).all(|p| p[0] == 0));
+    }
+
+    #[test]
+    fn the_second_of_two_songs_of_one_title_is_named_too() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let songs = ["a/01.wav", "b/01.wav"].map(|path| ShowSong::new(path.into(), BeatReading::default()));
+        let mut title = SongTitle::default();
+        let mut named = |song: usize, now_secs: f64| {
+            let song = Some(song);
+            let heard = Stretch { at_secs: 0.0, song, song_secs: 0.0, playing: true, crossfade_secs: 0.0 };
+            listening.go_on(songs.to_vec(), &[heard], ClockTrack::default(), Moment::default());
+            title.follow(&listening, now_secs, true);
+            (title.caption.text.clone(), title.since_secs)
+        };
+        let since = |at_secs: f64| ("01".to_owned(), at_secs);
+        assert_eq!([named(0, 1.0), named(0, 50.0), named(1, 90.0)], [since(1.0), since(1.0), since(90.0)]);
     }
 
     #[test]
