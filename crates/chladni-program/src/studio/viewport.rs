@@ -33,6 +33,8 @@ pub struct Viewport {
     /// The picture before, where that is shown until the one on the canvas may be.
     kept: Option<(Canvas, Shown)>,
     stale: bool,
+    /// The last picture was drawn for a dark window: its background is the window's.
+    dark: bool,
     /// Pixels of the window that the picture fills.
     shown: Rect,
     effort: Effort,
@@ -55,6 +57,7 @@ impl Viewport {
             canvas: None,
             kept: None,
             stale: true,
+            dark: false,
             shown: Rect::default(),
             effort: Effort::new(screen.device()),
             screen: screen.clone(),
@@ -120,8 +123,8 @@ impl Viewport {
 
     /// Shows the cells that `scene` arranges on a canvas of the given pixels, filling `rect`.
     ///
-    /// `scene` runs only when something has changed since the last frame, or when what was drawn
-    /// quickly while it moved has come to rest.
+    /// `scene` runs only when something has changed since the last frame (the window's theme, too), or when what was
+    /// drawn quickly while it moved has come to rest.
     pub fn show<'a>(
         &mut self,
         ui: &mut egui::Ui,
@@ -153,6 +156,8 @@ impl Viewport {
         let shown = Rect::of_size(pixels(rect.width()), pixels(rect.height()));
         let resized = self.shown != shown;
         self.shown = shown;
+        let dark = ui.visuals().dark_mode;
+        self.stale |= std::mem::replace(&mut self.dark, dark) != dark;
         let now_secs = ui.input(|input| input.time);
         let quality = if self.stale || resized || self.canvas.is_none() {
             self.effort.frame(now_secs, self.finish.0);
@@ -332,4 +337,25 @@ pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera
         }
     }
     *camera != before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_that_rests_is_drawn_again_where_the_theme_changes() {
+        let mut viewport = Viewport::new(&Screen::unseen(&Device::Processor));
+        let ctx = egui::Context::default();
+        let drawn = [true, true, false, false, true].map(|dark| {
+            let mut drawn = false;
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                ui.visuals_mut().dark_mode = dark;
+                let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(8.0, 8.0));
+                drawn = viewport.draw(ui, rect, |_| Vec::new()).unwrap();
+            });
+            drawn
+        });
+        assert_eq!(drawn, [true, false, true, false, true]);
+    }
 }
