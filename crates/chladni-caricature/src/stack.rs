@@ -142,6 +142,11 @@ impl Stack {
         self.matches.retain(|(known, _)| known != request);
     }
 
+    /// Forgets all matches with a template whose file has changed.
+    pub fn forget_template(&mut self, template: &Template) {
+        self.matches.retain(|(known, _)| known.template != *template);
+    }
+
     /// The match that answers `request`, where there is one.
     pub fn matched(&self, request: &MatchRequest) -> Option<&Arc<Matched>> {
         let (_, found) = self.matches.iter().find(|(known, _)| known == request)?;

@@ -15,6 +15,7 @@ use super::autosave::Autosave;
 use super::edits::Edit;
 use super::evaluating::on_own_threads;
 use super::loading::{self, Candidate};
+use super::matches::renew;
 use super::moved;
 use super::preview::Preview;
 use super::session::Session;
@@ -170,6 +171,7 @@ impl CaricatureRoom {
         let Some(session) = &mut self.session else { return };
         let index = session.project().layers().len();
         let layer = Box::new(layer_against(session.project(), path));
+        renew(session, &layer.template, shared);
         match session.apply(vec![Edit::Once(Action::Add { index, layer })]) {
             Ok(changed) => self.stale |= changed,
             Err(why) => shared.notices.failed(why),

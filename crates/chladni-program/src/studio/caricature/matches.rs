@@ -59,7 +59,9 @@ fn template(
             if ui.button(icon::text(Icon::FolderOpen)).on_hover_text("Use another mesh as template").clicked()
                 && let Some(path) = shared.chooser.open(&[("Meshes", &MESHES)])
             {
-                replace(layer, id, Template::File(path), edits, shared);
+                let template = Template::File(path);
+                renew(session, &template, shared);
+                replace(layer, id, template, edits, shared);
             }
             if let Some((_, template)) = shelf::show(ui, shared) {
                 replace(layer, id, template, edits, shared);
@@ -194,6 +196,14 @@ fn quality(ui: &mut Ui, report: &chladni_match::MatchReport) {
 
 fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
+}
+
+/// Reads a template again where it is chosen again and its file is another now.
+pub fn renew(session: &mut Session, template: &Template, shared: &mut Shared<'_>) {
+    match session.renew(template) {
+        Ok(said) => said.into_iter().for_each(|said| shared.notices.warn(said)),
+        Err(why) => shared.notices.failed(why),
+    }
 }
 
 /// Gives a layer another template, and says what becomes of its landmarks.

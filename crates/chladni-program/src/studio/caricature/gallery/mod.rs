@@ -45,6 +45,8 @@ struct Brought {
 /// The gallery in the place of the stage.
 struct GalleryView {
     body: Arc<Body>,
+    /// The renewals of templates when it was begun.
+    renewals: usize,
     /// The template that it was given.
     given: Option<Given>,
     /// What was shown on other harmonics, until it is shown on these.
@@ -69,6 +71,7 @@ impl GalleryView {
     ) -> Self {
         Self {
             body: Arc::clone(session.stack.body()),
+            renewals: session.renewals(),
             work: Some(prepare(session, given.clone(), before.clone(), ctx)),
             given,
             before,
@@ -81,9 +84,10 @@ impl GalleryView {
         }
     }
 
-    /// Whether it shows the shape of `session` with its harmonics, or is about to.
+    /// Whether it shows the shape of `session` with its harmonics and templates, or is about to.
     fn belongs_to(&self, session: &Session) -> bool {
-        (self.shown.is_some() || self.work.is_some()) && Arc::ptr_eq(&self.body, session.stack.body())
+        let is_same = Arc::ptr_eq(&self.body, session.stack.body()) && self.renewals == session.renewals();
+        is_same && (self.shown.is_some() || self.work.is_some())
     }
 
     /// Draws it; false when it is to be left. A caricature that is taken becomes layers.

@@ -43,6 +43,8 @@ pub fn color(index: usize) -> Color32 {
 pub struct Picking {
     layer: LayerId,
     template: Template,
+    /// The renewals of templates when it was begun.
+    renewals: usize,
     viewport: Viewport,
     shape: Side,
     /// `None` while it is read.
@@ -53,7 +55,12 @@ pub struct Picking {
     picks: Picks,
     /// The match whose confidence is shown.
     shown_match: Option<Arc<Matched>>,
+    /// The dots of the last picture on either side, and how it looked.
+    drawn: Option<(Vec<Dots>, Portrayal)>,
 }
+
+/// Numbers of landmarks, and their vertices.
+type Dots = Vec<(usize, u32)>;
 
 impl Picking {
     /// Opens both shapes for the selected layer; `None` where its template is not a mesh.
@@ -78,6 +85,7 @@ impl Picking {
         Some(Ok(Self {
             layer,
             template,
+            renewals: session.renewals(),
             viewport,
             shape,
             other: None,
@@ -85,6 +93,7 @@ impl Picking {
             reading: Some(reading),
             picks: Picks::default(),
             shown_match: None,
+            drawn: None,
         }))
     }
 
@@ -92,12 +101,11 @@ impl Picking {
     pub fn belongs_to(&self, session: &Session) -> bool {
         let layer =
             session.selected.filter(|id| *id == self.layer).and_then(|id| session.project().layer(id));
-        layer.is_some_and(|layer| layer.template == self.template)
+        layer.is_some_and(|layer| layer.template == self.template) && self.renewals == session.renewals()
     }
 
     /// Forgets half a pair; false where there was none.
     pub fn drop_pending(&mut self) -> bool {
-        self.viewport.invalidate();
         self.picks.drop_pending()
     }
 
@@ -254,7 +262,7 @@ impl Picking {
         } else if response.hovered() {
             ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
         }
-        if moved || gesture.is_some() {
+        if moved {
             self.viewport.invalidate();
         }
         gesture
@@ -314,7 +322,7 @@ impl Picking {
         let material = look.material();
         let (background, lights) = (backdrop(ui), look.lights());
         let sides = [(Which::Shape, Some(&self.shape)), (Which::Template, self.other.as_ref())];
-        let ends: Vec<Vec<(usize, u32)>> =
+        let ends: Vec<Dots> =
             sides.iter().map(|(which, _)| self.picks.ends(*which, &settings.landmarks)).collect();
         let markers: Vec<Vec<Marker>> = sides
             .iter()
@@ -323,6 +331,11 @@ impl Picking {
             .collect();
         let figures: Vec<Vec<chladni_view::Figure<'_>>> =
             sides.iter().map(|(_, side)| side.iter().map(|side| side.figure(material)).collect()).collect();
+        // They may also change outside of this view: by a step back, or in the list.
+        if self.drawn.as_ref().is_none_or(|(before, with)| *before != ends || *with != look) {
+            self.viewport.invalidate();
+            self.drawn = Some((ends.clone(), look));
+        }
         let drawn = self.viewport.show(ui, rect, |_| {
             let each = sides.iter().zip(cells).zip(figures.iter().zip(&markers));
             each.map(|(((_, side), viewport), (figures, markers))| Cell {
@@ -346,5 +359,50 @@ impl Picking {
         ui.painter().vline(areas[1].left(), rect.y_range(), egui::Stroke::new(1.0, theme::palette(ui).line));
         hint(ui, rect, &self.picks.hint(settings.landmarks.len()));
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::studio::screen::Screen;
+    use chladni_match::Landmark;
+    use chladni_mesh::samples::icosphere;
+    use chladni_view::Device;
+
+    #[test]
+    fn a_view_that_rests_shows_landmarks_and_materials_that_change_elsewhere() {
+        let ball = icosphere(1);
+        let viewport = Viewport::new(&Screen::unseen(&Device::Processor));
+        let mut picking = Picking {
+            layer: LayerId(1),
+            template: Template::Ellipsoid,
+            renewals: 0,
+            shape: Side::new(viewport.device(), &ball, Orientation::Y_UP).unwrap(),
+            viewport,
+            other: None,
+            follows: false,
+            reading: None,
+            picks: Picks::default(),
+            shown_match: None,
+            drawn: None,
+        };
+        let ctx = egui::Context::default();
+        let rect = egui::Rect::from_min_size(Pos2::ZERO, egui::vec2(120.0, 60.0));
+        let half = egui::Rect::from_min_size(Pos2::ZERO, egui::vec2(60.0, 60.0));
+        let areas = [half, half.translate(egui::vec2(60.0, 0.0))];
+        picking.shape.fit(1.0);
+        let mut seen = |count: u32, material: usize| {
+            let landmarks = (0..count).map(|vertex| Landmark { shape: vertex, template: 0 }).collect();
+            let settings = MatchSettings { landmarks, ..MatchSettings::default() };
+            let look = Portrayal { material, ..Portrayal::default() };
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                picking.draw(ui, rect, areas, &settings, look).unwrap();
+            });
+            picking.viewport.canvas().unwrap().pixels().unwrap().to_vec()
+        };
+        let without = seen(0, 0);
+        let dotted = seen(42, 0);
+        assert!(without != dotted && dotted != seen(42, 1) && without == seen(0, 0));
     }
 }

@@ -51,6 +51,7 @@ impl Session {
         if self.matching.is_none()
             && let Some(request) = missing.into_iter().next()
         {
+            self.files.note(&request.template);
             self.matching = Some((request.clone(), self.start_match(request, ctx)));
         }
         (warning, changed)
@@ -59,6 +60,9 @@ impl Session {
     /// Takes over matches that were found elsewhere for the same shape: layers that waited for them act now.
     pub fn learn(&mut self, other: &Stack) {
         self.stack.learn(other);
+        for (_, layer) in self.history.project().layers() {
+            self.files.note(&layer.template);
+        }
         self.refresh();
     }
 

@@ -1,5 +1,6 @@
 //! An open project in the window: document, body, evaluation, and the jobs that feed them.
 
+mod files;
 mod following;
 mod jobs;
 mod names;
@@ -18,6 +19,8 @@ use chladni_caricature::{
 use chladni_harmonics::Laplacian;
 use chladni_mesh::{Estimate, MirrorPlane, MirrorSearch, Orientation};
 use chladni_task::{Cancelled, Task};
+
+use files::MatchedFiles;
 
 use super::crossings::CrossingMeter;
 use super::edits::Edit;
@@ -49,6 +52,7 @@ pub struct Session {
     /// Where the result passes through itself.
     pub crossings: CrossingMeter,
     matching: Option<(MatchRequest, Job<Found>)>,
+    files: MatchedFiles,
     /// Limits a layer that would fold the surface.
     keeping: Option<(KeepRequest, Job<Kept>)>,
     mirror: Arc<OnceLock<Option<MirrorPlane>>>,
@@ -84,6 +88,7 @@ impl Session {
             selected,
             crossings: CrossingMeter::default(),
             matching: None,
+            files: MatchedFiles::default(),
             keeping: None,
             mirror: Arc::default(),
             brush: None,
