@@ -110,6 +110,11 @@ pub fn weak(ui: &mut egui::Ui, text: impl Into<String>) {
     ui.label(egui::RichText::new(text).small().color(palette(ui).weak));
 }
 
+/// A small line of warning.
+pub fn warning(ui: &mut egui::Ui, text: impl Into<String>) {
+    ui.label(egui::RichText::new(text).small().color(palette(ui).warning));
+}
+
 /// One line of a form: a label of fixed width, its tooltip, and controls. Sliders in it end where
 /// those of the other lines do; those that have no name of their own are called as the label.
 pub fn row<R>(ui: &mut egui::Ui, label: &str, tip: &str, controls: impl FnOnce(&mut egui::Ui) -> R) -> R {

@@ -68,7 +68,7 @@ impl Remote {
             None => None,
         };
         if let Some(why) = failure {
-            ui.label(RichText::new(why.to_string()).small().color(theme::palette(ui).warning));
+            theme::warning(ui, why.to_string());
         }
         let outputs = self.midi.as_ref().map(Midi::devices).unwrap_or_default().outputs;
         // A device that is missing now is still listed, so that it can be changed.

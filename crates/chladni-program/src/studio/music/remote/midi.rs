@@ -24,6 +24,8 @@ const CLIENT: &str = "chladni";
 pub struct Devices {
     /// Those that are listened to, by name.
     pub names: Vec<String>,
+    /// Those that are there but cannot be listened to, and why: another program may have them.
+    pub refused: Vec<String>,
     /// Those that can be sent to.
     pub outputs: Vec<String>,
     /// Why there are none, where the system has no MIDI.
@@ -161,11 +163,12 @@ impl Midi {
         std::thread::Builder::new().name("midi".into()).spawn(move || {
             let mut open = HashMap::new();
             while !ended.load(Ordering::Relaxed) {
-                let there = look(&mut open, &sender).and_then(|()| sent_to.look());
+                let there = look(&mut open, &sender).and_then(|refused| Ok((refused, sent_to.look()?)));
                 let mut names: Vec<String> = open.values().map(|input| input.name.clone()).collect();
                 names.sort();
                 let failure = there.as_ref().err().map(ToString::to_string);
-                *lock(&seen) = Devices { names, outputs: there.unwrap_or_default(), failure };
+                let (refused, outputs) = there.unwrap_or_default();
+                *lock(&seen) = Devices { names, refused, outputs, failure };
                 std::thread::sleep(LOOK);
             }
         })?;
@@ -270,8 +273,8 @@ struct Input {
     _connection: MidiInputConnection<()>,
 }
 
-/// Connects new ports and drops missing ones.
-fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
+/// Connects new ports and drops missing ones; returns those that refuse, and why.
+fn look(open: &mut Open, sender: &Sender) -> Result<Vec<String>, Error> {
     // Where the kernel has no sequencer, ALSA would print a complaint at every look.
     if cfg!(target_os = "linux") && !std::path::Path::new("/dev/snd/seq").exists() {
         open.clear();
@@ -285,6 +288,7 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
     let looking = input()?;
     let ports = looking.ports();
     open.retain(|id, input| ports.iter().any(|port| port.id() == *id) && node_of(id) == input.node);
+    let mut refused = Vec::new();
     for port in ports {
         let id = port.id();
         // A device that disappears meanwhile is handled the next time.
@@ -296,11 +300,14 @@ fn look(open: &mut Open, sender: &Sender) -> Result<(), Error> {
         let (from, device) = (Arc::from(id.as_str()), Arc::from(lasting(&name)));
         let listen = move |_: u64, bytes: &[u8], (): &mut ()| sender.hear(&from, &device, bytes);
         let node = node_of(&id);
-        if let Ok(connection) = input()?.connect(&port, CLIENT, listen, ()) {
-            open.insert(id, Input { name, node, _connection: connection });
+        match input()?.connect(&port, CLIENT, listen, ()) {
+            Ok(connection) => {
+                open.insert(id, Input { name, node, _connection: connection });
+            }
+            Err(why) => refused.push(format!("{name} cannot be opened: {why}")),
         }
     }
-    Ok(())
+    Ok(refused)
 }
 
 #[cfg(test)]

@@ -27,6 +27,8 @@ use crate::work::Error;
 pub struct Remote {
     started: bool,
     midi: Option<Midi>,
+    /// Why nothing looks for MIDI devices.
+    midi_failure: Option<String>,
     /// Whose MIDI clock is followed.
     leader: Leader,
     osc: Option<Result<Osc, Error>>,
@@ -75,7 +77,10 @@ impl Remote {
         if !self.started {
             self.started = true;
             self.bindings = Bindings::new(preferences.bindings.clone());
-            self.midi = Midi::start().ok();
+            match Midi::start() {
+                Ok(midi) => self.midi = Some(midi),
+                Err(why) => self.midi_failure = Some(why.to_string()),
+            }
         }
         let from =
             if preferences.osc_network { From::Network(preferences.osc_allowed.clone()) } else { From::Here };

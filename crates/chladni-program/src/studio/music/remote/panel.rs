@@ -73,15 +73,18 @@ impl Remote {
     fn devices(&self, ui: &mut Ui) {
         ui.label(RichText::new("MIDI").strong());
         let devices = self.midi.as_ref().map(Midi::devices).unwrap_or_default();
-        match devices.failure {
+        match devices.failure.as_ref().or(self.midi_failure.as_ref()) {
             Some(why) => theme::weak(ui, format!("No controllers: {why}.")),
-            None if devices.names.is_empty() => {
+            None if devices.names.is_empty() && devices.refused.is_empty() => {
                 theme::weak(ui, "No controller is plugged in. One that comes later is found by itself.");
             }
             None => {}
         }
         for name in &devices.names {
             ui.label(icon::label(Icon::Cable, name));
+        }
+        for why in &devices.refused {
+            theme::warning(ui, why);
         }
         if let Some(control) = &self.last {
             theme::weak(ui, format!("Touched last: {control}"));
@@ -109,9 +112,7 @@ impl Remote {
                 let (good, bad) = osc.counts();
                 theme::weak(ui, format!("Port {}: {good} packets, {bad} bad ones left out", osc.port()));
             }
-            Some(Err(why)) => {
-                ui.label(RichText::new(why.to_string()).small().color(theme::palette(ui).warning));
-            }
+            Some(Err(why)) => theme::warning(ui, why.to_string()),
             None => {}
         }
     }
@@ -137,10 +138,7 @@ impl Remote {
                 self.allowed = allowed.join(", ");
             }
             Ok(_) => {}
-            Err(_) => {
-                let why = "These are no addresses: those before are still heard.";
-                ui.label(RichText::new(why.to_string()).small().color(theme::palette(ui).warning));
-            }
+            Err(_) => theme::warning(ui, "These are no addresses: those before are still heard."),
         }
     }
 }
