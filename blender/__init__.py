@@ -232,8 +232,13 @@ class ChladniCaricature(bpy.types.Operator):
             return {"CANCELLED"}
         finally:
             work.end()
-        for line in said.splitlines():
-            self.report({"INFO"}, line)
+        warning = "warning: "
+        # Blender shows the last report, so warnings come last. The file that was written is gone by now.
+        for line in sorted(said.splitlines(), key=lambda line: line.startswith(warning)):
+            if line.startswith(warning):
+                self.report({"WARNING"}, line.removeprefix(warning))
+            elif not line.startswith("wrote "):
+                self.report({"INFO"}, line)
         return {"FINISHED"}
 
     def execute(self, context):
