@@ -96,8 +96,7 @@ fn vertices(ui: &mut Ui, session: &Session, health: &Health, slow: bool) {
 /// The certificate in plain words.
 fn certificate(ui: &mut Ui, basis: &Basis) {
     let palette = theme::palette(ui);
-    let Certificate { laplacian, inertia_counts_match, max_relative_residual, max_orthogonality_error } =
-        basis.certificate;
+    let certificate = &basis.certificate;
     ui.set_max_width(360.0);
     ui.label(
         RichText::new("The harmonics are the natural vibrations of this shape, from the broadest.").strong(),
@@ -109,28 +108,36 @@ fn certificate(ui: &mut Ui, basis: &Basis) {
             ui.add(egui::Label::new(text).wrap());
         });
     };
-    if laplacian == Laplacian::Cotangent {
+    if certificate.laplacian == Laplacian::Cotangent {
         ui.label(RichText::new("Paper mode: those of its plain cotangent Laplacian.").strong());
     }
-    let complete = match inertia_counts_match {
+    for (good, text) in certified(certificate) {
+        line(ui, good, text);
+    }
+    ui.label(RichText::new("Click to take another number of them.").color(palette.weak));
+}
+
+/// The parts of a certificate: whether they are good, and in words.
+fn certified(certificate: &Certificate) -> [(bool, String); 3] {
+    let (residual, overlap) = (certificate.max_relative_residual, certificate.max_orthogonality_error);
+    let complete = match certificate.inertia_counts_match {
         Some(true) => {
             "Complete: an independent count finds as many below the last one, so none is missing and none is double."
         }
         Some(false) => "Not certified complete: an independent count does not agree, some may be missing.",
         None => "Not certified complete: nothing counted them. A second search found none that is missing.",
     };
-    line(ui, inertia_counts_match == Some(true), complete.into());
-    line(
-        ui,
-        max_relative_residual <= Certificate::RESIDUAL,
-        format!("Exact: the worst solves its equation to {max_relative_residual:.0e} of its size."),
-    );
-    line(
-        ui,
-        max_orthogonality_error <= Certificate::ORTHOGONALITY,
-        format!("Independent: any two overlap by at most {max_orthogonality_error:.0e}."),
-    );
-    ui.label(RichText::new("Click to take another number of them.").color(palette.weak));
+    let worst = format!("the worst solves its equation to {residual:.0e} of its size");
+    let exact = match Certificate::RESIDUAL {
+        most if residual <= most => (true, format!("Exact: {worst}.")),
+        most => (false, format!("Not exact: {worst}, of a sound mesh to {most:.0e}.")),
+    };
+    let worst = format!("any two overlap by at most {overlap:.0e}");
+    let independent = match Certificate::ORTHOGONALITY {
+        most if overlap <= most => (true, format!("Independent: {worst}.")),
+        most => (false, format!("Not independent: {worst}, of a sound mesh by {most:.0e}.")),
+    };
+    [(certificate.inertia_counts_match == Some(true), complete.into()), exact, independent]
 }
 
 /// A whole number with a thin space between thousands.
@@ -148,6 +155,27 @@ pub fn grouped(number: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_certified_is_not_called_so() {
+        let said = |residual, overlap| {
+            certified(&Certificate {
+                laplacian: Laplacian::Delaunay,
+                inertia_counts_match: Some(true),
+                max_relative_residual: residual,
+                max_orthogonality_error: overlap,
+            })
+        };
+        let good = said(1e-12, 1e-14);
+        let begins = |(good, text): &(bool, String), with: &str| *good && text.starts_with(with);
+        assert!(begins(&good[1], "Exact: ") && begins(&good[2], "Independent: "), "{good:?}");
+        for bad in [said(1e-6, 1e-5), said(f64::NAN, f64::NAN)] {
+            assert!(!bad[1].0 && bad[1].1.starts_with("Not exact: "), "{bad:?}");
+            assert!(!bad[2].0 && bad[2].1.starts_with("Not independent: "), "{bad:?}");
+        }
+    }
+
     #[test]
     fn thousands_stand_apart() {
         let grouped = |n| super::grouped(n).replace('\u{202f}', "_");
