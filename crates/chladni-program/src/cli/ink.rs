@@ -17,14 +17,15 @@ pub struct InkOptions {
     #[arg(long, requires = "picture")]
     ink: bool,
     /// How many lines there are inside the contours: 0 none, 1 as a draftsman would, 2 far more [default: 1].
-    #[arg(long, value_name = "X", requires = "picture", value_parser = detail)]
+    #[arg(long, value_name = "X", requires = "picture", value_parser = detail, allow_negative_numbers = true)]
     ink_detail: Option<f64>,
     /// How far hatching reaches out of the shade, 0 (none) to 1 (up to the light) [default: 0.5].
-    #[arg(long, value_name = "X", requires = "picture", value_parser = share)]
+    #[arg(long, value_name = "X", requires = "picture", value_parser = share, allow_negative_numbers = true)]
     ink_hatching: Option<f64>,
     /// How far curvature is averaged before lines are drawn along it, as a share of the shape's size: more for a noisy
     /// scan, less for fine detail [default: 0.01].
-    #[arg(long, value_name = "X", requires = "picture", value_parser = smoothing)]
+    #[arg(long, value_name = "X", requires = "picture", value_parser = smoothing,
+        allow_negative_numbers = true)]
     ink_smoothing: Option<f64>,
     /// Colors of the ink and the paper [default: #1c1917,#faf7f0].
     #[arg(long, value_name = "#RRGGBB,#RRGGBB", requires = "picture", value_parser = colors)]

@@ -23,11 +23,11 @@ pub struct LayerOptions {
     #[arg(long, allow_hyphen_values = true)]
     mu: Option<f64>,
     /// A factor on μ from 0 to 1.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     strength: f64,
     /// How soft the region's edge is: a wavelength as percent of the shape's size (32%), or about how many
     /// harmonics have longer waves (96, for the wavelength π/√96), the paper's nχ [default: 32%; 96 in paper mode].
-    #[arg(long, value_name = "P%|N", value_parser = cutoff)]
+    #[arg(long, value_name = "P%|N", allow_negative_numbers = true, value_parser = cutoff)]
     cutoff: Option<f64>,
     /// How the region's edge is softened: by heat, which never rings, or sharp as in the paper [default:
     /// heat; sharp in paper mode].
@@ -57,7 +57,7 @@ pub struct LayerOptions {
     seed: u64,
     /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as
     /// hair, holes and the cut of a neck: 0, as it was found, to 1 [default: 1; 0 in paper mode].
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     infill: Option<f64>,
 }
 

@@ -20,7 +20,7 @@ pub struct Parts {
     mesh: PathBuf,
     /// Find what stands out of any shape in place of the named parts of a head, from 0 (whole limbs) to 1 (small
     /// features).
-    #[arg(long, value_name = "X", value_parser = level)]
+    #[arg(long, value_name = "X", allow_negative_numbers = true, value_parser = level)]
     level: Option<f64>,
     #[command(flatten)]
     resolution: ResolutionOptions,

@@ -23,7 +23,8 @@ pub struct RegionOptions {
     #[arg(long, value_name = "N", conflicts_with_all = ["region", "part"], value_delimiter = ',')]
     limb: Vec<usize>,
     /// Which parts --limb counts, from 0 (whole limbs) to 1 (small features).
-    #[arg(long, value_name = "X", requires = "limb", default_value_t = Limbs::USUAL_LEVEL, value_parser = parts::level)]
+    #[arg(long, value_name = "X", requires = "limb", default_value_t = Limbs::USUAL_LEVEL,
+        allow_negative_numbers = true, value_parser = parts::level)]
     level: f64,
     /// Act only where the surface bends most: outward (bumps), inward (hollows) or either way (both), and the share of
     /// the surface that this is [default share: 20%].

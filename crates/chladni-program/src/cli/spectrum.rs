@@ -24,7 +24,7 @@ pub struct Spectrum {
     #[arg(long, value_name = "P.png")]
     render: Option<PathBuf>,
     /// Frames per second [default: 20 for numbers, as many as the picture is wide].
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
     /// Number of bands.
     #[arg(long, default_value_t = 128)]
@@ -33,19 +33,19 @@ pub struct Spectrum {
     #[arg(long)]
     linear: bool,
     /// How much of the spectrum of 50 ms ago is left, in [0, 1).
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     decay: f32,
     /// Factor on the side.
-    #[arg(long, default_value_t = 10.0)]
+    #[arg(long, default_value_t = 10.0, allow_negative_numbers = true)]
     side_gain: f32,
     /// Amplitudes as they are in the file, instead of following the level of the whole song.
     #[arg(long)]
     fixed_level: bool,
     /// Where to begin, in seconds. The whole song is read for its level; not with --fixed-level.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     start: f64,
     /// How much to show, in seconds [default: all]. The whole song is read for its level; not with --fixed-level.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     duration: Option<f64>,
 }
 
