@@ -137,8 +137,8 @@ pub enum HarmonicsError {
         /// The reason.
         reason: String,
     },
-    /// The harmonics that do not fit in memory cannot be kept in the scratch folder.
-    #[error("harmonics that do not fit in memory cannot be kept in {}: {reason}", folder.display())]
+    /// The harmonics that do not fit in memory, or that ranks exchange, cannot be kept in the scratch folder.
+    #[error("harmonics cannot be kept in {}: {reason}", folder.display())]
     NoScratch {
         /// The folder.
         folder: PathBuf,

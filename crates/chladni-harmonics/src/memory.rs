@@ -201,7 +201,7 @@ fn check_disk(folder: &Path, bytes: u64) -> Result<(), HarmonicsError> {
 
 fn too_large(vertices: usize, harmonics: usize, needed: u64, free: u64) -> HarmonicsError {
     let (needed, free) = (size(needed), size(free));
-    let reason = format!("it takes at least about {needed} of memory, and {free} are free");
+    let reason = format!("it takes at least about {needed} of memory, and {free} may be used");
     HarmonicsError::TooMany { harmonics, vertices, reason }
 }
 
@@ -286,7 +286,7 @@ mod tests {
     fn what_does_not_fit_is_refused_with_both_numbers() {
         let free = 22_000_000_000;
         let error = room_for_solve(50_000_000, 2, 4, &settings(256, free, None)).unwrap_err().to_string();
-        assert!(error.contains("347.4 GB") && error.contains("22.0 GB are free"), "{error}");
+        assert!(error.contains("347.4 GB") && error.contains("22.0 GB may be used"), "{error}");
         let whole = Room { slices: 2, keep: Keep::Memory, frugal: false };
         assert_eq!(room_for_solve(800_000, 2, 4, &settings(256, free, None)).unwrap(), whole);
         assert_eq!(Keep::Memory.short_of(2, 2, 800_000, 256), None);
@@ -311,7 +311,7 @@ mod tests {
         assert_eq!(room(11, 28).unwrap(), Room { slices: 1, frugal: false, ..whole });
         assert_eq!(room(11, 15).unwrap(), Room { slices: 1, frugal: true, ..whole });
         let refused = room(11, 14).unwrap_err().to_string();
-        assert!(refused.contains("14.8 MB") && refused.contains("14.0 MB are free"), "{refused}");
+        assert!(refused.contains("14.8 MB") && refused.contains("14.0 MB may be used"), "{refused}");
     }
 
     #[cfg(not(target_family = "wasm"))]

@@ -79,7 +79,7 @@ fn a_graph_whose_factor_fills_is_refused_before_it_is_factored() {
     let settings = BasisSettings { memory_bytes: Some(2_500_000), ..BasisSettings::new(10) };
     let refused = pencil.solve(&settings, &Task::new()).unwrap_err();
     assert!(matches!(refused, HarmonicsError::TooMany { .. }), "{refused}");
-    assert!(refused.to_string().contains("2.5 MB are free"), "{refused}");
+    assert!(refused.to_string().contains("2.5 MB may be used"), "{refused}");
 }
 
 #[test]

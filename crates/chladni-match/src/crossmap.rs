@@ -277,7 +277,7 @@ fn assemble(
     let mut warnings = Vec::new();
     if outside > 0 {
         warnings.push(format!(
-            "{outside} vertices lie outside the largest component of the shape: they got the closest point"
+            "vertices outside the largest component of the shape, which got the closest point: {outside}"
         ));
     }
     Ok(CrossMap { at, confidence, pose, warnings })

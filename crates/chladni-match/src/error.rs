@@ -110,7 +110,7 @@ pub enum MatchError {
         problem: &'static str,
     },
     /// A map through a sphere needs at least three landmarks.
-    #[error("{0} landmarks lie on both surfaces' largest components: the map needs three or more")]
+    #[error("landmarks on both surfaces' largest components: {0}, where the map needs three or more")]
     TooFewLandmarks(usize),
     /// A line of a landmark file cannot be read.
     #[error("landmark file, line {line}: {problem}")]

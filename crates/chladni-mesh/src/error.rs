@@ -47,11 +47,11 @@ pub enum MeshError {
         reason: String,
     },
     /// A name that no sample has.
-    #[error("sample:{name}: there is no such sample; there are {list}", list = known.join(", "))]
+    #[error("sample:{name}: there is no such sample; there are {list} and portrait", list = known.join(", "))]
     NoSample {
         /// The name.
         name: String,
-        /// Those that there are.
+        /// Those that there are, without `portrait`, which has sliders.
         known: &'static [&'static str],
     },
     /// A head whose sliders do not stand so.

@@ -155,6 +155,7 @@ mod tests {
         );
         let error = ShapeSource::named("sample:unicorn").load(None).unwrap_err().to_string();
         assert!(error.starts_with("sample:unicorn: there is no such sample; there are head, "), "{error}");
+        assert!(error.ends_with(" and portrait"), "{error}");
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("one.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
         let loaded = ShapeSource::named("one.obj").load(Some(folder.path())).unwrap();

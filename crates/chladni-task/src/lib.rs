@@ -1,6 +1,6 @@
 //! Progress and cancellation of long work, files that are written whole or not at all, files that are read
-//! whole up to a size limit, copies of unsaved work that outlive a crash, other programs that are started, and
-//! names in addresses.
+//! whole up to a size limit, copies of unsaved work that outlive a crash, other programs that are started, names in
+//! addresses, and numbers of things in words.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -24,6 +24,7 @@
 #![warn(clippy::missing_errors_doc)]
 
 mod atomic_file;
+mod counted;
 mod other_program;
 mod percent;
 mod progress;
@@ -34,6 +35,7 @@ pub use atomic_file::{
     Draft, create_folder, folder_of, persist, private_folder, temporary_beside, write_atomic,
     write_atomic_private, write_atomic_with, write_new,
 };
+pub use counted::counted;
 pub use other_program::{Needs, apart, other_program};
 pub use percent::percent_decoded;
 pub use progress::{Cancelled, Progress, Stage, Task};

@@ -40,9 +40,7 @@ pub enum ViewError {
     #[error("image: {0}")]
     Image(String),
     /// ffmpeg is needed for this film and is not on the PATH.
-    #[error(
-        "ffmpeg is not on the PATH: install it; only .gif, .png and folders of frames are written without it"
-    )]
+    #[error("ffmpeg is not on the PATH: install it")]
     NoFfmpeg,
     /// ffmpeg ended with an error.
     #[error("ffmpeg: {0}")]

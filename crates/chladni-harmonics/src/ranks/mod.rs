@@ -163,8 +163,9 @@ impl Body {
     /// of N.
     ///
     /// # Errors
-    /// [`HarmonicsError::NoRanks`] if MPI or slepc4py is missing, the requested ranks are impossible or their
-    /// folder has no room, [`HarmonicsError::RanksFailed`] if the ranks fail, and the errors of [`Body::build`].
+    /// [`HarmonicsError::NoRanks`] if MPI or slepc4py is missing or the requested ranks are impossible,
+    /// [`HarmonicsError::NoScratch`] if their folder has no room, [`HarmonicsError::RanksFailed`] if the ranks fail, and
+    /// the errors of [`Body::build`].
     pub fn solve_on_ranks(
         mesh: &TriMesh,
         operator: &Operator,
@@ -313,9 +314,8 @@ fn bytes_of(vertices: usize, entries: usize, harmonics: usize, is_shared: bool) 
 /// Refuses a folder without room for `bytes`: the ranks would find out after hours.
 fn check_room(folder: &Path, bytes: u64) -> Result<(), HarmonicsError> {
     check_folder(folder, bytes).map_err(|error| {
-        let size = memory::size(bytes);
-        let reason = format!("{}: {size} for the operator and the harmonics: {error}", folder.display());
-        HarmonicsError::NoRanks { reason }
+        let reason = format!("{} with the operator: {error}", memory::size(bytes));
+        HarmonicsError::NoScratch { folder: folder.to_owned(), reason }
     })
 }
 
@@ -399,8 +399,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert!(check_room(folder.path(), 1 << 20).is_ok());
         if cfg!(target_os = "linux") {
-            let refused = check_room(folder.path(), 1 << 60).unwrap_err().to_string();
-            assert!(refused.contains("GB for the operator"), "{refused}");
+            let refused = check_room(folder.path(), 1 << 60).unwrap_err();
+            assert!(matches!(refused, HarmonicsError::NoScratch { .. }));
+            assert!(refused.to_string().contains("GB with the operator"), "{refused}");
         }
         assert_eq!(scratch_of(&Ranks::here(1)), BasisSettings::default_scratch());
     }

@@ -19,7 +19,7 @@ mod text;
 use std::fmt;
 use std::path::Path;
 
-use chladni_task::read_file;
+use chladni_task::{counted, read_file};
 
 use beside::{Beside, read_within};
 
@@ -74,16 +74,25 @@ impl fmt::Display for Mended {
                 write!(f, "read as {format}, which its content is, not as its name says")
             }
             Self::Colors(count) => {
-                write!(f, "{count} vertex colors were missing or not numbers: set to white")
+                let were = counted(*count, "vertex color was", "vertex colors were");
+                write!(f, "{were} missing or not numbers: set to white")
             }
-            Self::ShortFaces(count) => write!(f, "{count} faces have fewer than three corners: left out"),
+            Self::ShortFaces(count) => {
+                let have = counted(*count, "face has", "faces have");
+                write!(f, "{have} fewer than three corners: left out")
+            }
             Self::FoldedFans(count) => write!(
                 f,
-                "{count} faces cross themselves, or are not convex and have more than {MOST_CORNERS} corners: their \
-                 triangles overlap"
+                "faces that cross themselves, or are not convex and have more than {MOST_CORNERS} corners, whose \
+                 triangles overlap: {count}"
             ),
-            Self::Uvs(count) => write!(f, "{count} texture coordinates were unusable: left out"),
-            Self::TrailingBytes(count) => write!(f, "{count} bytes after the end of the data: ignored"),
+            Self::Uvs(count) => {
+                let were = counted(*count, "texture coordinate was", "texture coordinates were");
+                write!(f, "{were} unusable: left out")
+            }
+            Self::TrailingBytes(count) => {
+                write!(f, "{} after the end of the data: ignored", counted(*count, "byte", "bytes"))
+            }
             Self::LeftOut(what) => write!(f, "left out: {what}"),
             Self::MissingFile(name, reason) => write!(f, "{name} could not be read ({reason}): done without"),
         }

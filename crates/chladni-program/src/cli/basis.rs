@@ -9,7 +9,7 @@ use chladni_harmonics::{
     RanksReport,
 };
 use chladni_mesh::weld;
-use chladni_task::Task;
+use chladni_task::{Task, counted};
 use serde::Serialize;
 
 use super::Terminal;
@@ -41,7 +41,7 @@ pub struct Args {
     #[arg(long)]
     threads: Option<usize>,
     /// Memory in GB that the solve may take [default: what is free]. What does not fit is kept in --scratch.
-    #[arg(long, value_name = "GB", value_parser = gigabytes)]
+    #[arg(long, value_name = "GB", allow_negative_numbers = true, value_parser = gigabytes)]
     memory: Option<f64>,
     /// The folder for harmonics that do not fit in memory, and for what passes between the ranks of --engine slepc,
     /// which all hosts must share [default: the folder that TMPDIR names, else /var/tmp].
@@ -259,8 +259,8 @@ impl Args {
             });
         }
         terminal.result(format_args!(
-            "{} harmonics of {} vertices ({} Laplacian{}) in {:.2} s{}{}; residual {:.1e}, orthogonality {:.1e}, {}",
-            basis.harmonics(),
+            "{} of {} vertices ({} Laplacian{}) in {:.2} s{}{}; residual {:.1e}, orthogonality {:.1e}, {}",
+            counted(basis.harmonics(), "harmonic", "harmonics"),
             basis.vertices(),
             certificate.laplacian,
             report.cover.map_or_else(String::new, |cover| format!(": {cover}")),

@@ -15,6 +15,7 @@ use super::choice::one_of;
 use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
+use crate::work::formats::is_project;
 use crate::work::{Error, OWN_COLORS, Piece, Warning, Watcher, blur, cautions, resolve, resolve_looks};
 
 /// Film a shape that dances to a song.
@@ -56,13 +57,13 @@ pub struct Dance {
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
     size: Size,
     /// Frames per second: a number, or a fraction such as 30000/1001.
-    #[arg(long, default_value = "30")]
+    #[arg(long, default_value = "30", allow_negative_numbers = true)]
     fps: Fps,
     /// Where in the song, or in the show, to begin, in seconds.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     start: f64,
     /// How much of it, in seconds; all unless given.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Seed of all that is random: the reactions to the beat and, without preset, a mapping bred from the
     /// gallery of this seed instead of the direct one. A show has its own.
@@ -90,10 +91,10 @@ pub struct Dance {
     #[arg(long, value_parser = one_of(CHOIRS))]
     choir: Option<Choir>,
     /// How strongly it moves, 0 to 20. This and all such options hold throughout a show, whatever it does with them.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     gain: Option<f32>,
     /// One µ for all dances, 0 to 1, instead of each one's own.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     mu: Option<f32>,
     /// Turn any knob or switch of the window, by the name that it has over OSC, such as decay=0.7,
     /// beat-turns=off, form=modal or harmonics=128.
@@ -203,6 +204,10 @@ impl Dance {
         if json {
             return terminal.json(&report);
         }
+        if let Some(folder) = output.film.as_deref().filter(|_| output.is_folder && report.made_nothing()) {
+            terminal.note(format_args!("{} is there already", folder.display()));
+            return Ok(());
+        }
         let sound = output.animation.as_deref().map(film::sound_beside);
         let made = [&output.presets, &output.film, &output.animation, &sound, &output.coefficients];
         for path in made.into_iter().flatten() {
@@ -304,6 +309,7 @@ impl Dance {
     /// The film of the show at `path`, with the shape and the song of the arguments in the place of its own where they are
     /// given.
     fn film_of_show(&self, path: &Path, output: Output, terminal: &Terminal) -> Result<Film, Error> {
+        check_no_project(path)?;
         let mut show = Show::load(path).map_err(|error| in_file(path, error))?;
         for caution in cautions(&show) {
             terminal.note(format_args!("{}: {caution}", path.display()));
@@ -383,7 +389,10 @@ impl Dance {
 
     /// How it begins where no show says it.
     fn beginning(&self) -> Result<Beginning, Error> {
-        let load = |path: &Path| Preset::load(path).map_err(|error| in_file(path, error));
+        let load = |path: &Path| {
+            check_no_project(path)?;
+            Preset::load(path).map_err(|error| in_file(path, error))
+        };
         let preset = self.preset.as_deref().map(load).transpose()?;
         Ok(Beginning { preset, seed: self.seed, gallery: self.gallery, ..Beginning::default() })
     }
@@ -403,6 +412,15 @@ fn colorings() -> impl Iterator<Item = (&'static str, Coloring)> {
 
 const BACKENDS: [(&str, Backend); 3] =
     [("auto", Backend::Auto), ("cpu", Backend::Cpu), ("gpu", Backend::Gpu)];
+
+/// Refuses a caricature in the place of a show or a preset, whose format versions are others.
+fn check_no_project(path: &Path) -> Result<(), Error> {
+    if !is_project(path) {
+        return Ok(());
+    }
+    let path = path.display();
+    Err(Error::Input(format!("{path}: is a caricature: give it as MESH (dance {path} SONG)")))
+}
 
 fn in_file(path: &Path, error: chladni_music::MusicError) -> Error {
     match error {

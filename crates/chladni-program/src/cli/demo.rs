@@ -12,6 +12,7 @@ use super::ink::InkOptions;
 use super::portrait::{self, Portrait};
 use super::sheet::SheetOptions;
 use crate::work::film::{self, Beginning, Film, Output};
+use crate::work::outputs::check_folders;
 use crate::work::source::{self, TUNE};
 use crate::work::{Error, Watcher, body, make};
 
@@ -38,6 +39,7 @@ impl Demo {
     /// Makes everything, and prints the files and the commands for them.
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = &self.output;
+        check_folders(folder)?;
         chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
         caricature(folder, terminal)?;
         dance(folder, &CLIP, terminal)?;
@@ -69,7 +71,9 @@ fn caricature(folder: &Path, terminal: &Terminal) -> Result<(), Error> {
     terminal.wrote(&out)?;
     let (portrait, sheet, ink) = (Portrait::default(), SheetOptions::default(), InkOptions::default());
     // The sample has no colors of its own.
-    portrait::render(&mut made, &name, None, &project, &picture, &portrait, &sheet, &ink, terminal)?;
+    let from = portrait.camera(&name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
+    let view = (from, portrait.size());
+    portrait::render(&mut made, None, &project, &picture, view, &sheet, &ink, terminal)?;
     terminal.wrote(&picture)
 }
 

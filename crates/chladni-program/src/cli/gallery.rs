@@ -6,7 +6,7 @@ use std::str::FromStr;
 use chladni_caricature::{
     GALLERY_SIZE, Group, Layer, Portrait as Drawn, Sitter, Variant, VariantGallery, surprise,
 };
-use chladni_task::{Task, write_atomic};
+use chladni_task::{Task, counted, write_atomic};
 use chladni_view::Camera;
 
 use super::Terminal;
@@ -141,7 +141,8 @@ fn described(sitter: &Sitter, variant: &Variant, drawn: &Drawn) -> String {
         String::new()
     };
     let mu = drawn.layers.first().map_or(0.0, |layer| layer.mu);
-    format!("{}, μ = {mu:.2}{held}, {} triangles folded", sitter.title(variant), drawn.folded)
+    let folded = counted(drawn.folded, "triangle", "triangles");
+    format!("{}, μ = {mu:.2}{held}, {folded} folded", sitter.title(variant))
 }
 
 #[cfg(test)]

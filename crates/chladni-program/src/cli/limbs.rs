@@ -4,6 +4,7 @@ use chladni_caricature::{Limbs, Painted};
 use chladni_harmonics::Laplacian;
 use chladni_harmonics::npz::write_npz;
 use chladni_mesh::TriMesh;
+use chladni_task::counted;
 use serde::Serialize;
 
 use super::Terminal;
@@ -75,9 +76,8 @@ pub fn region(
     let count = found.parts.len();
     match wanted.iter().find(|part| **part >= count) {
         Some(part) => {
-            let why =
-                format_args!("{name} has {count} parts at level {level}, from 0 on: there is no {part}");
-            Err(Error::input(why))
+            let parts = counted(count, "part", "parts");
+            Err(Error::Input(format!("{name} has {parts} at level {level}, from 0 on: there is no {part}")))
         }
         None => Ok(found.painted(wanted)),
     }

@@ -8,7 +8,7 @@ use super::Terminal;
 use super::choice::one_of;
 use super::frames::Size;
 use crate::window::{self, Live, SetOutput, SetTarget, Until};
-use crate::work::outputs::{check_apart, check_film};
+use crate::work::outputs::{check_apart, check_ffmpeg, check_file};
 use crate::work::{Error, Watcher};
 
 /// Open the window, on files where some are given.
@@ -22,7 +22,8 @@ pub struct Open {
     live: Option<Option<String>>,
     /// Close by itself after this many seconds of a song, and print as JSON how the frames came and
     /// whether the sound kept in step.
-    #[arg(long, value_name = "SECS", value_parser = seconds, requires = "files")]
+    #[arg(long, value_name = "SECS", value_parser = seconds, requires = "files",
+        allow_negative_numbers = true)]
     measure: Option<f64>,
     /// Close as soon as the shape is on screen, and print as JSON how many seconds that took.
     #[arg(long, requires = "files", conflicts_with = "measure")]
@@ -74,7 +75,8 @@ impl Open {
             return Err(Error::input(format!("{}: a set is recorded as an .mp4", path.display())));
         } else {
             // A window would play the whole set before anybody sees that none of it is recorded.
-            check_film(path)?;
+            check_file(path)?;
+            check_ffmpeg().map_err(|why| Error::from(why).of(path.display()))?;
             check_apart(path, &self.files.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
             SetTarget::Film(path.clone())
         };

@@ -83,20 +83,17 @@ fn pixels(text: &str) -> Result<[u32; 2], Error> {
 }
 
 /// Draws the panels that `sheet` asks for; the shape before and after, side by side, where it asks
-/// for none. The shape is called `name` and has its `own` look except in ink.
+/// for none. The picture is of this size and seen from where `from` stands; the shape has its `own` look except in ink.
 pub fn render(
     made: &mut Made,
-    name: &str,
     own: Option<&OwnLook>,
     project: &Project,
     path: &Path,
-    portrait: &Portrait,
+    (from, size): (Camera, [u32; 2]),
     sheet: &SheetOptions,
     ink: &InkOptions,
     terminal: &Terminal,
 ) -> Result<(), Error> {
-    let from = portrait.camera(name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
-    let size = portrait.size();
     let rows = if sheet.show.is_empty() && sheet.sweep.is_empty() {
         None
     } else {

@@ -6,6 +6,7 @@ use chladni_harmonics::Body;
 use chladni_mesh::Orientation;
 use chladni_mesh::surface::vec3::single;
 use chladni_music::{Class, Symmetry, SymmetryMethod};
+use chladni_task::counted;
 use chladni_view::{
     Camera, ColorMap, Device, Marker, PictureRequest, PictureShape, Rect, Renderer, Scale, Style, View,
     layout, render_placed,
@@ -79,11 +80,11 @@ impl SymmetryCommand {
         }
         let count = |class| symmetry.classes.iter().filter(|c| **c == class).count();
         terminal.result(format_args!(
-            "{} symmetric, {} antisymmetric, {} undecided of {} harmonics",
+            "{} symmetric, {} antisymmetric, {} undecided of {}",
             count(Class::Symmetric),
             count(Class::Antisymmetric),
             count(Class::Undecided),
-            symmetry.classes.len()
+            counted(symmetry.classes.len(), "harmonic", "harmonics")
         ))?;
         match (report.mirror_normal, report.mirror_misfit) {
             (Some([x, y, z]), Some(misfit)) => terminal.result(format_args!(

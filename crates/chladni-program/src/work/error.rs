@@ -117,8 +117,8 @@ impl Error {
             Self::Input(_) => true,
             Self::Mesh(_) | Self::Match(_) | Self::Caricature(_) | Self::Music(_) => true,
             Self::Harmonics(error) => {
-                use HarmonicsError::{NotCertified, RanksFailed, Threads};
-                !matches!(error, NotCertified { .. } | RanksFailed { .. } | Threads(_))
+                use HarmonicsError::{NoScratch, NotCertified, RanksFailed, Threads};
+                !matches!(error, NotCertified { .. } | NoScratch { .. } | RanksFailed { .. } | Threads(_))
             }
             Self::Sound(error) => !matches!(error, SoundError::Write { .. } | SoundError::Device { .. }),
             Self::Cancelled
@@ -242,6 +242,8 @@ mod tests {
         assert!(bad.is_of_input() && bad.to_string().starts_with("a.obj: "));
         let doubtful = Error::from(HarmonicsError::NotCertified { reason: String::new() }).of("a.obj");
         assert!(!doubtful.is_of_input());
+        let full = HarmonicsError::NoScratch { folder: "/tmp".into(), reason: "no room".into() };
+        assert!(!Error::from(full).is_of_input());
         assert!(!Error::unsaved(Error::input("disk full")).is_of_input());
     }
 }

@@ -2,6 +2,7 @@
 
 use chladni_harmonics::{CoverReport, HarmonicsError};
 use chladni_mesh::{HealthReport, Topology};
+use chladni_task::counted;
 
 /// A name and what is said of it.
 pub type HealthRow = (&'static str, String);
@@ -67,12 +68,11 @@ fn digits(value: f64, scale: f64) -> String {
 
 /// A topology in words, the good news short.
 fn described(topology: &Topology) -> String {
-    let count = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
     let mut words = vec![
-        count(topology.components, "component", "components"),
+        counted(topology.components, "component", "components"),
         match topology.boundary_loops {
             0 => "closed".to_owned(),
-            loops => count(loops, "boundary loop", "boundary loops"),
+            loops => counted(loops, "boundary loop", "boundary loops"),
         },
     ];
     for (n, one, many) in [
@@ -81,7 +81,7 @@ fn described(topology: &Topology) -> String {
         (topology.misoriented_edges, "wrongly oriented edge", "wrongly oriented edges"),
     ] {
         if n > 0 {
-            words.push(count(n, one, many));
+            words.push(counted(n, one, many));
         }
     }
     if let Some(genus) = topology.genus {

@@ -70,18 +70,36 @@ pub fn check_folder(path: &Path) -> Result<(), Error> {
     }
 }
 
+/// Checks that a folder can be made at `path`, with those around it, and be written into.
+///
+/// # Errors
+/// As [`check_folder`] does for the innermost folder that is there.
+pub fn check_folders(path: &Path) -> Result<(), Error> {
+    check_folder(path.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new(".")))
+}
+
 /// Checks that a film can be written at `path`: a file, or frames into a folder.
 ///
 /// # Errors
-/// As [`check_file`] does, and an MP4 where there is no ffmpeg.
-pub fn check_film(path: &Path) -> Result<(), Error> {
+/// As [`check_file`] does, and [`Error::Other`] for an MP4 where there is no ffmpeg, with `others` that need none.
+pub fn check_film(path: &Path, others: &str) -> Result<(), Error> {
     match FilmFormat::of(path).map_err(Error::input)? {
         FilmFormat::Frames => check_folder(path),
-        FilmFormat::Mp4 if !ffmpeg_is_there() => {
-            Err(Error::Input(format!("{}: {}", path.display(), ViewError::NoFfmpeg)))
+        FilmFormat::Mp4 => {
+            check_file(path)?;
+            let advised = |why: ViewError| Error::other(format!("{why}; {others} need none"));
+            check_ffmpeg().map_err(|why| advised(why).of(path.display()))
         }
-        _ => check_file(path),
+        FilmFormat::Gif | FilmFormat::Apng => check_file(path),
     }
+}
+
+/// Checks that ffmpeg can be started.
+///
+/// # Errors
+/// [`ViewError::NoFfmpeg`].
+pub fn check_ffmpeg() -> Result<(), ViewError> {
+    if ffmpeg_is_there() { Ok(()) } else { Err(ViewError::NoFfmpeg) }
 }
 
 /// A warning where a folder has frames of a longer film, which stay behind those of one of `frames` frames.

@@ -34,7 +34,7 @@ pub fn from_anywhere(path: &Path) -> PathBuf {
 /// Reads a mesh file, or makes a sample; warns of repairs.
 ///
 /// # Errors
-/// [`Error::Mesh`], which names it.
+/// [`Error::Mesh`], which names it, and [`Error::Input`] for `sample:tune`.
 pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Error> {
     Ok(loaded(source, watcher)?.mesh)
 }
@@ -44,6 +44,9 @@ pub fn shape(source: &ShapeSource, watcher: &impl Watcher) -> Result<TriMesh, Er
 /// # Errors
 /// As [`shape`] does.
 pub fn loaded(source: &ShapeSource, watcher: &impl Watcher) -> Result<Loaded, Error> {
+    if source.to_string() == TUNE {
+        return Err(Error::Input(format!("{TUNE}: is a song, not a shape")));
+    }
     let loaded = watcher.watch("reading the mesh", |_| source.load(None))?;
     warn_of_repairs(source, &loaded, watcher);
     Ok(loaded)

@@ -54,6 +54,17 @@ fn a_picture_keeps_colors_stands_as_told_and_uses_its_format() {
 }
 
 #[test]
+fn doubts_about_how_a_shape_stands_are_said_once() {
+    let desk = Desk::new();
+    save_mesh(&samples::sample("ring").unwrap(), &desk.path("ring.ply")).unwrap();
+    let line = "caricature ring.ply ellipsoid -k 8 --size 32x32 --render out.png --turntable out.gif --turn-secs 0.1";
+    let output = desk.run(line);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{said}");
+    assert_eq!(said.matches("in doubt").count(), 1, "{said}");
+}
+
+#[test]
 fn panels_and_turntables_show_the_colors_or_the_texture_of_the_shape() {
     let desk = Desk::new();
     let mut mesh = lump(1.0);

@@ -102,6 +102,26 @@ fn without_mpi_one_line_says_what_to_install() {
     Run { output }.refused("scripts/setup --mpi");
 }
 
+#[test]
+fn without_ffmpeg_each_command_says_what_it_makes_without_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (film, mesh) = (folder.path().join("film.mp4"), folder.path().join("mesh.obj"));
+    std::fs::write(&mesh, OCTAHEDRON).unwrap();
+    for (arguments, others) in [
+        (&["dance", "sample:octopus", "sample:tune", "-o"][..], Some(".glb")),
+        (&["caricature", text(&mesh), "ellipsoid", "--turntable"], Some(".gif")),
+        (&["open", "sample:octopus", "-o"], None),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_chladni"));
+        let output = command.args(arguments).arg(&film).env("PATH", "").output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains("film.mp4: ffmpeg is not on the PATH: install it"), "{message}");
+        assert_eq!(message.contains("need none"), others.is_some(), "{message}");
+        assert!(others.is_none_or(|others| message.contains(others)), "{message}");
+    }
+}
+
 /// `scripts/rust` takes the first Rust that is as new as Cargo.toml asks for: a distribution's, else rustup's own.
 #[cfg(target_os = "linux")]
 #[test]

@@ -204,3 +204,35 @@ fn settings_are_refused_by_name_by_value_and_by_range() {
         Run::of(&["dance", "sample:cat", "sample:tune", option, value, "-o", "never.mp4"]).refused(option);
     }
 }
+
+#[test]
+fn numbers_below_zero_are_refused_by_their_own_ranges() {
+    let dance = ["dance", "sample:cat", "sample:tune", "-o", "never.gif"];
+    for (option, why) in [("--gain", "--gain: "), ("--mu", "--mu: "), ("--start", "must not be negative")] {
+        Run::of(&[&dance[..], &[option, "-1"]].concat()).refused(why);
+    }
+    Run::of(&["spectrum", "sample:tune", "--json", "--start", "-1"]).refused("must not be negative");
+    Run::of(&["parts", "sample:head", "--level", "-0.5"]).refused("a number from 0 to 1");
+    let drawn = ["caricature", "sample:bell", "ellipsoid", "-o", "never.obj", "--render", "never.svg"];
+    Run::of(&[&drawn[..], &["--ink-detail", "-1"]].concat()).refused("a number from 0 to 10");
+    // A whole number is none, and `--` would not make it one.
+    let run = Run::of(&["basis", "sample:bell", "-k", "-3"]);
+    run.refused("-3");
+    assert!(!run.stderr().contains("tip"), "{}", run.stderr());
+}
+
+#[test]
+fn what_stands_in_the_place_of_something_else_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let [project, file, gif] = ["p.chladni", "file", "never.gif"].map(|name| folder.path().join(name));
+    let [project, file, gif] = [&project, &file, &gif].map(|path| text(path));
+    Run::of(&["project", "new", "sample:bell", "-k", "8", "-o", project]).succeeded();
+    Run::of(&["dance", "--show", project, "-o", gif]).refused("is a caricature: give it as MESH");
+    Run::of(&["dance", "sample:cat", "sample:tune", "--preset", project, "-o", gif])
+        .refused("is a caricature: give it as MESH");
+    Run::of(&["dance", "sample:tune", "sample:bell", "-o", gif])
+        .refused("sample:tune: is a song, not a shape");
+    Run::of(&["dance", "sample:cat", "sample:tune", "-o", "never.mkv"]).refused("for a folder use --frames");
+    std::fs::write(file, "").unwrap();
+    Run::of(&["demo", "-o", file]).refused("is a file");
+}

@@ -268,6 +268,26 @@ fn a_report_is_about_the_frames_that_were_made() {
 }
 
 #[test]
+fn frames_that_are_all_there_are_not_said_to_be_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("frames");
+    let made = || {
+        let film = ["--quiet", "dance", "sample:octopus", "sample:tune", "-k", "16", "--duration", "0.2"];
+        let drawn = ["--fps", "5", "--size", "64x48", "--draw", "cpu", "--resume", "--frames"];
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_chladni"))
+            .args([&film[..], &drawn].concat())
+            .arg(&frames)
+            .output()
+            .unwrap();
+        [output.stdout, output.stderr].map(|said| String::from_utf8(said).unwrap())
+    };
+    let [wrote, said] = made();
+    assert!(wrote.starts_with("wrote ") && said.contains("1 frame in"), "{wrote}{said}");
+    let [wrote, said] = made();
+    assert!(wrote.is_empty() && said.contains("frames is there already"), "{wrote}{said}");
+}
+
+#[test]
 fn a_folder_of_pictures_may_have_any_name() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["2024.05.01", "take.png", "take.mp4"] {

@@ -25,7 +25,7 @@ fn what_was_found_in_a_file_is_said_where_its_vertices_are_counted() {
         description.is_some_and(|description| description.contains(text))
     };
     person.wait("the report", |window| is_said(window, "1 non-manifold edge"));
-    assert!(is_said(&person.0, "mended: 1 faces have fewer than three corners"));
+    assert!(is_said(&person.0, "mended: 1 face has fewer than three corners"));
     // It waits until it is asked for.
     assert!(!person.sees("non-manifold"));
     control(&person.0, "vertices").hover();

@@ -9,7 +9,7 @@ use chladni_mesh::{Format, ShapeSource};
 
 use super::{Caricature, made_on, one};
 use crate::cli::Terminal;
-use crate::work::outputs::{check_apart, check_folder, is_one_place, mesh_format};
+use crate::work::outputs::{check_apart, check_folders, is_one_place, mesh_format};
 use crate::work::{Error, Warning, Watcher};
 
 impl Caricature {
@@ -26,7 +26,7 @@ impl Caricature {
         let piece = piece.start as usize..piece.end as usize;
         let (shapes, planned) = (&shapes[piece.clone()], &planned[piece]);
         let folders = [Some(results), self.render.as_ref()].into_iter().flatten();
-        folders.clone().try_for_each(|folder| check_folder(nearest_there(folder)))?;
+        folders.clone().try_for_each(|folder| check_folders(folder))?;
         let from = made_on(&mut project, terminal)?;
         for folder in folders {
             chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
@@ -128,11 +128,6 @@ impl Caricature {
         }
         Ok(planned)
     }
-}
-
-/// The folder at `path`, or the nearest above it that is there.
-fn nearest_there(path: &Path) -> &Path {
-    path.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."))
 }
 
 /// `STEM.EXTENSION` in `folder`; the stem may hold dots.

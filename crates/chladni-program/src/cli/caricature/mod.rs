@@ -10,6 +10,7 @@ use chladni_caricature::{
     Base, Crossings, DEFAULT_HARMONICS, Project, Resolution, ShapeSource, Stack, Template,
 };
 use chladni_mesh::{Format, TriMesh};
+use chladni_task::counted;
 
 use super::Terminal;
 use super::gallery::GalleryOptions;
@@ -152,7 +153,7 @@ impl Caricature {
         }
         self.portrait.check()?;
         if let Some(film) = &self.turntable.turntable {
-            check_film(film)?;
+            check_film(film, ".gif, .png and folders of pictures")?;
         }
         self.render.as_deref().map_or(Ok(()), check_drawing)?;
         let files = [&self.output, &self.render, &self.turntable.turntable];
@@ -344,20 +345,24 @@ fn draw(
     terminal: &Terminal,
 ) -> Result<(), Error> {
     let Pictures { path, turntable, portrait, sheet, ink } = pictures;
+    if path.is_none() && turntable.turntable.is_none() {
+        return Ok(());
+    }
     // Ink has colors of its own.
     let is_colored =
         path.is_some_and(|path| !ink.wanted(path)) || (turntable.turntable.is_some() && !ink.is_asked_for());
     let Sculpture { subject, body, .. } = &made.sculpture;
     let look = if is_colored { OwnLook::of_subject(name, subject, body, terminal) } else { None };
     let look = look.as_ref();
+    // One for both: doubts about how the shape stands are said once.
+    let from = portrait.camera(name, &subject.mesh, project.stands, made.stands, terminal)?;
+    let size = portrait.size();
     if let Some(path) = path {
-        portrait::render(made, name, look, project, path, portrait, sheet, ink, terminal)?;
+        portrait::render(made, look, project, path, (from, size), sheet, ink, terminal)?;
         terminal.wrote(path)?;
     }
     if let Some(path) = &turntable.turntable {
-        let from =
-            portrait.camera(name, &made.sculpture.subject.mesh, project.stands, made.stands, terminal)?;
-        turntable.film(path, &made.sculpture, look, from, portrait.size(), ink, terminal)?;
+        turntable.film(path, &made.sculpture, look, from, size, ink, terminal)?;
         terminal.wrote(path)?;
     }
     Ok(())
@@ -375,11 +380,12 @@ fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
         let folded = layer.folds(stack.surface());
         let name = &layer.name;
         let by = farthest / sculpture.body.frame.scale;
-        terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} triangles folded"))?;
+        let folded = counted(folded, "triangle", "triangles");
+        terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} folded"))?;
         if let Some(kept) = &layer.kept {
-            let (share, crossing) = (100.0 * kept.share, kept.crossing);
+            let (share, crossing) = (100.0 * kept.share, counted(kept.crossing, "triangle", "triangles"));
             terminal.result(format_args!(
-                "{name}: keeps {share:.0} % of its movement, {crossing} triangles newly crossing"
+                "{name}: keeps {share:.0} % of its movement, {crossing} newly crossing"
             ))?;
         }
     }
@@ -389,7 +395,8 @@ fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
         found.map(|found| found.len())
     };
     let (now, before) = (crossing(&sculpture.evaluation.result)?, crossing(stack.original())?);
-    terminal.result(format_args!("{now} triangles pass through others ({before} did before)"))
+    let now = counted(now, "triangle passes", "triangles pass");
+    terminal.result(format_args!("{now} through others ({before} did before)"))
 }
 
 /// The recipe for `mesh`, which is called `name`; warns if the two shapes hardly match.

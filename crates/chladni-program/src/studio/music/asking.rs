@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use chladni_music::ItemId;
+use chladni_task::counted;
 
 use super::MusicRoom;
 use super::lineage;
@@ -111,7 +112,8 @@ impl MusicRoom {
             }
             Then::ImportBindings => {
                 let count = self.drawers.remote.import(first)?;
-                shared.notices.done(format!("{count} bindings of {}", first.display()));
+                let bindings = counted(count, "binding", "bindings");
+                shared.notices.done(format!("{bindings} of {}", first.display()));
             }
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use chladni_task::counted;
 use chladni_view::{ViewError, ffmpeg_is_there};
 
 use super::MusicRoom;
@@ -115,11 +116,10 @@ impl MusicRoom {
         let set = recorder.set();
         concert.outgoing.recorder = None;
         concert.outgoing.recorded.extend(set.filter(|_| ended.is_ok()));
-        match ended {
-            Ok(frames) if left_out == 0 => shared.notices.done(format!("Recorded {path}: {frames} frames")),
+        match ended.map(|frames| counted(frames, "frame", "frames")) {
+            Ok(frames) if left_out == 0 => shared.notices.done(format!("Recorded {path}: {frames}")),
             Ok(frames) => {
-                let message =
-                    format!("Recorded {path}: {frames} frames, of which {left_out} repeat the one before");
+                let message = format!("Recorded {path}: {frames}, of which {left_out} repeat the one before");
                 shared.notices.warn(message);
             }
             Err(why) => {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_music::GALLERY_SIZES;
 use chladni_synth::Backend;
+use chladni_task::counted;
 use chladni_view::film::{RawFormat, frame_path};
 use chladni_view::{Draw, FilmFormat, FilmSettings, FrameRate, Samples};
 
@@ -125,9 +126,9 @@ impl Output {
     pub(super) fn range(&self, total: u64) -> Result<Range<u64>, Error> {
         let Range { start, end } = match &self.piece {
             None => 0..total,
-            Some(piece) => piece
-                .frames(total)
-                .ok_or_else(|| Error::Input(format!("--piece: the film has {total} frames")))?,
+            Some(piece) => piece.frames(total).ok_or_else(|| {
+                Error::Input(format!("--piece: the film has {}", counted(total, "frame", "frames")))
+            })?,
         };
         if self.kept().is_some() {
             return Ok(end..end);
@@ -156,7 +157,8 @@ impl Output {
                 audio: None,
             };
             settings.check_for(format).map_err(Error::input)?;
-            if self.is_folder { check_folder(path) } else { check_film(path) }?;
+            let others = ".gif, .png, .glb, --frames and -o -";
+            if self.is_folder { check_folder(path) } else { check_film(path, others) }?;
         }
         if let Some(path) = &self.animation {
             if !(1..=MOST_TARGETS).contains(&self.targets) {
@@ -176,17 +178,17 @@ impl Output {
         if self.is_folder {
             return Ok(FilmFormat::Frames);
         }
-        match FilmFormat::of(path).map_err(Error::input)? {
-            FilmFormat::Frames => {
+        match FilmFormat::of(path) {
+            Err(_) | Ok(FilmFormat::Frames) => {
                 let path = path.display();
                 Err(Error::Input(format!(
                     "{path}: a film ends in .mp4, .gif or .png; for a folder use --frames"
                 )))
             }
-            FilmFormat::Gif if self.piece.is_some() => Err(Error::input(
+            Ok(FilmFormat::Gif) if self.piece.is_some() => Err(Error::input(
                 "--piece: a GIF has one palette for all frames: use --frames, -o -, or .mp4",
             )),
-            format => Ok(format),
+            Ok(format) => Ok(format),
         }
     }
 

@@ -1,5 +1,6 @@
 //! The result of a film, and where the time went.
 
+use chladni_task::counted;
 use chladni_view::Samples;
 use serde::Serialize;
 
@@ -64,6 +65,11 @@ pub struct Report {
 }
 
 impl Report {
+    /// Whether no frame was left to make.
+    pub fn made_nothing(&self) -> bool {
+        self.frames == 0
+    }
+
     /// The device that drew and its samples a pixel, if it is a processor rather than a graphics card.
     pub fn drawn_by_processor(&self) -> Option<(&str, Samples)> {
         self.device.as_deref().zip(self.by_processor)
@@ -84,9 +90,9 @@ impl std::fmt::Display for Report {
         }
         write!(
             f,
-            "{} frames in {:.1} s: reading {:.1}, harmonics {:.1}, beats {:.1}, spectra {:.1}, mapping {:.2}, \
+            "{} in {:.1} s: reading {:.1}, harmonics {:.1}, beats {:.1}, spectra {:.1}, mapping {:.2}, \
              synthesis {:.1}, normals {:.1}, drawing {:.1}, flash guard {:.1}, waiting for the encoder {:.1}",
-            self.frames,
+            counted(self.frames, "frame", "frames"),
             s.total,
             s.reading,
             s.preparing,
