@@ -488,6 +488,11 @@ impl SongReader {
 fn probe(name: &str, source: &SharedSource) -> Result<Box<dyn FormatReader>, SoundError> {
     let mut source = source.clone();
     let start = look_at_start(name, &mut source)?;
+    if start.starts_with(b"RF64") {
+        // The probe does not know it, and might take some of its samples for another kind of file.
+        let reason = "an RF64 file, a WAV of more than 4 GiB: convert it to FLAC".to_owned();
+        return Err(SoundError::Unrecognized { name: name.to_owned(), reason });
+    }
     let stream = MediaSourceStream::new(Box::new(source), Default::default());
     // No hint is given: the first bytes of a file are more reliable than its name.
     symphonia::default::get_probe()

@@ -99,6 +99,14 @@ fn absurd_headers_are_errors() {
 }
 
 #[test]
+fn a_wav_file_of_more_than_4_gib_is_refused_by_its_kind() {
+    let mut bytes = wav_header(8_000, 2, u32::MAX);
+    bytes[..4].copy_from_slice(b"RF64");
+    let error = read_bytes("long.wav", bytes).expect_err("its sizes are not read");
+    assert!(matches!(&error, SoundError::Unrecognized { reason, .. } if reason.contains("RF64")), "{error}");
+}
+
+#[test]
 fn a_header_that_promises_hours_takes_no_memory() {
     // The header states two and a half hours of 48 kHz stereo; the file holds two seconds.
     let song = read_bytes("promise.wav", wav_header(48_000, 2, u32::MAX - 64)).unwrap();

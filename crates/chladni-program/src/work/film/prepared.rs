@@ -192,24 +192,23 @@ impl Prepared {
         animation: Option<&Animation>,
         watcher: &impl Watcher,
     ) -> Result<Option<Approximation>, Error> {
-        let approximation = match (&output.animation, animation) {
-            (Some(path), Some(animation)) => {
-                let approximation = watcher.watch("writing the morph targets", |task| {
-                    animation.write(path, &self.mesh, &self.body, output.rate, output.targets, task)
-                })?;
-                save_sound(&sound_beside(path), &self.songs)?;
-                Some(approximation)
-            }
-            _ => None,
+        let animated = output.animation.as_deref().zip(animation);
+        let write = |(path, animation): (&Path, &Animation)| {
+            watcher.watch("writing the morph targets", |task| {
+                animation.write(path, &self.mesh, &self.body, output.rate, output.targets, task)
+            })
         };
-        if let Some(folder) = output.folder() {
-            save_sound(&sound_in(folder), &self.songs)?;
-        }
+        let approximation = animated.map(write).transpose()?;
         if let Some(path) = &output.coefficients {
             done.recording.write(path).map_err(|error| Error::unwritten(path, error))?;
         }
         if let Some(folder) = &output.presets {
             save_presets(folder, self.performance.instrument())?;
+        }
+        // Last: it is the largest, and where it does not fit on the disk, nothing else is missing.
+        let beside = animated.map(|(path, _)| sound_beside(path));
+        for path in beside.into_iter().chain(output.folder().map(sound_in)) {
+            save_sound(&path, &self.songs)?;
         }
         Ok(approximation)
     }
