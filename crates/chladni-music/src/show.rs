@@ -139,7 +139,8 @@ impl Show {
         )
     }
 
-    /// Reads the text of a show file, or of a session of version 1.
+    /// Reads the text of a show file, or of a session of version 1. A viewpoint out of all bounds is replaced by the
+    /// default.
     ///
     /// # Errors
     /// Text that is neither, with its line; a newer format version; a value out of its range.
@@ -173,6 +174,10 @@ impl Show {
         }
         show.beginning = show.beginning.of_a_show();
         show.read_from_version = version;
+        // From there nothing is seen: no reason to refuse all the rest.
+        if !show.viewpoint.is_sound() {
+            show.viewpoint = Viewpoint::default();
+        }
         show.validate()?;
         Ok(show)
     }
@@ -237,11 +242,6 @@ impl Show {
         }
         if !self.harmonics.is_none_or(|k| (1..=crate::MAX_GENES).contains(&k)) {
             return bad(format!("there are 1 to {} harmonics", crate::MAX_GENES));
-        }
-        let v = &self.viewpoint;
-        let finite = [v.yaw_rad, v.pitch_rad, v.shift[0], v.shift[1]].iter().all(|x| x.abs() <= 1e3);
-        if !finite || !(1e-3..=1e3).contains(&v.distance) {
-            return bad("the viewpoint is out of all bounds".into());
         }
         Ok(())
     }

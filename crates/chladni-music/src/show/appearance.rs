@@ -47,6 +47,15 @@ pub struct Viewpoint {
     pub shift: [f32; 2],
 }
 
+impl Viewpoint {
+    /// Whether it is finite and within bounds, as that of a file may not be.
+    pub(super) fn is_sound(&self) -> bool {
+        let [right, down] = self.shift;
+        [self.yaw_rad, self.pitch_rad, right, down].iter().all(|x| x.abs() <= 1e3)
+            && (1e-3..=1e3).contains(&self.distance)
+    }
+}
+
 impl Default for Viewpoint {
     fn default() -> Self {
         Self { yaw_rad: 0.0, pitch_rad: 0.14, distance: 1.0, shift: [0.0; 2] }

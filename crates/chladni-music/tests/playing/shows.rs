@@ -62,12 +62,15 @@ fn a_session_of_version_1_opens_as_a_show_with_the_knobs_of_then() {
         ("duration_secs = nan", "times"),
         ("actions = [{ at_secs = inf, at_beat = 0.0, do = \"breed\" }]", "times"),
         ("actions = [{ at_secs = 1.0, at_beat = nan, do = \"breed\" }]", "times"),
-        ("viewpoint = { distance = 0.0 }", "viewpoint"),
         ("songs = [{ path = \"a.ogg\", reading = { octave = 4 } }]", "beats"),
         ("songs = [{ path = \"a.ogg\", reading = { octave = -2147483648 } }]", "beats"),
     ] {
         let text = format!("format_version = 2\nseed = 5\nsize = 6\n{bad}\n");
         assert!(Show::from_text(&text).unwrap_err().to_string().contains(why), "{bad}");
+    }
+    for beyond in ["distance = 0.0", "shift = [1200.0, 0.0]", "yaw_rad = nan"] {
+        let text = format!("format_version = 2\nseed = 5\nsize = 6\nviewpoint = {{ {beyond} }}\n");
+        assert_eq!(Show::from_text(&text).unwrap().viewpoint, chladni_music::Viewpoint::default());
     }
     // An installation that plays for a week.
     let text = "format_version = 2\nseed = 5\nsize = 6\nduration_secs = 604800.0\n";

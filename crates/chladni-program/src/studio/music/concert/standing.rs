@@ -23,19 +23,29 @@ pub fn navigate(ui: &Ui, response: &egui::Response, viewpoint: &mut Viewpoint, c
     let before = camera_at(viewpoint, Orientation::Y_UP);
     let mut camera = before;
     if viewport::navigate(ui, response, &mut camera) {
-        let shift = camera.shift_since(before.target);
-        // It comes nearer to the middle of the picture, not to that of the shape.
-        let nearer = before.distance / camera.distance;
-        *viewpoint = Viewpoint {
-            yaw_rad: camera.yaw_rad,
-            pitch_rad: camera.pitch_rad,
-            distance: camera.distance / Camera::default().distance,
-            shift: std::array::from_fn(|i| nearer * viewpoint.shift[i] + cells_high * shift[i]),
-        };
+        *viewpoint = moved(viewpoint, &before, &camera, cells_high);
     }
     let asks = response.hovered() || response.has_focus();
     if asks && keys::view::FIT.pressed(ui.ctx()) {
         *viewpoint = Viewpoint { distance: 1.0, shift: [0.0; 2], ..*viewpoint };
+    }
+}
+
+/// The picture is shifted at most so far, in heights of a cell: coming nearer, which widens a shift, leads to no viewpoint
+/// that a show file may not have.
+const MOST_SHIFT: f32 = 100.0;
+
+/// The viewpoint after the camera has moved from `before`.
+fn moved(viewpoint: &Viewpoint, before: &Camera, camera: &Camera, cells_high: f32) -> Viewpoint {
+    let shift = camera.shift_since(before.target);
+    // It comes nearer to the middle of the picture, not to that of the shape.
+    let nearer = before.distance / camera.distance;
+    let shifted = |i: usize| nearer * viewpoint.shift[i] + cells_high * shift[i];
+    Viewpoint {
+        yaw_rad: camera.yaw_rad,
+        pitch_rad: camera.pitch_rad,
+        distance: camera.distance / Camera::default().distance,
+        shift: std::array::from_fn(|i| shifted(i).clamp(-MOST_SHIFT, MOST_SHIFT)),
     }
 }
 
@@ -154,6 +164,15 @@ fn between(from: Viewpoint, to: Viewpoint, share: f32) -> Viewpoint {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shift_that_widens_as_the_viewer_comes_nearer_stays_within_bounds() {
+        let far = Viewpoint { distance: 20.0, shift: [0.6, -0.6], ..Viewpoint::default() };
+        let before = camera_at(&far, Orientation::Y_UP);
+        let mut camera = before;
+        camera.zoom(1000.0);
+        assert_eq!(moved(&far, &before, &camera, 1.0).shift, [MOST_SHIFT, -MOST_SHIFT]);
+    }
 
     #[test]
     fn a_hand_that_left_the_stage_moves_nothing_later() {
