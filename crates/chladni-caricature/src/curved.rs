@@ -50,7 +50,9 @@ impl Curved {
         let bends = self.bends(positions, triangles, &areas);
         let mut order: Vec<usize> = (0..positions.len()).filter(|v| areas[*v] > 0.0).collect();
         order.sort_by(|a, b| bends[*b].total_cmp(&bends[*a]).then(a.cmp(b)));
-        let mut left = self.share * areas.iter().sum::<f64>();
+        let whole = areas.iter().sum::<f64>();
+        // All of it is all, though sums are rounded.
+        let mut left = (self.share + 1e-9) * whole;
         let mut values = vec![0.0; positions.len()];
         for v in order {
             left -= areas[v];
@@ -145,6 +147,18 @@ mod tests {
                 };
                 let mean = |v: Vec<f64>| v.iter().sum::<f64>() / v.len() as f64;
                 assert_eq!(mean(inside(1.0)) > mean(inside(0.0)), outside, "{bend:?} {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn all_of_a_surface_leaves_no_vertex_out() {
+        for (around, across) in [(12, 6), (24, 12), (31, 17), (96, 48)] {
+            let ring = torus(0.3, around, across);
+            for bend in [Bend::Bumps, Bend::Hollows, Bend::Both] {
+                let painted = Curved { bend, share: 1.0 }.painted(&ring.positions, &ring.triangles);
+                let left_out = painted.values(&ring.positions).iter().filter(|x| **x < 1.0).count();
+                assert_eq!(left_out, 0, "{bend:?} of {around} by {across}");
             }
         }
     }

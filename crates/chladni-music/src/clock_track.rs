@@ -93,7 +93,7 @@ impl ClockTrack {
     /// From `at_secs` on, later than all so far, no clock is followed.
     pub fn leave(&mut self, at_secs: f64) {
         if let Some(last) = self.marks.last().filter(|last| last.bpm.is_some()) {
-            let count = last.count_at(at_secs);
+            let count = last.count_at(at_secs).min(MOST_BEATS);
             self.marks.push(ClockMark { at_secs, count, bpm: None, bar: 0.0 });
         }
     }
@@ -257,6 +257,17 @@ mod tests {
         track.leave(2.0);
         assert!(track.is_sound());
         assert_eq!((track.beat_at(2.5), track.mark_at(2.5).map(|mark| mark.count)), (None, Some(10.0)));
+    }
+
+    #[test]
+    fn a_clock_of_a_file_goes_on_within_the_bounds_of_files() {
+        let mark = ClockMark { at_secs: 0.0, count: MOST_BEATS, bpm: Some(MOST_BPM), bar: 0.0 };
+        let mut track = ClockTrack { marks: vec![mark] };
+        assert!(track.is_sound());
+        track.leave(60.0);
+        track.follow(61.0, Beat { count: 5.0, confidence: 1.0 }, 120.0, 0.0);
+        assert!(track.is_sound());
+        assert_eq!(track.mark_at(61.0).map(|mark| mark.count), Some(MOST_BEATS));
     }
 
     #[test]

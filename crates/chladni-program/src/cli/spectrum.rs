@@ -148,8 +148,9 @@ struct Moments<'a> {
 }
 
 impl Moments<'_> {
+    /// At least one, and none at the end, up to rounding.
     fn count(&self) -> u64 {
-        (self.shown_secs * self.fps).ceil() as u64
+        (self.shown_secs * self.fps - 1e-6).ceil().max(1.0) as u64
     }
 
     /// Gives `take` the frame of each moment, whose window is centered on it. All that is read before the first is heard,
@@ -310,6 +311,17 @@ mod picture {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn moments_end_before_the_end_whatever_its_product_with_their_rate_is_rounded_to() {
+        let song = Song { rate_hz: 44_100, left: Vec::new(), right: Vec::new() };
+        let count = |shown_secs: f64, fps: f64| {
+            Moments { song: &song, from_secs: 0.0, fps, start_secs: 0.0, shown_secs }.count()
+        };
+        assert!(0.07 * 100.0 > 7.0);
+        assert_eq!((count(0.07, 100.0), count(0.071, 100.0), count(0.07, 0.1)), (7, 8, 1));
+        assert_eq!(count(1.0 / 768_000.0, 0.1), 1);
+    }
 
     #[test]
     fn a_picture_of_an_hour_at_a_thousand_frames_a_second_is_refused() {
