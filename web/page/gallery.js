@@ -2,7 +2,8 @@
 import { paths } from "./mapping.js";
 import { of, on, say } from "./page.js";
 
-/** The room does `act(action)`, `breed()`, and `begin(seed, size)` another gallery; it has t and a of a dance, `curves(item)`. */
+/** The room does `act(action)`, `breed()`, and `begin(size, isOther)` a gallery of the same or another seed; it has t and a of
+ * a dance, `curves(item)`. */
 let room;
 let state;
 /** The small curves of each dance, with the number of what they were drawn from. */
@@ -63,6 +64,6 @@ export function listen(musicRoom) {
     act({ do: "switch", switch: "beat-steps", on: true });
     act({ do: "perform-favorites", first: 0 });
   });
-  on("other-dances", () => room.begin(state.seed + 1, state.dances.length));
-  of("gallery-size").addEventListener("change", () => room.begin(state.seed, Number(of("gallery-size").value)));
+  on("other-dances", () => room.begin(state.dances.length, true));
+  of("gallery-size").addEventListener("change", () => room.begin(Number(of("gallery-size").value), false));
 }

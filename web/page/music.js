@@ -363,11 +363,12 @@ function isAnotherOnStage() {
 }
 
 /** Gives all dances up for others, where their user may. */
-function newGallery(seed, size) {
+const newGallery = attempt((size, isOther) => {
   if (isUnsaved() && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
-  act({ do: "new-gallery", seed, size });
+  concert.new_gallery(size, isOther);
   edits = 0;
-}
+  refresh();
+});
 
 /** Sand is of the stage: it goes with it. */
 function settle() {

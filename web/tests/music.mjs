@@ -131,11 +131,25 @@ async function marks(page) {
   await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
   const { seed } = await state(page);
   await page.click("#other-dances");
-  await until(page, (seed) => window.chladni.state.seed === seed + 1 && window.chladni.state.generations === 1, seed);
+  await until(page, (seed) => window.chladni.state.seed === `${Number(seed) + 1}` && window.chladni.state.generations === 1, seed);
   await page.selectOption("#gallery-size", "9");
   await until(page, () => window.chladni.state.dances.length === 9);
   await page.selectOption("#gallery-size", "12");
   await until(page, () => window.chladni.state.dances.length === 12);
+  // A show may have a seed that no number of the page can hold.
+  const seeds = await page.evaluate(async () => {
+    const { Concert } = await import("./chladni_web.js");
+    const body = await (await fetch("bodies/plate.body")).arrayBuffer();
+    const concert = new Concert(new Uint8Array(body), 6, 1);
+    concert.open_show(concert.save_show().replace(/^seed = .*$/m, "seed = 9007199254740993"));
+    const seeds = [false, true].map((isOther) => {
+      concert.new_gallery(9, isOther);
+      return JSON.parse(concert.state()).seed;
+    });
+    concert.free();
+    return seeds;
+  });
+  assert.deepEqual(seeds, ["9007199254740993", "2"]);
   step("dances are marked, locked, named, and found again in their generations");
 }
 

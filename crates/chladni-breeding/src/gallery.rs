@@ -86,6 +86,11 @@ impl<G: Genome> Gallery<G> {
         self.seed
     }
 
+    /// The seed of another gallery, a number that JSON holds exactly.
+    pub fn next_seed(&self) -> u64 {
+        (self.seed + 1) % (1 << 53)
+    }
+
     /// All generations, oldest first.
     pub fn generations(&self) -> &[Generation<G>] {
         &self.generations
@@ -368,6 +373,14 @@ mod tests {
         assert!(matches!(Gallery::new(3, 7, initial(7)), Err(BreedingError::GallerySize(7))));
         assert!(Gallery::new(1 << 63, 6, initial(6)).is_err());
         assert!(Gallery::new(3, 6, initial(5)).is_err());
+    }
+
+    #[test]
+    fn another_seed_is_the_next_one_that_json_holds_exactly() {
+        for (seed, next) in [(3, 4), ((1 << 53) - 1, 0), ((1 << 53) + 1, 2)] {
+            assert_eq!(Gallery::new(seed, 6, initial(6)).unwrap().next_seed(), next);
+        }
+        assert!(Gallery::new((1 << 63) - 1, 6, initial(6)).unwrap().next_seed() < 1 << 53);
     }
 
     #[test]

@@ -33,6 +33,16 @@ impl Concert {
         Ok(())
     }
 
+    /// Begins anew with `size` dances, of the same seed or of another one.
+    ///
+    /// # Errors
+    /// A size that no gallery has.
+    pub fn new_gallery(&mut self, size: usize, other_seed: bool) -> Result<(), JsError> {
+        let gallery = self.instrument.gallery();
+        let seed = if other_seed { gallery.next_seed() } else { gallery.seed() };
+        Ok(self.act(Action::NewGallery { seed, size })?)
+    }
+
     /// Breeds the chosen dances; where children are suggested, the best of two hundred, which takes a second or more.
     ///
     /// # Errors

@@ -45,8 +45,8 @@ struct State<'a> {
     forth: Option<usize>,
     /// How many dances are favorites.
     favorites: usize,
-    /// The seed of all that is random.
-    seed: u64,
+    /// The seed of all that is random, as text: the page's numbers hold only those up to 2⁵³.
+    seed: String,
     /// One dance has the whole picture.
     on_stage: bool,
     sand: bool,
@@ -99,7 +99,7 @@ impl Concert {
             back: gallery.back(),
             forth: gallery.forth(),
             favorites: instrument.favorites().len(),
-            seed: gallery.seed(),
+            seed: gallery.seed().to_string(),
             on_stage: instrument.scene(beat).is_some(),
             sand: instrument.parameters().is_on(Switch::Sand),
             piloted: self.programme.is_some(),

@@ -251,7 +251,7 @@ fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
             let wish = Wish::Do(Action::NewGallery { seed, size });
             entry(ui, &size.to_string(), format!("{size} items"), wish);
         }
-        let another = Action::NewGallery { seed: (seed + 1) % (1 << 53), size };
+        let another = Action::NewGallery { seed: gallery.next_seed(), size };
         entry(ui, "seed", icon::label(Icon::Dices, "Another seed"), Wish::Do(another));
         let first = concert.harmonics().first_waving();
         ui.separator();
