@@ -86,7 +86,7 @@ impl<G: Genome> Gallery<G> {
         self.seed
     }
 
-    /// The seed of another gallery, a number that JSON holds exactly.
+    /// The seed of another gallery, a number that JavaScript holds exactly.
     pub fn next_seed(&self) -> u64 {
         (self.seed + 1) % (1 << 53)
     }
@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn another_seed_is_the_next_one_that_json_holds_exactly() {
+    fn another_seed_is_the_next_one_that_javascript_holds_exactly() {
         for (seed, next) in [(3, 4), ((1 << 53) - 1, 0), ((1 << 53) + 1, 2)] {
             assert_eq!(Gallery::new(seed, 6, initial(6)).unwrap().next_seed(), next);
         }
