@@ -231,15 +231,31 @@ impl Instrument {
         }
     }
 
-    /// Does `action` and logs it. On error nothing changes and nothing is logged.
+    /// Does `action` and logs it, unless it sets a knob or a switch to where it stands. On error nothing changes and nothing
+    /// is logged.
     ///
     /// # Errors
     /// The action names a missing thing, or a value out of its range; or the gallery refuses, as where
     /// nothing was chosen to breed.
     pub fn apply(&mut self, moment: Moment, action: Action) -> Result<(), MusicError> {
+        if self.changes_nothing(&action) {
+            return Ok(());
+        }
         self.act(moment, &action)?;
         self.log.push(LoggedAction { moment, action });
         Ok(())
+    }
+
+    /// Whether `action` changes nothing: a controller that repeats its value would fill the log.
+    fn changes_nothing(&self, action: &Action) -> bool {
+        match *action {
+            // From their moment on, turns and transitions may be counted anew.
+            Action::Set { parameter: Parameter::BeatsPerStep | Parameter::TransitionBeats, .. }
+            | Action::Switch { switch: Switch::BeatSteps, .. } => false,
+            Action::Set { parameter, value } => self.parameters.get(parameter).to_bits() == value.to_bits(),
+            Action::Switch { switch, on } => self.parameters.is_on(switch) == on,
+            _ => false,
+        }
     }
 
     /// All actions replayed, with the beat of each recomputed by `beats` from its moment: for a song whose

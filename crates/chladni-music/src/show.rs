@@ -75,6 +75,8 @@ struct Session {
 const LONGEST_CROSSFADE_SECS: f64 = 60.0;
 /// The longest show, as of an installation that plays day and night: 400 days.
 const LONGEST_SECS: f64 = 400.0 * 86_400.0;
+/// The largest show file.
+const MOST_MIB: u64 = 256;
 
 impl Show {
     /// All actions of an instrument; body, songs and looks are still to be filled in.
@@ -185,9 +187,9 @@ impl Show {
     /// The text of a show file.
     ///
     /// # Errors
-    /// Bugs only: every show can be written.
+    /// A show that is too large to be [read](Self::load) again.
     pub fn to_text(&self) -> Result<String, MusicError> {
-        text_file::print("show", self)
+        text_file::readable("show", text_file::print("show", self)?, MOST_MIB)
     }
 
     /// Reads a show file of at most 256 MiB: enough for hours of continuously turned knobs, and for some nine days of the
@@ -196,13 +198,13 @@ impl Show {
     /// # Errors
     /// A file that cannot be read or is too large, and what [`from_text`](Self::from_text) refuses.
     pub fn load(path: &Path) -> Result<Self, MusicError> {
-        Self::from_text(&text_file::read(path, 256)?)
+        Self::from_text(&text_file::read(path, MOST_MIB)?)
     }
 
     /// Writes a show file whole or not at all.
     ///
     /// # Errors
-    /// The file cannot be written.
+    /// As [`to_text`](Self::to_text), or the file cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), MusicError> {
         text_file::write(path, &self.to_text()?)
     }

@@ -36,6 +36,15 @@ pub(crate) fn print<T: Serialize>(kind: &'static str, value: &T) -> Result<Strin
     toml::to_string(value).map_err(|error| MusicError::Parse { kind, why: error.to_string() })
 }
 
+/// `text`, unless a file of it would be too large to be [read] again: the work in it would be lost.
+pub(crate) fn readable(kind: &'static str, text: String, most_mib: u64) -> Result<String, MusicError> {
+    if text.len() as u64 > most_mib << 20 {
+        let why = format!("larger than the {most_mib} MiB that are read of such a file");
+        return Err(MusicError::Parse { kind, why });
+    }
+    Ok(text)
+}
+
 pub(crate) fn read(path: &Path, most_mib: u64) -> Result<String, MusicError> {
     chladni_task::read_text_file(path, most_mib << 20)
         .map_err(|why| MusicError::File { path: path.to_owned(), why })
@@ -44,4 +53,16 @@ pub(crate) fn read(path: &Path, most_mib: u64) -> Result<String, MusicError> {
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), MusicError> {
     chladni_task::write_atomic(path, text.as_bytes())
         .map_err(|why| MusicError::File { path: path.to_owned(), why })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_that_would_not_be_read_again_is_refused() {
+        let of = |bytes: usize| readable("show", "-".repeat(bytes), 1);
+        assert_eq!(of(1 << 20).unwrap().len(), 1 << 20);
+        assert!(of((1 << 20) + 1).unwrap_err().to_string().contains("larger than the 1 MiB"));
+    }
 }

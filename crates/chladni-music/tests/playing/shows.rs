@@ -191,6 +191,21 @@ fn a_session_replays_bit_for_bit_through_its_file() {
 }
 
 #[test]
+fn a_knob_or_switch_that_stays_where_it_stands_is_no_action_of_a_show() {
+    let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
+    let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
+    let sand = !instrument.parameters().is_on(Switch::Sand);
+    for _ in 0..3 {
+        let gain = Action::Set { parameter: chladni_music::Parameter::Gain, value: 1.7 };
+        for action in [gain, Action::Switch { switch: Switch::Sand, on: sand }] {
+            instrument.apply(Moment::default(), action).unwrap();
+        }
+    }
+    assert_eq!(instrument.log().len(), 2);
+    assert_eq!(Show::of(&instrument).replay(shape).unwrap(), instrument);
+}
+
+#[test]
 fn a_show_keeps_the_tempo_that_was_tapped_for_a_song() {
     let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
     let tapped = Some(TappedBeats { per_found: 1.5, at_secs: 20.25 });
