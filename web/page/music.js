@@ -366,8 +366,9 @@ function isAnotherOnStage() {
 const newGallery = attempt((size, isOther) => {
   if (isUnsaved() && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
   concert.new_gallery(size, isOther);
-  edits = 0;
   refresh();
+  // Favorites stay, and no file may have them yet.
+  if (!state.favorites) edits = 0;
 });
 
 /** Sand is of the stage: it goes with it. */

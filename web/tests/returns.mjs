@@ -136,6 +136,15 @@ export async function galleries() {
   await drop(page, ["cat.toml", Buffer.from(cat)]);
   await says(page, "cat.toml is open.");
   assert.deepEqual(asked, [], "what was played is in its file");
+  // Favorites stay when another gallery begins: they are asked about, too.
+  await page.locator("#cells .cell:nth-child(3) .favor").dispatchEvent("click");
+  await page.locator("#other-dances").dispatchEvent("click");
+  await generation(page, 0);
+  yes = false;
+  asked.length = 0;
+  await drop(page, ["cat.toml", Buffer.from(cat)]);
+  await says(page, "The show is not open");
+  assert.deepEqual(asked, ["confirm"]);
   step("unsaved dances are asked about before a show, and stay where it cannot be danced");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
