@@ -13,7 +13,7 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     if ShapeSource::sample_name(path).is_some() {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
     }
-    FileRef { path: place(path, folder), blake3: hash(path) }
+    FileRef { path: place(path, folder), blake3: file_hash(path) }
 }
 
 /// `path` relative to `folder` if it lies below it, with slashes on every system, so that a show can move between them;
@@ -56,9 +56,14 @@ pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option
             file.path
         )));
     };
-    let other = file.blake3.is_some() && hash(&found) != file.blake3;
+    let other = file.blake3.is_some() && file_hash(&found) != file.blake3;
     let warning = other.then(|| Warning::of(found.display(), "is not the file that the show was made with"));
     Ok((found, warning))
+}
+
+/// Where a file that a show in `folder` names would lie; of one that is not there now, but may come back.
+pub fn placed(named: &str, folder: Option<&Path>) -> PathBuf {
+    folder.map_or_else(|| PathBuf::from(named), |folder| folder.join(named))
 }
 
 /// How a show in `folder` names the picture and the panorama of `looks`: as it does its [other files](refer()).
@@ -90,9 +95,9 @@ pub fn resolve_looks(looks: Looks, folder: Option<&Path>) -> (Looks, Vec<Warning
     (looks, warnings)
 }
 
-/// In hexadecimal digits; `None` if it cannot be read.
-fn hash(path: &Path) -> Option<String> {
-    let file = std::fs::File::open(path).ok().filter(|file| file.metadata().is_ok_and(|m| m.is_file()))?;
+/// The BLAKE3 hash of a file in hexadecimal digits; `None` if it cannot be read.
+pub fn file_hash(path: &Path) -> Option<String> {
+    let file = chladni_task::open_file(path).ok()?;
     let mut hasher = blake3::Hasher::new();
     hasher.update_reader(file).ok()?;
     Some(hasher.finalize().to_hex().to_string())

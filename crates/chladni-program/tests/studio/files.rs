@@ -289,6 +289,31 @@ fn a_project_is_saved_under_a_name_that_opens_again() {
     assert!(Project::load(&desk.path("c 1.4.chladni")).unwrap().layers().is_empty());
 }
 
+#[test]
+fn a_project_that_another_program_has_changed_is_not_replaced_without_a_question() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    let path = desk.path("p.chladni");
+    desk.answers.add(&path);
+    person.press_with(CTRL, Key::S);
+    let mut other = Project::load(&path).unwrap();
+    other.harmonics = 9;
+    other.save(&path).unwrap();
+    person.add_layer("magnify");
+    person.press_with(CTRL, Key::S);
+    assert!(person.sees("another program has changed it"));
+    assert_eq!(Project::load(&path).unwrap(), other);
+    // Its name is chosen again, and from then on it is known.
+    desk.answers.add(&path);
+    for layers in [2, 3] {
+        person.press_with(CTRL, Key::S);
+        assert_eq!(Project::load(&path).unwrap().layers().len(), layers);
+        person.add_layer("magnify");
+    }
+}
+
 /// `chladni open shape.obj template.obj` in a terminal, and the project saved elsewhere.
 #[test]
 fn files_named_from_the_current_folder_are_found_wherever_the_project_is_saved() {

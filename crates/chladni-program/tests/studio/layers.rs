@@ -338,6 +338,28 @@ fn layers_are_named_hidden_soloed_and_moved_by_hand() {
     assert!(!person.sees("Layer Round copy"));
 }
 
+#[test]
+fn a_click_that_ends_a_name_saves_it_or_takes_it_back() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    let rename_and_click = |person: &mut Person, name: &str, button: &str| {
+        person.press(Key::F2);
+        person.0.run_steps(2);
+        person.press_with(CTRL, Key::A);
+        person.0.event(egui::Event::Text(name.into()));
+        person.0.run_steps(2);
+        person.click(button);
+    };
+    rename_and_click(&mut person, "Nose", "undo");
+    assert!(person.sees("Layer Magnify all 1"));
+    let path = desk.path("named.chladni");
+    desk.answers.add(&path);
+    rename_and_click(&mut person, "Chin", "save");
+    assert_eq!(Project::load(&path).unwrap().layers()[0].1.name, "Chin");
+}
+
 /// Layers are added, chosen, bent and hidden without the mouse, and what passes through itself is
 /// counted and shown.
 #[test]

@@ -26,7 +26,7 @@ use crate::studio::pictures;
 use crate::studio::room::{Room, Shared};
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::{MESHES, PROJECT, is_project, opened_together};
-use crate::work::{Error, layer_against};
+use crate::work::{Error, file_hash, layer_against};
 
 impl CaricatureRoom {
     /// Asks for meshes or a project and opens them.
@@ -81,6 +81,7 @@ impl CaricatureRoom {
     /// Opens a mesh as a new shape, or a project, and makes a layer against each of `templates`.
     fn load(&mut self, path: &Path, mut templates: Vec<PathBuf>, shared: &mut Shared<'_>) {
         let candidate = if is_project(path) {
+            let on_disk = file_hash(path);
             match moved::open(path, &mut templates) {
                 Ok((project, found)) => {
                     for moved::Found { missing, mesh, .. } in found.iter().filter(|found| found.is_in_doubt) {
@@ -91,7 +92,7 @@ impl CaricatureRoom {
                         ));
                     }
                     let found_moved = !found.is_empty();
-                    Candidate { path: Some(path.to_owned()), found_moved, ..Candidate::new(project) }
+                    Candidate { path: Some(path.to_owned()), on_disk, found_moved, ..Candidate::new(project) }
                 }
                 Err(why) => return self.refuse(why, shared),
             }
@@ -181,7 +182,12 @@ impl CaricatureRoom {
     /// Saves the project, asking for a name if it has none or another is wanted; true if it was saved.
     pub(super) fn save(&mut self, ask: bool, shared: &mut Shared<'_>) -> bool {
         let Some(session) = &mut self.session else { return true };
-        let known = session.path.clone().filter(|_| !ask);
+        let mut known = session.path.clone().filter(|_| !ask);
+        if let Some(path) = known.take_if(|path| is_changed_elsewhere(session, path)) {
+            // The dialog asks before it replaces a file.
+            let why = "another program has changed it. To replace that, choose it again.";
+            shared.notices.warn(format!("{}: {why}", path.display()));
+        }
         let suggested = session.beside(PROJECT);
         let kinds: &[FileKind<'_>] = &[("Chladni project", &[PROJECT])];
         let chosen = known.or_else(|| ask_where_to_save(shared.chooser, kinds, &[PROJECT], &suggested));
@@ -261,6 +267,7 @@ impl CaricatureRoom {
         let project = recovered.project.clone();
         let candidate = Candidate {
             path: recovered.original.clone(),
+            on_disk: recovered.original.as_deref().and_then(file_hash),
             recovered: Some(recovered),
             ..Candidate::new(project)
         };
@@ -308,10 +315,16 @@ fn sample(name: &str, shared: &mut Shared<'_>) -> Candidate {
     Candidate::new(project)
 }
 
+/// Whether the file at `path` is not the one that was read or written here last. Where it is gone there is nothing to lose.
+fn is_changed_elsewhere(session: &Session, path: &Path) -> bool {
+    let now = file_hash(path);
+    now.is_some() && now != session.on_disk
+}
+
 /// Writes the project to `path`, whole or not at all.
 fn save_to(session: &mut Session, path: &Path) -> Result<(), Error> {
     session.project().save(path).map_err(Error::unsaved)?;
-    session.path = Some(PathBuf::from(path));
+    (session.path, session.on_disk) = (Some(PathBuf::from(path)), file_hash(path));
     session.history.mark_saved();
     Ok(())
 }

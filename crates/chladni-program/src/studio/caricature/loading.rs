@@ -18,6 +18,8 @@ pub struct Candidate {
     pub project: Project,
     /// Where it lies, if anywhere.
     pub path: Option<PathBuf>,
+    /// The hash of the file there.
+    pub on_disk: Option<String>,
     /// The recovery copy that it comes from.
     pub recovered: Option<Recovered>,
     /// The shape that its layers were made on, where `project` names another: regions and landmarks
@@ -32,8 +34,8 @@ pub struct Candidate {
 impl Candidate {
     /// A project that is not in a file yet.
     pub fn new(project: Project) -> Self {
-        let (path, recovered, made_on) = (None, None, None);
-        Self { project, path, recovered, made_on, templates: Vec::new(), found_moved: false }
+        let (path, on_disk, recovered, made_on) = (None, None, None, None);
+        Self { project, path, on_disk, recovered, made_on, templates: Vec::new(), found_moved: false }
     }
 }
 
@@ -41,6 +43,8 @@ impl Candidate {
 pub struct Loaded {
     pub project: Project,
     pub path: Option<PathBuf>,
+    /// The hash of the file there, as the project was read.
+    pub on_disk: Option<String>,
     /// Whether the project differs from any file.
     pub new: bool,
     /// Whether its layers were made on another shape.
@@ -68,7 +72,7 @@ pub fn load(
     read: &Sender<(Arc<TriMesh>, Orientation)>,
     task: &Task,
 ) -> Result<Loaded, Error> {
-    let Candidate { mut project, path, recovered, made_on, found_moved, .. } = candidate;
+    let Candidate { mut project, path, on_disk, recovered, made_on, found_moved, .. } = candidate;
     let aside = Aside::new(task);
     let name = project.shape.to_string();
     let chladni_mesh::Loaded { mesh, mended, stored_positions } = source::loaded(&project.shape, &aside)?;
@@ -109,6 +113,7 @@ pub fn load(
     Ok(Loaded {
         project,
         path,
+        on_disk,
         new,
         is_carried,
         recovered,

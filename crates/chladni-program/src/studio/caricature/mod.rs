@@ -53,7 +53,7 @@ pub use self::rehearsal::Rehearsal;
 use self::autosave::Autosave;
 use self::brush::BrushTool;
 use self::controls::{Controls, Measured, Wish};
-use self::edits::Edits;
+use self::edits::{Edit, Edits};
 use self::evaluating::Sight;
 use self::export::Export;
 use self::gallery::ShapesGallery;
@@ -145,21 +145,19 @@ impl Room for CaricatureRoom {
         self.handle_keys(shared, &mut edits);
         self.follow(shared);
         self.panels(ui, shared, &mut edits);
+        // A click in the toolbar may end a name that was being written, and save it or take it back. A drag can wait until
+        // the frame is drawn.
+        if !shared.ctx.input(|input| input.pointer.any_down()) {
+            self.carry_out(edits.take(), shared);
+        }
         self.center(ui, shared, &mut edits);
         self.show_export(ui, shared);
         // Also where the tool that began a stroke was put away meanwhile.
         if shared.ctx.input(|input| input.pointer.any_released()) {
             edits.finish();
         }
-        let requests = edits.take();
+        self.carry_out(edits.take(), shared);
         if let Some(session) = &mut self.session {
-            match session.apply(requests) {
-                Ok(changed) => self.stale |= changed,
-                Err(why) => {
-                    self.stale = true;
-                    shared.notices.failed(why);
-                }
-            }
             // It is evaluated while this frame is brought to the screen.
             session.hand_over(&shared.ctx, Sight::of(session.selected, self.look));
         }
@@ -239,6 +237,18 @@ impl CaricatureRoom {
     /// A room whose frames wait this long for what their edits make.
     pub fn waiting(patience: Duration) -> Self {
         Self { patience, ..Self::default() }
+    }
+
+    /// Does what panels and tools have asked for.
+    fn carry_out(&mut self, requests: Vec<Edit>, shared: &mut Shared<'_>) {
+        let Some(session) = &mut self.session else { return };
+        match session.apply(requests) {
+            Ok(changed) => self.stale |= changed,
+            Err(why) => {
+                self.stale = true;
+                shared.notices.failed(why);
+            }
+        }
     }
 
     /// Takes the results of finished jobs.

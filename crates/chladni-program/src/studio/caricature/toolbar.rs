@@ -47,7 +47,8 @@ impl CaricatureRoom {
         }
         let modified = self.session.as_ref().is_some_and(|session| session.history.is_modified());
         let save = egui::Button::new(icon::text(Icon::Save));
-        if ui.add_enabled(modified, save).on_hover_text(SAVE.tooltip(&ctx)).clicked() {
+        let save = ui.add_enabled(modified, save).author_id("save");
+        if save.on_hover_text(SAVE.tooltip(&ctx)).clicked() {
             self.save(false, shared);
         }
         let export = egui::Button::new(icon::label(Icon::Share, "Export"));
@@ -62,6 +63,7 @@ impl CaricatureRoom {
             (false, Icon::Redo2, REDO, session.history.redo_label()),
         ] {
             let button = ui.add_enabled(label.is_some() && !loading, egui::Button::new(icon::text(mark)));
+            let button = button.author_id(if back { "undo" } else { "redo" });
             let tip = format!("{}: {}", shortcut.tooltip(&ctx), label.unwrap_or("nothing"));
             if button.on_hover_text(tip).clicked() {
                 self.stale |= session.travel(back).is_some();

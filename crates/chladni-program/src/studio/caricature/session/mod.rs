@@ -36,6 +36,8 @@ pub struct Session {
     pub history: History,
     /// Where it was saved, if it was.
     pub path: Option<PathBuf>,
+    /// The hash of the file there, as it was read or written last.
+    pub on_disk: Option<String>,
     /// The shape.
     pub subject: Subject,
     /// Knows matches and limits, and what was evaluated; its clones evaluate the document.
@@ -79,6 +81,7 @@ impl Session {
                 History::new(loaded.project)
             },
             path: loaded.path,
+            on_disk: loaded.on_disk,
             subject: loaded.subject,
             stack,
             shown: Arc::new(shown),
