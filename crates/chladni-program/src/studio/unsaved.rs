@@ -33,6 +33,13 @@ impl Question {
     pub const OPENING: Self =
         Self { title: "Save before opening another?", save: ("Save", "save-first"), discard: "Lose changes" };
 
+    /// Before another gallery of dances begins.
+    pub const BREEDING_ANEW: Self = Self {
+        title: "Save before another gallery?",
+        save: ("Save", "save-first"),
+        discard: "Lose these dances",
+    };
+
     /// Asks, in each frame until there is an answer; `lines` list the unsaved work.
     pub fn ask(self, ctx: &egui::Context, lines: &[String]) -> Option<Answer> {
         let mut answer = None;

@@ -1,6 +1,6 @@
 //! Files that are opened, refused and remembered.
 
-use chladni_music::{Action, FileRef, GalleryShape, Instrument, SongRef, Switch};
+use chladni_music::{Action, FileRef, GalleryShape, Instrument, LoggedAction, Looks, SongRef, Switch};
 
 use super::*;
 
@@ -320,6 +320,30 @@ fn songs_that_are_opened_with_a_show_come_behind_its_own() {
 }
 
 #[test]
+fn files_of_a_show_that_are_not_there_now_keep_their_names() {
+    let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
+    let path = |name: &str| folder.path().join(name);
+    let [ball, _] = ball_and_song(folder.path());
+    let shape = GalleryShape { eigenvalues: (0..96).map(f64::from).collect(), bands: 32 };
+    let file = |name: &str| FileRef { path: name.into(), blake3: None };
+    let show = Show {
+        body: Some(file("ball.obj")),
+        songs: vec![SongRef::of(file("songs/gone.wav"))],
+        looks: Some(Looks { picture: "gone.png".into(), ..Looks::default() }),
+        ..Show::of(&Instrument::new(3, 6, shape).unwrap())
+    };
+    show.save(&path("evening.toml")).unwrap();
+    let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
+    let files = vec![ball, path("evening.toml")];
+    let mut window = open(Opening { folders, chooser, files, ..Opening::default() }, [1000.0, 640.0]);
+    wait(&mut window, "the show", |w| shows(w, "6 items"));
+    let again = saved_show(&mut window, &answers, &path("later.toml"));
+    assert_eq!(again.songs.first(), show.songs.first());
+    let looks = again.looks.unwrap();
+    assert!(looks.picture == "gone.png" && looks.panorama.is_empty(), "{looks:?}");
+}
+
+#[test]
 fn a_show_is_saved_under_a_name_that_opens_again() {
     let (folder, answers) = (tempfile::tempdir().unwrap(), Answers::default());
     let (folders, chooser) = (folders(folder.path()), Box::new(answers.clone()));
@@ -494,7 +518,49 @@ fn the_copy_of_a_show_follows_the_shape_that_dances() {
 }
 
 #[test]
+fn the_last_action_before_the_room_is_left_is_in_the_copy() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = folder.path();
+    let opening = Opening {
+        folders: Folders { recovery: Some(home.join("recovery")), ..folders(home) },
+        files: ball_and_song(home).to_vec(),
+        now: no_time,
+        ..Opening::default()
+    };
+    // In short frames, so that the room is left before the next copy is due.
+    let builder = Harness::builder().with_size([1000.0, 640.0]).with_step_dt(1.0 / 60.0);
+    let mut window = open_with(opening, builder);
+    wait(&mut window, "the gallery", |w| shows(w, "12 items"));
+    window.run_steps(3);
+    let is_kept = |favorites: usize| {
+        let copy = shows_in(home).pop().and_then(|path| Show::load(&path).ok());
+        let is_favorite = |line: &&LoggedAction| matches!(line.action, Action::Favorite { .. });
+        copy.is_some_and(|show| show.actions.iter().filter(is_favorite).count() == favorites)
+    };
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    window.run_steps(130);
+    wait(&mut window, "a copy", |_| is_kept(1));
+    point_at(&mut window, "dance/5");
+    window.key_press(Key::F);
+    window.get_by_role_and_label(Role::Button, "Chladni").click();
+    window.run_steps(130);
+    wait(&mut window, "a copy of all", |_| is_kept(2));
+    assert!(shows(&window, "What would you like to play?"));
+}
+
+#[test]
 fn a_recovered_show_whose_shape_does_not_open_is_not_thrown_away() {
+    stays_where_its_shape(|ball| std::fs::write(ball, "v 0 0 0\nf 1 2 3\n").unwrap());
+}
+
+#[test]
+fn a_recovered_show_whose_shape_is_missing_is_not_thrown_away() {
+    stays_where_its_shape(|ball| std::fs::remove_file(ball).unwrap());
+}
+
+/// Recovers a show whose shape was made unreadable by `spoil`.
+fn stays_where_its_shape(spoil: impl Fn(&Path)) {
     let folder = tempfile::tempdir().unwrap();
     let home = folder.path();
     let opening = |files: Vec<std::path::PathBuf>| Opening {
@@ -512,7 +578,7 @@ fn a_recovered_show_whose_shape_does_not_open_is_not_thrown_away() {
     wait_until_left(&home.join("recovery"), "show", "toml");
     let left = shows_in(home);
 
-    std::fs::write(&ball, "v 0 0 0\nf 1 2 3\n").unwrap();
+    spoil(&ball);
     let mut window = open(opening(Vec::new()), [1000.0, 640.0]);
     window.run_steps(3);
     click(&mut window, "recover-show");

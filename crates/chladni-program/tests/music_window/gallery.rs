@@ -139,6 +139,25 @@ fn keep_on_the_shelf(window: &mut Window, folder: &Path) {
     assert!(high[3..].iter().all(|a| a.abs() < 0.1), "{high:?}");
 }
 
+#[test]
+fn the_form_of_a_dance_that_cannot_be_kept_stays_open() {
+    let folder = tempfile::tempdir().unwrap();
+    let dances = folder.path().join("dances");
+    std::fs::write(&dances, "no folder").unwrap();
+    let files = ball_and_song(folder.path()).to_vec();
+    let mut window = enter(Opening { folders: folders(folder.path()), files, ..Opening::default() });
+    point_at(&mut window, "dance/4");
+    window.key_press(Key::E);
+    window.run_steps(3);
+    click(&mut window, "keep");
+    write(&mut window, "shelf/name", "Squid");
+    click(&mut window, "shelf/keep");
+    assert!(is_there(&window, "shelf/keep"), "the name is gone");
+    std::fs::remove_file(&dances).unwrap();
+    click(&mut window, "shelf/keep");
+    assert!(!is_there(&window, "shelf/keep") && dances.read_dir().unwrap().count() == 1);
+}
+
 /// The stage hides everything; Escape comes back.
 fn go_on_stage_and_back(window: &mut Window) {
     control(window, "back-to-gallery").click();
@@ -202,7 +221,18 @@ fn what_was_bred_goes_on_on_another_shape_and_favorites_are_asked_about_on_closi
     window.run_steps(2);
     assert!(!is_there(&window, "dance/6"));
     click(&mut window, "gallery");
+    click(&mut window, "gallery/12");
+    assert!(shows(&window, "12 items") && shows(&window, "2 / 2"), "it has this size already");
+    click(&mut window, "gallery");
     click(&mut window, "gallery/6");
+    wait(&mut window, "the question", |w| shows(w, "Save before another gallery?"));
+    click(&mut window, "keep-working");
+    assert!(shows(&window, "12 items") && shows(&window, "2 / 2"));
+    click(&mut window, "gallery");
+    click(&mut window, "gallery/6");
+    wait(&mut window, "the question", |w| shows(w, "Save before another gallery?"));
+    click(&mut window, "lose-changes");
+    wait(&mut window, "the other gallery", |w| shows(w, "6 items"));
     assert!(is_there(&window, "dance/6"), "an empty bench");
     point_at(&mut window, "dance/1");
     window.key_press(Key::M);

@@ -1,6 +1,6 @@
 //! Doing what bars, drawers and keys have asked for.
 
-use chladni_music::Which;
+use chladni_music::{Action, Which};
 
 use super::MusicRoom;
 use super::drawer::Drawer;
@@ -13,6 +13,7 @@ impl MusicRoom {
     pub(super) fn fulfil(&mut self, wish: Wish, shared: &mut Shared<'_>) {
         match wish {
             Wish::Choose(then) => return self.ask_for(then, shared),
+            Wish::Do(action @ Action::NewGallery { .. }) => return self.begin_gallery(action, shared),
             Wish::Record => return self.record(shared),
             Wish::Calibrate => return self.calibrate(shared),
             Wish::Press(target) => {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use chladni_music::{BeatReading, Looks, Show, Viewpoint};
 use chladni_task::RecoveryCopy;
@@ -148,8 +148,12 @@ impl MusicRoom {
         let (Some(concert), Some(listening)) = (&self.concert, &self.listening) else { return };
         let Some(folder) = &shared.folders.recovery else { return };
         let now_secs = shared.ctx.input(|input| input.time);
-        let is_due = at_once || now_secs - keepsake.last_secs >= INTERVAL_SECS;
-        if keepsake.writing.is_some() || !is_due {
+        let wait_secs = keepsake.last_secs + INTERVAL_SECS - now_secs;
+        if keepsake.writing.is_some() || !at_once && wait_secs > 0.0 {
+            // In another room nothing else may bring the frame that keeps the rest.
+            if self.pass != shared.ctx.cumulative_pass_nr() && concert.has_changed() {
+                shared.ctx.request_repaint_after(Duration::from_secs_f64(wait_secs.max(0.0) + 0.05));
+            }
             return;
         }
         keepsake.last_secs = now_secs;
@@ -252,6 +256,11 @@ impl MusicRoom {
 }
 
 impl Keepsake {
+    /// Whether the file at `path` is a copy that is being recovered.
+    pub fn is_opening(&self, path: &Path) -> bool {
+        self.opening.as_deref() == Some(path)
+    }
+
     /// The show at `path` is open now; whether that is a copy which is recovered: a show that no file of the user has.
     pub fn opened(&mut self, path: &Path) -> bool {
         let recovered = self.opening.take_if(|opening| *opening == path);

@@ -49,7 +49,7 @@ mod wish;
 
 use std::path::PathBuf;
 
-use chladni_music::Show;
+use chladni_music::{Action, Show};
 use chladni_sound::Capture;
 
 use self::calibrating::Calibrating;
@@ -110,6 +110,8 @@ pub struct MusicRoom {
     late_songs_follow: bool,
     /// A show that waits for an answer: unsaved dances are in its way.
     replacing: Option<(PathBuf, Show)>,
+    /// The action that begins another gallery, while it waits for the same answer.
+    renewing: Option<Action>,
     /// A show that waits for its own shape.
     coming: Option<(PathBuf, Show)>,
     /// The number of actions before that: work that was done later is asked about.

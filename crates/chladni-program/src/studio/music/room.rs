@@ -71,7 +71,6 @@ impl Room for MusicRoom {
             self.fulfil(wish, shared);
         }
         self.recorded_secs = shared.ctx.input(|input| input.time);
-        self.keep_show(false, shared);
         self.salvage.follow(shared);
         self.begin_output(shared);
         self.follow_recording(shared);
@@ -126,6 +125,8 @@ impl Room for MusicRoom {
         }
         // A window that closes waits for it, whichever room is on screen.
         self.filming.poll(shared);
+        // Also where the room was left right after the last action.
+        self.keep_show(false, shared);
         self.offer_show(shared)
     }
 

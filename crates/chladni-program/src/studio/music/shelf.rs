@@ -158,11 +158,13 @@ impl Shelf {
         ui.add_space(theme::GAP);
         if keep {
             match self.keep(instrument) {
-                Ok(name) => notices.done(format!("Kept {name}")),
+                Ok(name) => {
+                    self.form = None;
+                    notices.done(format!("Kept {name}"));
+                }
                 Err(why) => notices.failed(why),
             }
-        }
-        if keep || cancel {
+        } else if cancel {
             self.form = None;
         }
     }

@@ -17,7 +17,9 @@ use crate::studio::choose::ask_where_to_save;
 use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
-use crate::work::{Error, cautions, is_like_a_show, playlist, refer, refer_looks, resolve, resolve_looks};
+use crate::work::{
+    Error, cautions, is_like_a_show, placed, playlist, refer, refer_looks, resolve, resolve_looks,
+};
 
 /// The most harmonics that dance live.
 pub const MOST_HARMONICS: usize = 512;
@@ -107,25 +109,48 @@ impl MusicRoom {
         }
     }
 
-    /// Asks what to do with unsaved dances when a show is opened.
-    pub(super) fn ask_to_replace(&mut self, shared: &mut Shared<'_>) {
-        // A person is being asked where to save.
-        if self.replacing.is_none() || self.asking == Some(Then::SaveShowFirst) {
-            return;
-        }
-        let unsaved: Vec<String> = self.unsaved_show().into_iter().collect();
-        match Question::OPENING.ask(&shared.ctx, &unsaved) {
-            None => {}
-            Some(Answer::Save) => self.ask_for(Then::SaveShowFirst, shared),
-            Some(Answer::Discard) => self.replace(shared),
-            Some(Answer::Stay) => self.replacing = None,
+    /// Begins another gallery by `action`, once it was asked about unsaved dances of the one there is.
+    pub(super) fn begin_gallery(&mut self, action: Action, shared: &mut Shared<'_>) {
+        let Some(concert) = &mut self.concert else { return };
+        if concert.has_unsaved_gallery() {
+            self.renewing = Some(action);
+        } else if let Err(why) = concert.act(action) {
+            shared.notices.warn(why);
         }
     }
 
-    /// Opens the show that has waited for what becomes of unsaved dances.
+    /// Asks what to do with unsaved dances when a show is opened, or another gallery begins.
+    pub(super) fn ask_to_replace(&mut self, shared: &mut Shared<'_>) {
+        // A person is being asked where to save.
+        if self.asking == Some(Then::SaveShowFirst) {
+            return;
+        }
+        let (question, unsaved) = if self.replacing.is_some() {
+            (Question::OPENING, self.unsaved_show())
+        } else if self.renewing.is_some() {
+            let line = "What was bred or changed by hand in this gallery is not saved. Favorites stay.";
+            (Question::BREEDING_ANEW, Some(line.to_owned()))
+        } else {
+            return;
+        };
+        match question.ask(&shared.ctx, unsaved.as_slice()) {
+            None => {}
+            Some(Answer::Save) => self.ask_for(Then::SaveShowFirst, shared),
+            Some(Answer::Discard) => self.replace(shared),
+            Some(Answer::Stay) => (self.replacing, self.renewing) = (None, None),
+        }
+    }
+
+    /// Opens the show that has waited for what becomes of unsaved dances, or begins the gallery that has.
     pub(super) fn replace(&mut self, shared: &mut Shared<'_>) {
+        let renewing = self.renewing.take();
         if let Some((path, show)) = self.replacing.take() {
+            // It brings its own gallery.
             self.begin_show(path, show, shared);
+        } else if let (Some(action), Some(concert)) = (renewing, &mut self.concert)
+            && let Err(why) = concert.act(action)
+        {
+            shared.notices.warn(why);
         }
     }
 
@@ -169,6 +194,10 @@ impl MusicRoom {
                 self.coming = Some((path, show));
                 self.load(body, shared);
             }
+            // On another shape, a new copy would take the place of the one that names this.
+            Err(why) if self.keepsake.is_opening(&path) => {
+                shared.notices.error(format!("{why}. The next start offers the show again."));
+            }
             Err(why) => {
                 shared.notices.warn(format!("{why}. It goes on with the shape that dances now."));
                 self.go_on_with(&path, &show, shared);
@@ -195,7 +224,7 @@ impl MusicRoom {
             return shared.notices.error(format!("{}: {why}", path.display()));
         }
         // What was begun with the show before: items and songs of this one may have the same numbers.
-        self.taken = Taken::default();
+        (self.taken, self.renewing) = (Taken::default(), None);
         self.filming.forget_song();
         self.drawers.shelf.forget_form();
         self.asking = self.asking.filter(|then| !matches!(then, Then::SavePreset(_) | Then::SaveShow));
@@ -203,13 +232,13 @@ impl MusicRoom {
             concert.mark_unsaved();
         }
         if let Some(looks) = &show.looks {
-            // One that is not found keeps its name, which may be of a disk that comes back; the stage says that it is missing.
+            // One that is not found keeps its place: its disk may come back. The stage says that it is missing.
             let (mut found, _) = resolve_looks(looks.clone(), path.parent());
             for (found, named) in
                 [(&mut found.picture, &looks.picture), (&mut found.panorama, &looks.panorama)]
             {
-                if found.is_empty() {
-                    found.clone_from(named);
+                if found.is_empty() && !named.is_empty() {
+                    *found = placed(named, path.parent()).to_string_lossy().into_owned();
                 }
             }
             shared.settings.music.look_like(&found);
@@ -221,7 +250,7 @@ impl MusicRoom {
                 Ok(found) => found,
                 Err(why) => {
                     shared.notices.warn(why);
-                    (PathBuf::from(&song.path), None)
+                    (placed(&song.path, path.parent()), None)
                 }
             };
             warning.into_iter().for_each(|warning| shared.notices.warn(warning));

@@ -241,25 +241,26 @@ fn sizes(ui: &mut Ui, concert: &Concert, wishes: &mut Vec<Wish>) {
     let gallery = concert.instrument().gallery();
     let (seed, size) = (gallery.seed(), gallery.items().len());
     ui.menu_button(format!("{size} items, seed {seed}"), |ui| {
-        let mut entry = |ui: &mut Ui, id: &str, name: String, wish: Wish| {
+        let mut entry = |ui: &mut Ui, id: &str, name: String, wish: Option<Wish>| {
             if ui.button(name).author_id(format!("gallery/{id}")).clicked() {
-                wishes.push(wish);
+                wishes.extend(wish);
                 ui.close();
             }
         };
-        for size in chladni_music::GALLERY_SIZES {
-            let wish = Wish::Do(Action::NewGallery { seed, size });
-            entry(ui, &size.to_string(), format!("{size} items"), wish);
+        for choice in chladni_music::GALLERY_SIZES {
+            // The size it has would bring the first generation again, and take the others away.
+            let wish = (choice != size).then_some(Wish::Do(Action::NewGallery { seed, size: choice }));
+            entry(ui, &choice.to_string(), format!("{choice} items"), wish);
         }
         let another = Action::NewGallery { seed: gallery.next_seed(), size };
-        entry(ui, "seed", icon::label(Icon::Dices, "Another seed"), Wish::Do(another));
+        entry(ui, "seed", icon::label(Icon::Dices, "Another seed"), Some(Wish::Do(another)));
         let first = concert.harmonics().first_waving();
         ui.separator();
         entry(
             ui,
             "harmonics",
             icon::label(Icon::FlipHorizontal2, "Harmonics and symmetry"),
-            Wish::Show(View::Harmonics(first)),
+            Some(Wish::Show(View::Harmonics(first))),
         );
     })
     .response

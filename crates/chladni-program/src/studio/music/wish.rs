@@ -63,7 +63,7 @@ pub enum Then {
     SavePreset(ItemId),
     /// The show is saved.
     SaveShow,
-    /// The show is saved, and makes room for the one that waits.
+    /// The show is saved, and makes room for the one, or the gallery, that waits.
     SaveShowFirst,
     /// The background is this picture or film.
     Picture,

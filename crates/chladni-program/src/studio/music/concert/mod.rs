@@ -396,6 +396,14 @@ impl Concert {
         self.has_since(self.saved, |action| is_by_hand(action) || is_bred(action))
     }
 
+    /// Whether another gallery would take away dances that no file has. Favorites would stay.
+    pub fn has_unsaved_gallery(&self) -> bool {
+        let gallery = self.instrument.gallery();
+        let is_bred = gallery.generations().len() > 1;
+        let is_touched = || gallery.items().iter().any(|item| item.edited || !item.name.is_empty());
+        (is_bred || is_touched()) && self.has_changed()
+    }
+
     fn has_since(&self, count: usize, counts: impl Fn(&Action) -> bool) -> bool {
         self.instrument.log().iter().skip(count).any(|line| counts(&line.action))
     }
