@@ -148,22 +148,32 @@ impl Stretch {
 
 /// A recording of a set, as one of the show's songs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Recording {
+pub struct Recording<'a> {
     /// Its number among the songs.
     pub song: usize,
-    /// Its beginning, since the show began.
-    pub at_secs: f64,
+    /// Its beginning in seconds since the show began, each from a time of the show on (ascending): a show stands at pauses
+    /// and jumps while a recording goes on.
+    pub begins: &'a [(f64, f64)],
     /// Its length.
     pub duration_secs: f64,
 }
 
+impl Recording<'_> {
+    /// Its beginning, by what is heard at `at_secs`.
+    fn begins_secs(&self, at_secs: f64) -> Option<f64> {
+        let known = self.begins.partition_point(|(from_secs, _)| *from_secs <= at_secs);
+        self.begins.get(known.saturating_sub(1)).map(|(_, begins_secs)| *begins_secs)
+    }
+}
+
 /// The same stretches (ascending), with live input heard from `recording` as far as that has it.
-pub fn heard_again(stretches: &[Stretch], recording: Recording) -> Vec<Stretch> {
+pub fn heard_again(stretches: &[Stretch], recording: Recording<'_>) -> Vec<Stretch> {
     let ends = stretches.iter().skip(1).map(|next| next.at_secs).chain([f64::INFINITY]);
     let mut again = Vec::with_capacity(stretches.len() + 2);
     for (stretch, end_secs) in stretches.iter().zip(ends) {
-        let from_secs = recording.at_secs.max(stretch.at_secs);
-        let to_secs = (recording.at_secs + recording.duration_secs).min(end_secs);
+        let begins_secs = recording.begins_secs(stretch.at_secs).unwrap_or(f64::INFINITY);
+        let from_secs = begins_secs.max(stretch.at_secs);
+        let to_secs = (begins_secs + recording.duration_secs).min(end_secs);
         if stretch.song.is_some() || from_secs >= to_secs {
             again.push(*stretch);
             continue;
@@ -172,7 +182,7 @@ pub fn heard_again(stretches: &[Stretch], recording: Recording) -> Vec<Stretch> 
         let plain = Stretch { crossfade_secs: 0.0, ..*stretch };
         let begins_with_it = from_secs == stretch.at_secs;
         again.extend((!begins_with_it).then_some(*stretch));
-        let (song, song_secs) = (Some(recording.song), from_secs - recording.at_secs);
+        let (song, song_secs) = (Some(recording.song), from_secs - begins_secs);
         let heard = if begins_with_it { *stretch } else { plain };
         again.push(Stretch { at_secs: from_secs, song, song_secs, playing: true, ..heard });
         again.extend((to_secs < end_secs).then_some(Stretch { at_secs: to_secs, ..plain }));
@@ -194,21 +204,29 @@ mod tests {
             crossfade_secs: 0.0,
         };
         let heard = [stretch(0.0, Some(0), 7.0), stretch(10.0, None, 0.0), stretch(30.0, Some(1), 0.0)];
-        let recording = |at_secs, duration_secs| Recording { song: 2, at_secs, duration_secs };
-        assert_eq!(heard_again(&heard, recording(90.0, 0.0)), heard);
+        let again = |heard: &[Stretch], song, at_secs, duration_secs| {
+            heard_again(heard, Recording { song, begins: &[(at_secs, at_secs)], duration_secs })
+        };
+        assert_eq!(again(&heard, 2, 90.0, 0.0), heard);
         // Within the live input, over its beginning, over its end, and over all of it.
-        let of = |at_secs, duration_secs| heard_again(&heard, recording(at_secs, duration_secs));
+        let of = |at_secs, duration_secs| again(&heard, 2, at_secs, duration_secs);
         let [first, live, last] = heard;
         assert_eq!(of(12.0, 5.0), [first, live, stretch(12.0, Some(2), 0.0), stretch(17.0, None, 0.0), last]);
         assert_eq!(of(4.0, 10.0), [first, stretch(10.0, Some(2), 6.0), stretch(14.0, None, 0.0), last]);
         assert_eq!(of(25.0, 50.0), [first, live, stretch(25.0, Some(2), 0.0), last]);
         assert_eq!(of(2.0, 90.0), [first, stretch(10.0, Some(2), 8.0), last]);
         // Two recordings of an input that still goes on.
-        let both = heard_again(&[live], recording(11.0, 2.0));
-        let both = heard_again(&both, Recording { song: 3, ..recording(15.0, 1.0) });
+        let both = again(&again(&[live], 2, 11.0, 2.0), 3, 15.0, 1.0);
         let times: Vec<(f64, Option<usize>)> = both.iter().map(|s| (s.at_secs, s.song)).collect();
         let expected = [(10.0, None), (11.0, Some(2)), (13.0, None), (15.0, Some(3)), (16.0, None)];
         assert_eq!(times, expected);
+        // The show stood for half a second of the recording before live input was heard for the second time.
+        let heard = [stretch(10.0, None, 0.0), stretch(20.0, Some(0), 0.0), stretch(30.0, None, 0.0)];
+        let begins = &[(12.0, 8.0), (20.0, 8.0), (30.0, 7.5)];
+        let again = heard_again(&heard, Recording { song: 2, begins, duration_secs: 90.0 });
+        let second = stretch(30.0, Some(2), 22.5);
+        assert_eq!(again[..3], [stretch(10.0, Some(2), 2.0), heard[1], second]);
+        assert_eq!(again[3], stretch(97.5, None, 0.0));
     }
 
     #[test]

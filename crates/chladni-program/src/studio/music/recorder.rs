@@ -20,8 +20,8 @@ const SOUND_HZ: u32 = 48_000;
 pub struct RecordedSet {
     /// Its file.
     pub path: PathBuf,
-    /// Its beginning, since the show began.
-    pub at_secs: f64,
+    /// Its beginning in seconds since the show began, each from a time of the show on: while it goes on, the show may stand.
+    pub begins: Vec<(f64, f64)>,
     /// Its length.
     pub duration_secs: f64,
 }
@@ -34,8 +34,8 @@ pub struct Recorder {
     asked_secs: f64,
     /// When it began: in the first frame after that, as choosing its file may have taken any time.
     since_secs: Option<f64>,
-    /// The same moment since the show began.
-    show_secs: Option<f64>,
+    /// The same moment since the show began, by each stretch that is heard.
+    begins: Vec<(f64, f64)>,
     /// Another show began meanwhile.
     spans_shows: bool,
     /// Its length, once it ends.
@@ -60,7 +60,7 @@ impl Recorder {
             path,
             asked_secs: now_secs,
             since_secs: None,
-            show_secs: None,
+            begins: Vec::new(),
             spans_shows: false,
             duration_secs: 0.0,
             resampler: None,
@@ -147,11 +147,16 @@ impl Recorder {
         Ok(())
     }
 
-    /// Notes where in the show it begins: at `now_secs` of the window the show is at `show_secs`.
-    pub fn follow_show(&mut self, now_secs: f64, show_secs: f64) {
-        if let (Some(since_secs), None) = (self.since_secs, self.show_secs) {
-            self.show_secs = Some(show_secs - (now_secs - since_secs));
-        }
+    /// Notes where in the show it begins: at `now_secs` of the window the show is at `show_secs`, in a stretch that has been
+    /// heard since `heard_since_secs`.
+    pub fn follow_show(&mut self, now_secs: f64, show_secs: f64, heard_since_secs: Option<f64>) {
+        let Some(since_secs) = self.since_secs else { return };
+        let begins_secs = show_secs - (now_secs - since_secs);
+        let from_secs = match self.begins.last() {
+            None => Some(show_secs),
+            Some((known_secs, _)) => heard_since_secs.filter(|secs| secs > known_secs && !self.ends),
+        };
+        self.begins.extend(from_secs.map(|from_secs| (from_secs, begins_secs)));
     }
 
     /// Another show goes on in the same film, which then is a set of neither.
@@ -161,9 +166,12 @@ impl Recorder {
 
     /// The set as it can be heard again; `None` until it ends, if it never began, or has more than one show.
     pub fn set(&self) -> Option<RecordedSet> {
-        let (path, duration_secs) = (self.path.clone(), self.duration_secs);
-        let at_secs = self.show_secs.filter(|_| self.ends && !self.spans_shows)?;
-        Some(RecordedSet { path, at_secs, duration_secs })
+        let is_one = self.ends && !self.spans_shows && !self.begins.is_empty();
+        is_one.then(|| RecordedSet {
+            path: self.path.clone(),
+            begins: self.begins.clone(),
+            duration_secs: self.duration_secs,
+        })
     }
 
     /// It ends now; its file appears a little later.
@@ -226,13 +234,17 @@ mod tests {
             recorder.picture(now_secs, gray());
         }
         assert!((recorder.progress(16.0).0 - 1.0).abs() < 1e-9);
-        recorder.follow_show(16.0, 8.0);
+        // Until another stretch begins, the show stands for a quarter of a second.
+        recorder.follow_show(15.5, 7.5, Some(3.0));
+        recorder.follow_show(15.75, 7.625, Some(3.0));
+        recorder.follow_show(16.0, 7.75, Some(7.625));
         assert_eq!(recorder.set(), None);
         recorder.finish(16.0);
         // While its file is written it grows no longer, and the show knows it.
         assert!((recorder.progress(20.0).0 - 1.0).abs() < 1e-9);
         let set = recorder.set().unwrap();
-        assert!((set.at_secs - 7.0).abs() < 1e-9 && (set.duration_secs - 1.0).abs() < 1e-9, "{set:?}");
+        assert_eq!(set.begins, [(7.5, 7.0), (7.625, 6.75)]);
+        assert!((set.duration_secs - 1.0).abs() < 1e-9, "{set:?}");
         let frames = loop {
             if let Some(ended) = recorder.ended() {
                 break ended.unwrap();

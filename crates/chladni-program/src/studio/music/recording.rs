@@ -109,7 +109,7 @@ impl MusicRoom {
         {
             shared.notices.failed(why);
         }
-        recorder.follow_show(now_secs, listening.at_secs());
+        recorder.follow_show(now_secs, listening.at_secs(), listening.heard_since_secs());
         let Some(ended) = recorder.ended() else { return };
         let (path, left_out) = (recorder.path().display().to_string(), recorder.progress(now_secs).1);
         listening.keep_sound(false);

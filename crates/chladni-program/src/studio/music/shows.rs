@@ -324,8 +324,8 @@ pub fn the_show(
     let being_written = concert.outgoing.recorder.as_ref().and_then(Recorder::set);
     let written = concert.outgoing.recorded.iter().map(|set| (set, true));
     for (set, is_written) in written.chain(being_written.iter().map(|set| (set, false))) {
-        let of_set = Recording { song: songs.len(), at_secs: set.at_secs, duration_secs: set.duration_secs };
-        let again = heard_again(&heard, of_set);
+        let (song, begins, duration_secs) = (songs.len(), &set.begins, set.duration_secs);
+        let again = heard_again(&heard, Recording { song, begins, duration_secs });
         if again != heard {
             let file = refer(&set.path);
             // While a recording is being written, an older file may still lie at its path: its hash must not go into the show.

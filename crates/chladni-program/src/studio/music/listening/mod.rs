@@ -205,6 +205,11 @@ impl Listening {
         self.hearing.stretch().filter(|_| self.live.is_none())?.song
     }
 
+    /// Since when of the show it is heard, or the live input.
+    pub fn heard_since_secs(&self) -> Option<f64> {
+        self.clock.stretch().map(|stretch| stretch.at_secs)
+    }
+
     /// The outer clock of the show so far.
     pub fn clock(&self) -> &ClockTrack {
         self.hearing.clock()
