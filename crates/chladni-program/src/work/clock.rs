@@ -8,6 +8,10 @@ const SEEK_SECS: f64 = 0.3;
 const STILL_SECS: f64 = 0.1;
 /// A song that stands still this near its end has ended: its silence continues.
 const END_SECS: f64 = 0.05;
+/// A device's clock goes back by less than this where it stumbles.
+const BACK_SECS: f64 = 0.1;
+/// After this long without a look, what plays begins a stretch of its own: an ear would take long to hear all of it.
+const AWAY_SECS: f64 = 10.0;
 
 /// The player's position at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +54,12 @@ impl ShowClock {
         self.stretch
     }
 
+    /// Whether a song's position came to `position_secs` by a stumble of the device's clock: a little back, and not to the
+    /// song's beginning, as where it repeats.
+    pub fn stumbles(step_secs: f64, position_secs: f64) -> bool {
+        (-BACK_SECS..0.0).contains(&step_secs) && position_secs > BACK_SECS
+    }
+
     /// Advances to the player's position at `now_secs` of any steadily running clock; returns the stretch that begins
     /// there, if one does.
     pub fn follow(&mut self, now_secs: f64, playing: Playing) -> Option<Stretch> {
@@ -62,6 +72,21 @@ impl ShowClock {
         let longest_step_secs = dt_secs + self.still_secs.min(SEEK_SECS) + SEEK_SECS;
         self.still_secs = if moved { 0.0 } else { self.still_secs + dt_secs };
         let position = playing.position_secs;
+        let follows = (0.0..=longest_step_secs).contains(&step_secs) || Self::stumbles(step_secs, position);
+        // The length may be unknown or too long, and a picture ahead of the sound stands still before that is over.
+        let ended = playing.is_over || playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
+        let plays = self.stretch.filter(|stretch| stretch.playing && stretch.song.is_some());
+        if let Some(stretch) = plays.filter(|_| dt_secs > AWAY_SECS && (moved || ended)) {
+            let goes_on = stretch.song == playing.song && (follows || !moved);
+            let by_song_secs = stretch.at_secs + (position - stretch.song_secs);
+            let by_time_secs = self.at_secs + dt_secs;
+            self.at_secs = if goes_on && moved { self.at_secs.max(by_song_secs) } else { by_time_secs };
+            let song_secs = stretch.song_secs_at(self.at_secs);
+            let anew = Stretch { at_secs: self.at_secs, song_secs, crossfade_secs: 0.0, ..stretch };
+            // Where something else plays by now, that begins at the next look.
+            self.stretch = goes_on.then_some(anew);
+            return Some(anew);
+        }
         let begin = |clock: &mut Self, song_secs, playing_on, crossfade_secs| {
             let (at_secs, song) = (clock.at_secs, playing.song);
             clock.stretch = Some(Stretch { at_secs, song, song_secs, playing: playing_on, crossfade_secs });
@@ -83,7 +108,7 @@ impl ShowClock {
             self.at_secs += dt_secs;
             return None;
         }
-        if moved && !(0.0..=longest_step_secs).contains(&step_secs) {
+        if moved && !follows {
             return leap(self);
         }
         if moved {
@@ -96,8 +121,6 @@ impl ShowClock {
         if self.still_secs <= STILL_SECS {
             return None;
         }
-        // The length may be unknown or too long, and a picture ahead of the sound stands still before that is over.
-        let ended = playing.is_over || playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
         let changes = if stretch.playing { !ended } else { playing.is_over };
         // A pause begins when the song stopped, so that it is no leap.
         let begun = changes.then(|| begin(self, position, !stretch.playing, 0.0)).flatten();
@@ -161,6 +184,44 @@ mod tests {
             let begun = clock.follow(1.5, next);
             assert!(begun.is_some_and(|stretch| stretch.at_secs > done_secs), "{begun:?}");
         }
+    }
+
+    #[test]
+    fn a_clock_that_stumbles_is_no_leap() {
+        let mut clock = ShowClock::default();
+        assert!(clock.follow(0.0, song(0, 3.0)).is_some());
+        let looks = [(0.5, 3.5, 0.5), (0.5625, 3.4375, 0.5), (0.75, 3.625, 0.625)];
+        for (now_secs, position_secs, at_secs) in looks {
+            assert_eq!(clock.follow(now_secs, song(0, position_secs)), None);
+            assert_eq!(clock.at_secs(), at_secs);
+        }
+        // A seek goes farther back, and a short song that repeats goes to its beginning.
+        assert!(clock.follow(0.8125, song(0, 3.125)).is_some());
+        assert!(clock.follow(0.875, song(1, 0.0625)).is_some());
+        assert!(clock.follow(0.9375, song(1, 0.0)).is_some());
+    }
+
+    #[test]
+    fn after_a_long_absence_what_plays_begins_a_stretch_of_its_own() {
+        let mut clock = ShowClock::default();
+        clock.follow(0.0, song(0, 3.0));
+        assert_eq!(clock.follow(1.0, song(0, 4.0)), None);
+        let place = |stretch: Stretch| (stretch.at_secs, stretch.song, stretch.song_secs, stretch.playing);
+        assert_eq!(clock.follow(61.0, song(0, 64.0)).map(place), Some((61.0, Some(0), 64.0, true)));
+        assert_eq!(clock.follow(61.5, song(0, 64.5)), None);
+        // Something else is heard at the next look.
+        let live = Playing { song: None, ..song(0, 0.0) };
+        for next in [song(1, 2.0), song(0, 5.0), live] {
+            let mut clock = clock.clone();
+            assert_eq!(clock.follow(90.5, next).map(place), Some((90.5, Some(0), 93.5, true)));
+            let begun = clock.follow(90.625, next).map(place);
+            assert_eq!(begun, Some((90.625, next.song, next.position_secs, true)));
+        }
+        // So does the silence behind a song.
+        let over = Playing { is_over: true, ..song(0, 64.5) };
+        assert_eq!(clock.follow(90.5, over).map(place), Some((90.5, Some(0), 93.5, true)));
+        assert_eq!(clock.follow(90.625, over), None);
+        assert_eq!(clock.at_secs(), 90.625);
     }
 
     #[test]

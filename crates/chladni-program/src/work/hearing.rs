@@ -187,22 +187,24 @@ impl Hearing {
         self.count_again();
     }
 
+    /// Whether what plays goes on in this stretch without a jump, as after a long absence: only the ear begins anew.
+    pub fn goes_on_with(&self, stretch: Stretch) -> bool {
+        self.stretch().is_some_and(|last| last.playing && stretch.playing && !leaps(last, stretch))
+    }
+
     /// From `stretch.at_secs` on, this is heard.
     ///
     /// # Errors
     /// As [`hear`](Self::hear).
     pub fn begin(&mut self, stretch: Stretch) -> Result<(), SoundError> {
-        let leaps = self.stretch().is_some_and(|last| {
-            let jump_secs = stretch.song_secs - last.song_secs_at(stretch.at_secs);
-            last.song != stretch.song || jump_secs.abs() > ROUNDED_SECS
-        });
+        let leaps = self.stretch().is_some_and(|last| leaps(last, stretch));
         if leaps && stretch.at_secs + FORGOTTEN_SECS > self.begins_secs {
             let beat = self.beat_at(stretch.at_secs);
             if self.listen(stretch.at_secs)? {
                 self.fade_from(stretch.at_secs, self.heard(), beat);
             }
         }
-        if leaps || self.stretches.is_empty() {
+        if leaps || self.goes_on_with(stretch) || self.stretches.is_empty() {
             self.ear = None;
             self.from_song_secs = stretch.song_secs;
         }
@@ -319,6 +321,12 @@ impl Hearing {
         }
         Ok(true)
     }
+}
+
+/// Whether a stretch begins elsewhere than the one before it has come to.
+fn leaps(last: Stretch, next: Stretch) -> bool {
+    let jump_secs = next.song_secs - last.song_secs_at(next.at_secs);
+    last.song != next.song || jump_secs.abs() > ROUNDED_SECS
 }
 
 /// How far the fade after a jump is, `gone_secs` after it, in [0, 1].

@@ -91,6 +91,26 @@ fn a_pause_is_no_leap_however_many_beats_were_added() {
 }
 
 #[test]
+fn after_a_long_absence_the_ear_begins_anew_and_nothing_fades() {
+    let (mut hearing, mut clock) = (hearing(), ShowClock::default());
+    let look = |hearing: &mut Hearing, clock: &mut ShowClock, now_secs: f64| {
+        let (song, position_secs, duration_secs) = (Some(0), 0.5 + now_secs, Some(100.0));
+        let playing = Playing { song, position_secs, duration_secs, crossfade_secs: 0.0, is_over: false };
+        let begun = clock.follow(now_secs, playing);
+        let before = begun.map(|stretch| hearing.beat_at(stretch.at_secs).count);
+        begun.into_iter().for_each(|stretch| hearing.begin(stretch).unwrap());
+        let heard = hearing.hear(clock.at_secs()).unwrap().unwrap();
+        assert!(heard.fading.is_none());
+        (begun, heard.beat.count - before.unwrap_or_default())
+    };
+    look(&mut hearing, &mut clock, 0.0);
+    assert_eq!(look(&mut hearing, &mut clock, 0.25).0, None);
+    let (begun, step) = look(&mut hearing, &mut clock, 12.25);
+    assert_eq!((hearing.from_song_secs, begun.map(|stretch| stretch.song_secs)), (12.75, Some(12.75)));
+    assert!(step.abs() < 1e-9, "{step} beats");
+}
+
+#[test]
 fn whoever_hears_the_same_show_hears_the_same_bits() {
     let mut parameters = Parameters::default();
     let run = |parameters: &mut Parameters, fps: f64, from_secs: f64| {

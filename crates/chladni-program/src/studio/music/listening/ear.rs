@@ -4,6 +4,7 @@ use chladni_music::BarLine;
 use chladni_sound::PlayerStatus;
 
 use super::Listening;
+use crate::work::ShowClock;
 
 /// If the song's position deviates from the clock by more than this, the user has sought: the beat tracker is
 /// reset.
@@ -73,6 +74,10 @@ impl Listening {
     /// Feeds the tracker with the sound since the last frame.
     pub(super) fn follow_song(&mut self, status: &PlayerStatus, since_last_secs: f64) {
         let step_secs = status.position_secs - self.last_position_secs;
+        // Nothing is heard twice.
+        if ShowClock::stumbles(step_secs, status.position_secs) {
+            return;
+        }
         self.last_position_secs = status.position_secs;
         let paused = step_secs == 0.0;
         let sought = !paused && (step_secs - since_last_secs).abs() > SEEK_SECS;
@@ -104,5 +109,24 @@ impl Listening {
         if !self.follows_clock() {
             self.director = self.director.anew();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_beat_is_forgotten_after_a_seek_and_not_where_the_device_stumbles() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let silence = vec![0.0; 44_100];
+        listening.ear.follower.push(&silence, &silence);
+        listening.last_position_secs = 5.0;
+        let mut heard_secs = |position_secs: f64| {
+            let status = PlayerStatus { position_secs, rate_hz: 44_100, ..PlayerStatus::default() };
+            listening.follow_song(&status, 0.016);
+            listening.ear.follower.now_secs()
+        };
+        assert_eq!([4.95, 4.96, 5.2, 4.5].map(&mut heard_secs), [1.0, 1.0, 1.2, 0.0]);
     }
 }

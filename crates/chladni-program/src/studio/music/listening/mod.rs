@@ -318,7 +318,10 @@ impl Listening {
         // Where another show was opened, what still sounds is not of that one.
         let follows = self.live.is_some() || status.is_listed || self.clock.stretch().is_some();
         if let Some(stretch) = follows.then(|| self.clock.follow(now_secs, playing)).flatten() {
-            before(&mut self.hearing, stretch.at_secs)?;
+            // A long absence is not made up for.
+            if !self.hearing.goes_on_with(stretch) {
+                before(&mut self.hearing, stretch.at_secs)?;
+            }
             self.hearing.begin(stretch)?;
             // No beat goes back.
             if was_live && !self.follows_clock() {
