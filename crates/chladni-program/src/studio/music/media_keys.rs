@@ -158,6 +158,8 @@ impl MusicRoom {
             let ctx = shared.ctx.clone();
             MediaKeys::start(move || ctx.request_repaint())
         });
+        // Seeks add up: the player may not have done one by the next.
+        let mut sought_secs = None;
         for asked in keys.asked() {
             let status = listening.player().status();
             let plays = status.state == PlayerState::Playing && listening.live().is_none();
@@ -166,16 +168,29 @@ impl MusicRoom {
                 Asked::Pause if plays => listening.toggle(),
                 Asked::Play | Asked::Pause => {}
                 Asked::PlayPause => listening.toggle(),
-                Asked::Next => listening.next_song(),
-                Asked::Previous => listening.previous_song(),
-                // Beyond the end it acts like Next.
-                Asked::SeekBy(secs)
-                    if status.duration_secs.is_some_and(|end| status.position_secs + secs >= end) =>
-                {
+                Asked::Next => {
+                    sought_secs = Some(0.0);
                     listening.next_song();
                 }
-                Asked::SeekBy(secs) => listening.player().seek((status.position_secs + secs).max(0.0)),
-                Asked::SeekTo(secs) => listening.player().seek(secs),
+                Asked::Previous => {
+                    sought_secs = Some(0.0);
+                    listening.previous_song();
+                }
+                Asked::SeekBy(secs) => {
+                    let to_secs = sought_secs.unwrap_or_else(|| listening.heard_secs()) + secs;
+                    // Beyond the end it acts like Next.
+                    if status.duration_secs.is_some_and(|end| to_secs >= end) {
+                        sought_secs = Some(0.0);
+                        listening.next_song();
+                    } else {
+                        sought_secs = Some(to_secs.max(0.0));
+                        listening.player().seek(to_secs.max(0.0));
+                    }
+                }
+                Asked::SeekTo(secs) => {
+                    sought_secs = Some(secs);
+                    listening.player().seek(secs);
+                }
                 Asked::Volume(volume) => {
                     listening.set_volume(volume);
                     shared.settings.music.volume = volume;
@@ -193,7 +208,7 @@ impl MusicRoom {
             duration_secs: status.duration_secs,
             volume: listening.volume(),
         };
-        keys.tell(playing, status.position_secs);
+        keys.tell(playing, listening.heard_secs());
     }
 }
 

@@ -172,6 +172,11 @@ impl Listening {
         if self.live.is_some() { 0.0 } else { self.player.shown_ahead_secs() }
     }
 
+    /// Where in its song the sound is; the player's status is that of the moment that is shown.
+    pub fn heard_secs(&self) -> f64 {
+        (self.player.status().position_secs - self.player.shown_ahead_secs()).max(0.0)
+    }
+
     /// The device that was chosen; `None` is the system's own.
     pub fn device(&self) -> Option<&str> {
         self.device.as_deref()
@@ -234,6 +239,8 @@ mod tests {
         let before = hear(&mut listening, 1.0);
         listening.show_ahead(0.125);
         assert_eq!(listening.ahead_secs(), 0.125);
+        let ahead_secs = listening.player().status().position_secs - listening.heard_secs();
+        assert!((ahead_secs - 0.125).abs() < 1e-6, "{ahead_secs}");
         let after = hear(&mut listening, 1.0);
         assert!((after - before - 0.125).abs() < 1e-6, "{before} {after}");
         let (capture, _feed) = chladni_sound::Capture::fed(48_000).unwrap();
