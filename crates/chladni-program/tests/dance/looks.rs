@@ -59,3 +59,20 @@ fn a_show_repeats_the_looks_that_came_on_stage() {
     // A look of another version leaves the show's own.
     assert_eq!(frame(&show("ember", Some("dawn of 2031")), "0.4", &[]), frame(&ember, "0.4", &[]));
 }
+
+#[test]
+fn a_part_of_a_film_has_the_grain_of_the_whole_one() {
+    let folder = tempfile::tempdir().unwrap();
+    ball(&folder.path().join("ball.obj"));
+    let file = folder.path().join("a.show.json");
+    show("noir", None).save(&file).unwrap();
+    let picture = |start: &str, secs: &str, number: usize| {
+        let frames = folder.path().join(start);
+        let [file, out] = [&file, &frames].map(|path| path.to_str().unwrap());
+        let dance = ["dance", "--show", file, "--frames", out, "--start", start, "--duration", secs];
+        let small = ["--fps", "8", "--size", "96x54", "--draw", "cpu", "--allow-flashes"];
+        assert_eq!(run(&[&dance[..], &small].concat()), 0);
+        std::fs::read(frames.join(format!("frame-{number:05}.png"))).unwrap()
+    };
+    assert!(picture("0", "0.75", 4) == picture("0.5", "0.25", 0));
+}

@@ -222,7 +222,7 @@ impl Performance {
         let mut cells = staged.cells(&figures);
         // The first is the background.
         cells.iter_mut().skip(1).for_each(|cell| cell.markers = &dots);
-        renderer.draw_finished(canvas, &cells, &staged.look.finish, time_secs)?;
+        renderer.draw_finished(canvas, &cells, &staged.look.finish, self.start_secs + time_secs)?;
         Ok(())
     }
 }
