@@ -21,7 +21,7 @@ const only = process.argv[4];
 const rooms = {
   music: [music.laptop, music.phone],
   beats: [beats],
-  shows: [shows.shows, shows.flashes, shows.films],
+  shows: [shows.shows, shows.flashes, shows.withoutSong, shows.films],
   returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
   haste: [haste.shapes, haste.songs, haste.films, haste.beginnings, haste.layers, haste.projects],
   films: [shows.wholeFilms, shows.stoppedFilms, shows.brokenFilms],

@@ -139,9 +139,14 @@ impl Concert {
         let known = &mut self.songs[number];
         song.beats = Some(read_beats(&beats, known.reading));
         (known.name, known.beats) = (name, Some(beats));
+        let is_news = self.hearing.song(number).is_none_or(|known| known.beats.is_none());
+        let was_heard = self.hearing.stretches().any(|stretch| stretch.song == Some(number));
         self.hearing.know(number, song);
         // The page plays one song at a time, and decodes it again where it is wanted again.
         self.hearing.forget_samples_but(number);
+        if is_news && was_heard {
+            self.count_beats()?;
+        }
         Ok(())
     }
 

@@ -112,6 +112,47 @@ export async function flashes() {
   await page.context().close();
 }
 
+/** A show that is open before its song: dances take turns by what is heard meanwhile, and by all beats once the song comes. */
+export async function withoutSong() {
+  const { page, wrong, elsewhere } = await opened({ width: 640, height: 480 }, false);
+  const { meanwhile, after } = await page.evaluate(async () => {
+    const { Concert } = await import("./chladni_web.js");
+    const body = new Uint8Array(await (await fetch("bodies/plate.body")).arrayBuffer());
+    const beats_secs = Array.from({ length: 200 }, (_, i) => i / 2);
+    const none = { bars: [], sections: [], energy: [] };
+    const beats = JSON.stringify({ tempo_bpm: 120, beats_secs, confidence: 1, other_octaves_bpm: [60, 240], ...none });
+    const silence = () => new Float32Array(8000);
+    const know = (concert, number) => concert.know_song(number, `${number}.wav`, 8000, silence(), silence(), beats, 0.5);
+    const play = (concert, number, from, to) => Array.from({ length: 4 * (to - from) + 1 }, (_, i) => {
+      const secs = from + i / 4;
+      concert.go_on(secs, number, secs, 100);
+      return concert.staged();
+    });
+    const danced = new Concert(body, 6, 1);
+    know(danced, 0);
+    play(danced, 0, 0, 30);
+    const act = (action) => danced.act(JSON.stringify(action));
+    act({ do: "set", parameter: "beats-per-step", value: 8 });
+    act({ do: "switch", switch: "beat-steps", on: true });
+    act({ do: "perform-gallery", first: 0 });
+    play(danced, 0, 30, 31);
+    const show = new Concert(body, 6, 1);
+    show.open_show(danced.save_show());
+    know(show, 1);
+    const meanwhile = new Set(play(show, 1, 0, 20)).size;
+    know(show, 0);
+    const after = show.staged();
+    danced.free();
+    show.free();
+    return { meanwhile, after };
+  });
+  assert.ok(meanwhile > 3, `${meanwhile} dances without the song`);
+  assert.equal(after, 5, "after the 2 beats in the show and the 40 since");
+  step("a show that is open before its song goes on, and is right once that comes");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
 /** How long a film is, how large, how many pictures of it differ, and whether it has sound, as the browser plays it. */
 const watched = (page, bytes, type) => page.evaluate(async ([bytes, type]) => {
   const video = document.createElement("video");

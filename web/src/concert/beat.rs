@@ -158,7 +158,11 @@ impl Concert {
         song.reading = reading;
         let Some(beats) = &song.beats else { return Ok(()) };
         self.hearing.know_beats(number, read_beats(beats, reading));
-        // What was done so far was done at other beats now.
+        self.count_beats()
+    }
+
+    /// What was done so far was done at the beats that are known now.
+    pub(super) fn count_beats(&mut self) -> Result<(), Error> {
         self.instrument = self.instrument.with_beats(|moment| self.hearing.beats_at(moment))?;
         Ok(())
     }

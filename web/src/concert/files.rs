@@ -89,7 +89,8 @@ impl Concert {
         self.songs = show.songs.into_iter().map(ShowSong::from).collect();
         self.viewpoint = show.viewpoint;
         self.looks = show.looks.unwrap_or_default();
-        Ok(())
+        // Its songs are not known yet, and the count begins without their beats.
+        Ok(self.count_beats()?)
     }
 
     /// A dance as the text of a preset file.
