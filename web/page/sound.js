@@ -50,11 +50,13 @@ export class Sound {
   /** The context's time of what leaves the loudspeaker now. */
   heardNow() {
     const { contextTime, performanceTime } = this.context.getOutputTimestamp?.() ?? {};
-    const late = this.context.outputLatency || this.context.baseLatency || 0;
-    if (!performanceTime) return this.context.currentTime - late;
+    if (!performanceTime) return this.context.currentTime - this.lateSecs();
     const since = (performance.now() - performanceTime) / 1000;
     return Math.min(contextTime + since, this.context.currentTime);
   }
+
+  /** How much later than the context's time the loudspeaker sounds. */
+  lateSecs() { return this.context.outputLatency || this.context.baseLatency || 0; }
 
   /** Aloud from here on; call it from a click. False where no sound device begins: the song runs on silently then, and
    * aloud as soon as one does. A pause meanwhile has the last word. */
@@ -141,9 +143,13 @@ export class Sound {
    * none; and `end()` when they are no longer wanted. */
   overheard() {
     const ear = this.outlet().context.createMediaStreamDestination();
+    // Pictures are of what leaves the loudspeaker: a film has the song as late.
+    const late = this.context.createDelay(1);
+    const keepLate = () => { late.delayTime.value = this.lateSecs(); };
+    keepLate();
     // Where no song was heard yet it does not run.
-    this.context.resume().catch(() => {});
-    this.out.connect(ear);
+    this.context.resume().then(keepLate, () => {});
+    this.out.connect(late).connect(ear);
     let heard;
     let source;
     const follow = (stream) => {
@@ -156,7 +162,7 @@ export class Sound {
     const tracks = ear.stream.getAudioTracks();
     const end = () => {
       follow(undefined);
-      this.out.disconnect(ear);
+      this.out.disconnect(late);
       for (const track of tracks) track.stop();
     };
     return { tracks, follow, end };
