@@ -1,6 +1,6 @@
 //! Evaluates the document away from the window's thread, the newest first: a frame never waits for a slow one.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::time::Duration;
 
 use chladni_caricature::{EvaluatedLayer, Evaluation, LayerId, Project, Stack, Surface};
@@ -20,9 +20,19 @@ pub const PATIENCE: Duration = Duration::from_millis(4);
 static POOL: LazyLock<Result<ThreadPool, ThreadPoolBuildError>> =
     LazyLock::new(|| ThreadPoolBuilder::new().thread_name(|index| format!("evaluate {index}")).build());
 
-/// Runs `work` on the threads of evaluations.
+/// Held while an evaluation runs.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Runs `work`, which evaluates nothing, on the threads of evaluations.
 pub fn on_own_threads<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, Error> {
     Ok(POOL.as_ref().map_err(Error::other)?.install(work))
+}
+
+/// Evaluates on these threads, one evaluation after another. Those of one project share what they compute: a thread that
+/// waits for a part of it would take up another evaluation, which would wait for that thread.
+pub fn in_turn<T: Send>(evaluate: impl FnOnce() -> T + Send) -> Result<T, Error> {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    on_own_threads(evaluate)
 }
 
 /// The part of a project that is seen.
@@ -122,4 +132,27 @@ fn moves_alike(a: &EvaluatedLayer, b: &EvaluatedLayer) -> bool {
         (a, b) => a.is_none() && b.is_none(),
     };
     a.id == b.id && displaced && Arc::ptr_eq(&a.base, &b.base)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn one_evaluation_runs_at_a_time() {
+        let (running, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let evaluate = || {
+            most.fetch_max(running.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+            (0..20).for_each(|_| std::thread::yield_now());
+            running.fetch_sub(1, Ordering::SeqCst);
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..50).for_each(|_| in_turn(evaluate).unwrap()));
+            }
+        });
+        assert_eq!(most.into_inner(), 1);
+    }
 }

@@ -13,7 +13,7 @@ use egui::Context;
 use super::CaricatureRoom;
 use super::autosave::Autosave;
 use super::edits::Edit;
-use super::evaluating::on_own_threads;
+use super::evaluating::in_turn;
 use super::loading::{self, Candidate};
 use super::matches::renew;
 use super::moved;
@@ -222,7 +222,7 @@ impl CaricatureRoom {
         let mut camera = Camera::on(session.stands(), View::ThreeQuarter);
         let empty = stage.shot_of(Pose::default(), stage.own_coat());
         shared.pictures.keep(&shared.ctx, path, move || {
-            let result = on_own_threads(|| stack.evaluate(&project)).ok()?.result;
+            let result = in_turn(|| stack.evaluate(&project)).ok()?.result;
             let pose = (single(&result.positions), single(result.normals()));
             let aspect = width as f32 / height as f32;
             camera.fit(pose.0.iter().copied(), aspect, 0.9);

@@ -8,7 +8,7 @@ use chladni_caricature::{Painted, Project, Recovered, Stack};
 use chladni_mesh::{Estimate, Orientation, TriMesh};
 use chladni_task::Task;
 
-use super::evaluating::{Evaluated, Sight, on_own_threads};
+use super::evaluating::{Evaluated, Sight, in_turn};
 use super::health::Unexamined;
 use crate::work::{Aside, Error, OwnLook, Subject, Warning, Watcher, body, source};
 
@@ -108,7 +108,7 @@ pub fn load(
     }
     let selected = project.layers().last().map(|(id, _)| *id);
     let sight = Sight { selected, ..Sight::default() };
-    let evaluated = on_own_threads(|| Evaluated::of(stack, &project, sight, None))?;
+    let evaluated = in_turn(|| Evaluated::of(stack, &project, sight, None))?;
     let warnings = aside.warnings();
     Ok(Loaded {
         project,

@@ -6,7 +6,7 @@ use std::time::Duration;
 use chladni_caricature::KeepRequest;
 use egui::Context;
 
-use super::super::evaluating::{Evaluated, Figures, Sight, on_own_threads};
+use super::super::evaluating::{Evaluated, Figures, Sight, in_turn};
 use super::Session;
 use crate::work::Error;
 
@@ -43,8 +43,7 @@ impl Session {
         let project = self.project().clone();
         self.stack.forget_unused(&project);
         let (stack, before) = (self.stack.clone(), Arc::clone(&self.shown));
-        self.evaluating
-            .begin(ctx, move || on_own_threads(|| Evaluated::of(stack, &project, sight, Some(&before))));
+        self.evaluating.begin(ctx, move || in_turn(|| Evaluated::of(stack, &project, sight, Some(&before))));
     }
 
     /// Waits for the running evaluation; see [`Newest::wait`](crate::studio::newest::Newest::wait).
