@@ -1,5 +1,7 @@
 //! Work on as many threads as were asked for.
 
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
 use crate::HarmonicsError;
 use crate::platform::HAS_THREADS;
 
@@ -7,7 +9,7 @@ use crate::platform::HAS_THREADS;
 const MOST_THREADS: usize = 1024;
 
 /// Runs `work` on `threads` threads. `None` means the pool from which it is called, or all threads of the
-/// machine. If no thread can be started, the calling thread does all of the work.
+/// machine. Where the system gives fewer there are fewer; if it gives hardly any, the calling thread does all of the work.
 pub(crate) fn on_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> T + Send,
@@ -19,6 +21,49 @@ pub(crate) fn on_threads<T: Send>(
         return Ok(work());
     }
     // Not in the shared pool: drawing uses it and must not wait for a solve.
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    match pool_of(threads.unwrap_or(0)) {
+        Some(pool) => Ok(pool.install(work)),
+        None => on_calling_thread(work),
+    }
+}
+
+/// A pool of this many threads, 0 for all of the machine, or of half of those that the system gives.
+fn pool_of(threads: usize) -> Option<ThreadPool> {
+    let mut started = Vec::new();
+    let pool = ThreadPoolBuilder::new().num_threads(threads).spawn_handler(|thread| {
+        started.push(std::thread::Builder::new().spawn(|| thread.run())?);
+        Ok(())
+    });
+    if let Ok(pool) = pool.build() {
+        return Some(pool);
+    }
+    let fewer = started.len() / 2;
+    // There is room once they have ended.
+    started.into_iter().for_each(|thread| drop(thread.join()));
+    if fewer > 0 { pool_of(fewer) } else { None }
+}
+
+/// Runs `work` where no thread can be started, not even those of the shared pool.
+fn on_calling_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, HarmonicsError> {
+    if rayon::current_thread_index().is_some() {
+        return Ok(work());
+    }
+    let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
     Ok(pool.map_err(|e| HarmonicsError::Threads(e.to_string()))?.install(work))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_threads_the_calling_one_does_all_of_the_work() {
+        // It stays in its own pool, so that it has to be one of the test.
+        let caller = std::thread::spawn(|| {
+            let who = || (std::thread::current().id(), rayon::current_num_threads());
+            (who().0, [(); 2].map(|()| on_calling_thread(who).unwrap()))
+        });
+        let (caller, who) = caller.join().unwrap();
+        assert_eq!(who, [(caller, 1); 2]);
+    }
 }

@@ -29,6 +29,7 @@ mod spectrum;
 mod stance;
 mod symmetry;
 mod terminal;
+mod threads;
 mod transfer;
 mod turntable;
 
@@ -37,7 +38,7 @@ use clap::{Parser, Subcommand};
 
 pub use terminal::Terminal;
 
-use crate::work::Error;
+use crate::work::{Error, Watcher};
 
 /// Plays the natural vibrations of 3D shapes.
 ///
@@ -81,6 +82,9 @@ enum Command {
 
 /// Runs the program with the process's own arguments.
 pub fn main() -> std::process::ExitCode {
+    if let Some(warning) = threads::start() {
+        Terminal::new(false).warn(warning);
+    }
     std::process::ExitCode::from(run(std::env::args_os()))
 }
 

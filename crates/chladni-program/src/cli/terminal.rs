@@ -111,16 +111,16 @@ impl Watcher for Terminal {
         self.note(format_args!("warning: {}", advised(&warning, self.takes_stance)));
     }
 
-    /// Draws the progress once the part has taken over a second.
+    /// Draws the progress once the part has taken over a second, if the system gives a thread for it.
     fn watch<T>(&self, label: &str, part: impl FnOnce(&Task) -> T) -> T {
         let done = Arc::new(AtomicBool::new(false));
         let watcher = (!self.quiet).then(|| {
             let (task, done, label) = (self.task.clone(), Arc::clone(&done), label.to_owned());
-            std::thread::spawn(move || draw_progress(&label, &task, &done))
+            std::thread::Builder::new().spawn(move || draw_progress(&label, &task, &done)).ok()
         });
         let value = part(&self.task);
         done.store(true, Ordering::Release);
-        if let Some(watcher) = watcher {
+        if let Some(watcher) = watcher.flatten() {
             watcher.thread().unpark();
             let _ = watcher.join();
         }

@@ -18,17 +18,19 @@ pub(super) struct Feed {
 impl Feed {
     pub(super) fn start(command: &mut Command) -> std::io::Result<Self> {
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
-        let input = child.stdin.take();
-        let complaints = child.stderr.take().map(|mut stderr| {
-            std::thread::spawn(move || {
+        let (input, stderr) = (child.stdin.take(), child.stderr.take());
+        let mut feed = Self { child, input, complaints: None };
+        if let Some(mut stderr) = stderr {
+            let read = move || {
                 let mut text = Vec::new();
                 // A message that cannot be read cannot be reported; the exit status still is.
                 let _ = stderr.by_ref().take(MOST_COMPLAINTS).read_to_end(&mut text);
                 let _ = std::io::copy(&mut stderr, &mut std::io::sink());
                 String::from_utf8_lossy(&text).into_owned()
-            })
-        });
-        Ok(Self { child, input, complaints })
+            };
+            feed.complaints = Some(std::thread::Builder::new().spawn(read)?);
+        }
+        Ok(feed)
     }
 
     /// Writes to it. If it takes no more, the error is the program's message.
