@@ -37,7 +37,11 @@ let compiling;
 /** What the workers of one piece of work begin with. Where that cannot be, they are told so: nothing, and one core. */
 export async function shared() {
   try {
-    compiling ??= compile("chladni_threads_bg.wasm");
+    compiling ??= compile("chladni_threads_bg.wasm").catch((error) => {
+      // The next worker tries again.
+      compiling = undefined;
+      throw error;
+    });
     return { module: await compiling, memory: sharedMemory() };
   } catch (error) {
     say(`This works on one core only (${error.message ?? error}).`, true);

@@ -73,7 +73,12 @@ const works = {
 };
 
 onmessage = async ({ data: { start, id, work, ...request } }) => {
-  if (start) return began(begin(start));
+  if (start) {
+    const beginning = begin(start);
+    began(beginning);
+    // So that the next request starts another worker.
+    return beginning.catch((error) => postMessage({ kind: "broken", text: error.message ?? String(error) }));
+  }
   const tell = (kind, text) => postMessage({ id, kind, text });
   try {
     await ready;

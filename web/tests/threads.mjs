@@ -35,10 +35,44 @@ async function onAll(page, alone) {
   assert.ok(off < 1e-9, `an eigenvalue is off by ${off}`);
 }
 
+/** A worker that cannot start is ended, and the next request starts another. */
+async function startsAgain(page) {
+  const ends = await page.evaluate(async (mesh) => {
+    const { ask, runs } = await import("./work.js");
+    const asked = () => ask({ work: "solve", name: "torus.obj", bytes: new TextEncoder().encode(mesh), harmonics: 10, laplacian: "delaunay" }, undefined, "trial");
+    const { Worker } = window;
+    window.Worker = class extends Worker {
+      postMessage(message, given) {
+        const noModule = message.start && { start: { ...message.start, module_or_path: new Uint8Array(1) } };
+        super.postMessage(noModule ?? message, given);
+      }
+    };
+    const first = await asked().then(() => "solved", ({ name }) => name);
+    window.Worker = Worker;
+    return [first, runs("trial"), await asked().then(() => "solved", ({ message }) => message)];
+  }, mesh);
+  assert.deepEqual(ends, ["StoppedError", false, "solved"]);
+}
+
+/** A module that could not be fetched once is fetched again. */
+async function fetchesAgain(page) {
+  const comes = await page.evaluate(async () => {
+    // Not the page's own, which may have it already.
+    const { shared } = await import("./threads.js?anew");
+    const { fetch } = window;
+    window.fetch = () => Promise.reject(new TypeError("on purpose"));
+    const first = await shared();
+    window.fetch = fetch;
+    return [first, await shared()].map((found) => !!found);
+  });
+  assert.deepEqual(comes, [false, true]);
+}
+
 export async function threads() {
   // A server that knows nothing of such headers.
   const plain = await opened(VIEWPORT, false);
   assert.ok(!await isolated(plain.page));
+  await startsAgain(plain.page);
   const all = await cores(plain.page);
   const built = existsSync(join(folder, "chladni_threads_bg.wasm"));
   if (!built || all < 2) {
@@ -60,6 +94,8 @@ export async function threads() {
   const server = await serve(folder, ISOLATED);
   assert.notEqual(server.address, address);
   const { page, wrong, elsewhere } = await opened(VIEWPORT, false, { at: server.address });
+  await startsAgain(page);
+  await fetchesAgain(page);
   await onAll(page, alone.eigenvalues);
   // What is given up takes its threads with it, and the next work begins anew.
   await page.evaluate(async (mesh) => {
