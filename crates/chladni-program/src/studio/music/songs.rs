@@ -74,7 +74,7 @@ pub fn show(
     sound(ui, listening, inputs, preferences);
     lateness(ui, listening, preferences, wishes);
     ui.add_space(theme::GAP_LARGE);
-    live(ui, listening, inputs, preferences, notices);
+    live(ui, listening, inputs, preferences);
 }
 
 /// How loud, and where.
@@ -222,13 +222,7 @@ fn song_row(ui: &mut Ui, listening: &Listening, status: &PlayerStatus, song: usi
     (response.clicked(), out.clicked())
 }
 
-fn live(
-    ui: &mut Ui,
-    listening: &mut Listening,
-    inputs: &mut Devices,
-    preferences: &mut Preferences,
-    notices: &mut Notices,
-) {
+fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, preferences: &mut Preferences) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Live").strong());
         if inputs.looking.is_some() {
@@ -257,9 +251,7 @@ fn live(
     match chosen {
         Some((true, source)) => {
             preferences.live_input = Some(source.name.clone());
-            if let Err(why) = listening.listen_to(&source) {
-                notices.failed(why);
-            }
+            listening.listen_to(&source, ui.ctx());
         }
         Some((false, _)) => listening.stop_listening(),
         None => {}

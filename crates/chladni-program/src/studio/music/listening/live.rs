@@ -5,7 +5,6 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use chladni_sound::{Capture, CaptureSource};
 
 use super::Listening;
-use crate::work::Error;
 
 /// The pause between two attempts to find a lost source.
 const AGAIN_SECS: f64 = 1.0;
@@ -23,10 +22,10 @@ pub struct Live {
     quiet_secs: f64,
 }
 
-/// A source that is looked for on a thread of its own: sound systems answer slowly.
+/// A source that is looked for, and opened again, on a thread of its own: sound systems answer slowly.
 #[derive(Default)]
 struct Lost {
-    answer: Option<Receiver<bool>>,
+    answer: Option<Receiver<Option<Capture>>>,
     next_secs: f64,
 }
 
@@ -58,10 +57,7 @@ impl Live {
             self.lost = Some(Lost::default());
             return Fate::Lost;
         };
-        // It may be lost again between finding and opening it.
-        if lost.is_back(source, now_secs)
-            && let Ok(capture) = Capture::start(source)
-        {
+        if let Some(capture) = lost.opened_again(source, now_secs) {
             (self.capture, self.lost, self.quiet_secs) = (capture, None, 0.0);
             return Fate::Back;
         }
@@ -86,11 +82,9 @@ impl Live {
 }
 
 impl Listening {
-    /// Listens to a microphone or to the machine's own sound; the song pauses.
-    pub fn listen_to(&mut self, source: &CaptureSource) -> Result<(), Error> {
-        let live = Live::new(Capture::start(source)?, source.name.clone(), Some(source.clone()));
-        self.go_live(live);
-        Ok(())
+    /// Listens to a source that was opened; the song pauses.
+    pub(super) fn listen_to_opened(&mut self, source: CaptureSource, capture: Capture) {
+        self.go_live(Live::new(capture, source.name.clone(), Some(source)));
     }
 
     /// Listens to a capture that is called `name`; the song pauses.
@@ -141,14 +135,14 @@ impl Listening {
 }
 
 impl Lost {
-    fn is_back(&mut self, source: &CaptureSource, now_secs: f64) -> bool {
+    fn opened_again(&mut self, source: &CaptureSource, now_secs: f64) -> Option<Capture> {
         match self.answer.as_ref().map(Receiver::try_recv) {
-            Some(Err(TryRecvError::Empty)) => return false,
-            Some(Ok(true)) => {
+            Some(Err(TryRecvError::Empty)) => return None,
+            Some(Ok(Some(capture))) => {
                 self.answer = None;
-                return true;
+                return Some(capture);
             }
-            Some(Ok(false) | Err(TryRecvError::Disconnected)) => {
+            Some(Ok(None) | Err(TryRecvError::Disconnected)) => {
                 (self.answer, self.next_secs) = (None, now_secs + AGAIN_SECS);
             }
             None => {}
@@ -157,14 +151,16 @@ impl Lost {
             let (send, answer) = channel();
             let source = source.clone();
             let look = move || {
-                let _ = send.send(source.is_there());
+                // It may be lost again between finding and opening it.
+                let capture = source.is_there().then(|| Capture::start(&source).ok());
+                let _ = send.send(capture.flatten());
             };
             // Where no thread begins, the next look tries again.
             let begun = std::thread::Builder::new().name("lost source".into()).spawn(look);
             self.answer = begun.is_ok().then_some(answer);
             self.next_secs = now_secs + AGAIN_SECS;
         }
-        false
+        None
     }
 }
 

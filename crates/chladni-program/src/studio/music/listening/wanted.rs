@@ -2,7 +2,7 @@
 
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use chladni_sound::{CaptureSource, Level, SoundError, capture_sources};
+use chladni_sound::{Capture, CaptureSource, Level, capture_sources};
 use egui::Context;
 
 use super::Listening;
@@ -44,10 +44,18 @@ impl Input {
     }
 }
 
-/// A search for an input by name. It has a thread of its own, since sound systems answer slowly.
+/// An input that is looked for and opened, on a thread of its own: sound systems answer slowly.
 pub(super) struct Wanted {
     name: String,
-    answer: Receiver<Result<Option<CaptureSource>, SoundError>>,
+    /// The open input, none where there is none of this name, or why it cannot be opened.
+    answer: Receiver<Result<Option<Opened>, String>>,
+}
+
+type Opened = (CaptureSource, Capture);
+
+fn opened(source: CaptureSource) -> Result<Opened, String> {
+    let capture = Capture::start(&source).map_err(|why| why.to_string())?;
+    Ok((source, capture))
 }
 
 impl Listening {
@@ -71,21 +79,40 @@ impl Listening {
 
     /// Looks for a live input, and listens to it once it is found.
     pub fn listen_to_named(&mut self, name: &str, ctx: &Context) {
+        let wanted = name.to_owned();
+        self.want(name, ctx, move || {
+            let all = capture_sources().map_err(|why| format!("{wanted}: {why}"))?;
+            Ok(all.into_iter().find(|source| source.name == wanted))
+        });
+    }
+
+    /// Listens to a microphone or to the machine's own sound as soon as it is open; the song pauses then.
+    pub fn listen_to(&mut self, source: &CaptureSource, ctx: &Context) {
+        let found = source.clone();
+        self.want(&source.name, ctx, move || Ok(Some(found)));
+    }
+
+    fn want(
+        &mut self,
+        name: &str,
+        ctx: &Context,
+        find: impl FnOnce() -> Result<Option<CaptureSource>, String> + Send + 'static,
+    ) {
         let (send, answer) = channel();
-        let (wanted, ctx) = (name.to_owned(), ctx.clone());
-        let look = move || {
-            let found = capture_sources().map(|all| all.into_iter().find(|source| source.name == wanted));
+        let ctx = ctx.clone();
+        let open = move || {
+            let found = find().and_then(|found| found.map(opened).transpose());
             // Another one may be wanted meanwhile.
             let _ = send.send(found);
             ctx.request_repaint();
         };
-        match std::thread::Builder::new().name("live input".into()).spawn(look) {
+        match std::thread::Builder::new().name("live input".into()).spawn(open) {
             Ok(_) => self.wanted = Some(Wanted { name: name.to_owned(), answer }),
-            Err(why) => self.warnings.push(format!("{name} cannot be looked for: {why}")),
+            Err(why) => self.warnings.push(format!("{name} cannot be opened: {why}")),
         }
     }
 
-    /// Listens to the source that was looked for, or says why not.
+    /// Listens to the source that was opened, or says why not.
     pub(super) fn keep_wanted(&mut self) {
         let Some(wanted) = &self.wanted else { return };
         let found = match wanted.answer.try_recv() {
@@ -95,13 +122,9 @@ impl Listening {
         };
         let name = self.wanted.take().map(|wanted| wanted.name).unwrap_or_default();
         match found {
-            Ok(Some(source)) => {
-                if let Err(why) = self.listen_to(&source) {
-                    self.warnings.push(why.to_string());
-                }
-            }
+            Ok(Some((source, capture))) => self.listen_to_opened(source, capture),
             Ok(None) => self.warnings.push(format!("{name} is not there: choose another live input.")),
-            Err(why) => self.warnings.push(format!("{name}: {why}")),
+            Err(why) => self.warnings.push(why),
         }
     }
 }
@@ -109,7 +132,6 @@ impl Listening {
 #[cfg(test)]
 mod tests {
     use chladni_music::{ClockTrack, Moment, Parameters};
-    use chladni_sound::Capture;
 
     use super::*;
 

@@ -84,11 +84,15 @@ impl Outputs {
         let Some((_, connection)) = ports.open.get_mut(device) else { return };
         if connection.send(message).is_err() {
             // It is gone, or is opened anew at the next look.
-            ports.open.remove(device);
+            let gone = ports.open.remove(device);
+            drop(ports);
+            // Only now, since closing may take long.
+            drop(gone);
         }
     }
 
-    /// Opens the wanted ports that exist; returns all that exist.
+    /// Opens the wanted ports that exist; returns all that exist. Opening and closing may take long, and those who send do
+    /// not wait for it.
     fn look(&self) -> Result<Vec<String>, Error> {
         let output = || MidiOutput::new(CLIENT).map_err(Error::other);
         let looking = output()?;
@@ -99,13 +103,20 @@ impl Outputs {
             .filter(|(name, ..)| !is_own(name))
             .collect();
         let mut known = lock(&self.0);
-        known.open.retain(|name, (node, _)| ports.iter().any(|(there, now, _)| there == name && now == node));
+        let is_gone = |name: &String, node: Option<u64>| {
+            !ports.iter().any(|(there, now, _)| there == name && *now == node)
+        };
+        let gone: Vec<_> = known.open.extract_if(|name, (node, _)| is_gone(name, *node)).collect();
+        let mut missing = known.wanted.clone();
+        missing.retain(|name| !known.open.contains_key(name));
+        drop(known);
+        drop(gone);
         for (name, node, port) in &ports {
-            if known.wanted.contains(name)
-                && !known.open.contains_key(name)
+            if missing.contains(name)
                 && let Ok(connection) = output()?.connect(port, CLIENT)
             {
-                known.open.insert(name.clone(), (*node, connection));
+                missing.remove(name);
+                lock(&self.0).open.insert(name.clone(), (*node, connection));
             }
         }
         Ok(ports.into_iter().map(|(name, ..)| name).collect())
