@@ -28,9 +28,10 @@ impl<T: Send + 'static> Job<T> {
         let (task, (sender, result)) = (Task::new(), channel());
         let (worker, ctx) = (task.clone(), ctx.clone());
         std::thread::spawn(move || {
+            // Dropped from right to left, also where the work breaks off: a frame that is woken finds it ended.
+            let (_repaint, sender) = (Repaint(ctx), sender);
             // If the window has dropped the job, nobody receives the result.
             let _ = sender.send(work(&worker));
-            ctx.request_repaint();
         });
         Self { label: label.into(), task, result }
     }
@@ -81,6 +82,15 @@ impl<T> Drop for Job<T> {
     }
 }
 
+/// Repaints when it is dropped.
+struct Repaint(egui::Context);
+
+impl Drop for Repaint {
+    fn drop(&mut self) {
+        self.0.request_repaint();
+    }
+}
+
 /// Draws progress and a cancel button. Repaints by itself while shown.
 pub fn show_progress<T>(ui: &mut egui::Ui, job: &Job<T>) {
     let progress = job.progress();
@@ -99,4 +109,21 @@ pub fn show_progress<T>(ui: &mut egui::Ui, job: &Job<T>) {
     let stage = egui::RichText::new(progress.stage).small();
     ui.add(egui::ProgressBar::new(share).text(stage).desired_height(18.0));
     ui.ctx().request_repaint_after(Duration::from_millis(100));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_is_repainted_for_work_that_breaks_off() {
+        let ctx = egui::Context::default();
+        let (repaint, repaints) = channel();
+        ctx.set_request_repaint_callback(move |_| {
+            let _ = repaint.send(());
+        });
+        let job = Job::<()>::start("Counting", &ctx, |_| panic!("a bug, on purpose"));
+        repaints.recv_timeout(chladni_testdata::HANGS).unwrap();
+        assert!(matches!(job.ended(), Some(Err(Error::BrokeOff(_)))));
+    }
 }

@@ -51,6 +51,8 @@ pub enum PlayerEvent {
     DeviceOpened(String),
     /// The device was lost, or there was none, for this reason: time passes in silence until one is found.
     DeviceLost(String),
+    /// The player's thread has ended by a bug: nothing plays any more.
+    BrokeOff,
 }
 
 pub(super) enum Command {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
@@ -71,6 +71,8 @@ pub struct Player {
     lists: AtomicU64,
     commands: Sender<Command>,
     events: Receiver<PlayerEvent>,
+    /// Whether it was reported that the engine is gone.
+    is_gone: AtomicBool,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -88,7 +90,8 @@ impl Player {
             .name("sound".into())
             .spawn(move || Engine::new(engine_shared, received, report, settings).run())
             .map_err(|error| SoundError::Device { what: format!("no thread for it: {error}") })?;
-        Ok(Self { shared, lists: AtomicU64::new(0), commands, events, thread: Some(thread) })
+        let (lists, is_gone) = (AtomicU64::new(0), AtomicBool::new(false));
+        Ok(Self { shared, lists, commands, events, is_gone, thread: Some(thread) })
     }
 
     /// Replaces the playlist and plays its first song.
@@ -174,7 +177,22 @@ impl Player {
 
     /// The events since the last call.
     pub fn events(&self) -> impl Iterator<Item = PlayerEvent> {
-        self.events.try_iter()
+        std::iter::from_fn(move || match self.events.try_recv() {
+            Ok(event) => Some(event),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => self.broke_off(),
+        })
+    }
+
+    /// Stops without the engine, and reports once that it is gone.
+    fn broke_off(&self) -> Option<PlayerEvent> {
+        if self.is_gone.swap(true, Ordering::Relaxed) {
+            return None;
+        }
+        self.shared.clock.set_paused(true);
+        let mut timeline = self.shared.timeline();
+        (timeline.playing, timeline.stopped) = (false, true);
+        Some(PlayerEvent::BrokeOff)
     }
 
     /// The state of the player now.
@@ -244,7 +262,7 @@ impl Player {
     }
 
     fn send(&self, command: Command) {
-        // The engine ends only together with this handle.
+        // The engine ends only together with this handle, or by a bug, which is an event.
         let _ = self.commands.send(command);
     }
 }
@@ -269,7 +287,25 @@ impl Drop for Player {
 
 #[cfg(test)]
 mod tests {
-    use super::since;
+    use super::*;
+
+    #[test]
+    fn that_the_engine_is_gone_is_reported_once_and_nothing_plays() {
+        let shared = Arc::new(Shared::new(1.0));
+        let mut timeline = shared.timeline();
+        (timeline.playing, timeline.stopped) = (true, false);
+        drop(timeline);
+        let ((commands, _), (report, events)) = (channel(), channel());
+        report.send(PlayerEvent::SongStarted(0)).unwrap();
+        drop(report);
+        let (lists, is_gone) = (AtomicU64::new(0), AtomicBool::new(false));
+        let player = Player { shared, lists, commands, events, is_gone, thread: None };
+        assert_eq!(player.status().state, PlayerState::Playing);
+        let events: Vec<PlayerEvent> = player.events().collect();
+        assert_eq!(events, [PlayerEvent::SongStarted(0), PlayerEvent::BrokeOff]);
+        assert_eq!(player.events().count(), 0);
+        assert_eq!(player.status().state, PlayerState::Stopped);
+    }
 
     #[test]
     fn what_was_heard_goes_on_after_a_change_of_device() {

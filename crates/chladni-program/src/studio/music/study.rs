@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::thread::JoinHandle;
 
 use chladni_sound::{Beats, Song, SongOptions, SongReader, SongTags, SoundError, track_beats};
 use chladni_task::Task;
@@ -11,7 +12,7 @@ use chladni_view::Picture;
 use egui::{Context, TextureHandle};
 
 use crate::studio::pictures::upload;
-use crate::work::{KnownSong, cover_of};
+use crate::work::{Error, KnownSong, cover_of};
 
 /// A finding about a song.
 pub enum Learned {
@@ -44,6 +45,8 @@ pub struct Study {
     pub number: usize,
     task: Task,
     findings: Receiver<Learned>,
+    /// Until it has ended.
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Study {
@@ -52,7 +55,7 @@ impl Study {
         let (task, (teller, findings)) = (Task::new(), channel());
         let (path, worker) = (path.to_owned(), task.clone());
         let ctx = ctx.clone();
-        std::thread::spawn(move || {
+        let thread = std::thread::spawn(move || {
             // Nobody listens any more where another song is studied.
             let tell = |learned| drop(teller.send(learned));
             let options = SongOptions::default();
@@ -84,17 +87,53 @@ impl Study {
                 Err(why) => tell(Learned::Nothing(Some(why.to_string()))),
             }
         });
-        Self { number, task, findings }
+        Self { number, task, findings, thread: Some(thread) }
     }
 
     /// The next finding, if there is one.
-    pub fn learned(&self) -> Option<Learned> {
-        self.findings.try_recv().ok()
+    pub fn learned(&mut self) -> Option<Learned> {
+        match self.findings.try_recv() {
+            Ok(learned) => Some(learned),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => {
+                let broke_off = self.thread.take()?.join().is_err();
+                let why = Error::BrokeOff("Reading the song".into());
+                broke_off.then(|| Learned::Nothing(Some(why.to_string())))
+            }
+        }
     }
 }
 
 impl Drop for Study {
     fn drop(&mut self) {
         self.task.cancel();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+
+    #[test]
+    fn a_song_on_whose_study_a_thread_breaks_off_is_given_up_once() {
+        let (teller, findings) = channel();
+        let thread = std::thread::spawn(move || {
+            teller.send(Learned::Tags(SongTags::default())).unwrap();
+            panic!("a bug, on purpose");
+        });
+        let mut study = Study { number: 0, task: Task::new(), findings, thread: Some(thread) };
+        let began = Instant::now();
+        let mut next = || loop {
+            assert!(began.elapsed() < chladni_testdata::HANGS);
+            if let Some(learned) = study.learned() {
+                return learned;
+            }
+            std::thread::yield_now();
+        };
+        assert!(matches!(next(), Learned::Tags(_)));
+        assert!(matches!(next(), Learned::Nothing(Some(_))));
+        assert!(study.learned().is_none());
     }
 }

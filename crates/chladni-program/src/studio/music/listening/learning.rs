@@ -41,7 +41,7 @@ impl Listening {
     pub(super) fn learn(&mut self, status: &PlayerStatus) {
         let heard = if self.live.is_some() { None } else { self.number_of_heard(status) };
         while let Some((number, learned)) =
-            self.study.as_ref().and_then(|study| Some((study.number, study.learned()?)))
+            self.study.as_mut().and_then(|study| Some((study.number, study.learned()?)))
         {
             let Some(song) = self.repertoire.get_mut(number) else { break };
             match learned {

@@ -281,6 +281,10 @@ impl Listening {
             PlayerEvent::SongFailed { reason, .. } => Some(reason),
             PlayerEvent::SongDamaged { what, .. } => Some(what),
             PlayerEvent::DeviceLost(why) => Some(format!("No sound ({why}): the song goes on in silence.")),
+            PlayerEvent::BrokeOff => {
+                let why = Error::BrokeOff("The player".into());
+                Some(format!("{why}. No song plays until the program is started again."))
+            }
             PlayerEvent::SongStarted(_) | PlayerEvent::Finished | PlayerEvent::DeviceOpened(_) => None,
         };
         let messages: Vec<String> = self.player.events().filter_map(tell).collect();
