@@ -152,8 +152,9 @@ fn in_one_line(error: &clap::Error) -> String {
         .lines()
         .map(str::trim)
         .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .filter(|line| !line.is_empty())
         // A value with a minus sign is not made right by `--`.
-        .filter(|line| !line.is_empty() && !(line.starts_with("tip:") && line.contains("'-- -")));
+        .filter(|line| !line.starts_with("tip:") || !line.contains("'-- -"));
     let mut said = String::new();
     for line in lines {
         match said.chars().last() {

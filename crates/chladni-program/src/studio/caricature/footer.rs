@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn thousands_stand_apart() {
-        let grouped = |n| super::grouped(n).replace('\u{202f}', "_");
+        let grouped = |n| grouped(n).replace('\u{202f}', "_");
         assert_eq!([0, 12, 999, 1000, 1234567].map(grouped), ["0", "12", "999", "1_000", "1_234_567"]);
     }
 }
