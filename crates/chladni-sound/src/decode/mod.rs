@@ -9,6 +9,7 @@ mod song;
 mod source;
 mod track;
 mod wav;
+mod wav_lengths;
 
 pub use reader::{SongReader, SongTags};
 pub use resample::StereoResampler;

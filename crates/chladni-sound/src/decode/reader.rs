@@ -20,6 +20,7 @@ use super::downmix::Downmix;
 use super::mp4_edits::{self, Audible};
 use super::source::SharedSource;
 use super::track::{OpenedTrack, look_at_start, open_track, rewind, unrecognized};
+use super::wav_lengths::without_false_lengths;
 use crate::SoundError;
 
 /// The longest part of a tag that is used, in characters.
@@ -114,6 +115,7 @@ impl SongReader {
         let start = look_at_start(name, source.as_mut())?;
         let mp4 = start.get(4..8) == Some(b"ftyp");
         let audible = if mp4 { mp4_edits::audible_part(source.as_mut()) } else { None };
+        let mut source = without_false_lengths(source);
         rewind(name, source.as_mut())?;
         let source = SharedSource::new(source);
         let format = probe(name, &source)?;
@@ -396,7 +398,9 @@ impl SongReader {
                 return Ok(false);
             }
             Err(CodecError::IoError(error)) if error.kind() == io::ErrorKind::UnexpectedEof => {
-                self.cut_short = true;
+                // Without a stated length, a WAV file ends where its sound does.
+                let states_length = self.link_frames().is_some();
+                self.cut_short = states_length || self.format.format_info().format != FORMAT_ID_WAVE;
                 self.count_missing();
                 return Ok(false);
             }

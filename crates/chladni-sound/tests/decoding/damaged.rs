@@ -115,6 +115,43 @@ fn a_header_that_promises_hours_takes_no_memory() {
 }
 
 #[test]
+fn a_wav_file_without_a_stated_length_is_read_to_its_end() {
+    let whole = wav_bytes(&chirp(8_000), WavSample::Int16).unwrap();
+    let song = read_bytes("whole.wav", whole.clone()).unwrap();
+    let sized = |riff: u32, data: u32| {
+        let mut bytes = whole.clone();
+        bytes[4..8].copy_from_slice(&riff.to_le_bytes());
+        bytes[40..44].copy_from_slice(&data.to_le_bytes());
+        bytes
+    };
+    // SoX states a count of frames, too, where the samples are no integers.
+    let piped = sized(0x7fff_f024, 0x7fff_f000);
+    let counted = [&piped[..36], b"fact\x04\0\0\0\0\xfc\xff\x1f", &piped[36..]].concat();
+    for bytes in [
+        piped,
+        counted,
+        sized(u32::MAX, u32::MAX),
+        sized(64_036, u32::MAX),
+        sized(0, 0),
+        sized(36, 0),
+        sized(64_036, 0),
+        sized(0, 64_000),
+    ] {
+        let start = format!("{:?}", &bytes[..56]);
+        let mut reader = SongReader::from_bytes("pipe.wav", bytes).unwrap();
+        let read = Song::read(&mut reader, &SongOptions::default(), &Task::new()).unwrap();
+        assert_eq!((reader.damage(), read == song), (None, true), "{start}");
+        reader.seek(15_000).unwrap();
+        assert_eq!(reader.next_block().unwrap().unwrap()[0], song.left[15_000], "{start}");
+    }
+    let silent = [&sized(48, 0)[..44], b"LIST\x04\0\0\0INFO"].concat();
+    assert!(matches!(read_bytes("silent.wav", silent), Err(SoundError::Empty { .. })));
+    let mut cut = SongReader::from_bytes("cut.wav", sized(3_000_000_036, 3_000_000_000)).unwrap();
+    Song::read(&mut cut, &SongOptions::default(), &Task::new()).unwrap();
+    assert!(cut.damage().is_some());
+}
+
+#[test]
 fn a_song_beyond_the_memory_allowed_is_refused() {
     let bytes = wav_bytes(&chirp(44_100), WavSample::Int16).unwrap();
     let options = SongOptions { max_bytes: 8 * 44_100, ..SongOptions::default() };
