@@ -19,8 +19,12 @@ use crate::Surface;
 pub struct Crossings {
     surface: Arc<Surface>,
     tree: BoxTree,
+    /// Of each node of the tree, the corners that all its triangles share; [`NONE`] fills up.
+    shared: Vec<[u32; 3]>,
 }
 
+/// In place of a corner.
+const NONE: u32 = u32::MAX;
 /// Triangles between two checks for cancellation.
 const PIECE: usize = 1024;
 
@@ -33,7 +37,12 @@ impl Crossings {
         };
         let centers: Vec<Vec3> = surface.triangles.iter().map(center).collect();
         let tree = BoxTree::new(&centers, |t| bounds(&surface, t, &surface.positions));
-        Self { surface, tree }
+        let in_both = |s: [u32; 3], t: [u32; 3]| s.map(|v| if t.contains(&v) { v } else { NONE });
+        let of_leaf = |leaf: &[u32]| {
+            leaf.iter().map(|t| surface.triangles[*t as usize]).reduce(in_both).unwrap_or([NONE; 3])
+        };
+        let shared = tree.gather(of_leaf, in_both);
+        Self { surface, tree, shared }
     }
 
     /// The triangles that pass through another when the vertices lie at `positions` (N, finite),
@@ -57,23 +66,42 @@ impl Crossings {
         Ok(marks.filter_map(|(is_crossed, triangle)| is_crossed.then_some(triangle)).collect())
     }
 
-    /// Marks the triangle in `slot` and those in later slots that it passes through.
+    /// Marks the triangle in `slot` and those that it passes through: those in later slots and, of the ones that share a
+    /// corner with it, those that its own edge goes through.
     fn mark_crossed_by(&self, slot: usize, positions: &[Vec3], tree: &BoxTree, crossed: &[AtomicBool]) {
         let here = tree.order()[slot];
+        let s = self.surface.triangles[here as usize];
         let around = bounds(&self.surface, here, positions);
-        let nearness = |inner: &Bounds| if inner.meets(&around) { 0.0 } else { f64::INFINITY };
-        tree.search(f64::INFINITY, nearness, |later, limit| {
-            if later <= slot {
+        let nearness = |node: usize, inner: &Bounds| {
+            let is_near = match s.iter().position(|v| self.shared[node].contains(v)) {
+                // In a fan every box meets every other, but the edge opposite the shared corner meets few.
+                Some(i) => {
+                    let opposite = [s[(i + 1) % 3], s[(i + 2) % 3]];
+                    Bounds::of(opposite.map(|v| positions[v as usize])).meets(inner)
+                }
+                None => inner.meets(&around),
+            };
+            if is_near { 0.0 } else { f64::INFINITY }
+        };
+        tree.search_nodes(f64::INFINITY, nearness, |other, limit| {
+            let there = tree.order()[other];
+            let t = self.surface.triangles[there as usize];
+            let touch = s.iter().any(|v| t.contains(v));
+            if other == slot || (other < slot && !touch) {
                 return limit;
             }
-            let there = tree.order()[later];
             let marks = [here, there].map(|t| &crossed[t as usize]);
             // A mark that is read too early only costs another test.
             if marks.iter().all(|mark| mark.load(Relaxed)) {
                 return limit;
             }
-            let pair = [here, there].map(|t| self.surface.triangles[t as usize]);
-            if around.meets(&bounds(&self.surface, there, positions)) && cross_each_other(pair, positions) {
+            let crosses = if touch {
+                goes_into(s, t, positions)
+            } else {
+                around.meets(&bounds(&self.surface, there, positions))
+                    && (goes_into(s, t, positions) || goes_into(t, s, positions))
+            };
+            if crosses {
                 marks.iter().for_each(|mark| mark.store(true, Relaxed));
             }
             limit
@@ -85,19 +113,12 @@ fn bounds(surface: &Surface, triangle: u32, positions: &[Vec3]) -> Bounds {
     Bounds::of(corners(positions, &surface.triangles[triangle as usize]))
 }
 
-/// Whether an edge of either triangle goes through the inside of the other. Edges at a shared
-/// corner cannot, and with a shared edge none can.
-fn cross_each_other([s, t]: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
-    if s.iter().filter(|v| t.contains(v)).count() > 1 {
-        return false;
-    }
-    let through = |edges: [u32; 3], face: [u32; 3]| {
-        (0..3).any(|i| {
-            let (p, q) = (edges[i], edges[(i + 1) % 3]);
-            !face.contains(&p) && !face.contains(&q) && goes_through(p, q, face, positions)
-        })
-    };
-    through(s, t) || through(t, s)
+/// Whether an edge of `triangle` goes through the inside of `face`. Edges at a shared corner cannot.
+fn goes_into(triangle: [u32; 3], face: [u32; 3], positions: &[Vec3]) -> bool {
+    (0..3).any(|i| {
+        let (p, q) = (triangle[i], triangle[(i + 1) % 3]);
+        !face.contains(&p) && !face.contains(&q) && goes_through(p, q, face, positions)
+    })
 }
 
 /// Whether the segment pq goes through the inside of `face`.
@@ -175,6 +196,40 @@ mod tests {
         assert!(Crossings::of(surface.clone()).triangles(&surface.positions, &task).is_err());
     }
 
+    #[test]
+    fn a_large_fan_is_searched_by_its_rim() {
+        let n = 50_000_u32;
+        let on_rim = |i: u32| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(n)).sin_cos();
+            [cos, sin, 0.0]
+        };
+        let tip = [[0.0, 0.0, 0.3]];
+        let mut points: Vec<Vec3> = tip.into_iter().chain((0..n).map(on_rim)).collect();
+        let mut triangles: Vec<[u32; 3]> = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
+        assert!(crossings(points.clone(), triangles.clone()).is_empty());
+        // A needle through the middle of the tenth triangle.
+        let middle = scaled(corners(&points, &triangles[10]).into_iter().fold([0.0; 3], add), 1.0 / 3.0);
+        points.extend([0.5, -0.5, -0.5].map(|z| add(middle, [0.0, 0.0, z])));
+        points[n as usize + 3][0] += 1e-7;
+        triangles.push([n + 1, n + 2, n + 3]);
+        assert_eq!(crossings(points, triangles), [10, n]);
+    }
+
+    fn by_trying_all_pairs(points: &[Vec3], triangles: &[[u32; 3]]) -> Vec<u32> {
+        let mut expected = Vec::new();
+        for i in 0..triangles.len() {
+            for j in 0..i {
+                let (s, t) = (triangles[i], triangles[j]);
+                if goes_into(s, t, points) || goes_into(t, s, points) {
+                    expected.extend([i as u32, j as u32]);
+                }
+            }
+        }
+        expected.sort_unstable();
+        expected.dedup();
+        expected
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
         #[test]
@@ -184,16 +239,17 @@ mod tests {
         ) {
             let triangles: Vec<[u32; 3]> =
                 picks.iter().map(|t| t.map(|v| (v % points.len()) as u32)).collect();
-            let mut expected = Vec::new();
-            for i in 0..triangles.len() {
-                for j in 0..i {
-                    if cross_each_other([triangles[i], triangles[j]], &points) {
-                        expected.extend([i as u32, j as u32]);
-                    }
-                }
-            }
-            expected.sort_unstable();
-            expected.dedup();
+            let expected = by_trying_all_pairs(&points, &triangles);
+            prop_assert_eq!(crossings(points, triangles), expected);
+        }
+
+        #[test]
+        fn so_it_does_in_two_crumpled_fans(
+            points in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], 8..60),
+        ) {
+            let n = points.len() as u32;
+            let triangles: Vec<[u32; 3]> = (2..n - 1).flat_map(|i| [[0, i, i + 1], [1, i + 1, i]]).collect();
+            let expected = by_trying_all_pairs(&points, &triangles);
             prop_assert_eq!(crossings(points, triangles), expected);
         }
 

@@ -113,20 +113,47 @@ impl BoxTree {
         }
     }
 
+    /// A value for each node: of a leaf, what `leaf` makes of its items; of an inner node, `both` of its children's.
+    pub fn gather<T: Copy>(&self, leaf: impl Fn(&[u32]) -> T, both: impl Fn(T, T) -> T) -> Vec<T> {
+        let last = self.nodes.len().saturating_sub(1);
+        // From the last node to the first.
+        let mut gathered: Vec<T> = Vec::with_capacity(self.nodes.len());
+        for (i, Node { start, count, .. }) in self.nodes.iter().enumerate().rev() {
+            let start = *start as usize;
+            gathered.push(if *count == 0 {
+                both(gathered[last - (i + 1)], gathered[last - start])
+            } else {
+                leaf(&self.order[start..start + *count as usize])
+            });
+        }
+        gathered.reverse();
+        gathered
+    }
+
     /// Visits the leaves whose boxes are `nearer` than a limit, the nearer of two children first.
     ///
     /// `nearness` of a box is a lower bound for everything in it, in any measure; [`f64::INFINITY`] skips it.
     /// `visit` gets a position in [`order`](Self::order) and the limit, and returns the new limit.
     pub fn search(
         &self,
-        mut limit: f64,
+        limit: f64,
         nearness: impl Fn(&Bounds) -> f64,
+        visit: impl FnMut(usize, f64) -> f64,
+    ) {
+        self.search_nodes(limit, |_, bounds| nearness(bounds), visit);
+    }
+
+    /// [`search`](Self::search) that gives `nearness` the place of a node's value in what was [gathered](Self::gather), too.
+    pub fn search_nodes(
+        &self,
+        mut limit: f64,
+        nearness: impl Fn(usize, &Bounds) -> f64,
         mut visit: impl FnMut(usize, f64) -> f64,
     ) {
         let Some(root) = self.nodes.first() else { return };
         // Depth is at most 32, and each level leaves one node behind.
         let mut waiting = [(0_u32, 0.0_f64); 64];
-        waiting[0].1 = nearness(&root.bounds);
+        waiting[0].1 = nearness(0, &root.bounds);
         let mut depth = 1;
         while depth > 0 {
             depth -= 1;
@@ -141,7 +168,7 @@ impl BoxTree {
                 }
                 continue;
             }
-            let child = |index: u32| (index, nearness(&self.nodes[index as usize].bounds));
+            let child = |i: u32| (i, nearness(i as usize, &self.nodes[i as usize].bounds));
             let (left, right) = (child(index + 1), child(start));
             let (near, far) = if left.1 <= right.1 { (left, right) } else { (right, left) };
             (waiting[depth], waiting[depth + 1]) = (far, near);
@@ -252,6 +279,15 @@ mod tests {
         assert_eq!(one.closest([0.2, 0.2, 2.0], 2.0), None);
         let found = one.closest([0.25, 0.25, 2.0], 2.1).unwrap();
         assert_eq!((found.point, found.on.triangle, found.distance_squared), ([0.25, 0.25, 0.0], 0, 4.0));
+    }
+
+    #[test]
+    fn each_node_gathers_from_the_items_below_it() {
+        let tree = BoxTree::new(&[[0.0; 3]; 11], |_| Bounds::EMPTY);
+        let counts = tree.gather(<[u32]>::len, |left, right| left + right);
+        assert_eq!((counts.len(), counts[0]), (tree.nodes.len(), 11));
+        assert!(tree.nodes.iter().zip(&counts).all(|(node, n)| node.count == 0 || node.count as usize == *n));
+        assert!(BoxTree::default().gather(<[u32]>::len, |left, _| left).is_empty());
     }
 
     proptest! {
