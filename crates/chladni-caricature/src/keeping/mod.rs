@@ -131,6 +131,16 @@ mod tests {
     use crate::fixture::base_and_target;
 
     #[test]
+    fn rounding_is_no_movement_to_be_held_back() {
+        let (_, surface, base, _) = base_and_target();
+        let flow = HeatFlow::on_surface(&surface.positions, &surface.triangles).unwrap();
+        let keeper = Keeper::of(Arc::new(surface), Arc::new(flow));
+        let rounding: Vec<Vec3> = base.positions.iter().map(|x| x.map(|c| 1e-16 * (1e4 * c).sin())).collect();
+        let kept = Search::of(&keeper, &base, &rounding, None, &Task::new()).unwrap().best().unwrap();
+        assert_eq!((kept.share, kept.displacement.to_vec()), (1.0, rounding));
+    }
+
+    #[test]
     fn only_the_first_heat_steps_are_kept_and_the_others_for_one_search() {
         let (_, surface, base, _) = base_and_target();
         let flow = HeatFlow::on_surface(&surface.positions, &surface.triangles).unwrap();

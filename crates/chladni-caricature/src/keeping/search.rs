@@ -16,6 +16,8 @@ use crate::{Base, CaricatureError};
 
 /// Folded and crossing triangles that are left alone, as a share of all: one in 2000 of each.
 const LEFT: usize = 2000;
+/// A displacement whose size is no more than this is rounding, in the working frame.
+const STILL: f64 = 1e-12;
 
 /// √t of the steps that make room for folded triangles, in the working frame.
 const ROOM: f64 = 0.3;
@@ -101,7 +103,7 @@ impl<'a> Search<'a> {
     /// The best of [`ATTEMPTS`]: it leaves next to nothing folded or crossing and, among those that do, keeps the
     /// most of the displacement.
     pub(super) fn best(&self) -> Result<Kept, CaricatureError> {
-        if self.size(self.unlimited) == 0.0 {
+        if self.size(self.unlimited) <= STILL {
             return Ok(self.kept(self.unlimited.to_vec(), (0, 0)));
         }
         let rank = |kept: &Kept| (self.are_few((kept.folded, kept.crossing)), kept.share);
@@ -218,7 +220,7 @@ impl<'a> Search<'a> {
 
     fn kept(&self, u: Vec<Vec3>, (folded, crossing): (usize, usize)) -> Kept {
         let whole = self.size(self.unlimited);
-        let share = if whole > 0.0 { self.size(&u) / whole } else { 1.0 };
+        let share = if whole > STILL { self.size(&u) / whole } else { 1.0 };
         Kept { displacement: Arc::new(u), share, folded, crossing }
     }
 

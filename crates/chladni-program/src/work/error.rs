@@ -13,6 +13,8 @@ use chladni_synth::SynthError;
 use chladni_task::Cancelled;
 use chladni_view::ViewError;
 
+use super::health::digits;
+
 /// An error of another library.
 type Cause = Box<dyn std::error::Error + Send + Sync>;
 
@@ -215,7 +217,8 @@ impl Display for Warning {
                 write!(f, "{name}: has {vertices} vertices; {vertices} harmonics instead of {asked}")
             }
             Self::EmptyRegion { layer, from, to } => {
-                let corner = |at: &[f64; 3]| at.map(|c| format!("{c:.4}")).join(",");
+                let diagonal = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
+                let corner = |at: &[f64; 3]| at.map(|c| digits(c, diagonal)).join(",");
                 let (from, to) = (corner(from), corner(to));
                 write!(
                     f,
@@ -233,6 +236,15 @@ impl Display for Warning {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_small_shape_reaches_somewhere_too() {
+        let warning = |from, to| Warning::EmptyRegion { layer: "a".into(), from, to }.to_string();
+        let small = warning([-1e-5, 0.0, 0.0], [2e-5, 1e-5, 0.0]);
+        let reached = "from -1.00000e-5,0.000000,0.000000 to 2.00000e-5,1.00000e-5,0.000000";
+        assert!(small.ends_with(reached), "{small}");
+        assert!(warning([0.0; 3], [1.0; 3]).ends_with("to 1.000000,1.000000,1.000000"));
+    }
 
     #[test]
     fn cancelling_is_one_thing_and_blame_is_kept_through_names() {

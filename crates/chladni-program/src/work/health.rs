@@ -62,7 +62,7 @@ pub fn is_sound(report: &HealthReport) -> bool {
 }
 
 /// `value` with six decimals or, where these would say little on a `scale` as small as this one, six digits.
-fn digits(value: f64, scale: f64) -> String {
+pub fn digits(value: f64, scale: f64) -> String {
     if scale.abs() < 1e-3 && value != 0.0 { format!("{value:.5e}") } else { format!("{:.6}", value + 0.0) }
 }
 

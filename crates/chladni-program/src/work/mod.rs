@@ -82,7 +82,7 @@ pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{file_hash, placed, refer, refer_looks, resolve, resolve_looks, unread};
 pub use frame_guard::FrameGuard;
-pub use health::{HealthRow, health_rows, is_sound, laplacian_row};
+pub use health::{HealthRow, digits, health_rows, is_sound, laplacian_row};
 pub use hearing::{Heard, Hearing, KnownSong, bands_of};
 pub use heat::{Coating, Quantity, Seen, coating};
 pub use ink::{Depth, Inked, Pen, USUAL_TONES, pen, plate};

@@ -10,7 +10,7 @@ use crate::{Bar, ENERGY_RATE_HZ, ONSET_RATE_HZ, Onset, OnsetDetector, Section, S
 /// The beats of a song, its bars and sections, and its energy.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Beats {
-    /// Beats per minute; 0 if no beat was found. Which octave (half, double) is right is a matter of taste:
+    /// Beats per minute; 0 with fewer than two beats. Which octave (half, double) is right is a matter of taste:
     /// see [`other_octaves_bpm`](Self::other_octaves_bpm).
     pub tempo_bpm: f64,
     /// Times of the beats, ascending.

@@ -26,8 +26,8 @@ use crate::work::outputs::{
     check_distinct, check_film, check_fits, check_mesh, check_picture, check_textures,
 };
 use crate::work::{
-    Error, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, check_template, check_templates, make,
-    settled, sitter, source,
+    Error, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, check_template, check_templates,
+    digits, make, settled, sitter, source,
 };
 
 /// Exaggerate what makes a shape differ from a template.
@@ -379,9 +379,10 @@ fn describe(made: &Made, terminal: &Terminal) -> Result<(), Error> {
         let farthest = displacement.iter().map(|d| d[0].hypot(d[1]).hypot(d[2])).fold(0.0, f64::max);
         let folded = layer.folds(stack.surface());
         let name = &layer.name;
-        let by = farthest / sculpture.body.frame.scale;
+        let scale = sculpture.body.frame.scale;
+        let by = digits(farthest / scale, 1.0 / scale);
         let folded = counted(folded, "triangle", "triangles");
-        terminal.result(format_args!("{name}: moves up to {by:.4} units, {folded} folded"))?;
+        terminal.result(format_args!("{name}: moves up to {by} units, {folded} folded"))?;
         if let Some(kept) = &layer.kept {
             let (share, crossing) = (100.0 * kept.share, counted(kept.crossing, "triangle", "triangles"));
             terminal.result(format_args!(
