@@ -18,7 +18,8 @@ pub struct Body {
     /// x(v), N rest positions in the working frame.
     pub positions: Vec<[f64; 3]>,
     /// Triangles over operator vertices, in file order. Triangles that welding has collapsed are kept (they
-    /// have repeated corners), which keeps triangle indices equal to those of the file.
+    /// have repeated corners), and so, collapsed, are those of faces that repeat an earlier one, which keeps triangle
+    /// indices equal to those of the file.
     pub triangles: Vec<[u32; 3]>,
     /// For each of the n file vertices its operator vertex; `None` if no triangle uses it.
     pub operator_vertex: Vec<Option<u32>>,

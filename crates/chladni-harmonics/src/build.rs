@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::{places, repeated_triangles};
 use chladni_task::Task;
 
 use crate::eigen::{self, Solved};
@@ -232,14 +233,18 @@ fn solved(
 }
 
 /// The file's triangles over operator vertices. If a vertex is only used by a collapsed triangle, or a part without area,
-/// that corner is replaced by another of its corners (or 0), which keeps the triangle collapsed.
+/// that corner is replaced by another of its corners (or 0), which keeps the triangle collapsed; those of repeated faces
+/// collapse, too.
 pub(crate) fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Vec<[u32; 3]> {
+    let repeated = repeated_triangles(mesh, &places(&mesh.positions));
+    let is_single = |t: usize| !repeated.get(t).is_some_and(|repeated| *repeated);
     mesh.triangles
         .iter()
-        .map(|corners| {
+        .enumerate()
+        .map(|(t, corners)| {
             let rows = corners.map(|v| operator_vertex[v as usize]);
             match rows {
-                [Some(a), Some(b), Some(c)] => [a, b, c],
+                [Some(a), Some(b), Some(c)] if is_single(t) => [a, b, c],
                 _ => [rows.into_iter().flatten().next().unwrap_or(0); 3],
             }
         })
@@ -272,6 +277,20 @@ mod tests {
         }
         let (_, held) = Body::with_held_border(&open, &BasisSettings::new(9), &Task::new()).unwrap();
         assert_eq!(held.cover, Some(CoverReport::of(&open).unwrap()));
+    }
+
+    #[test]
+    fn two_sided_faces_make_the_same_body_in_the_file_s_order() {
+        let ball = icosphere(1);
+        let n = ball.positions.len() as u32;
+        let mut both = ball.clone();
+        both.positions.extend_from_within(..);
+        both.triangles.extend(ball.triangles.iter().map(|[a, b, c]| [b + n, a + n, c + n]));
+        let [single, body] = [&ball, &both].map(|mesh| Body::unsolved(mesh).unwrap());
+        assert_eq!(body.positions.len(), single.positions.len());
+        let (front, back) = body.triangles.split_at(ball.triangles.len());
+        assert_eq!(front, single.triangles);
+        assert!(back.len() == front.len() && back.iter().all(|[a, b, c]| a == b && b == c));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use chladni_mesh::TriMesh;
 use chladni_mesh::surface::{
     Closest, Rows, SurfacePoint, TriangleTree, boundary_vertices, components, inward_triangles, places,
-    vertex_neighbors, vertex_normals,
+    repeated_triangles, vertex_neighbors, vertex_normals,
 };
 use glam::DVec3;
 
@@ -220,7 +220,7 @@ struct Welded {
     point_of_vertex: Vec<Option<u32>>,
     /// For each welded vertex, one of its file vertices.
     file_vertex: Vec<u32>,
-    /// Triangles with three distinct corners and some area.
+    /// Triangles with three distinct corners and some area, none of a face that repeats an earlier one.
     kept: Vec<u32>,
 }
 
@@ -232,13 +232,15 @@ fn weld(mesh: &TriMesh) -> Welded {
         high = high.max(file_point(mesh, v));
     }
     let size = (high - low).length();
+    let place = places(&mesh.positions);
+    let repeated = repeated_triangles(mesh, &place);
     let kept: Vec<u32> = (0..mesh.triangles.len() as u32)
+        .filter(|&t| !repeated.get(t as usize).is_some_and(|repeated| *repeated))
         .filter(|&t| {
             let [a, b, c] = mesh.triangles[t as usize].map(|v| file_point(mesh, v) / size);
             (b - a).cross(c - a).length() > 1e-16
         })
         .collect();
-    let place = places(&mesh.positions);
     let mut point_of_place = vec![None; mesh.positions.len()];
     let mut file_vertex = Vec::new();
     for &t in &kept {
@@ -331,6 +333,16 @@ mod tests {
         for (v, point) in s.point_of_vertex.iter().enumerate() {
             assert_eq!(point.is_some(), in_operator[v].is_some());
         }
+    }
+
+    #[test]
+    fn two_sided_faces_count_once() {
+        let mut both = chladni_mesh::samples::icosphere(1);
+        both.triangles.extend_from_within(..);
+        both.triangles[80..].iter_mut().for_each(|t| t.swap(0, 1));
+        let s = UnitSurface::facing_outward(&both, Side::Shape).unwrap();
+        assert_eq!(s.file_triangle, (0..80).collect::<Vec<u32>>());
+        assert!(s.normals.iter().zip(&s.points).all(|(n, p)| n.dot(p.normalize()) > 0.9));
     }
 
     #[test]

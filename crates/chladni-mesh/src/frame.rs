@@ -16,7 +16,7 @@ pub struct Frame {
 
 impl Frame {
     /// The frame of `mesh`: its area-weighted centroid goes to the origin and its farthest coordinate to ±1.
-    /// A mesh without extent keeps scale 1. Triangles that [`weld`] leaves out do not count.
+    /// A mesh without extent keeps scale 1. Triangles without area that [`weld`] leaves out do not count.
     pub fn of(mesh: &TriMesh) -> Self {
         // Most meshes have no triangle without area, and all of theirs count.
         if has_flat_triangle(&mesh.positions, &mesh.triangles) {

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use crate::surface::vec3::{cross, dot, length, sub};
 use crate::surface::{
-    Bounds, HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, places,
-    sorted_half_edges, vertex_faces,
+    Bounds, HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, places, repeated_faces,
+    repeated_triangles, sorted_half_edges, vertex_faces,
 };
 use crate::{TriMesh, weld};
 
@@ -29,7 +29,8 @@ pub struct HealthReport {
     pub duplicate_vertices: usize,
     /// Vertices that no triangle uses.
     pub unreferenced_vertices: usize,
-    /// Triangles on the same three vertices as an earlier one, in any order.
+    /// Triangles of faces that repeat an earlier one between the same places, from either side; all that is computed takes
+    /// such a face once.
     pub duplicate_triangles: usize,
     /// Triangles of the welded mesh that face inward, or against most of those around them, as
     /// [`inward_triangles`] finds them: matches and drawings, among others, turn them round.
@@ -71,7 +72,7 @@ pub struct Topology {
 pub struct Welded {
     /// Operator vertices.
     pub vertices: usize,
-    /// Triangles with three different corners, less those of pieces without area.
+    /// Triangles with three different corners, less those of repeated faces and of pieces without area.
     pub triangles: usize,
     /// How faces are connected, those of pieces without area included.
     #[serde(flatten)]
@@ -111,7 +112,7 @@ impl HealthReport {
             degenerate_triangles,
             duplicate_vertices: duplicate_count(&mesh.positions),
             unreferenced_vertices: used.iter().filter(|used| !**used).count(),
-            duplicate_triangles: duplicate_triangles(&mesh.triangles),
+            duplicate_triangles: duplicate_triangles(mesh),
             inward_triangles: inward_triangles(&welded.positions, &welded.triangles)
                 .into_iter()
                 .filter(|inward| *inward)
@@ -145,12 +146,13 @@ fn duplicate_count(positions: &[[f64; 3]]) -> usize {
     places(positions).iter().zip(0_u32..).filter(|&(&first, v)| first != v).count()
 }
 
-/// The faces over each position's first vertex, without repeated corners; those left with less
+/// The faces over each position's first vertex, each once, without repeated corners; those left with less
 /// than three are gone.
 fn welded_faces(mesh: &TriMesh) -> Rows {
     let place = places(&mesh.positions);
+    let repeated = repeated_faces(mesh, &place);
     let mut rows = Rows { starts: vec![0], items: Vec::new() };
-    for f in 0..mesh.face_count() {
+    for f in (0..mesh.face_count()).filter(|f| !repeated[*f]) {
         let start = rows.items.len();
         for &v in mesh.face(f) {
             let v = place[v as usize];
@@ -170,11 +172,9 @@ fn welded_faces(mesh: &TriMesh) -> Rows {
     rows
 }
 
-fn duplicate_triangles(triangles: &[[u32; 3]]) -> usize {
-    let mut sorted = triangles.to_vec();
-    sorted.iter_mut().for_each(|t| t.sort_unstable());
-    sorted.sort_unstable();
-    sorted.windows(2).filter(|pair| pair[0] == pair[1]).count()
+fn duplicate_triangles(mesh: &TriMesh) -> usize {
+    let repeated = repeated_triangles(mesh, &places(&mesh.positions));
+    repeated.into_iter().filter(|repeated| *repeated).count()
 }
 
 /// Signed volume of a closed surface, summed about its first vertex for accuracy.

@@ -43,6 +43,7 @@ pub use subdivided::subdivided;
 pub use tree::{Bounds, BoxTree, Closest, TriangleTree};
 pub(crate) use triangulation::{MOST_CORNERS, Triangulation, triangulation};
 pub use walk::Ground;
-pub use weld::{Weld, places, weld};
+pub use weld::{Weld, places, repeated_triangles, weld};
+pub(crate) use weld::{repeated_faces, seamless_triangles};
 pub use winding::{facing_outward, inward_triangles};
 pub use zero_lines::{EdgePoint, chained, zero_lines};

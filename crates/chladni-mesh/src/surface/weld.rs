@@ -1,6 +1,8 @@
 //! Coincident vertices merged, for the operator only.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+
+use rayon::slice::ParallelSliceMut;
 
 use super::leave_out_flat;
 use crate::TriMesh;
@@ -13,8 +15,8 @@ pub struct Weld {
     /// N positions, each different, in the order in which the file first names them.
     pub positions: Vec<[f64; 3]>,
     /// Triangles of indices < N with three different corners, in the order of the file. A
-    /// triangle that names one position twice has neither area nor a normal and is left out, and so are connected
-    /// components without area.
+    /// triangle that names one position twice has neither area nor a normal and is left out, and so are faces that
+    /// repeat an earlier one, whose normals might cancel, and connected components without area.
     pub triangles: Vec<[u32; 3]>,
     /// For each of the mesh's n vertices its operator vertex, `None` where no triangle in
     /// [`triangles`](Self::triangles) uses its position.
@@ -28,11 +30,7 @@ pub struct Weld {
 /// A mesh without duplicate, unreferenced or collapsed parts comes back as it is, in its order.
 pub fn weld(mesh: &TriMesh) -> Weld {
     let place = places(&mesh.positions);
-    let distinct = |[a, b, c]: &[u32; 3]| {
-        let (a, b, c) = (place[*a as usize], place[*b as usize], place[*c as usize]);
-        (a != b && b != c && c != a).then_some([a, b, c])
-    };
-    let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().filter_map(distinct).collect();
+    let mut triangles = seamless_triangles(mesh, &place);
     let without_area = leave_out_flat(&mesh.positions, &mut triangles);
     let mut used = vec![false; mesh.positions.len()];
     for &v in triangles.iter().flatten() {
@@ -62,6 +60,54 @@ pub fn places(positions: &[[f64; 3]]) -> Vec<u32> {
     positions.iter().zip(0_u32..).map(|(p, v)| *first.entry(key(p)).or_insert(v)).collect()
 }
 
+/// The triangles of `mesh` over the first vertices of their places, which [`places`] gives: those with three different
+/// corners, without those of repeated faces.
+pub(crate) fn seamless_triangles(mesh: &TriMesh, place: &[u32]) -> Vec<[u32; 3]> {
+    let repeated = repeated_triangles(mesh, place);
+    let is_single = |t: usize| !repeated.get(t).is_some_and(|repeated| *repeated);
+    let placed = mesh.triangles.iter().enumerate().filter(|(t, _)| is_single(*t));
+    let placed = placed.map(|(_, triangle)| triangle.map(|v| place[v as usize]));
+    placed.filter(|[a, b, c]| a != b && b != c && c != a).collect()
+}
+
+/// For each triangle of `mesh` whether its face repeats an earlier one: it has the same corners in the same order, forward
+/// or backward, by the `place` of each vertex ([`places`]). Programs write a two-sided face as such a pair.
+///
+/// # Panics
+/// If a face names a vertex that is not there.
+pub fn repeated_triangles(mesh: &TriMesh, place: &[u32]) -> Vec<bool> {
+    let repeated = repeated_faces(mesh, place);
+    mesh.triangle_corners().map(|(f, _)| repeated[f]).collect()
+}
+
+/// As [`repeated_triangles`], for each face.
+pub(crate) fn repeated_faces(mesh: &TriMesh, place: &[u32]) -> Vec<bool> {
+    let corners = |f: usize| mesh.face(f).iter().map(move |v| place[*v as usize]);
+    // Few faces besides the same ones agree in the sum of their corners and in the least.
+    let of_face =
+        |f: usize| (corners(f).map(u64::from).sum::<u64>(), corners(f).min().unwrap_or(0), f as u32);
+    let mut faces: Vec<(u64, u32, u32)> = (0..mesh.face_count()).map(of_face).collect();
+    faces.par_sort_unstable();
+    let mut repeated = vec![false; faces.len()];
+    for alike in faces.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|alike| alike.len() > 1) {
+        let mut known = HashSet::new();
+        for &(_, _, f) in alike {
+            repeated[f as usize] = !known.insert(cycle(corners(f as usize).collect()));
+        }
+    }
+    repeated
+}
+
+/// The corners of a face from the least one on, in the direction of the lesser neighbor.
+fn cycle(mut corners: Vec<u32>) -> Vec<u32> {
+    let least = (0..corners.len()).min_by_key(|i| corners[*i]).unwrap_or(0);
+    corners.rotate_left(least);
+    if corners.get(1) > corners.last() {
+        corners[1..].reverse();
+    }
+    corners
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -88,5 +134,30 @@ mod tests {
             [mesh.positions[1], mesh.positions[2], mesh.positions[3], mesh.positions[5]]
         );
         assert_eq!(welded.operator_vertex, [None, Some(0), Some(1), Some(2), Some(1), Some(3)]);
+    }
+
+    #[test]
+    fn two_sided_faces_count_once() {
+        let ball = crate::samples::icosphere(1);
+        let n = ball.positions.len() as u32;
+        let mut both = ball.clone();
+        both.positions.extend_from_within(..);
+        both.triangles.extend(ball.triangles.iter().map(|[a, b, c]| [b + n, a + n, c + n]));
+        let (single, welded) = (weld(&ball), weld(&both));
+        assert_eq!((&welded.positions, &welded.triangles), (&single.positions, &single.triangles));
+        assert_eq!(welded.operator_vertex[n as usize..], single.operator_vertex);
+        let report = crate::HealthReport::of(&both);
+        assert_eq!((report.duplicate_triangles, report.welded.topology.genus), (80, Some(0)));
+        assert!(report.volume.is_some());
+    }
+
+    #[test]
+    fn a_polygon_is_repeated_however_it_is_divided() {
+        // A sloping square, the same from behind, which is divided along its other diagonal, and one that crosses itself.
+        let obj = b"v 0 0 0\nv 1 0 1\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 4 3 2 1\nf 1 3 2 4\n";
+        let mesh = crate::read_mesh(obj, crate::Format::Obj).unwrap().mesh;
+        let repeated = repeated_triangles(&mesh, &places(&mesh.positions));
+        assert_eq!(repeated, [false, false, true, true, false, false]);
+        assert_eq!(weld(&mesh).triangles.len(), 4);
     }
 }

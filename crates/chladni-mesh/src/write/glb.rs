@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{check, narrowed};
 use crate::read::gltf::MOST_VERTICES;
 use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};
-use crate::surface::{STAND_IN_NORMAL, corners, places, vertex_normals};
+use crate::surface::{STAND_IN_NORMAL, corners, places, seamless_triangles, vertex_normals};
 use crate::{AlphaMode, CornerUvs, Format, Material, MeshError, TriMesh};
 
 /// A named deformation that viewers offer as a slider from 0 (rest) to 1.
@@ -230,7 +230,8 @@ fn vertex_data(
         entries.vertices.iter().map(|&v| narrowed(values[v as usize], FORMAT)).collect()
     };
     let place = places(&mesh.positions);
-    let normals = smooth_normals(&place, &mesh.positions, &mesh.triangles);
+    let triangles = seamless_triangles(mesh, &place);
+    let normals = smooth_normals(&place, &mesh.positions, &triangles);
     let mut attributes = json!({
         "POSITION": file.floats(narrow(&mesh.positions)?.into_iter(), true),
         "NORMAL": file.floats(narrow(&normals)?.into_iter(), false),
@@ -250,11 +251,11 @@ fn vertex_data(
     for target in targets {
         task.check()?;
         let turn: Vec<[f64; 3]> = if together {
-            normal_derivatives(&place, mesh, &target.displacements)
+            normal_derivatives(&place, &mesh.positions, &triangles, &target.displacements)
         } else {
             let moved = mesh.positions.iter().zip(&target.displacements);
             let deformed: Vec<[f64; 3]> = moved.map(|(&p, &d)| add(p, d)).collect();
-            let turned = smooth_normals(&place, &deformed, &mesh.triangles);
+            let turned = smooth_normals(&place, &deformed, &triangles);
             turned.iter().zip(&normals).map(|(&a, &b)| sub(a, b)).collect()
         };
         morphs.push(json!({
@@ -265,10 +266,9 @@ fn vertex_data(
     Ok((attributes, morphs))
 }
 
-/// Unit normals that are one where vertices coincide at rest.
+/// Unit normals that are one where vertices coincide at rest; `triangles` are the [`seamless_triangles`] of that.
 pub(super) fn smooth_normals(place: &[u32], positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
-    let seamless: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|v| place[v as usize])).collect();
-    let normals = vertex_normals(positions, &seamless);
+    let normals = vertex_normals(positions, triangles);
     let normal = |&v: &u32| Some(normals[v as usize]).filter(|n| *n != [0.0; 3]).unwrap_or(STAND_IN_NORMAL);
     place.iter().map(normal).collect()
 }
@@ -277,15 +277,19 @@ pub(super) fn smooth_normals(place: &[u32], positions: &[[f64; 3]], triangles: &
 ///
 /// With N the sum of u × v over the triangles at a vertex, u and v their edges and n = N/‖N‖, it is
 /// (I − n nᵀ) N′/‖N‖, where N′ is the sum of u′ × v + u × v′.
-fn normal_derivatives(place: &[u32], mesh: &TriMesh, displacements: &[Vec3]) -> Vec<Vec3> {
+fn normal_derivatives(
+    place: &[u32],
+    positions: &[Vec3],
+    triangles: &[[u32; 3]],
+    displacements: &[Vec3],
+) -> Vec<Vec3> {
     let mut sums = vec![([0.0; 3], [0.0; 3]); place.len()];
-    for triangle in &mesh.triangles {
-        let triangle = triangle.map(|v| place[v as usize]);
+    for triangle in triangles {
         let edges = |[a, b, c]: [Vec3; 3]| [sub(b, a), sub(c, a)];
-        let [u, v] = edges(corners(&mesh.positions, &triangle));
-        let [du, dv] = edges(corners(displacements, &triangle));
+        let [u, v] = edges(corners(positions, triangle));
+        let [du, dv] = edges(corners(displacements, triangle));
         let (normal, change) = (cross(u, v), add(cross(du, v), cross(u, dv)));
-        for corner in triangle {
+        for &corner in triangle {
             let (normals, changes) = &mut sums[corner as usize];
             *normals = add(*normals, normal);
             *changes = add(*changes, change);

@@ -2,8 +2,8 @@
 
 use crate::TriMesh;
 use crate::read::gltf_matrix::Matrix;
-use crate::surface::places;
 use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, unit};
+use crate::surface::{places, seamless_triangles};
 use crate::write::MorphTarget;
 use crate::write::glb::smooth_normals;
 
@@ -16,7 +16,8 @@ pub(super) struct Shape {
 impl Shape {
     pub fn of(mesh: &TriMesh, targets: &[MorphTarget]) -> Self {
         let place = places(&mesh.positions);
-        let normals = |positions: &[Vec3]| smooth_normals(&place, positions, &mesh.triangles);
+        let triangles = seamless_triangles(mesh, &place);
+        let normals = |positions: &[Vec3]| smooth_normals(&place, positions, &triangles);
         let moved = |target: &MorphTarget| -> Vec<Vec3> {
             mesh.positions.iter().zip(&target.displacements).map(|(p, d)| add(*p, *d)).collect()
         };
