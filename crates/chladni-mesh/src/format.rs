@@ -69,7 +69,7 @@ impl Format {
         let first = text.split(|b| b.is_ascii_whitespace()).next().unwrap_or_default();
         match first {
             b"ply" => Some(Self::Ply),
-            b"solid" => Some(Self::Stl),
+            _ if first.eq_ignore_ascii_case(b"solid") => Some(Self::Stl),
             b"MeshVersionFormatted" => Some(Self::Medit),
             _ if off_keyword(first).is_some() => Some(Self::Off),
             _ if text.starts_with(b"{") => Some(Self::Gltf),

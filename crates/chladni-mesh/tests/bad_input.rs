@@ -125,6 +125,57 @@ fn what_windows_writes_for_no_number_is_one() {
 }
 
 #[test]
+fn words_of_an_stl_may_be_in_capitals_after_a_byte_order_mark_and_end_lines_as_they_like() {
+    let usual = "solid a facet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n\
+         endfacet\nendsolid a facet\n";
+    let expected = read_mesh(usual.as_bytes(), Format::Stl).unwrap().mesh;
+    for other in [usual.to_uppercase(), format!("\u{feff}{usual}"), usual.replace('\n', "\r")] {
+        assert_eq!(Format::from_content(other.as_bytes()), Some(Format::Stl), "{other:?}");
+        assert_eq!(read_mesh(other.as_bytes(), Format::Stl).unwrap().mesh, expected, "{other:?}");
+    }
+}
+
+#[test]
+fn float_colors_of_a_ply_may_count_to_255() {
+    let colors = |rows: [&str; 3]| {
+        let [a, b, c] = rows;
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+             property float red\nproperty float green\nproperty float blue\nproperty float alpha\nelement face 1\n\
+             property list uchar int vertex_indices\nend_header\n0 0 0 {a}\n1 0 0 {b}\n0 1 0 {c}\n3 0 1 2\n"
+        );
+        read_mesh(text.as_bytes(), Format::Ply).unwrap().mesh.appearance.colors.unwrap()
+    };
+    let shares = colors(["1 0.2 0 1", "0.4 0.6 0.8 0", "1 1 1 0.2"]);
+    assert_eq!(colors(["255 51 0 1", "102 153 204 0", "255 255 255 0.2"]), shares);
+    assert_eq!(colors(["255 51 0 255", "102 153 204 0", "255 255 255 51"]), shares);
+}
+
+#[test]
+fn a_gltf_extension_that_is_required_and_not_read_is_refused() {
+    let file = |extension: &str, primitive: &str| {
+        format!(
+            r#"{{"asset":{{"version":"2.0"}},"extensionsRequired":[{extension}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}{primitive}}}]}}],
+            "accessors":[{{"componentType":5126,"count":3,"type":"VEC3"}}]}}"#
+        )
+    };
+    for name in
+        ["EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression", "EXT_meshopt_compression", "ACME_shape"]
+    {
+        let said = message(file(&format!("{name:?}"), "").as_bytes(), Format::Gltf);
+        assert!(said.contains("extensionsRequired") && said.contains(name), "{said}");
+    }
+    for name in ["KHR_mesh_quantization", "KHR_texture_transform", "KHR_materials_unlit", "VRMC_vrm"] {
+        read_soundly(file(&format!("{name:?}"), "").as_bytes(), Format::Gltf).unwrap();
+    }
+    // Also where it is not required, but all there is.
+    let packed = r#","extensions":{"KHR_draco_mesh_compression":{"bufferView":0,"attributes":{}}}"#;
+    let said = message(file("", packed).as_bytes(), Format::Gltf);
+    assert!(said.contains("primitives[0]") && said.contains("KHR_draco_mesh_compression"), "{said}");
+}
+
+#[test]
 fn a_color_or_texture_coordinate_without_its_partners_is_an_attribute() {
     let ply = |properties: &str, rows: [&str; 3]| {
         let properties: String =

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use chladni_mesh::{Format, MorphTarget, TriMesh, add_morph_targets, load_mesh, read_mesh};
+use chladni_mesh::{Format, Mended, MorphTarget, TriMesh, add_morph_targets, load_mesh, read_mesh};
 use serde_json::{Value, json};
 
 /// A binary buffer in the making.
@@ -34,8 +34,8 @@ impl Data {
 
 const POINTS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
-/// A tetrahedron with a slider, joints, normals of its own and a line; placed three times: turned and stretched, mirrored,
-/// and alone with an animation of its slider. Besides a skin, a camera, a light, materials, and extras of all kinds.
+/// A tetrahedron with a slider, joints, normals of its own and a line; placed three times: turned and stretched by its
+/// joints, mirrored, and alone with an animation of its slider. Besides a skin, a camera, a light, materials, and extras of all kinds.
 fn rigged() -> (Value, Vec<u8>) {
     let mut data = Data::default();
     let position = data.floats(&POINTS, "VEC3", 3);
@@ -47,7 +47,12 @@ fn rigged() -> (Value, Vec<u8>) {
     let weights = data.floats(&[0.75, 0.25, 0.0, 0.0].repeat(4), "VEC4", 4);
     let indices = data.put(&[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3], 5121, "SCALAR", 12);
     let line = data.put(&[0, 1], 5121, "SCALAR", 2);
-    let inverse: Vec<f32> = (0..32).map(|i| f32::from(u8::from(i % 16 % 5 == 0))).collect();
+    let doubled = |i: u32| match i % 16 {
+        0 | 5 | 10 => 2.0,
+        15 => 1.0,
+        _ => 0.0,
+    };
+    let inverse: Vec<f32> = (0..32).map(doubled).collect();
     let inverse = data.floats(&inverse, "MAT4", 16);
     let times = data.floats(&[0.0, 1.0, 2.0], "SCALAR", 1);
     let values = data.floats(&[0.0, 1.0, 0.5], "SCALAR", 1);
@@ -62,12 +67,12 @@ fn rigged() -> (Value, Vec<u8>) {
         "scene": 0,
         "scenes": [{ "nodes": [0, 1, 2, 3, 4] }],
         "nodes": [
-            { "mesh": 0, "skin": 0, "name": "turned", "rotation": [0.0, 0.6, 0.0, 0.8], "scale": [2.0, 1.0, 0.5],
-              "translation": [5.0, 0.0, 0.0] },
+            { "mesh": 0, "skin": 0, "name": "turned", "translation": [7.0, 7.0, 7.0] },
             { "mesh": 0, "name": "mirrored", "scale": [-1.0, 1.0, 1.0], "translation": [-5.0, 0.0, 0.0], "weights": [0.5] },
             { "mesh": 1, "name": "animated", "extras": { "kept": true } },
             { "camera": 0, "translation": [0.0, 0.0, 9.0] },
-            { "name": "bone", "children": [5] },
+            { "name": "bone", "children": [5], "rotation": [0.0, 0.6, 0.0, 0.8], "scale": [1.0, 0.5, 0.25],
+              "translation": [5.0, 0.0, 0.0] },
             { "name": "bone end" }
         ],
         "meshes": [
@@ -209,6 +214,37 @@ fn everything_stays_and_the_sliders_move_each_copy_as_asked() {
     let sampler = now.0["animations"][0]["channels"][0]["sampler"].as_u64().unwrap() as usize;
     let output = &now.0["animations"][0]["samplers"][sampler]["output"];
     assert_eq!(floats(&now, output), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.5, 0.0, 0.0]);
+}
+
+#[test]
+fn joints_place_a_skinned_mesh_and_a_pose_is_left_out_with_a_warning() {
+    let (root, data) = rigged();
+    let read = |root: &Value| read_mesh(&glb(root, &data), Format::Glb);
+    let mut plain = root.clone();
+    let bone = &root["nodes"][4];
+    plain["nodes"][0] = json!({ "mesh": 0, "rotation": bone["rotation"], "scale": [2.0, 1.0, 0.5],
+                                "translation": bone["translation"] });
+    let (placed, expected) = (read(&root).unwrap(), read(&plain).unwrap());
+    assert_eq!(placed.mesh.positions, expected.mesh.positions);
+    let left_out = |what: &str| Mended::LeftOut(what.into());
+    let usual =
+        [left_out("primitives of points or lines (2)"), left_out("the morph targets of primitives (3)")];
+    assert_eq!(placed.mended, usual);
+
+    let mut posed = root.clone();
+    posed["nodes"][5]["rotation"] = json!([0.6, 0.0, 0.0, 0.8]);
+    let posed = read(&posed).unwrap();
+    assert_eq!(posed.mesh.positions, expected.mesh.positions);
+    assert_eq!(posed.mended[2..], [left_out("the pose of skinned meshes (1)")]);
+    // Without a joint in the scene, the mesh lies where its node does.
+    let mut outside = root.clone();
+    outside["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
+    let outside = read(&outside).unwrap();
+    assert_eq!(outside.mesh.positions[0], [7.0; 3]);
+    assert_eq!(outside.mended.len(), 3);
+    let mut missing = root.clone();
+    missing["nodes"][0]["skin"] = json!(7);
+    assert!(read(&missing).unwrap_err().to_string().contains("skins[7]"));
 }
 
 #[test]

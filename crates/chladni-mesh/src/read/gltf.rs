@@ -8,7 +8,7 @@ use super::beside::Beside;
 use super::draft::{Draft, coordinate, vertex_index};
 use super::gltf_buffers::Buffers;
 use super::gltf_chunks::json_and_binary;
-use super::gltf_json::{Primitive, Root, TextureInfo};
+use super::gltf_json::{Accessor, Primitive, Root, TextureInfo};
 use super::gltf_matrix::{IDENTITY, Matrix, local_matrix, mirrors, moved, product};
 use crate::error::Fault;
 use crate::read::{Loaded, Mended};
@@ -16,19 +16,40 @@ use crate::{CornerUvs, Format, MeshError};
 
 mod materials;
 mod place;
+mod skins;
 mod uv_transform;
 
 use place::Place;
+use skins::Skins;
 use uv_transform::Affine;
 
 /// Instances of a mesh, and primitives that share an accessor, cost nothing in the file; this limits the vertices and the
 /// texture coordinates that all of them may add up to. `_VERTEX` stores vertex indices as `f32`, which is exact up to here.
 pub(crate) const MOST_VERTICES: usize = 1 << 24;
 
+/// How the names of extensions begin that are read, or say nothing about where triangles lie: a file that requires another
+/// one is refused.
+const EXTENSIONS: [&str; 14] = [
+    "ADOBE_materials_",
+    "EXT_lights_",
+    "EXT_texture_",
+    "KHR_animation_pointer",
+    "KHR_audio",
+    "KHR_lights_",
+    "KHR_materials_",
+    "KHR_mesh_quantization",
+    "KHR_techniques_webgl",
+    "KHR_texture_",
+    "KHR_xmp",
+    "MSFT_lod",
+    "MSFT_texture_",
+    "VRM",
+];
+
 /// Reads triangles, strips and fans, with or without indices, of all meshes that the scene's
 /// nodes place, in the order of a walk from the roots. Every primitive brings its own vertices,
-/// except where our own writer's `_VERTEX` attribute says which are the same. Morph targets,
-/// skins, points and lines are left out.
+/// except where our own writer's `_VERTEX` attribute says which are the same. A skinned mesh lies where
+/// the first joint of its skin places it. Morph targets, points and lines are left out.
 pub(crate) fn read(bytes: &[u8], format: Format, beside: &Beside<'_>) -> Result<Loaded, MeshError> {
     read_placed(bytes, format, beside).map(|(loaded, _)| loaded)
 }
@@ -58,8 +79,8 @@ pub(crate) fn read_placed(
         let (json, binary) = json_and_binary(bytes, format)?;
         let root: Root =
             serde_json::from_slice(json).map_err(|error| Fault::part("JSON", error.to_string()))?;
-        let squeezed = |name: &&String| name.contains("draco") || name.contains("meshopt");
-        if let Some(extension) = root.extensions_required.iter().find(squeezed) {
+        let is_known = |name: &String| EXTENSIONS.iter().any(|known| name.starts_with(*known));
+        if let Some(extension) = root.extensions_required.iter().find(|name| !is_known(name)) {
             return Err(Fault::part("extensionsRequired", format!("{extension} is not read")));
         }
         let buffers = Buffers::open(&root, binary, beside)?;
@@ -69,7 +90,7 @@ pub(crate) fn read_placed(
             draft: Draft::default(),
             stored: Vec::new(),
             moved: false,
-            left_out: 0,
+            left_out: LeftOut::default(),
             placed: Vec::new(),
             places: 0,
         };
@@ -79,10 +100,14 @@ pub(crate) fn read_placed(
     };
     let (mut draft, stored, left_out, placed) =
         read().map_err(|Fault { at, reason }| MeshError::Malformed { format, at, reason })?;
-    if left_out > 0 {
-        draft
-            .mended
-            .push(Mended::LeftOut(format!("{left_out} primitives of points, lines or morph targets")));
+    for (count, what) in [
+        (left_out.primitives, "primitives of points or lines"),
+        (left_out.targets, "the morph targets of primitives"),
+        (left_out.poses, "the pose of skinned meshes"),
+    ] {
+        if count > 0 {
+            draft.mended.push(Mended::LeftOut(format!("{what} ({count})")));
+        }
     }
     // Only now, so that a point that primitives share is unusable for each of them.
     for point in &mut draft.uvs {
@@ -93,6 +118,17 @@ pub(crate) fn read_placed(
     Ok((loaded, placed))
 }
 
+/// How much of a file is left out.
+#[derive(Default)]
+struct LeftOut {
+    /// Primitives of points or lines.
+    primitives: usize,
+    /// Other primitives that have morph targets.
+    targets: usize,
+    /// Meshes whose joints are not at rest, or not in the scene.
+    poses: usize,
+}
+
 struct Scene<'a> {
     root: &'a Root,
     buffers: Buffers<'a>,
@@ -100,21 +136,36 @@ struct Scene<'a> {
     /// Positions before the nodes moved them.
     stored: Vec<[f64; 3]>,
     moved: bool,
-    left_out: usize,
+    left_out: LeftOut,
     placed: Vec<Placed>,
     places: usize,
 }
 
 impl Scene<'_> {
-    /// Visits the scene's nodes, parents first, with an explicit stack, because a file may nest them to any
-    /// depth.
+    /// Reads the meshes in the order of the nodes that place them, or all where there is no node.
     fn walk(&mut self) -> Result<(), Fault> {
-        let nodes = &self.root.nodes;
-        if nodes.is_empty() {
-            for mesh in 0..self.root.meshes.len() {
+        let root = self.root;
+        if root.nodes.is_empty() {
+            for mesh in 0..root.meshes.len() {
                 self.mesh(None, mesh, &IDENTITY)?;
             }
         }
+        let nodes = self.nodes()?;
+        let mut skins = Skins::of(root, &nodes);
+        for (index, own) in nodes {
+            let node = &root.nodes[index];
+            let Some(mesh) = node.mesh else { continue };
+            // The place of a skinned mesh is that of its joints.
+            let bound = node.skin.map(|skin| self.bound(skin, &mut skins)).transpose()?.flatten();
+            self.mesh(Some(index), mesh, &bound.unwrap_or(own))?;
+        }
+        Ok(())
+    }
+
+    /// The scene's nodes, each with the map to the scene, parents first. The stack is explicit, because a file may nest
+    /// them to any depth.
+    fn nodes(&self) -> Result<Vec<(usize, Matrix)>, Fault> {
+        let nodes = &self.root.nodes;
         let scene = self.root.scenes.get(self.root.scene.unwrap_or(0));
         let roots = match scene {
             Some(scene) => scene.nodes.clone(),
@@ -128,6 +179,7 @@ impl Scene<'_> {
                 (0..nodes.len()).filter(|&node| !is_child[node]).collect()
             }
         };
+        let mut found = Vec::new();
         let mut visited = vec![false; nodes.len()];
         let mut stack: Vec<(usize, Matrix)> = roots.into_iter().rev().map(|node| (node, IDENTITY)).collect();
         while let Some((index, parent)) = stack.pop() {
@@ -141,12 +193,10 @@ impl Scene<'_> {
                 ));
             }
             let matrix = product(&parent, &local_matrix(node));
-            if let Some(mesh) = node.mesh {
-                self.mesh(Some(index), mesh, &matrix)?;
-            }
+            found.push((index, matrix));
             stack.extend(node.children.iter().rev().map(|&child| (child, matrix)));
         }
-        Ok(())
+        Ok(found)
     }
 
     fn mesh(&mut self, node: Option<usize>, index: usize, matrix: &Matrix) -> Result<(), Fault> {
@@ -158,11 +208,11 @@ impl Scene<'_> {
         let mut brought: Vec<(usize, Range<u32>)> = Vec::new();
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let at = format!("meshes[{index}].primitives[{p}]");
-            self.left_out += usize::from(!primitive.targets.is_empty());
             if matches!(primitive.mode, 4..=6) {
                 brought.push((p, self.primitive(primitive, matrix, &at, &mut place)?));
+                self.left_out.targets += usize::from(!primitive.targets.is_empty());
             } else {
-                self.left_out += 1;
+                self.left_out.primitives += 1;
             }
         }
         let joined = self.rejoin(&place, first_corner);
@@ -221,6 +271,10 @@ impl Scene<'_> {
         let Some(position) = attribute("POSITION") else {
             return Err(Fault::part(at, "has no POSITION"));
         };
+        let is_bare = |accessor: &Accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none();
+        if primitive.has_draco() && self.root.accessors.get(position).is_some_and(is_bare) {
+            return Err(Fault::part(at, "KHR_draco_mesh_compression is not read"));
+        }
         let too_many = || Err(Fault::part(at, format!("more than {MOST_VERTICES} vertices in all")));
         if self.draft.corners.len() > 6 * MOST_VERTICES {
             return too_many();

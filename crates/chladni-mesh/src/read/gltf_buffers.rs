@@ -8,7 +8,7 @@ use super::beside::{Beside, plain_uri};
 use super::gltf_json::{Accessor, Root};
 use crate::error::Fault;
 
-/// An accessor without data holds zeros; at most this many are accepted.
+/// An accessor without data holds zeros; at most this many of up to four components are accepted.
 const MOST_ZEROS: usize = 1 << 24;
 
 pub(crate) struct Buffers<'a> {
@@ -90,6 +90,7 @@ impl<'a> Buffers<'a> {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
+            "MAT4" => 16,
             kind => return Err(Fault::part(at(), format!("type {kind} has no use here"))),
         };
         let component = Component::of(accessor).ok_or_else(|| Fault::part(at(), "unknown component type"))?;
@@ -101,7 +102,9 @@ impl<'a> Buffers<'a> {
                     .read(data, accessor.byte_offset, stride, accessor.count, components)
                     .ok_or_else(|| Fault::part(at(), "reaches beyond its buffer view"))?
             }
-            None if accessor.count <= MOST_ZEROS => vec![0.0; accessor.count * components],
+            None if accessor.count <= MOST_ZEROS / components.div_ceil(4) => {
+                vec![0.0; accessor.count * components]
+            }
             None => return Err(Fault::part(at(), format!("{} elements without data", accessor.count))),
         };
         if let Some(sparse) = &accessor.sparse {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Deserializer};
 
 #[derive(Deserialize)]
@@ -27,6 +27,8 @@ pub(crate) struct Root {
     pub scene: Option<usize>,
     #[serde(default)]
     pub scenes: Vec<SceneNodes>,
+    #[serde(default)]
+    pub skins: Vec<Skin>,
     #[serde(default)]
     pub textures: Vec<TextureSource>,
 }
@@ -209,6 +211,21 @@ pub(crate) struct Primitive {
     pub mode: u32,
     #[serde(default)]
     pub targets: Vec<HashMap<String, usize>>,
+    #[serde(default, deserialize_with = "if_understood")]
+    extensions: Option<PrimitiveExtensions>,
+}
+
+#[derive(Deserialize)]
+struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    draco: Option<IgnoredAny>,
+}
+
+impl Primitive {
+    /// Whether its data are there in Draco's compression, perhaps beside a plain copy.
+    pub fn has_draco(&self) -> bool {
+        self.extensions.as_ref().is_some_and(|extensions| extensions.draco.is_some())
+    }
 }
 
 fn triangles() -> u32 {
@@ -223,7 +240,16 @@ pub(crate) struct Node {
     pub mesh: Option<usize>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    pub skin: Option<usize>,
     pub translation: Option<[f64; 3]>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Skin {
+    pub inverse_bind_matrices: Option<usize>,
+    #[serde(default)]
+    pub joints: Vec<usize>,
 }
 
 #[derive(Deserialize)]

@@ -26,10 +26,15 @@ pub(super) fn mirrors(m: &Matrix) -> bool {
     det < 0.0
 }
 
+/// The map whose columns a file lists, one after the other.
+pub(super) fn from_columns(m: &[f64; 16]) -> Matrix {
+    std::array::from_fn(|c| std::array::from_fn(|r| m[4 * c + r]))
+}
+
 /// From a node to its parent.
 pub(super) fn local_matrix(node: &Node) -> Matrix {
-    if let Some(m) = node.matrix {
-        return std::array::from_fn(|c| std::array::from_fn(|r| m[4 * c + r]));
+    if let Some(m) = &node.matrix {
+        return from_columns(m);
     }
     let [x, y, z, w] = node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
     let s = node.scale.unwrap_or([1.0; 3]);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::beside::Beside;
-use super::draft::{Draft, coordinate, vertex_index};
+use super::draft::{Draft, coordinate, full_channel, vertex_index};
 use super::mtl::checked_picture;
 use super::ply_header::{Element, Encoding, Header, Property, Scalar};
 use super::text::Words;
@@ -241,6 +241,14 @@ impl Ply<'_> {
                 self.draft.uvs.push(uv);
             }
             self.end_row();
+        }
+        // Some programs write bytes as floats.
+        for channels in [0..3_usize, 3..4] {
+            if full[channels.clone()].iter().all(|full| *full == 1.0) {
+                let values = colors.iter().flat_map(|color| &color[channels.clone()]);
+                let scale = full_channel(values);
+                full[channels].fill(scale);
+            }
         }
         self.draft.set_srgb_colors(colors, full);
         self.draft.attributes = attributes;

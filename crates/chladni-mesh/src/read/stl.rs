@@ -11,12 +11,13 @@ use crate::read::Mended;
 /// Reads a binary STL (whatever its header says, if its length fits) or an ascii one with any
 /// number of solids. Normals, names and attribute bytes are left out.
 pub(crate) fn read(bytes: &[u8]) -> Result<Draft, Fault> {
-    let solid = bytes.trim_ascii_start().starts_with(b"solid");
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let solid = text.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     // A truncated binary file may begin with "solid" too, but text never contains zeros.
     if is_binary_stl(bytes) || !solid || bytes.iter().take(512).any(|&b| b == 0) {
         read_binary(bytes)
     } else {
-        read_ascii(bytes)
+        read_ascii(text)
     }
 }
 
@@ -76,13 +77,11 @@ fn read_ascii(bytes: &[u8]) -> Result<Draft, Fault> {
     let mut pushed = 0;
     while let Some(word) = words.next() {
         let line = words.line();
-        match word {
-            b"solid" | b"endsolid" => {
-                in_solid = word == b"solid";
-                // A name of any number of words follows, up to the end of the line.
-                while words.peek().is_some() && words.line() == line {
-                    words.next();
-                }
+        match &*word.to_ascii_lowercase() {
+            keyword @ (b"solid" | b"endsolid") => {
+                in_solid = keyword == b"solid";
+                // A name of any number of words follows.
+                words.end_line();
             }
             b"vertex" => {
                 let mut position = [0.0; 3];
