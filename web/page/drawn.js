@@ -1,5 +1,6 @@
 // A curve under a finger, the mouse or the keyboard, and the canvas that shows it. Places go from 0 to 1, to the right and
 // up.
+import { hasModifier } from "./page.js";
 
 /** Arrow keys go so many steps across a curve, and so many up. */
 const [ACROSS, UP] = [32, 20];
@@ -16,6 +17,8 @@ const within = (value) => Math.min(1, Math.max(0, value));
 export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
   curve.at ??= 0;
   let last;
+  /** The pointer that draws. */
+  let hand;
   const place = (event) => {
     const { left, top, width, height } = canvas.getBoundingClientRect();
     return [within((event.clientX - left - aside - EDGE) / (width - aside - 2 * EDGE)), within(1 - (event.clientY - top - EDGE) / (height - below - 2 * EDGE))];
@@ -26,14 +29,18 @@ export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
     curve.paint();
   };
   canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
+    // Another button or a second finger begins no stroke.
+    if (event.button || (curve.held && event.pointerId !== hand)) return;
+    hand = event.pointerId;
+    canvas.setPointerCapture(hand);
     curve.held = true;
     const at = place(event);
     stroke(at, at);
   });
-  canvas.addEventListener("pointermove", (event) => { if (last) stroke(last, place(event)); });
+  canvas.addEventListener("pointermove", (event) => { if (last && event.pointerId === hand) stroke(last, place(event)); });
   for (const end of ["pointerup", "pointercancel", "lostpointercapture"]) {
-    canvas.addEventListener(end, () => {
+    canvas.addEventListener(end, (event) => {
+      if (event.pointerId !== hand) return;
       curve.held = false;
       if (last) curve.done();
       last = undefined;
@@ -43,7 +50,7 @@ export function listen(canvas, curve, { left: aside = 0, below = 0 } = {}) {
   canvas.addEventListener("keydown", (event) => {
     const side = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     const rise = { ArrowUp: 1, ArrowDown: -1 }[event.key];
-    if (!side && !rise) return;
+    if ((!side && !rise) || hasModifier(event)) return;
     event.preventDefault();
     if (side) curve.at = Math.min(1 - 1 / ACROSS, within(curve.at + side / ACROSS));
     else {

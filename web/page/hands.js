@@ -1,5 +1,6 @@
 // Pointers, touch and keys: one finger or the mouse turns, or does what the room's tool does; two fingers pinch and
 // shift, the wheel comes nearer.
+import { hasModifier } from "./page.js";
 import { scale, stir } from "./picture.js";
 
 /** A pointer that has gone so many pixels drags; it no longer clicks. */
@@ -96,7 +97,7 @@ export function hands(places, room) {
   places[0].addEventListener("pointerleave", () => { if (!down.size) tool()?.leave(); });
   places[0].addEventListener("keydown", (event) => {
     const act = keys[event.key];
-    if (!act || !viewer()) return;
+    if (!act || !viewer() || hasModifier(event)) return;
     event.preventDefault();
     stir();
     act(viewer());

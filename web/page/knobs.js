@@ -1,6 +1,6 @@
 // The knobs and switches of the instrument: controls made from the module's tables, as the window's are.
 import { knobs } from "./chladni_web.js";
-import { attempt, capitalized, element, knobRow, of, refill } from "./page.js";
+import { attempt, capitalized, element, hasModifier, knobRow, of, refill } from "./page.js";
 
 /** Steps of a slider from one end to the other. */
 const STEPS = 400;
@@ -32,7 +32,7 @@ function row(knob) {
   // A key goes a fiftieth; a slider without steps would go a hundredth of one.
   slider.addEventListener("keydown", (event) => {
     const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
-    if (!by) return;
+    if (!by || hasModifier(event)) return;
     event.preventDefault();
     slider.value = Number(slider.value) + (by * STEPS) / 50;
     slider.dispatchEvent(new Event("input"));

@@ -14,7 +14,7 @@ import * as gallery from "./gallery.js";
 import * as plate from "./front_plate.js";
 import * as knobs from "./knobs.js";
 import * as looks from "./looks.js";
-import { attempt, base, busy, label, of, on, options, report, save, say } from "./page.js";
+import { attempt, base, busy, hasModifier, label, of, on, options, report, save, say } from "./page.js";
 import * as playlist from "./playlist.js";
 import { LONGEST, show as showPicture, takePicture } from "./picture.js";
 import * as films from "./room_films.js";
@@ -523,7 +523,7 @@ export async function know(tune) {
 
 /** Keys of the desktop, where nothing else has them: in full screen there are no controls. */
 const onKey = attempt((event) => {
-  if (!isHere() || event.ctrlKey || event.altKey || event.metaKey) return undefined;
+  if (!isHere() || hasModifier(event)) return undefined;
   // A film goes on beneath its dialog, whose buttons may have no focus.
   if (films.isFilmed() || document.querySelector("dialog[open]")) return undefined;
   if (event.target.closest("button, input, select, textarea, summary, dialog, [role=slider]")) return undefined;

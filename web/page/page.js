@@ -2,6 +2,9 @@
 
 export const of = (id) => document.getElementById(id);
 
+/** Whether a key comes with Ctrl, ⌘ or Alt: it is the browser's or the system's. */
+export const hasModifier = (event) => event.ctrlKey || event.metaKey || event.altKey;
+
 /** How long an error can be read. */
 const ERROR_SECS = 20;
 

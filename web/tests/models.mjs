@@ -15,6 +15,10 @@ async function scale(page, shot) {
   const box = await page.locator("#scale-curve").boundingBox();
   const at = (x, y) => [box.x + x * box.width, box.y + y * box.height];
   await page.mouse.move(...at(0.1, 0.8));
+  const [clientX, clientY] = at(0.45, 0.15);
+  const right = { button: 2, buttons: 2, pointerId: 1, pointerType: "mouse", clientX, clientY };
+  await page.locator("#scale-curve").dispatchEvent("pointerdown", right);
+  assert.equal(await curveOf(page), "smooth", "another button draws nothing");
   await page.mouse.down();
   await page.mouse.move(...at(0.45, 0.15), { steps: 12 });
   await page.mouse.move(...at(0.7, 0.7), { steps: 12 });

@@ -69,6 +69,11 @@ async function presses(page) {
     }
     return window.chladni.view().yaw_rad;
   }, events);
+  const takes = (key, more) => page.evaluate(([key, more]) => !document.getElementById("picture")
+    .dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more })), [key, more]);
+  for (const [key, more] of [["ArrowLeft", { altKey: true }], ["f", { ctrlKey: true }], ["+", { metaKey: true }]]) {
+    assert.ok(!(await takes(key, more)), `${key} with a modifier is the browser's`);
+  }
   const before = await send();
   const after = await send(["pointerdown", 0, { button: 2, buttons: 2 }], ["pointermove", 60, {}], ["pointermove", 120, {}]);
   assert.equal(after, before, "nothing is pressed any more");
