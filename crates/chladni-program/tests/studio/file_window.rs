@@ -35,6 +35,17 @@ fn click_line(window: &mut Harness<'_, FileWindow>, name: &str, modifiers: Modif
     window.run_steps(6);
 }
 
+/// Clicks that line twice in one moment, some time after all clicks before.
+fn double_click_line(window: &mut Harness<'_, FileWindow>, name: &str) {
+    let later = window.ctx.input(|input| input.time) + 10.0;
+    window.input_mut().time = Some(later);
+    for _ in 0..2 {
+        window.query_all_by_label_contains(name).next().unwrap().click();
+    }
+    window.run_steps(6);
+    window.input_mut().time = None;
+}
+
 fn type_text(window: &mut Harness<'_, FileWindow>, text: &str) {
     window.key_press_modifiers(CTRL, Key::A);
     window.event(egui::Event::Text(text.into()));
@@ -87,6 +98,21 @@ fn what_is_typed_after_files_were_picked_counts_and_enter_on_cancel_is_no_answer
     type_text(&mut window, "sculptures/bust.obj");
     window.key_press(Key::Enter);
     window.run_steps(2);
+    assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);
+}
+
+#[test]
+fn a_double_click_opens_a_file_and_on_a_folder_only_that() {
+    let desk = Desk::new();
+    let (mut window, answer) = file_window(&desk, Purpose::Open);
+    let line = |window: &Harness<'_, FileWindow>, name: &str| {
+        window.query_all_by_label_contains(name).next().unwrap().rect()
+    };
+    let folder = line(&window, "sculptures");
+    double_click_line(&mut window, "sculptures");
+    assert!(answer.borrow().is_empty(), "nobody chose the file that came under the pointer");
+    assert!(line(&window, "bust.obj").contains(folder.center()));
+    double_click_line(&mut window, "bust.obj");
     assert_eq!(*answer.borrow(), [desk.path("sculptures/bust.obj")]);
 }
 

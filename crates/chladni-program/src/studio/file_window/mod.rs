@@ -91,6 +91,8 @@ pub struct FileWindow {
     /// The button says that it replaces a file.
     replaces: bool,
     begun: bool,
+    /// The last click in the list opened a folder: a second one, of a double click, was meant for that.
+    entered: bool,
     answer: Rc<RefCell<Vec<PathBuf>>>,
 }
 
@@ -118,7 +120,16 @@ impl FileWindow {
         }
         settings.recent.iter().filter_map(|path| path.parent()).for_each(|folder| add(Icon::History, folder));
         let browser = Browser::new(request);
-        Self { browser, places, light: settings.light, said: None, replaces: false, begun: false, answer }
+        Self {
+            browser,
+            places,
+            light: settings.light,
+            said: None,
+            replaces: false,
+            begun: false,
+            entered: false,
+            answer,
+        }
     }
 
     fn go_ahead(&mut self, ctx: &egui::Context) {
@@ -240,19 +251,23 @@ impl FileWindow {
                     let chosen = self.browser.is_chosen(name);
                     let line = egui::Button::selectable(chosen, icon::label(mark, name)).truncate();
                     let line = ui.add(line.min_size(egui::vec2(0.0, row)));
-                    if line.clicked() {
-                        let chosen = if *is_folder { &mut enter } else { &mut pick };
-                        *chosen = Some(name.clone());
+                    let twice = line.double_clicked();
+                    if !line.clicked() || twice && self.entered {
+                        continue;
                     }
-                    go |= !is_folder && line.double_clicked();
+                    let chosen = if *is_folder { &mut enter } else { &mut pick };
+                    *chosen = Some(name.clone());
+                    go |= !is_folder && twice;
                 }
             });
         });
         if let Some(name) = enter {
             let folder = self.browser.folder().join(name);
             self.browser.enter(&folder);
+            self.entered = true;
         }
         if let Some(name) = pick {
+            self.entered = false;
             (self.said, self.replaces) = (None, false);
             self.browser.pick(&name, ui.input(|input| input.modifiers.command));
         }
