@@ -16,13 +16,11 @@ fn press(window: &mut Window, key: Key) {
     window.run_steps(3);
 }
 
-/// Each frame's clock is given, so that no machine is too slow or too fast for it.
-#[test]
-fn it_takes_over_eight_seconds_after_the_last_touch_and_obeys_its_keys() {
-    let folder = tempfile::tempdir().unwrap();
-    let files = ball_and_song(folder.path()).to_vec();
+/// A room on a ball and a song, which is known, at 1 s of a clock that stands still.
+fn with_a_song(folder: &Path) -> (Window, Answers) {
+    let files = ball_and_song(folder).to_vec();
     let (trace, answers) = (Trace::default(), Answers::default());
-    let folders = folders(folder.path());
+    let folders = folders(folder);
     std::fs::write(folders.settings.as_ref().unwrap(), "harmonics = 96\n").unwrap();
     let opening = Opening {
         folders,
@@ -36,6 +34,24 @@ fn it_takes_over_eight_seconds_after_the_last_touch_and_obeys_its_keys() {
     window.input_mut().time = Some(1.0);
     wait(&mut window, "the gallery", |w| w.query_by_label_contains("12 items").is_some());
     wait(&mut window, "the song", |_| trace.borrow().last().is_some_and(|frame| frame.is_known));
+    (window, answers)
+}
+
+#[test]
+fn a_key_that_acts_keeps_it_from_taking_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut window, _) = with_a_song(folder.path());
+    press(&mut window, Key::ArrowRight);
+    go_to(&mut window, 20.0);
+    window.run_steps(2);
+    assert!(shows(&window, "12 items"), "it took over");
+}
+
+/// Each frame's clock is given, so that no machine is too slow or too fast for it.
+#[test]
+fn it_takes_over_eight_seconds_after_the_last_touch_and_obeys_its_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut window, answers) = with_a_song(folder.path());
     let leans = |window: &Window| !shows(window, "12 items");
 
     // A pointer that moves puts it off.

@@ -59,8 +59,22 @@ fn a_fader_is_learned_over_osc_and_remembered() {
     click(&mut window, "drawer/remote");
     assert!(shows(&window, &format!("Port {port}")));
     // It may have to be scrolled to.
-    control(&window, "learn/gain").click_accesskit();
-    window.run_steps(2);
+    let learn = |window: &mut Window| {
+        control(window, "learn/gain").click_accesskit();
+        window.run_steps(2);
+    };
+    let waits = |window: &Window| {
+        let learn = control(window, "learn/gain");
+        learn.accesskit_node().toggled() == Some(Toggled::True)
+    };
+    learn(&mut window);
+    assert!(waits(&window));
+    // Out of sight, nothing waits for a control.
+    for drawer in ["drawer/knobs", "drawer/remote"] {
+        click(&mut window, drawer);
+    }
+    assert!(!waits(&window));
+    learn(&mut window);
     send_until(&mut window, port, &packet("/1/f", 0.25), "/1/f");
     window.run_steps(1);
     screenshot(&mut window, "window-music-remote.png");

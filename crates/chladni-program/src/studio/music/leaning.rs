@@ -22,21 +22,24 @@ impl Leaning {
         self.since_secs = None;
     }
 
-    /// True once, when nothing was touched for a while. Only time in which a shape is there and a song `plays` counts.
-    pub fn is_at_rest(&mut self, ctx: &Context, plays: bool) -> bool {
-        let Some(since_secs) = &mut self.since_secs else { return false };
-        // A pointer may be moved out of the way; a press means that the user wants something else.
+    /// No longer waits once something was pressed: the user wants something else. Comes before the keys, which take their
+    /// presses out of the input.
+    pub fn notice(&mut self, ctx: &Context) {
+        // A pointer may be moved out of the way.
         let presses = |event: &Event| {
             matches!(event, Event::PointerButton { pressed: true, .. } | Event::Key { pressed: true, .. })
         };
-        let (now_secs, touched, pressed) =
-            ctx.input(|input| (input.time, !input.events.is_empty(), input.events.iter().any(presses)));
+        if ctx.input(|input| input.events.iter().any(presses)) {
+            self.end();
+        }
+    }
+
+    /// True once, when nothing was touched for a while. Only time in which a shape is there and a song `plays` counts.
+    pub fn is_at_rest(&mut self, ctx: &Context, plays: bool) -> bool {
+        let Some(since_secs) = &mut self.since_secs else { return false };
+        let (now_secs, touched) = ctx.input(|input| (input.time, !input.events.is_empty()));
         if touched || !plays {
             *since_secs = now_secs;
-        }
-        if pressed {
-            self.end();
-            return false;
         }
         let rests = now_secs - *since_secs > REST_SECS;
         if rests {
@@ -56,7 +59,10 @@ mod tests {
         let rests = |leaning: &mut Leaning, secs: f64, events: Vec<Event>, plays: bool| {
             let input = egui::RawInput { time: Some(secs), events, ..egui::RawInput::default() };
             let mut rests = false;
-            let _ = ctx.run_ui(input, |ui| rests = leaning.is_at_rest(ui.ctx(), plays));
+            let _ = ctx.run_ui(input, |ui| {
+                leaning.notice(ui.ctx());
+                rests = leaning.is_at_rest(ui.ctx(), plays);
+            });
             rests
         };
         let at_rest = |leaning: &mut Leaning, secs: f64, events| rests(leaning, secs, events, true);

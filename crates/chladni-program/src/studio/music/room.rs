@@ -7,6 +7,7 @@ use egui::Ui;
 use super::MusicRoom;
 use super::concert::Concert;
 use super::curtain::Curtain;
+use super::drawer::Drawer;
 use super::film::{OnStage, Scene};
 use super::listening::Listening;
 use super::shows::{songs_of, songs_of_list, the_show};
@@ -52,7 +53,12 @@ impl Room for MusicRoom {
         self.listening(shared);
         self.poll(shared);
         self.follow_dialog(shared);
+        self.leaning.notice(&shared.ctx);
         let mut wishes = self.keys(&shared.ctx);
+        // A control that is touched later is meant for something else.
+        if self.hides_the_window() || self.drawers.open != Drawer::Remote {
+            self.drawers.remote.stop_learning();
+        }
         self.follow_remote(shared, &mut wishes);
         let staged = self.concert.as_ref().is_some_and(Concert::on_stage);
         self.apart = shared.settings.music.own_window;
@@ -224,6 +230,7 @@ impl MusicRoom {
             return;
         }
         self.drawers.remote.forget_touches();
+        self.drawers.remote.stop_learning();
         let Some(concert) = &mut self.concert else { return };
         concert.come_back();
         if concert.outgoing.is_recording() {

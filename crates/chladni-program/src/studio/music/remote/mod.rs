@@ -66,6 +66,11 @@ impl Remote {
         self.forgets = true;
     }
 
+    /// No target waits for a control any more: its row is out of sight.
+    pub fn stop_learning(&mut self) {
+        self.bindings.learn(None);
+    }
+
     /// Opens the devices that the preferences ask for and collects all touches since the last frame.
     /// `standing` says where things are, for knobs that take over softly and for feedback to devices.
     pub fn asked(
