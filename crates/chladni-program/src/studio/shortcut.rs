@@ -24,19 +24,24 @@ impl Shortcut {
         Self { keys: KeyboardShortcut::new(Modifiers::COMMAND, key), action }
     }
 
+    /// A key with Ctrl, also on a Mac.
+    pub const fn control(key: Key, action: &'static str) -> Self {
+        Self { keys: KeyboardShortcut::new(Modifiers::CTRL, key), action }
+    }
+
     /// A key with Ctrl (⌘) and Shift.
     pub const fn command_shift(key: Key, action: &'static str) -> Self {
         let modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
         Self { keys: KeyboardShortcut::new(modifiers, key), action }
     }
 
-    /// Whether it was pressed in this frame, neither for the control that has the focus nor beneath a question; consumes
-    /// the key. Held down, it counts again only if it goes step by step.
+    /// Whether it was pressed in this frame, neither for the control that has the focus nor beneath a question or a menu;
+    /// consumes the key. Held down, it counts again only if it goes step by step.
     pub fn pressed(&self, ctx: &egui::Context) -> bool {
         !is_asked(ctx) && self.pressed_anywhere(ctx)
     }
 
-    /// The same, also beneath a question: for keys of the window itself.
+    /// The same, also beneath a question or a menu: for keys of the window itself.
     pub fn pressed_anywhere(&self, ctx: &egui::Context) -> bool {
         let key = self.keys.logical_key;
         let taken = match self.keys.modifiers {
@@ -47,7 +52,8 @@ impl Shortcut {
         !taken && ctx.input_mut(|input| take(input, &self.keys))
     }
 
-    /// Whether a key without modifiers is down, neither for the control that has the focus nor beneath a question.
+    /// Whether a key without modifiers is down, neither for the control that has the focus nor beneath a question
+    /// or a menu.
     pub fn held(&self, ctx: &egui::Context) -> bool {
         let key = self.keys.logical_key;
         ctx.input(|input| input.key_down(key)) && !is_taken(ctx, key) && !is_asked(ctx)
@@ -110,9 +116,10 @@ fn take(input: &mut InputState, keys: &KeyboardShortcut) -> bool {
     counts
 }
 
-/// Whether a question or a choice stands in front of everything else: it has the keys.
+/// Whether a question, a choice or a menu stands in front of everything else: it has the keys.
 fn is_asked(ctx: &egui::Context) -> bool {
-    !ctx.memory(|memory| memory.is_above_modal_layer(egui::LayerId::background()))
+    let is_below = !ctx.memory(|memory| memory.is_above_modal_layer(egui::LayerId::background()));
+    is_below || egui::Popup::is_any_open(ctx)
 }
 
 /// Whether the control with the focus wants `key` for itself: a text field all of them, another control those
@@ -146,5 +153,24 @@ mod tests {
             // The window tells by itself which presses are repeats.
             assert_eq!([true, true, false, true].map(pressed), [true, steps, false, true], "{key:?}");
         }
+    }
+
+    #[test]
+    fn an_open_menu_has_the_keys() {
+        let acts = |opens: bool| {
+            let (ctx, shortcut) = (egui::Context::default(), Shortcut::key(Key::Escape, "Leave"));
+            let (key, modifiers) = (Key::Escape, Modifiers::NONE);
+            let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+            let input = egui::RawInput { events: vec![event], ..egui::RawInput::default() };
+            let mut acts = [false; 2];
+            let _ = ctx.run_ui(input, |ui| {
+                if opens {
+                    egui::Popup::open_id(ui.ctx(), egui::Id::unique("menu"));
+                }
+                acts = [shortcut.held(ui.ctx()), shortcut.pressed(ui.ctx())];
+            });
+            acts
+        };
+        assert_eq!([true, false].map(acts), [[false; 2], [true; 2]]);
     }
 }

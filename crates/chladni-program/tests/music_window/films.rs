@@ -289,4 +289,12 @@ fn what_is_on_stage_is_filmed_by_its_key() {
     window.key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.run_steps(3);
     assert!(is_there(&window, "film-begin"));
+    // Escape closes an open list, then the form.
+    window.get_by_role(Role::ComboBox).click();
+    window.run_steps(3);
+    for is_open in [true, false] {
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        assert_eq!(is_there(&window, "film-begin"), is_open);
+    }
 }

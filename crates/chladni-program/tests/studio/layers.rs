@@ -494,4 +494,11 @@ fn a_region_comes_from_curvature_goes_to_a_file_and_comes_back() {
     person.click("mask");
     person.click("mask/open");
     assert_eq!(painted(&desk, &mut person), bumps);
+    // The menu stays open while its slider is set.
+    person.click("curvature");
+    let share = person.0.get_by_role_and_label(egui::accesskit::Role::Slider, "Share of the surface");
+    let middle = share.rect().center();
+    person.click_at(middle);
+    person.click("curvature/bumps");
+    assert!(inside(&painted(&desk, &mut person)) > inside(&bumps));
 }

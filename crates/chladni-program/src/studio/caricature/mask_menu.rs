@@ -2,7 +2,8 @@
 
 use chladni_caricature::{Action, Bend, Curved, LayerId, PaintEdit, Painted};
 use chladni_mesh::Format;
-use egui::{RichText, Ui};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{PopupCloseBehavior, RichText, Ui};
 
 use super::edits::Edits;
 use super::session::Session;
@@ -64,7 +65,9 @@ impl MaskMenu {
             }
         });
         mask.response.author_id("mask").on_hover_text("The region from a file, or into one");
-        let curved = ui.menu_button("By curvature", |ui| {
+        // The slider is set before one of the entries is clicked.
+        let stays = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+        let (curved, _) = MenuButton::new("By curvature").config(stays).ui(ui, |ui| {
             let share = egui::Slider::new(&mut self.share_percent, 1.0..=60.0).suffix(" % of it");
             let tip = "How much of the surface is taken";
             ui.add(share.fixed_decimals(0)).accessible_name("Share of the surface").on_hover_text(tip);
@@ -81,7 +84,7 @@ impl MaskMenu {
                 }
             }
         });
-        curved.response.author_id("curvature").on_hover_text("The places that bend most");
+        curved.author_id("curvature").on_hover_text("The places that bend most");
         wish
     }
 }

@@ -125,6 +125,8 @@ impl Filming {
     pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> Option<Then> {
         let form = self.form.as_mut()?;
         let (mut wanted, mut open) = (None, true);
+        // In an open list, Escape closes that alone.
+        let is_in_list = egui::Popup::is_any_open(ctx);
         // Above older messages, below those that it causes itself.
         let dialog =
             egui::Window::new("Film").order(egui::Order::Foreground).collapsible(false).resizable(false);
@@ -133,7 +135,7 @@ impl Filming {
             ui.add_space(theme::GAP);
             wanted = form.choose_kind(ui);
         });
-        if ctx.input(|input| input.key_pressed(egui::Key::Escape)) || !open {
+        if !is_in_list && ctx.input(|input| input.key_pressed(egui::Key::Escape)) || !open {
             self.form = None;
             return None;
         }

@@ -43,8 +43,7 @@ impl MusicRoom {
             calibrating.take_keys(ctx);
             return wishes;
         }
-        // An open menu has the keys.
-        if egui::Popup::is_any_open(ctx) || self.filming.asks() {
+        if self.filming.asks() {
             return wishes;
         }
         type Hearing = fn(&mut Listening);
