@@ -26,7 +26,7 @@ keys! {
     /// Everywhere.
     window:
     HELP = key F1, "Show all keys";
-    SWITCH_ROOM = command Tab, "The other room";
+    SWITCH_ROOM = control Tab, "The other room";
     ZOOM_IN = command Plus, "Larger text and controls";
     ZOOM_OUT = command Minus, "Smaller text and controls";
     ZOOM_RESET = command Num0, "Text and controls of the usual size";

@@ -36,9 +36,7 @@ impl Studio {
 
     /// Larger controls, as far as the window has room for them.
     fn enlarge(&mut self, ctx: &egui::Context) {
-        let points =
-            ctx.input(|input| input.viewport().inner_rect).map_or(egui::Vec2::INFINITY, |rect| rect.size());
-        let room = (points / egui::Vec2::from(SMALLEST)).min_elem();
+        let room = (ctx.content_rect().size() / egui::Vec2::from(SMALLEST)).min_elem();
         if room < STEP {
             self.notices
                 .update("size of letters", "There is no room for larger letters: enlarge the window first.");

@@ -388,14 +388,11 @@ fn a_program_that_is_asked_to_end_keeps_what_is_not_saved_for_the_next_time() {
 fn letters_grow_as_far_as_the_window_has_room() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj"]);
-    let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1000.0, 640.0));
-    let viewport = person.0.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
-    viewport.inner_rect = Some(rect);
+    person.0.set_size(egui::vec2(1000.0, 640.0));
     // Plus stands above the equals sign.
     person.press_with(CTRL, Key::Equals);
     assert!(person.sees("enlarge the window first"));
-    let viewport = person.0.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
-    viewport.inner_rect = Some(rect * 2.0);
+    person.0.set_size(egui::vec2(2000.0, 1280.0));
     let zoom = |person: &Person| person.0.ctx.zoom_factor();
     for (key, expected) in [(Key::Plus, 1.1), (Key::Equals, 1.21), (Key::Num0, 1.0)] {
         person.press_with(CTRL, key);
@@ -408,7 +405,8 @@ fn letters_grow_as_far_as_the_window_has_room() {
 fn the_first_mesh_takes_the_place_of_the_sample_that_nobody_chose() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&[]);
-    person.press_with(CTRL, Key::Tab);
+    // Ctrl on every system: ⌘ with Tab is a Mac's own.
+    person.press_with(egui::Modifiers::CTRL, Key::Tab);
     person.0.run_steps(2);
     person.drop_files(&[desk.path("shape.obj")]);
     person.wait_to_see("642 vertices");
