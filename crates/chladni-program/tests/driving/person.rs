@@ -127,6 +127,17 @@ impl Person {
         self.0.run_steps(3);
     }
 
+    /// Clicks twice in one moment, some time after all clicks before.
+    pub fn double_click(&mut self, id: &str) {
+        let later = self.0.ctx.input(|input| input.time) + 10.0;
+        self.0.input_mut().time = Some(later);
+        for _ in 0..2 {
+            driving::control(&self.0, id).click();
+        }
+        self.0.run_steps(3);
+        self.0.input_mut().time = None;
+    }
+
     pub fn press(&mut self, key: Key) {
         self.press_with(Modifiers::NONE, key);
     }

@@ -312,6 +312,25 @@ fn children_are_suggested_beside_the_frames_and_what_is_chosen_meanwhile_counts(
 }
 
 #[test]
+fn a_double_click_puts_a_dance_on_stage_and_makes_it_no_parent() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ball_and_song(folder.path()).to_vec();
+    let mut window = enter(Opening { folders: folders(folder.path()), files, ..Opening::default() });
+    // Both clicks come in one moment.
+    let now_secs = window.ctx.input(|input| input.time);
+    window.input_mut().time = Some(now_secs);
+    for _ in 0..2 {
+        control(&window, "dance/2").click();
+    }
+    window.run_steps(3);
+    window.input_mut().time = None;
+    assert!(!shows(&window, "12 items"), "it is not on stage");
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(shows(&window, "12 items") && !is_chosen(&window, "dance/2"));
+}
+
+#[test]
 fn a_sheet_begins_with_sand_that_goes_with_it() {
     let folder = tempfile::tempdir().unwrap();
     let (sheet, ball) = (folder.path().join("sheet.obj"), folder.path().join("ball.obj"));

@@ -69,6 +69,12 @@ fn a_gallery_that_is_closed_is_there_again_until_another_shape_is_opened() {
         node == Some(egui::accesskit::Toggled::True)
     };
     assert!(is_locked(&person));
+    // A menu that is open has the keys: Escape closes that alone.
+    driving::control(&person.0, "caricature/3").click_secondary();
+    person.0.run_steps(3);
+    assert!(person.sees("Change a little"));
+    person.press(Key::Escape);
+    assert!(person.sees("Caricature 12") && !person.sees("Change a little"));
     person.press(Key::Escape);
     assert!(!person.sees("Caricature 12"));
     person.press(Key::G);
@@ -123,10 +129,15 @@ fn what_is_taken_is_seen_alone_and_one_step_back_all_is_as_it_was() {
     assert_eq!(seen(&mut person), [true, true]);
     person.press(Key::G);
     person.wait_to_see("Caricature 12");
-    person.press(Key::S);
+    person.double_click("caricature/1");
     person.wait_until_gone("Caricature 12");
     let taken = seen(&mut person);
     assert!(taken.len() > 2 && taken[..2] == [false, false] && taken[2..].iter().all(|on| *on), "{taken:?}");
+    // The double click has made it no parent.
+    person.press(Key::G);
+    person.wait_to_see("Caricature 12");
+    assert!(!person.sees("Breed 1"));
+    person.press(Key::Escape);
     person.press_with(CTRL, Key::Z);
     assert_eq!(seen(&mut person), [true, true]);
 }

@@ -51,10 +51,12 @@ pub fn overlay(
             let font = egui::TextStyle::Small.resolve(ui.style());
             legible(ui, cell.right_top() + vec2(-EDGE, 24.0), Align2::RIGHT_TOP, standing, font, ACCENT);
         }
+        // The second click of a double click takes back the choice of the first.
+        if response.clicked() {
+            wishes.push(Wish::Do(Action::Choose { item: index, on: !item.chosen }));
+        }
         if response.double_clicked() {
             wishes.push(Wish::Do(Action::PerformGallery { first: index }));
-        } else if response.clicked() {
-            wishes.push(Wish::Do(Action::Choose { item: index, on: !item.chosen }));
         }
         menu(&response, instrument, index, wishes);
         marks(ui, *cell, instrument, index, is_marked, wishes);

@@ -54,7 +54,8 @@ pub fn show(
     if !idle {
         return Ok(takes.then_some(Wanted::Taken));
     }
-    if !takes && (response.clicked() || pressed(CHOOSE)) {
+    // The second click of a double click takes back the choice of the first.
+    if response.clicked() || pressed(CHOOSE) {
         gallery.choose(index, !item.chosen)?;
     }
     if favors {
