@@ -35,7 +35,8 @@ impl Data {
 const POINTS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 /// A tetrahedron with a slider, joints, normals of its own and a line; placed three times: turned and stretched by its
-/// joints, mirrored, and alone with an animation of its slider. Besides a skin, a camera, a light, materials, and extras of all kinds.
+/// joints, mirrored, and alone with an animation of its slider. Besides a skin, a camera, a light, materials, and extras of
+/// all kinds.
 fn rigged() -> (Value, Vec<u8>) {
     let mut data = Data::default();
     let position = data.floats(&POINTS, "VEC3", 3);
@@ -245,6 +246,33 @@ fn joints_place_a_skinned_mesh_and_a_pose_is_left_out_with_a_warning() {
     let mut missing = root.clone();
     missing["nodes"][0]["skin"] = json!(7);
     assert!(read(&missing).unwrap_err().to_string().contains("skins[7]"));
+}
+
+#[test]
+fn skins_that_differ_by_rounding_alone_place_meshes_alike() {
+    let (mut root, data) = rigged();
+    let read = |root: &Value| read_mesh(&glb(root, &data), Format::Glb).unwrap();
+    // A joint in the place of the first one, to single precision.
+    let mut joint = root["nodes"][4].clone();
+    joint["children"] = json!([]);
+    joint["translation"] = json!([5.0 + 5e-7, 0.0, 0.0]);
+    root["nodes"].as_array_mut().unwrap().push(joint);
+    let mut skin = root["skins"][0].clone();
+    skin["joints"] = json!([6]);
+    root["skins"].as_array_mut().unwrap().push(skin);
+    root["nodes"][1] = json!({ "mesh": 0, "skin": 1 });
+    root["scenes"][0]["nodes"] = json!([0, 1, 4, 6]);
+    let positions = read(&root).mesh.positions;
+    assert_eq!(positions.len(), 8);
+    assert_eq!(positions[..4], positions[4..]);
+
+    // So near to rest, a mesh stays where its file says.
+    root["nodes"][4] = json!({ "children": [5], "translation": [1e-7, 0.0, 0.0] });
+    root["skins"][0] = json!({ "joints": [4, 5] });
+    root["scenes"][0]["nodes"] = json!([0, 4]);
+    let at_rest = read(&root);
+    assert_eq!(at_rest.mesh.positions.as_flattened(), POINTS.map(f64::from));
+    assert!(at_rest.stored_positions.is_none());
 }
 
 #[test]
