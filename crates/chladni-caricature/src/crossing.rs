@@ -72,18 +72,7 @@ impl Crossings {
         let here = tree.order()[slot];
         let s = self.surface.triangles[here as usize];
         let around = bounds(&self.surface, here, positions);
-        let nearness = |node: usize, inner: &Bounds| {
-            let is_near = match s.iter().position(|v| self.shared[node].contains(v)) {
-                // In a fan every box meets every other, but the edge opposite the shared corner meets few.
-                Some(i) => {
-                    let opposite = [s[(i + 1) % 3], s[(i + 2) % 3]];
-                    Bounds::of(opposite.map(|v| positions[v as usize])).meets(inner)
-                }
-                None => inner.meets(&around),
-            };
-            if is_near { 0.0 } else { f64::INFINITY }
-        };
-        tree.search_nodes(f64::INFINITY, nearness, |other, limit| {
+        self.search_near(s, &around, positions, tree, |other, limit| {
             let there = tree.order()[other];
             let t = self.surface.triangles[there as usize];
             let touch = s.iter().any(|v| t.contains(v));
@@ -106,6 +95,29 @@ impl Crossings {
             }
             limit
         });
+    }
+
+    /// Visits the leaves of `tree` that triangle `s`, whose box is `around`, may cross.
+    fn search_near(
+        &self,
+        s: [u32; 3],
+        around: &Bounds,
+        positions: &[Vec3],
+        tree: &BoxTree,
+        visit: impl FnMut(usize, f64) -> f64,
+    ) {
+        let nearness = |node: usize, inner: &Bounds| {
+            let is_near = match s.iter().position(|v| self.shared[node].contains(v)) {
+                // In a fan every box meets every other, but the edge opposite the shared corner meets few.
+                Some(i) => {
+                    let opposite = [s[(i + 1) % 3], s[(i + 2) % 3]];
+                    Bounds::of(opposite.map(|v| positions[v as usize])).meets(inner)
+                }
+                None => inner.meets(around),
+            };
+            if is_near { 0.0 } else { f64::INFINITY }
+        };
+        tree.search_nodes(f64::INFINITY, nearness, visit);
     }
 }
 
@@ -207,6 +219,17 @@ mod tests {
         let mut points: Vec<Vec3> = tip.into_iter().chain((0..n).map(on_rim)).collect();
         let mut triangles: Vec<[u32; 3]> = (0..n).map(|i| [0, 1 + i, 1 + (i + 1) % n]).collect();
         assert!(crossings(points.clone(), triangles.clone()).is_empty());
+        let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
+        let search = Crossings::of(Arc::new(Surface::of(points.clone(), triangles.clone(), frame)));
+        for t in (0..n).step_by(997) {
+            let mut visits = 0;
+            let around = bounds(&search.surface, t, &points);
+            search.search_near(triangles[t as usize], &around, &points, &search.tree, |_, limit| {
+                visits += 1;
+                limit
+            });
+            assert!(visits < 100, "{visits} for triangle {t}");
+        }
         // A needle through the middle of the tenth triangle.
         let middle = scaled(corners(&points, &triangles[10]).into_iter().fold([0.0; 3], add), 1.0 / 3.0);
         points.extend([0.5, -0.5, -0.5].map(|z| add(middle, [0.0, 0.0, z])));

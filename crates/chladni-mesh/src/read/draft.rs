@@ -35,8 +35,8 @@ pub(crate) fn vertex_index(
     }
 }
 
-/// The value of a full channel in text or as a float: 255 where some exceed 1 and all are whole numbers, otherwise 1, which a
-/// program may pass by a little. Channels that are no numbers, or as great as numbers are, say nothing.
+/// The value of a full channel in text or as a float: 255 where some exceed 1 and all are whole numbers, otherwise 1, which
+/// a program may pass by a little. Channels that are no numbers, or as great as numbers are, say nothing.
 pub(crate) fn full_channel<'a>(channels: impl Iterator<Item = &'a f64>) -> f64 {
     let mut above = false;
     let whole = channels.filter(|c| c.abs() < f64::MAX).all(|c| {

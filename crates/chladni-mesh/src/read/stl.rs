@@ -77,8 +77,15 @@ fn read_ascii(bytes: &[u8]) -> Result<Draft, Fault> {
     let mut pushed = 0;
     while let Some(word) = words.next() {
         let line = words.line();
-        match &*word.to_ascii_lowercase() {
-            keyword @ (b"solid" | b"endsolid") => {
+        // No keyword is longer.
+        let mut lower = [0_u8; 8];
+        let keyword = lower.get_mut(..word.len()).map_or(word, |lower| {
+            lower.copy_from_slice(word);
+            lower.make_ascii_lowercase();
+            &*lower
+        });
+        match keyword {
+            b"solid" | b"endsolid" => {
                 in_solid = keyword == b"solid";
                 // A name of any number of words follows.
                 words.end_line();

@@ -143,7 +143,7 @@ impl BoxTree {
         self.search_nodes(limit, |_, bounds| nearness(bounds), visit);
     }
 
-    /// [`search`](Self::search) that gives `nearness` the place of a node's value in what was [gathered](Self::gather), too.
+    /// As [`search`](Self::search); `nearness` also gets the node's index in what [`gather`](Self::gather) returned.
     pub fn search_nodes(
         &self,
         mut limit: f64,
