@@ -16,6 +16,7 @@ pub struct Surface {
     /// The similarity between file and working frame.
     pub frame: Frame,
     around: Rows,
+    whole_triangles: usize,
 }
 
 impl Surface {
@@ -27,12 +28,19 @@ impl Surface {
     /// The surface of `triangles`, whose indices must lie below `positions.len()`.
     pub(crate) fn of(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, frame: Frame) -> Self {
         let around = vertex_triangles(positions.len(), &triangles);
-        Self { positions, triangles, frame, around }
+        let whole_triangles = triangles.iter().filter(|[a, b, c]| a != b && b != c && c != a).count();
+        Self { positions, triangles, frame, around, whole_triangles }
     }
 
     /// N, the number of operator vertices.
     pub fn vertices(&self) -> usize {
         self.positions.len()
+    }
+
+    /// The number of triangles with three different corners: others, such as those of faces that the file has twice,
+    /// neither fold nor cross.
+    pub fn whole_triangles(&self) -> usize {
+        self.whole_triangles
     }
 
     /// The triangles that use vertex `v` < N.
@@ -49,5 +57,21 @@ impl Surface {
     /// Zero where the triangles around a vertex have no area or cancel.
     pub fn normals(&self, positions: &[Vec3]) -> Vec<Vec3> {
         vertex_normals_around(positions, &self.triangles, &self.around)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Surface;
+    use crate::fixture::icosphere;
+
+    #[test]
+    fn collapsed_backs_are_no_whole_triangles() {
+        let (positions, mut triangles) = icosphere(1);
+        let backs: Vec<[u32; 3]> = triangles.iter().map(|[a, ..]| [*a; 3]).collect();
+        triangles.extend(backs);
+        let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
+        let surface = Surface::of(positions, triangles, frame);
+        assert_eq!((surface.triangles.len(), surface.whole_triangles()), (160, 80));
     }
 }

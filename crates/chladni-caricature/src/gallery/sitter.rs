@@ -194,7 +194,7 @@ impl Sitter {
         let mut kept = vec![1.0; variants.len()];
         let mut synthesizer = CpuSynthesizer::new(self.model.clone());
         let mut folded = vec![usize::MAX; variants.len()];
-        let most = (MOST_FOLDS * self.body.triangles.len() as f64) as usize;
+        let most = (MOST_FOLDS * self.surface.whole_triangles() as f64) as usize;
         for round in 0..ROUNDS {
             let items: Vec<Item> =
                 variants.iter().zip(&doses).map(|(variant, dose)| self.item(variant, dose)).collect();
@@ -240,7 +240,7 @@ impl Sitter {
         let moved: Vec<Vec3> = positions.iter().map(|p| p.map(f64::from)).collect();
         let folded = flipped_triangles(&self.surface, rest, &moved).len();
         let by: Vec<Vec3> = moved.iter().zip(rest).map(|(a, b)| sub(*a, *b)).collect();
-        let allowed = (AIM * self.body.triangles.len() as f64) as usize;
+        let allowed = (AIM * self.surface.whole_triangles() as f64) as usize;
         (folded, furthest(&self.surface, rest, &by, 1.0, allowed).unwrap_or(1.0))
     }
 

@@ -95,7 +95,7 @@ impl<'a> Search<'a> {
         task: &'a Task,
     ) -> Result<Self, CaricatureError> {
         // A shape that does not move crosses nothing new.
-        let moves = unlimited.iter().any(|u| *u != [0.0; 3]);
+        let moves = size(unlimited, &base.basis().mass) > STILL;
         let crossed = if moves { keeper.crossings.triangles(&base.positions, task)? } else { Vec::new() };
         Ok(Self { keeper, base, unlimited, mask, task, crossed, later_steps: Default::default() })
     }
@@ -103,7 +103,7 @@ impl<'a> Search<'a> {
     /// The best of [`ATTEMPTS`]: it leaves next to nothing folded or crossing and, among those that do, keeps the
     /// most of the displacement.
     pub(super) fn best(&self) -> Result<Kept, CaricatureError> {
-        if self.size(self.unlimited) <= STILL {
+        if size(self.unlimited, &self.base.basis().mass) <= STILL {
             return Ok(self.kept(self.unlimited.to_vec(), (0, 0)));
         }
         let rank = |kept: &Kept| (self.are_few((kept.folded, kept.crossing)), kept.share);
@@ -219,19 +219,15 @@ impl<'a> Search<'a> {
     }
 
     fn kept(&self, u: Vec<Vec3>, (folded, crossing): (usize, usize)) -> Kept {
-        let whole = self.size(self.unlimited);
-        let share = if whole > STILL { self.size(&u) / whole } else { 1.0 };
+        let mass = &self.base.basis().mass;
+        let whole = size(self.unlimited, mass);
+        let share = if whole > STILL { size(&u, mass) / whole } else { 1.0 };
         Kept { displacement: Arc::new(u), share, folded, crossing }
-    }
-
-    /// ∫ |u| over the surface.
-    fn size(&self, u: &[Vec3]) -> f64 {
-        u.iter().zip(&self.base.basis().mass).map(|(u, a)| a * length(*u)).sum()
     }
 
     /// Whether these counts of folded and crossing triangles are few enough to be left alone.
     fn are_few(&self, (folded, crossing): (usize, usize)) -> bool {
-        folded.max(crossing) * LEFT <= self.keeper.surface.triangles.len()
+        folded.max(crossing) * LEFT <= self.keeper.surface.whole_triangles()
     }
 
     /// The triangles that `u` folds, and those that it makes cross others.
@@ -260,4 +256,9 @@ impl<'a> Search<'a> {
         bad.iter().flat_map(|t| surface.triangles[*t as usize]).for_each(|v| spots[v as usize] = 1.0);
         step.apply(&spots).into_iter().map(|heat| (4.0 * heat).min(1.0) as f32).collect()
     }
+}
+
+/// ∫ |u| over the surface.
+fn size(u: &[Vec3], mass: &[f64]) -> f64 {
+    u.iter().zip(mass).map(|(u, a)| a * length(*u)).sum()
 }

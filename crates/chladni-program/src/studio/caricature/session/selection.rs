@@ -38,7 +38,7 @@ impl Session {
         }
         let unit: Vec<[f64; 3]> = displacement.iter().map(|d| d.map(|c| c / mu)).collect();
         let surface = self.stack.surface();
-        let allowed = (may_fold * surface.triangles.len() as f64) as usize;
+        let allowed = (may_fold * surface.whole_triangles() as f64) as usize;
         let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), allowed)?;
         // Just before the next fold.
         Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
