@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use chladni_mesh::TriMesh;
-use chladni_mesh::surface::{places, repeated_triangles};
+use chladni_mesh::surface::repeated_triangles;
 use chladni_task::Task;
 
 use crate::eigen::{self, Solved};
@@ -236,15 +236,15 @@ fn solved(
 /// that corner is replaced by another of its corners (or 0), which keeps the triangle collapsed; those of repeated faces
 /// collapse, too.
 pub(crate) fn file_triangles(mesh: &TriMesh, operator_vertex: &[Option<u32>]) -> Vec<[u32; 3]> {
-    let repeated = repeated_triangles(mesh, &places(&mesh.positions));
-    let is_single = |t: usize| !repeated.get(t).is_some_and(|repeated| *repeated);
+    // Rows tell places apart; a face with a corner that has none collapses anyway.
+    let place: Vec<u32> = operator_vertex.iter().map(|v| v.unwrap_or(u32::MAX)).collect();
     mesh.triangles
         .iter()
-        .enumerate()
-        .map(|(t, corners)| {
+        .zip(repeated_triangles(mesh, &place))
+        .map(|(corners, repeated)| {
             let rows = corners.map(|v| operator_vertex[v as usize]);
             match rows {
-                [Some(a), Some(b), Some(c)] if is_single(t) => [a, b, c],
+                [Some(a), Some(b), Some(c)] if !repeated => [a, b, c],
                 _ => [rows.into_iter().flatten().next().unwrap_or(0); 3],
             }
         })

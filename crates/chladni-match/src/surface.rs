@@ -235,7 +235,7 @@ fn weld(mesh: &TriMesh) -> Welded {
     let place = places(&mesh.positions);
     let repeated = repeated_triangles(mesh, &place);
     let kept: Vec<u32> = (0..mesh.triangles.len() as u32)
-        .filter(|&t| !repeated.get(t as usize).is_some_and(|repeated| *repeated))
+        .filter(|&t| !repeated[t as usize])
         .filter(|&t| {
             let [a, b, c] = mesh.triangles[t as usize].map(|v| file_point(mesh, v) / size);
             (b - a).cross(c - a).length() > 1e-16

@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 
+use crate::TriMesh;
 use crate::surface::vec3::{cross, dot, length, sub};
 use crate::surface::{
-    Bounds, HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, places, repeated_faces,
-    repeated_triangles, sorted_half_edges, vertex_faces,
+    Bounds, HalfEdge, Pieces, Rows, corners, doubled_area_normal, inward_triangles, of_triangles, places,
+    repeated_faces, sorted_half_edges, vertex_faces, weld_known,
 };
-use crate::{TriMesh, weld};
 
 /// Counts and measures of a mesh as its file stores it, and of what welding would change.
 ///
@@ -29,8 +29,8 @@ pub struct HealthReport {
     pub duplicate_vertices: usize,
     /// Vertices that no triangle uses.
     pub unreferenced_vertices: usize,
-    /// Triangles of faces that repeat an earlier one between the same places, from either side; all that is computed takes
-    /// such a face once.
+    /// Triangles of faces that repeat an earlier one between the same places, from either side; harmonics, matches
+    /// and normals of exports take such a face once.
     pub duplicate_triangles: usize,
     /// Triangles of the welded mesh that face inward, or against most of those around them, as
     /// [`inward_triangles`] finds them: matches and drawings, among others, turn them round.
@@ -41,7 +41,7 @@ pub struct HealthReport {
     pub bounds_max: [f64; 3],
     /// Length of the bounding box's diagonal, in file units.
     pub diagonal: f64,
-    /// Sum of the triangles' areas, in squared file units.
+    /// Sum of the triangles' areas, duplicate ones included, in squared file units.
     pub area: f64,
     /// Enclosed volume, in cubed file units, positive where triangles face outward; `None`
     /// unless the welded mesh is closed and evenly oriented.
@@ -82,7 +82,10 @@ pub struct Welded {
 impl HealthReport {
     /// Examines `mesh`.
     pub fn of(mesh: &TriMesh) -> Self {
-        let welded = weld(mesh);
+        let place = places(&mesh.positions);
+        let repeated_faces = repeated_faces(mesh, &place);
+        let repeated = of_triangles(mesh, &repeated_faces);
+        let welded = weld_known(mesh, &place, &repeated);
         let mut used = vec![false; mesh.positions.len()];
         for &v in mesh.triangles.iter().flatten() {
             used[v as usize] = true;
@@ -100,7 +103,7 @@ impl HealthReport {
             degenerate_triangles += usize::from(a == 0.0);
         }
         let faces = (0..mesh.face_count()).map(|f| mesh.face(f));
-        let welded_faces = welded_faces(mesh);
+        let welded_faces = welded_faces(mesh, &place, &repeated_faces);
         let welded_topology =
             Topology::of(mesh.positions.len(), (0..welded_faces.len()).map(|f| welded_faces.row(f)));
         let closed = welded_topology.genus.is_some() && welded_topology.boundary_loops == 0;
@@ -110,9 +113,9 @@ impl HealthReport {
             polygons: mesh.face_count(),
             topology: Topology::of(mesh.positions.len(), faces),
             degenerate_triangles,
-            duplicate_vertices: duplicate_count(&mesh.positions),
+            duplicate_vertices: duplicate_count(&place),
             unreferenced_vertices: used.iter().filter(|used| !**used).count(),
-            duplicate_triangles: duplicate_triangles(mesh),
+            duplicate_triangles: repeated.iter().filter(|repeated| **repeated).count(),
             inward_triangles: inward_triangles(&welded.positions, &welded.triangles)
                 .into_iter()
                 .filter(|inward| *inward)
@@ -135,22 +138,20 @@ impl HealthReport {
     pub fn of_placed(mesh: &TriMesh, stored: Option<&[[f64; 3]]>) -> Self {
         let mut report = Self::of(mesh);
         if let Some(stored) = stored {
-            report.duplicate_vertices = duplicate_count(stored);
+            report.duplicate_vertices = duplicate_count(&places(stored));
         }
         report
     }
 }
 
 /// Vertices whose position an earlier vertex has too.
-fn duplicate_count(positions: &[[f64; 3]]) -> usize {
-    places(positions).iter().zip(0_u32..).filter(|&(&first, v)| first != v).count()
+fn duplicate_count(place: &[u32]) -> usize {
+    place.iter().zip(0_u32..).filter(|&(&first, v)| first != v).count()
 }
 
-/// The faces over each position's first vertex, each once, without repeated corners; those left with less
-/// than three are gone.
-fn welded_faces(mesh: &TriMesh) -> Rows {
-    let place = places(&mesh.positions);
-    let repeated = repeated_faces(mesh, &place);
+/// The faces over each position's first vertex, those that are not `repeated`, without repeated corners; those left with
+/// less than three are gone.
+fn welded_faces(mesh: &TriMesh, place: &[u32], repeated: &[bool]) -> Rows {
     let mut rows = Rows { starts: vec![0], items: Vec::new() };
     for f in (0..mesh.face_count()).filter(|f| !repeated[*f]) {
         let start = rows.items.len();
@@ -170,11 +171,6 @@ fn welded_faces(mesh: &TriMesh) -> Rows {
         }
     }
     rows
-}
-
-fn duplicate_triangles(mesh: &TriMesh) -> usize {
-    let repeated = repeated_triangles(mesh, &places(&mesh.positions));
-    repeated.into_iter().filter(|repeated| *repeated).count()
 }
 
 /// Signed volume of a closed surface, summed about its first vertex for accuracy.

@@ -30,7 +30,12 @@ pub struct Weld {
 /// A mesh without duplicate, unreferenced or collapsed parts comes back as it is, in its order.
 pub fn weld(mesh: &TriMesh) -> Weld {
     let place = places(&mesh.positions);
-    let mut triangles = seamless_triangles(mesh, &place);
+    weld_known(mesh, &place, &repeated_triangles(mesh, &place))
+}
+
+/// As [`weld`], with what [`places`] and [`repeated_triangles`] say of `mesh`.
+pub(crate) fn weld_known(mesh: &TriMesh, place: &[u32], repeated: &[bool]) -> Weld {
+    let mut triangles = single_triangles(mesh, place, repeated);
     let without_area = leave_out_flat(&mesh.positions, &mut triangles);
     let mut used = vec![false; mesh.positions.len()];
     for &v in triangles.iter().flatten() {
@@ -63,21 +68,41 @@ pub fn places(positions: &[[f64; 3]]) -> Vec<u32> {
 /// The triangles of `mesh` over the first vertices of their places, which [`places`] gives: those with three different
 /// corners, without those of repeated faces.
 pub(crate) fn seamless_triangles(mesh: &TriMesh, place: &[u32]) -> Vec<[u32; 3]> {
-    let repeated = repeated_triangles(mesh, place);
-    let is_single = |t: usize| !repeated.get(t).is_some_and(|repeated| *repeated);
-    let placed = mesh.triangles.iter().enumerate().filter(|(t, _)| is_single(*t));
-    let placed = placed.map(|(_, triangle)| triangle.map(|v| place[v as usize]));
+    single_triangles(mesh, place, &repeated_triangles(mesh, place))
+}
+
+fn single_triangles(mesh: &TriMesh, place: &[u32], repeated: &[bool]) -> Vec<[u32; 3]> {
+    let single = mesh.triangles.iter().zip(repeated).filter(|(_, repeated)| !**repeated);
+    let placed = single.map(|(triangle, _)| triangle.map(|v| place[v as usize]));
     placed.filter(|[a, b, c]| a != b && b != c && c != a).collect()
 }
 
+/// The triangles of `mesh` for pictures, in its order: those of faces that repeat an earlier one collapse, since their
+/// normals would cancel.
+///
+/// # Panics
+/// If a face names a vertex that is not there.
+pub fn drawn_triangles(mesh: &TriMesh) -> Vec<[u32; 3]> {
+    let repeated = repeated_triangles(mesh, &places(&mesh.positions));
+    let drawn = |(triangle, repeated): (&[u32; 3], bool)| if repeated { [triangle[0]; 3] } else { *triangle };
+    mesh.triangles.iter().zip(repeated).map(drawn).collect()
+}
+
 /// For each triangle of `mesh` whether its face repeats an earlier one: it has the same corners in the same order, forward
-/// or backward, by the `place` of each vertex ([`places`]). Programs write a two-sided face as such a pair.
+/// or backward, by the `place` of each vertex: [`places`], or others that are equal where those are. Programs write a
+/// two-sided face as such a pair.
 ///
 /// # Panics
 /// If a face names a vertex that is not there.
 pub fn repeated_triangles(mesh: &TriMesh, place: &[u32]) -> Vec<bool> {
-    let repeated = repeated_faces(mesh, place);
-    mesh.triangle_corners().map(|(f, _)| repeated[f]).collect()
+    of_triangles(mesh, &repeated_faces(mesh, place))
+}
+
+/// For each triangle of `mesh` what `of_faces` says of its face.
+pub(crate) fn of_triangles(mesh: &TriMesh, of_faces: &[bool]) -> Vec<bool> {
+    let mut of_triangles: Vec<bool> = mesh.triangle_corners().map(|(f, _)| of_faces[f]).collect();
+    of_triangles.resize(mesh.triangles.len(), false);
+    of_triangles
 }
 
 /// As [`repeated_triangles`], for each face.
@@ -149,6 +174,10 @@ mod tests {
         let report = crate::HealthReport::of(&both);
         assert_eq!((report.duplicate_triangles, report.welded.topology.genus), (80, Some(0)));
         assert!(report.volume.is_some());
+        let drawn = drawn_triangles(&both);
+        let (front, back) = drawn.split_at(80);
+        assert_eq!(front, ball.triangles);
+        assert!(back.len() == 80 && back.iter().all(|[a, b, c]| a == b && b == c));
     }
 
     #[test]

@@ -11,6 +11,7 @@ use chladni_match::{
     Correspondence, Ellipsoid, Match, MatchError, MatchReport, MatchSettings, Method, load_landmarks,
     match_shapes, onto_ellipsoid, self_scaled,
 };
+use chladni_mesh::surface::drawn_triangles;
 use chladni_mesh::surface::vec3::single;
 use chladni_mesh::{HealthReport, TriMesh};
 use chladni_task::Task;
@@ -225,7 +226,7 @@ fn draw(
     let (rest, laid) = (single(&shape.positions), single(&found.target));
     let confidence: Vec<f32> = found.confidence.iter().map(|c| *c as f32).collect();
     let colors = place_colors(&shape.positions);
-    let triangles = &shape.triangles;
+    let triangles = &drawn_triangles(shape);
     let shown = |positions| PictureShape { positions, triangles, ..PictureShape::default() };
     let shapes = [
         PictureShape {

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_caricature::HEAD_PARTS;
 use chladni_mesh::TriMesh;
+use chladni_mesh::surface::drawn_triangles;
 use chladni_mesh::surface::vec3::single;
 use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_picture};
 
@@ -68,7 +69,8 @@ pub fn draw(
     terminal: &Terminal,
 ) -> Result<(), Error> {
     let positions = single(&mesh.positions);
-    let plain = PictureShape { positions: &positions, triangles: &mesh.triangles, ..PictureShape::default() };
+    let triangles = drawn_triangles(mesh);
+    let plain = PictureShape { positions: &positions, triangles: &triangles, ..PictureShape::default() };
     let shapes = [PictureShape { colors: Some(&colors), ..plain }, plain];
     let stands = Stance::default().of(name, mesh, None, None, terminal)?;
     let from = Camera::on(stands, View::ThreeQuarter);

@@ -1,7 +1,7 @@
 //! Landmarks picked on a shape and its template, side by side: the effect of a press, and the look of both shapes.
 
 use chladni_match::Landmark;
-use chladni_mesh::surface::SurfacePoint;
+use chladni_mesh::surface::{SurfacePoint, drawn_triangles};
 use chladni_mesh::{Frame, Orientation, TriMesh};
 use chladni_view::{
     Camera, ColorMap, Device, Figure, ItemBuffers, Marker, Material, Paint, PickTree, Rect, Scale, Topology,
@@ -195,16 +195,17 @@ impl Side {
         let frame = Frame::of(mesh);
         let positions: Vec<[f32; 3]> =
             mesh.positions.iter().map(|p| frame.to_working(*p).map(|c| c as f32)).collect();
-        let topology = Topology::new(device, positions.len(), &mesh.triangles)?;
+        let triangles = drawn_triangles(mesh);
+        let topology = Topology::new(device, positions.len(), &triangles)?;
         let buffers = ItemBuffers::new(device, positions.len(), 1);
-        let normals = chladni_view::smooth_normals(&positions, &mesh.triangles);
+        let normals = chladni_view::smooth_normals(&positions, &triangles);
         buffers.write(device, 0, &positions, &normals)?;
         Ok(Self {
             camera: Camera::on(stands, View::Front),
-            tree: PickTree::new(&positions, &mesh.triangles),
+            tree: PickTree::new(&positions, &triangles),
             confidence: VertexPaint::new(device, positions.len()),
             shows_confidence: false,
-            triangles: mesh.triangles.clone(),
+            triangles,
             positions,
             topology,
             buffers,
@@ -382,6 +383,18 @@ mod tests {
         }
         assert!(seen > 50);
         assert_eq!(side.vertex_at(41.0, 11.0, cell), None);
+    }
+
+    #[test]
+    fn normals_of_two_sided_faces_do_not_cancel() {
+        let ball = chladni_mesh::samples::icosphere(1);
+        let mut both = ball.clone();
+        both.triangles.extend(ball.triangles.iter().map(|[a, b, c]| [*b, *a, *c]));
+        let side = Side::new(&Device::Processor, &both, Orientation::Y_UP).unwrap();
+        let (positions, triangles) = (&side.positions, &side.triangles);
+        assert_eq!(triangles.len(), both.triangles.len());
+        let normals = chladni_view::smooth_normals(positions, triangles);
+        assert_eq!(normals, chladni_view::smooth_normals(positions, &ball.triangles));
     }
 
     #[test]
