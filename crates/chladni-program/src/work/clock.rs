@@ -72,12 +72,16 @@ impl ShowClock {
         let longest_step_secs = dt_secs + self.still_secs.min(SEEK_SECS) + SEEK_SECS;
         self.still_secs = if moved { 0.0 } else { self.still_secs + dt_secs };
         let position = playing.position_secs;
-        let follows = (0.0..=longest_step_secs).contains(&step_secs) || Self::stumbles(step_secs, position);
+        // By the clock, which stands where it stumbles: many small steps back are a seek.
+        let behind_secs =
+            self.stretch.map_or(step_secs, |stretch| position - stretch.song_secs_at(self.at_secs));
+        let stumbles = step_secs < 0.0 && Self::stumbles(behind_secs.min(step_secs), position);
+        let follows = (0.0..=longest_step_secs).contains(&step_secs) || stumbles;
         // The length may be unknown or too long, and a picture ahead of the sound stands still before that is over.
         let ended = playing.is_over || playing.duration_secs.is_some_and(|end| position >= end - END_SECS);
         let plays = self.stretch.filter(|stretch| stretch.playing && stretch.song.is_some());
         if let Some(stretch) = plays.filter(|_| dt_secs > AWAY_SECS && (moved || ended)) {
-            let goes_on = stretch.song == playing.song && (follows || !moved);
+            let goes_on = stretch.song == playing.song && follows;
             let by_song_secs = stretch.at_secs + (position - stretch.song_secs);
             let by_time_secs = self.at_secs + dt_secs;
             self.at_secs = if goes_on && moved { self.at_secs.max(by_song_secs) } else { by_time_secs };
@@ -199,6 +203,11 @@ mod tests {
         assert!(clock.follow(0.8125, song(0, 3.125)).is_some());
         assert!(clock.follow(0.875, song(1, 0.0625)).is_some());
         assert!(clock.follow(0.9375, song(1, 0.0)).is_some());
+        // So do many small steps.
+        let mut clock = ShowClock::default();
+        let begun = [5.0, 4.9375, 4.875, 4.8125].into_iter().enumerate();
+        let begun = begun.filter_map(|(i, at)| clock.follow(i as f64 / 16.0, song(0, at)));
+        assert_eq!(begun.map(|stretch| stretch.song_secs).collect::<Vec<_>>(), [5.0, 4.875]);
     }
 
     #[test]

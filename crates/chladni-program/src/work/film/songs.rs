@@ -168,11 +168,11 @@ impl Songs {
             let known = known.as_ref().filter(audible);
             resampled.push(known.map(|known| at_rate(&known.song, rate_hz)).transpose()?);
         }
-        let breaks = self.heard.windows(2).filter(|pair| !fades(&pair[0], &pair[1]));
+        let sounding = self.sounding();
+        let breaks = sounding.windows(2).filter(|pair| !fades(&pair[0], &pair[1]));
         let breaks_secs: Vec<f64> = breaks.map(|pair| pair[1].at_secs).collect();
-        let ends = self.heard.iter().skip(1).map(|next| (next.at_secs, next.crossfade_secs));
-        for (stretch, (end_secs, fade_out_secs)) in self.heard.iter().zip(ends.chain([(f64::INFINITY, 0.0)]))
-        {
+        let ends = sounding.iter().skip(1).map(|next| (next.at_secs, next.crossfade_secs));
+        for (stretch, (end_secs, fade_out_secs)) in sounding.iter().zip(ends.chain([(f64::INFINITY, 0.0)])) {
             let song = stretch.song.and_then(|song| resampled.get(song)?.as_ref());
             let Some(song) = song.filter(|_| stretch.playing) else { continue };
             let begin_secs = stretch.at_secs - 0.5 * stretch.crossfade_secs;
@@ -205,15 +205,27 @@ impl Songs {
                 all.for_each(|(frame, (all, heard))| *all += gain(frame) * heard);
             }
         }
-        self.join(&mut sound);
+        self.join(&sounding, &mut sound);
         Ok(sound)
     }
 
+    /// The stretches as they sound: one that goes on without a jump, as after an absence, is part of the one before it.
+    fn sounding(&self) -> Vec<Stretch> {
+        let mut all: Vec<Stretch> = Vec::new();
+        for next in &self.heard {
+            let goes_on = all.last().is_some_and(|last| follows(next, last, 1e-6));
+            if !goes_on || next.crossfade_secs > 0.0 {
+                all.push(*next);
+            }
+        }
+        all
+    }
+
     /// Joins what does not follow from each other, at leaps and at pauses, as the player does: the step fades out.
-    fn join(&self, sound: &mut Song) {
+    fn join(&self, sounding: &[Stretch], sound: &mut Song) {
         let rate_hz = f64::from(sound.rate_hz);
         let length = ((SEAM_SECS * sound.rate_hz as f32) as usize).max(1);
-        for (before, next) in self.heard.iter().zip(self.heard.iter().skip(1)) {
+        for (before, next) in sounding.iter().zip(sounding.iter().skip(1)) {
             let seam = ((next.at_secs - self.start_secs) * rate_hz).round();
             if seam < 1.0 || fades(before, next) || follows(next, before, 1.0 / rate_hz) {
                 continue;
@@ -317,6 +329,11 @@ mod tests {
         assert!(part.left == sound.left[3_500..4_500] && part.right == sound.right[3_500..4_500]);
         let part = sound_of(&FADED, (1.0, Some(1.5)));
         assert!(part.right == sound.right[1_000..2_500] && part.right[1_400] > 0.1);
+        // Absences within the crossfade change nothing.
+        let [first, second] = FADED;
+        let back = Stretch { at_secs: 2.5, song_secs: 2.5, ..first };
+        let back_again = Stretch { at_secs: 3.5, song_secs: 1.5, crossfade_secs: 0.0, ..second };
+        assert_eq!(sound_of(&[first, back, second, back_again], (0.0, None)), sound);
     }
 
     #[test]
