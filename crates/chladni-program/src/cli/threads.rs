@@ -11,8 +11,8 @@ use crate::work::Warning;
 /// A thread that waits for its place in a pool, and ends without one.
 type Waiting = Sender<ThreadBuilder>;
 
-/// Starts the shared threads: one for each core, or as many as `RAYON_NUM_THREADS` says. Left to itself, the pool would panic
-/// where the system gives fewer, and cannot be built a second time. Then a warning says how many there are.
+/// Starts the shared threads: one for each core, or as many as `RAYON_NUM_THREADS` says. Left to itself, the pool would
+/// panic where the system gives fewer, and cannot be built a second time. Then a warning says how many there are.
 pub fn start() -> Option<Warning> {
     let wanted = wanted();
     let waiting = as_many(wanted, wait);
@@ -24,7 +24,7 @@ pub fn start() -> Option<Warning> {
     } else {
         pool.spawn_handler(places_for(waiting)).build_global()
     };
-    let why = "the system gives no more";
+    let why = "the system gives too few";
     (got < wanted).then(|| Warning::Plain(format!("{} of {wanted} threads are used: {why}", got.max(1))))
 }
 
