@@ -12,7 +12,7 @@ pub(crate) struct Pyramid {
     linear: &'static [f32; 256],
 }
 
-/// Samples along the longer side of a pixel's footprint.
+/// The most samples along the longer side of a pixel's footprint.
 const ANISOTROPY: f32 = 4.0;
 
 impl Pyramid {
@@ -23,20 +23,20 @@ impl Pyramid {
     /// Linear light at `uv`, v down, where a step to the right changes it by `right` and one down by
     /// `down`. The image repeats.
     pub(crate) fn sample(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
-        self.filtered(uv, right, down, Self::bilinear)
+        self.filtered(uv, (right, down), ANISOTROPY, Self::bilinear)
     }
 
-    /// The same of an image that ends at its edges.
+    /// The same of an image that ends at its edges, with one sample: graphics devices draw it so, too.
     pub(crate) fn sample_within(&self, uv: [f32; 2], right: [f32; 2], down: [f32; 2]) -> [f32; 3] {
-        self.filtered(uv, right, down, Self::bilinear_within)
+        self.filtered(uv, (right, down), 1.0, Self::bilinear_within)
     }
 
     #[inline]
     fn filtered(
         &self,
         uv: [f32; 2],
-        right: [f32; 2],
-        down: [f32; 2],
+        (right, down): ([f32; 2], [f32; 2]),
+        most: f32,
         bilinear: impl Fn(&Self, usize, [f32; 2]) -> [f32; 3],
     ) -> [f32; 3] {
         let Some(first) = self.levels.first() else { return [0.0; 3] };
@@ -44,7 +44,8 @@ impl Pyramid {
         let texels = |[u, v]: [f32; 2]| (u * width).hypot(v * height);
         let (a, b) = (texels(right), texels(down));
         let (long, short, along) = if a > b { (a, b, right) } else { (b, a, down) };
-        let count = (long / short.max(1e-6)).ceil().clamp(1.0, ANISOTROPY);
+        // Rounding alone makes no side longer.
+        let count = (long / short.max(1e-6) - 1e-3).ceil().clamp(1.0, most);
         let level = (long / count).max(1e-6).log2().clamp(0.0, (self.levels.len() - 1) as f32);
         let mut sum = [0.0; 3];
         for i in 0..count as u32 {
@@ -103,6 +104,21 @@ impl Pyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rounding_makes_no_pixel_longer_and_an_image_that_ends_has_one_sample() {
+        let image =
+            RgbaImage::from_fn(4, 4, |x, _| image::Rgba([if x % 2 == 0 { 255 } else { 0 }, 0, 0, 255]));
+        let levels = [image.clone(), image::imageops::thumbnail(&image, 2, 2)];
+        let pyramid = Pyramid::new(levels.into_iter());
+        let (at, right) = ([0.375, 0.5], [0.5, 0.0]);
+        let [even, rounded, long] = [0.5, 0.499_999_9, 0.25].map(|step| [0.0, step]);
+        assert_eq!(pyramid.sample(at, right, rounded), pyramid.sample(at, right, even));
+        assert_ne!(pyramid.sample(at, right, long), pyramid.sample(at, right, even));
+        for down in [rounded, long] {
+            assert_eq!(pyramid.sample_within(at, right, down), pyramid.sample_within(at, right, even));
+        }
+    }
 
     #[test]
     fn an_image_repeats_and_its_middle_is_its_mean_from_far_away() {

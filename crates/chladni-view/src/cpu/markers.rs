@@ -49,14 +49,15 @@ impl Disc {
         touched(self.center, self.radius, axis)
     }
 
-    /// Premultiplied color at the middle of a pixel before samples of these depths, the visible and the
-    /// hidden disc one over the other.
-    pub(super) fn color(&self, x: i32, y: i32, depths: [f32; 4]) -> [f32; 4] {
+    /// Premultiplied color at the middle of a pixel with samples of these depths, of its part behind them or of that before
+    /// them.
+    pub(super) fn color(&self, x: i32, y: i32, depths: [f32; 4], hidden: bool) -> [f32; 4] {
         let r = (x as f32 + 0.5 - self.center[0]).hypot(y as f32 + 0.5 - self.center[1]);
         let cover = 1.0 - smoothstep(self.radius - 0.7, self.radius + 0.7, r);
         let rim = smoothstep(self.radius * 0.68 - 0.6, self.radius * 0.68 + 0.6, r);
         let before = depths.iter().filter(|depth| self.depth <= **depth).count() as f32 / 4.0;
-        let alpha = cover * self.color[3] * mix(HIDDEN, 1.0, before);
+        let share = if hidden { HIDDEN * (1.0 - before) } else { before };
+        let alpha = cover * self.color[3] * share;
         let [r, g, b, _] = self.color.map(|c| mix(c, 1.0, rim) * alpha);
         [r, g, b, alpha]
     }

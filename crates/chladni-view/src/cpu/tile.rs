@@ -300,14 +300,17 @@ impl Tile<'_, '_> {
 
     fn markers(&mut self) {
         let cell = self.cell;
-        for disc in &cell.discs {
+        // Those that are seen lie over all that are hidden.
+        let discs =
+            [true, false].into_iter().flat_map(|hidden| cell.discs.iter().map(move |disc| (disc, hidden)));
+        for (disc, hidden) in discs {
             let ([left, right], [top, bottom]) = (disc.span(0), disc.span(1));
             for y in top.max(self.low[1])..=bottom.min(self.high[1]) {
                 for x in left.max(self.low[0])..=right.min(self.high[0]) {
                     let at = self.sample(x, y);
                     let depths = std::array::from_fn(|s| self.scratch.depth[at + s]);
                     let at = self.pixel(x, y);
-                    over(&mut self.pixels[at..], disc.color(x, y, depths));
+                    over(&mut self.pixels[at..], disc.color(x, y, depths, hidden));
                 }
             }
         }

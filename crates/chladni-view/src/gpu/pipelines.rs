@@ -56,7 +56,7 @@ pub(crate) enum Part {
     Backdrop,
     /// A picture in its place.
     Pictured,
-    Surface(Coat, Side),
+    Surface(Coat, Side, Pass),
     /// A brush's ring on a surface that is drawn already.
     Brush,
     Markers,
@@ -85,6 +85,18 @@ pub(crate) enum Coat {
 pub(crate) enum Side {
     Front,
     Back,
+}
+
+/// The part of a side's drawing. Only what is nearest of a translucent side is seen, in whatever order its triangles
+/// come: its depths are drawn before its colors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Pass {
+    /// Depths and colors, of an opaque surface.
+    Whole,
+    /// The depths of a translucent one.
+    Depths,
+    /// Its colors, where those depths are.
+    Colors,
 }
 
 impl Coat {
@@ -216,21 +228,21 @@ impl Pipelines {
             Part::Backdrop => ("screen_vertex", Some("backdrop_fragment"), vec![]),
             Part::Pictured => ("screen_vertex", Some("pictured_fragment"), vec![]),
             Part::Smooth => ("screen_vertex", Some("smooth_fragment"), vec![]),
-            Part::Surface(Coat::Plain, _) => ("plain_vertex", Some("plain_fragment"), vec![at, towards]),
-            Part::Surface(Coat::Values, _) => {
+            Part::Surface(Coat::Plain, ..) => ("plain_vertex", Some("plain_fragment"), vec![at, towards]),
+            Part::Surface(Coat::Values, ..) => {
                 ("value_vertex", Some("value_fragment"), vec![at, towards, each(4, &value)])
             }
-            Part::Surface(Coat::Colors, _) => {
+            Part::Surface(Coat::Colors, ..) => {
                 ("color_vertex", Some("color_fragment"), vec![at, towards, each(4, &color)])
             }
-            Part::Surface(Coat::Answer, _) => {
+            Part::Surface(Coat::Answer, ..) => {
                 ("answer_vertex", Some("answer_fragment"), vec![at, towards, each(20, &rest)])
             }
-            Part::Surface(Coat::Figured, _) => {
+            Part::Surface(Coat::Figured, ..) => {
                 let buffers = vec![at, towards, each(20, &rest), each(12, &lag)];
                 ("figured_vertex", Some("figured_fragment"), buffers)
             }
-            Part::Surface(Coat::Corners, _) => ("corner_vertex", Some("corner_fragment"), vec![]),
+            Part::Surface(Coat::Corners, ..) => ("corner_vertex", Some("corner_fragment"), vec![]),
             Part::Brush => ("brush_vertex", Some("brush_fragment"), vec![at, each(4, &reach)]),
             Part::Grains => {
                 let each = slot(wgpu::VertexStepMode::Instance, GRAIN_BYTES, &grain);
@@ -246,7 +258,7 @@ impl Pipelines {
         let layout = match kind.part {
             Part::Grains => &self.cornered,
             Part::Shadow | Part::Depth => &self.shadowed,
-            Part::Surface(Coat::Corners, _) => &self.cornered,
+            Part::Surface(Coat::Corners, ..) => &self.cornered,
             Part::Smooth => &self.smoothing,
             _ => &self.indexed,
         };
@@ -285,15 +297,19 @@ impl Pipelines {
 impl Part {
     fn target(self, format: TextureFormat) -> wgpu::ColorTargetState {
         let blend = Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING).filter(|_| self != Self::Smooth);
-        wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
+        let write_mask = match self {
+            Self::Surface(.., Pass::Depths) => wgpu::ColorWrites::empty(),
+            _ => wgpu::ColorWrites::ALL,
+        };
+        wgpu::ColorTargetState { format, blend, write_mask }
     }
 
     fn primitive(self) -> wgpu::PrimitiveState {
         use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
         let discs = matches!(self, Self::Markers | Self::HiddenMarkers | Self::Grains);
         let cull_mode = match self {
-            Self::Surface(_, Side::Front) => Some(wgpu::Face::Back),
-            Self::Surface(_, Side::Back) => Some(wgpu::Face::Front),
+            Self::Surface(_, Side::Front, _) => Some(wgpu::Face::Back),
+            Self::Surface(_, Side::Back, _) => Some(wgpu::Face::Front),
             _ => None,
         };
         let topology = if discs { TriangleStrip } else { TriangleList };
@@ -301,10 +317,12 @@ impl Part {
     }
 
     fn depth_stencil(self) -> Option<wgpu::DepthStencilState> {
-        use wgpu::CompareFunction::{Always, Greater, LessEqual};
+        use wgpu::CompareFunction::{Always, Greater, Less, LessEqual};
         let (write, compare) = match self {
             Self::Smooth => return None,
-            Self::Shadow | Self::Depth | Self::Surface(..) => (true, LessEqual),
+            Self::Surface(.., Pass::Colors) => (false, LessEqual),
+            // Of surfaces in one place the first is seen, as on the processor.
+            Self::Shadow | Self::Depth | Self::Surface(..) => (true, Less),
             Self::Backdrop | Self::Pictured => (false, Always),
             Self::Markers | Self::Grains | Self::Brush => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),
@@ -313,6 +331,18 @@ impl Part {
             Self::Shadow => (2, 1.5),
             // The surface under it was drawn by another shader, which may round otherwise.
             Self::Brush => (-2, -1.0),
+            Self::Surface(_, side, pass) => {
+                // What is translucent yields to a surface in the same place, and its fronts to its backs. Its colors lie
+                // a little before its depths, which may be rounded otherwise.
+                let steps: i16 = match (side, pass) {
+                    (_, Pass::Whole) => 0,
+                    (Side::Back, Pass::Colors) => 1,
+                    (Side::Back, Pass::Depths) => 2,
+                    (Side::Front, Pass::Colors) => 3,
+                    (Side::Front, Pass::Depths) => 4,
+                };
+                (8 * i32::from(steps), f32::from(steps) / 512.0)
+            }
             _ => (0, 0.0),
         };
         Some(wgpu::DepthStencilState {

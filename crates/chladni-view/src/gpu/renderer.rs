@@ -10,7 +10,7 @@ use super::finishing::Finishing;
 use super::focus::{Depths, Focusing};
 use super::grains::GrainBuffer;
 use super::images::Images;
-use super::pipelines::{Coat, Kind, MARKER_BYTES, Part, Side};
+use super::pipelines::{Coat, Kind, MARKER_BYTES, Part, Pass, Side};
 use super::uniforms::Uniforms;
 use crate::uniforms::{
     CellUniform, FigureUniform, casts_shadows, cell_uniform, check_cell, check_figure, figure_uniform,
@@ -245,8 +245,8 @@ impl Renderer {
             }
             pass.set_index_buffer(topology.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
-        for side in sides(figure) {
-            let part = Part::Surface(coat, side);
+        let part = |side| passes(figure).iter().map(move |pass| Part::Surface(coat, side, *pass));
+        for part in sides(figure).into_iter().flat_map(part) {
             let kind = Kind { part, samples, shadows, around: self.images.is_surrounded() };
             pass.set_pipeline(&self.pipeline(kind));
             if coat == Coat::Corners {
@@ -341,6 +341,11 @@ impl Renderer {
 /// inside out, and a large deformation turns it over.
 fn sides(figure: &Figure<'_>) -> [Side; 2] {
     if figure.opacity < 1.0 { [Side::Back, Side::Front] } else { [Side::Front, Side::Back] }
+}
+
+/// The passes in which one of them is drawn.
+fn passes(figure: &Figure<'_>) -> &'static [Pass] {
+    if figure.opacity < 1.0 { &[Pass::Depths, Pass::Colors] } else { &[Pass::Whole] }
 }
 
 fn marker_buffer(device: &wgpu::Device, count: u64) -> wgpu::Buffer {

@@ -384,3 +384,95 @@ fn what_is_in_focus_stays_as_it_is() {
     assert!(2 * contrast(&picture(1.0, -0.8)) < contrast(&bare));
     assert_eq!(picture(0.0, 1.0), bare);
 }
+
+/// A sheet that faces the viewer, drawn alone.
+fn sheets(device: &Device, positions: &[[f32; 3]], triangles: &[[u32; 3]], opacity: f32) -> Picture {
+    let size = [96, 80];
+    let topology = Topology::new(device, positions.len(), triangles).unwrap();
+    let buffers = ItemBuffers::new(device, positions.len(), 1);
+    buffers.write(device, 0, positions, &vec![[0.0, 0.0, 1.0]; positions.len()]).unwrap();
+    let figures = [Figure { opacity, ..Figure::new(&topology, &buffers, 0) }];
+    let cell = Cell {
+        viewport: Rect::of_size(size[0], size[1]),
+        camera: Camera::default(),
+        lights: Lights { shadow: 0.0, ..Lights::STUDIO },
+        background: Background::TRANSPARENT,
+        figures: &figures,
+        markers: &[],
+    };
+    let canvas = Canvas::new(device, size[0], size[1]).unwrap();
+    Renderer::new(device).draw(&canvas, &[cell]).unwrap();
+    canvas.read(device).unwrap()
+}
+
+/// A square of this middle.
+fn square([x, y, z]: [f32; 3]) -> [[f32; 3]; 4] {
+    [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|[dx, dy]| [x + dx, y + dy, z])
+}
+
+#[test]
+fn of_surfaces_in_one_place_the_first_is_seen() {
+    shapes::on_each_device(|device| {
+        let model = Model::new(device, 12);
+        let size = [120, 100];
+        let draw = |figures: &[Figure<'_>]| model.draw(size[0], size[1], &[model.cell(figures, size)]);
+        let ghost = Figure { opacity: 0.5, material: Material::DARK, ..model.figure() };
+        let off = misplaced(&draw(&[model.figure(), ghost]), &draw(&[model.figure()]), 20);
+        assert!(off <= 2, "a ghost of the same shape on {device:?}: {off} pixels");
+        // As programs write faces that have two sides.
+        let (corners, fronts) = (square([0.0; 3]), [[0, 1, 2], [0, 2, 3]]);
+        let both = [fronts, [[0, 2, 1], [0, 3, 2]]].concat();
+        assert!(sheets(device, &corners, &both, 1.0) == sheets(device, &corners, &fronts, 1.0), "{device:?}");
+    });
+}
+
+#[test]
+fn of_the_parts_of_a_ghost_the_nearest_is_seen_in_any_order() {
+    shapes::on_each_device(|device| {
+        let corners = [square([0.0, 0.0, 0.2]), square([0.3, 0.1, -0.2])].concat();
+        let (near, far) = ([[0, 1, 2], [0, 2, 3]], [[4, 5, 6], [4, 6, 7]]);
+        let draw = |triangles: &[[u32; 3]]| sheets(device, &corners, triangles, 0.5);
+        let ordered = draw(&[near, far].concat());
+        assert!(ordered == draw(&[far, near].concat()), "{device:?}");
+        assert_eq!(ordered.pixel(48, 40), draw(&near).pixel(48, 40), "{device:?}");
+        assert_ne!(ordered, draw(&near), "the far one is seen beside it");
+    });
+}
+
+#[test]
+fn markers_that_are_seen_lie_over_hidden_ones_in_any_order() {
+    shapes::on_each_device(|device| {
+        let model = Model::new(device, 12);
+        let figures = [model.figure()];
+        let marker = |position, color| Marker { position, radius_px: 7.0, color };
+        let seen = marker([0.0, 0.0, 1.3], [255, 0, 0, 255]);
+        let hidden = marker([0.0, 0.1, 0.0], [0, 120, 0, 255]);
+        let draw = |markers: &[Marker]| {
+            let cell = Cell { camera: Camera::default(), markers, ..model.cell(&figures, [120, 100]) };
+            model.draw(120, 100, &[cell])
+        };
+        assert!(draw(&[seen, hidden]) == draw(&[hidden, seen]), "{device:?}");
+        assert_ne!(draw(&[seen, hidden]), draw(&[seen]), "{device:?}");
+    });
+}
+
+/// Rounding makes the pixels of one of these sizes a little longer than high.
+#[test]
+fn a_picture_behind_is_as_sharp_on_both() {
+    let Some(gpu) = gpu() else { return };
+    let checkers = (0..1000 * 700).flat_map(|i| {
+        let light = (i % 1000 / 25 + i / 1000 / 25) % 2 == 0;
+        if light { [230, 220, 200, 255] } else { [30, 40, 60, 255] }
+    });
+    let behind = Picture { width: 1000, height: 700, rgba: checkers.collect() };
+    for size in [[240, 168], [500, 350]] {
+        let [mine, theirs] = [Device::Processor, Device::from(&gpu)].map(|device| {
+            let around = Surroundings::new(&device, Some(&behind), None).unwrap();
+            let model = Model::new(&device, 4);
+            model.draw_in(&around, size[0], size[1], &[model.cell(&[], size)])
+        });
+        let differences = mine.rgba.iter().zip(&theirs.rgba).map(|(a, b)| u64::from(a.abs_diff(*b)));
+        let mean = differences.sum::<u64>() as f64 / mine.rgba.len() as f64;
+        assert!(mean <= 1.5, "{size:?}: {mean} of 255 on average");
+    }
+}
