@@ -64,16 +64,19 @@ impl Portrayal {
         Material::PRESETS.get(self.material).map_or(Material::CLAY, |preset| preset.1)
     }
 
-    /// A figure in the chosen material, with edges where they are wanted.
+    /// A figure in the chosen material, with edges where they are wanted, for `scale` pixels a point.
     pub fn figure<'a>(
         &self,
         topology: &'a Topology,
         buffers: &'a ItemBuffers,
         item: usize,
         paint: Paint<'a>,
+        scale: f32,
     ) -> Figure<'a> {
         let material = self.material();
-        let wire = self.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px: 1.0 });
+        // Thinner ones would be lost between pixels.
+        let width_px = scale.max(0.5);
+        let wire = self.wire.then_some(Wire { color: [20, 20, 24], opacity: 0.35, width_px });
         Figure { material, paint, wire, ..Figure::new(topology, buffers, item) }
     }
 }

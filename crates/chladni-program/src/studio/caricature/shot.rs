@@ -59,6 +59,8 @@ pub struct Shot {
     pub camera: Camera,
     /// Width by height of the view that the camera fills; a narrower picture shows as much from side to side.
     pub aspect: f32,
+    /// Height of that view in points: edges of triangles are as wide on the shape in a picture of any size.
+    pub height: f32,
     /// Material, light, edges.
     pub look: Portrayal,
     /// The background.
@@ -141,6 +143,12 @@ impl Shot {
         self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min)
     }
 
+    /// Pixels of a picture for each point of the view.
+    fn scale(&self, width: u32, height: u32) -> f32 {
+        let of_cell = |cell: &Rect| (cell.height as f32).min(cell.width as f32 / self.aspect) / self.height;
+        self.cells(width, height).iter().map(of_cell).fold(f32::INFINITY, f32::min)
+    }
+
     fn cells(&self, width: u32, height: u32) -> Vec<Rect> {
         let (rows, columns) = layout::rows_and_columns(width, height, self.poses.len(), 0.8);
         layout::grid(Rect::of_size(width, height), rows, columns, 0, self.poses.len())
@@ -153,10 +161,11 @@ impl Shot {
         buffers: &ItemBuffers,
         camera: Camera,
     ) -> Result<(), ViewError> {
-        let figures: Vec<Figure<'_>> = (0..self.poses.len())
-            .map(|item| self.look.figure(&self.topology, buffers, item, self.coat.paint()))
-            .collect();
         let (width, height) = (canvas.width(), canvas.height());
+        let scale = self.scale(width, height);
+        let figures: Vec<Figure<'_>> = (0..self.poses.len())
+            .map(|item| self.look.figure(&self.topology, buffers, item, self.coat.paint(), scale))
+            .collect();
         let placed = self.cells(width, height).into_iter().zip(&figures);
         let cells =
             Cell::gallery(Rect::of_size(width, height), self.background, camera, self.look.lights(), placed);
@@ -181,8 +190,20 @@ mod tests {
         let poses = vec![(positions.clone(), positions)];
         let triangles = mesh.triangles.into();
         let (coat, look, background) = (Coat::Material, Portrayal::default(), Background::TRANSPARENT);
-        let (moved, aspect) = (Vec::new(), 4.0 / 3.0);
-        Some(Shot { device, topology, triangles, poses, moved, coat, camera, aspect, look, background })
+        let (moved, aspect, height) = (Vec::new(), 4.0 / 3.0, 60.0);
+        Some(Shot {
+            device,
+            topology,
+            triangles,
+            poses,
+            moved,
+            coat,
+            camera,
+            aspect,
+            height,
+            look,
+            background,
+        })
     }
 
     #[test]
@@ -192,6 +213,23 @@ mod tests {
         assert_eq!(picture.pixel(0, 0).unwrap()[3], 0);
         assert_eq!(picture.pixel(80, 60).unwrap()[3], 255);
         assert!(shot.picture(0, 120).is_err());
+    }
+
+    #[test]
+    fn edges_are_as_wide_on_the_shape_in_a_picture_of_any_size() {
+        let Some(mut shot) = shot() else { return };
+        shot.look.wire = true;
+        for ([width, height], scale) in
+            [([80, 60], 1.0), ([320, 240], 4.0), ([80, 240], 1.0), ([320, 60], 1.0)]
+        {
+            assert!((shot.scale(width, height) - scale).abs() < 1e-6, "{width} × {height}");
+        }
+        let buffers = shot.upload().unwrap();
+        let width = |scale| {
+            let figure = shot.look.figure(&shot.topology, &buffers, 0, Paint::Material, scale);
+            figure.wire.unwrap().width_px
+        };
+        assert_eq!([0.1, 1.0, 4.0].map(width), [0.5, 1.0, 4.0]);
     }
 
     #[test]

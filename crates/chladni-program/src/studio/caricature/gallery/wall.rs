@@ -87,8 +87,9 @@ impl Wall {
         if viewport::navigate_by(ui, response, &mut self.camera, true) {
             self.viewport.invalidate();
         }
+        let scale = ui.pixels_per_point();
         let figures: Vec<_> = (0..cells.len())
-            .map(|item| [look.figure(&self.topology, &self.buffers, item, Paint::Material)])
+            .map(|item| [look.figure(&self.topology, &self.buffers, item, Paint::Material, scale)])
             .collect();
         let (camera, lights, background) = (self.camera, look.lights(), backdrop(ui));
         self.viewport.show(ui, rect, |_| {

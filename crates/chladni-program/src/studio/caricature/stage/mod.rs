@@ -50,6 +50,8 @@ pub struct Stage {
     pub camera: Camera,
     /// Width by height of a figure's cell.
     aspect: f32,
+    /// Its height in points.
+    height: f32,
     topology: Topology,
     buffers: ItemBuffers,
     values: VertexPaint,
@@ -106,6 +108,7 @@ impl Stage {
             viewport,
             camera: Camera::looking(View::ThreeQuarter),
             aspect: 1.0,
+            height: 600.0,
             topology,
             buffers,
             values,
@@ -268,6 +271,7 @@ impl Stage {
         if let Some(cell) = cells.first() {
             let resting = !ui.input(|input| input.pointer.any_down());
             self.aspect = cell.aspect();
+            self.height = cell.height as f32 / ui.pixels_per_point();
             self.frame(figures, self.aspect, resting);
         }
         let free = brush.is_none();
@@ -339,10 +343,11 @@ impl Stage {
     ) -> Result<(), ViewError> {
         let haunted = self.has_template && look.ghost;
         let ghost = haunted.then(|| Figure::new(&self.topology, &self.buffers, TEMPLATE).ghost());
+        let scale = ui.pixels_per_point();
         let drawn: Vec<Vec<Figure<'_>>> = shown
             .iter()
             .map(|(item, _)| {
-                let figure = look.figure(&self.topology, &self.buffers, *item, self.coat.paint());
+                let figure = look.figure(&self.topology, &self.buffers, *item, self.coat.paint(), scale);
                 let ghost = ghost.filter(|_| *item != TEMPLATE);
                 [Figure { brush: Some(&self.ring), ..figure }].into_iter().chain(ghost).collect()
             })

@@ -37,6 +37,7 @@ impl Stage {
             coat,
             camera: self.camera,
             aspect: self.aspect,
+            height: self.height,
             look,
             background,
         })
@@ -54,6 +55,7 @@ impl Stage {
             coat,
             camera: self.camera,
             aspect: self.aspect,
+            height: self.height,
             look: Portrayal::default(),
             background: Background::TRANSPARENT,
         }
