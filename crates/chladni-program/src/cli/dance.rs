@@ -100,7 +100,7 @@ pub struct Dance {
     /// beat-turns=off, form=modal or harmonics=128.
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
-    /// K, the number of harmonics: the show's own, else 512, unless given.
+    /// K, the number of harmonics [default: the show's own, else 512; those of a project that has fewer].
     #[arg(short = 'k', long, value_name = "K")]
     harmonics: Option<usize>,
     /// Paper mode: harmonics of the plain cotangent Laplacian, which not every mesh can have, their
@@ -231,7 +231,7 @@ impl Dance {
             }
             _ => return Err(Error::input("a shape and a song, or --show, are needed")),
         };
-        film.harmonics = self.harmonics.unwrap_or(film.harmonics);
+        film.harmonics = self.harmonics;
         film.stance = self.stance.into();
         film.paper = self.paper;
         film.autopilot = self.autopilot;

@@ -52,9 +52,10 @@ pub struct LayerOptions {
     /// then exaggerated, too.
     #[arg(long)]
     rigid: bool,
-    /// Seed of all that matching samples, and of the gallery.
-    #[arg(long, value_parser = seed, default_value_t = MatchSettings::default().seed)]
-    seed: u64,
+    /// Seed of all that matching samples [default: 0]; with --gallery that of its caricatures instead [default: 1, as
+    /// in the window].
+    #[arg(long, value_parser = seed)]
+    seed: Option<u64>,
     /// How far the difference is filled in from its surroundings where a match is not to be trusted, such as
     /// hair, holes and the cut of a neck: 0, as it was found, to 1 [default: 1; 0 in paper mode].
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
@@ -108,8 +109,8 @@ pub fn check_landmarks(method: Method, landmarks: Option<&Path>) -> Result<(), E
 }
 
 impl LayerOptions {
-    /// The seed of all that is random.
-    pub fn seed(&self) -> u64 {
+    /// The seed that is given.
+    pub fn seed(&self) -> Option<u64> {
         self.seed
     }
 
@@ -167,8 +168,8 @@ impl LayerOptions {
     /// # Errors
     /// Landmarks that cannot be read, or are not there.
     pub fn matching(&self, subject: &Subject, terminal: &Terminal) -> Result<MatchSettings, Error> {
-        let mut matching =
-            MatchSettings { seed: self.seed, scaling: scaling(self.rigid), ..MatchSettings::default() };
+        let mut matching = MatchSettings { scaling: scaling(self.rigid), ..MatchSettings::default() };
+        matching.seed = self.seed.unwrap_or(matching.seed);
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
             let (landmarks, warning) = subject.renumbered(load_landmarks(path)?)?;

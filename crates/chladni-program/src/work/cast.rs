@@ -72,9 +72,9 @@ impl Cast {
         self.project.as_ref()?.stands
     }
 
-    /// How many harmonics its project has.
-    pub fn harmonics(&self) -> Option<usize> {
-        self.project.as_ref().map(|project| project.harmonics)
+    /// How many harmonics dance unless a number is given: `most`, or those of its project where it has fewer.
+    pub fn harmonics(&self, most: usize) -> usize {
+        self.project.as_ref().map_or(most, |project| project.harmonics.min(most))
     }
 
     /// How it stands.
@@ -109,5 +109,22 @@ impl Cast {
         };
         let made = make(self.subject, Arc::new(layered), project, forgiven, watcher)?;
         Ok((body, made.sculpture.evaluation.voices()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_caricature_dances_with_no_more_harmonics_than_its_project_has() {
+        let shape = ShapeSource::Sample("octopus".into());
+        let of = |project: Option<Project>| {
+            let subject = Subject::from(chladni_mesh::samples::icosphere(1));
+            let cast = Cast { shape: shape.clone(), subject, project };
+            [10, 512].map(|most| cast.harmonics(most))
+        };
+        assert_eq!(of(None), [10, 512]);
+        assert_eq!(of(Some(Project::new(shape.clone(), 24))), [10, 24]);
     }
 }

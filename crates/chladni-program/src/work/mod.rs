@@ -92,7 +92,7 @@ pub use lettering::Lettering;
 pub use live_back_film::LiveBackFilm;
 pub use opening_look::{opening_looks, opening_view};
 pub use own_look::{OwnLook, OwnPaint, texture_colors};
-pub use parts::{Parts, twins_of};
+pub use parts::{Parts, body_of_limbs, twins_of};
 pub use piece::{Piece, Share};
 pub use place_colors::place_colors;
 pub use programme::Programme;

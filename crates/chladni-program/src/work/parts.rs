@@ -1,11 +1,13 @@
 //! The parts of a shape that a click takes, in the window and on the page: those of a head, which have names, or whatever
 //! stands out.
 
+use std::sync::Arc;
+
 use chladni_caricature::{HEAD_PARTS, Limbs, Painted};
-use chladni_harmonics::Body;
+use chladni_harmonics::{Body, Laplacian};
 use chladni_mesh::{MirrorPlane, MirrorSearch, ShapeSource, TriMesh, samples};
 
-use super::{Error, Watcher};
+use super::{Error, Watcher, body};
 
 /// Where each vertex belongs.
 #[derive(Default)]
@@ -88,6 +90,25 @@ impl Parts {
     }
 }
 
+/// The body whose limbs are found: `own`, made of the mesh called `name`, where its harmonics are those of the commands,
+/// or the mesh with these. So the same limbs are found everywhere.
+///
+/// # Errors
+/// As [`body::build`].
+pub fn body_of_limbs(
+    own: &Arc<Body>,
+    (name, mesh): (&str, &TriMesh),
+    watcher: &impl Watcher,
+) -> Result<Arc<Body>, Error> {
+    let basis = &own.basis;
+    let enough = Limbs::HARMONICS.min(basis.vertices());
+    if basis.certificate.laplacian == Laplacian::Delaunay && basis.harmonics() >= enough {
+        return Ok(Arc::clone(own));
+    }
+    let (body, _) = body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, watcher)?;
+    Ok(Arc::new(body))
+}
+
 /// For each of the `limbs` of `body` its mirror image; none where the shape is not symmetric.
 ///
 /// # Errors
@@ -102,5 +123,32 @@ fn twins_in(limbs: &Limbs, mirror: Option<MirrorPlane>) -> Vec<Option<usize>> {
     match mirror.filter(MirrorPlane::fits) {
         Some(plane) => limbs.twins(&plane),
         None => vec![None; limbs.parts.len()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::BasisSettings;
+    use chladni_task::Task;
+
+    use super::*;
+    use crate::work::Aside;
+
+    #[test]
+    fn limbs_are_found_by_the_same_harmonics_whatever_the_body_has() {
+        let (mesh, task) = (samples::icosphere(2), Task::new());
+        let of = |settings: BasisSettings| {
+            let own = Arc::new(Body::build(&mesh, &settings, &task).unwrap());
+            let found = body_of_limbs(&own, ("ball", &mesh), &Aside::new(&task)).unwrap();
+            (own, found)
+        };
+        let (all, found) = of(BasisSettings::new(Limbs::HARMONICS));
+        assert!(Arc::ptr_eq(&all, &found));
+        let paper = BasisSettings { laplacian: Laplacian::Cotangent, ..BasisSettings::new(Limbs::HARMONICS) };
+        for settings in [BasisSettings::new(20), paper] {
+            let (_, found) = of(settings);
+            assert_eq!(found.basis.harmonics(), all.basis.harmonics());
+            assert_eq!(found.basis.certificate.laplacian, Laplacian::Delaunay);
+        }
     }
 }

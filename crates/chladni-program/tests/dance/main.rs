@@ -320,7 +320,7 @@ fn an_animation_takes_looks_that_feel_speed() {
     let beginning = film::Beginning { changes: vec![look], ..film::Beginning::default() };
     let output = film::Output::to(path.clone());
     let mut film = film::Film::new("sample:octopus".into(), "sample:tune".into(), beginning, output);
-    (film.harmonics, film.duration_secs) = (24, Some(0.5));
+    (film.harmonics, film.duration_secs) = (Some(24), Some(0.5));
     film::make(film, &Aside::new(&chladni_task::Task::new())).map(drop).unwrap();
     assert!(path.exists());
 }
@@ -334,7 +334,7 @@ fn a_dance_of_a_gltf_file_says_what_its_glb_lacks() {
     let output = film::Output::to(folder.path().join("film.glb"));
     let body = hero.display().to_string();
     let mut film = film::Film::new(body, "sample:tune".into(), film::Beginning::default(), output);
-    (film.harmonics, film.duration_secs) = (24, Some(0.5));
+    (film.harmonics, film.duration_secs) = (Some(24), Some(0.5));
     let task = chladni_task::Task::new();
     let aside = Aside::new(&task);
     film::make(film, &aside).map(drop).unwrap();
@@ -427,6 +427,25 @@ fn the_layers_of_a_caricature_dance_along() {
         let right = |path: &Path| archive::array(path, "coefficients_right").is_some();
         assert_eq!((right(&plain), right(&voiced)), (form == "half-mask", form == "half-mask"));
     }
+}
+
+/// As in the window.
+#[test]
+fn a_project_dances_with_its_own_number_of_harmonics() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mesh, project] = ["ball.obj", "ball.chladni"].map(|name| folder.path().join(name));
+    ball(&mesh);
+    let [mesh, project] = [&mesh, &project].map(|path| path.to_str().unwrap());
+    assert_eq!(run(&["project", "new", mesh, "-o", project, "--harmonics", "12"]), 0);
+    let record = |more: &[&str]| {
+        let out = folder.path().join("dance.npz");
+        let usual =
+            ["dance", project, "sample:tune", "--duration", "0.2", "--coefficients", out.to_str().unwrap()];
+        assert_eq!(run(&[&usual[..], more].concat()), 0);
+        array(&out, "coefficients")
+    };
+    assert_eq!(record(&[]), record(&["-k", "12"]));
+    assert_ne!(record(&[]), record(&["-k", "20"]));
 }
 
 /// A film drawn from the device's own buffers shows what one drawn from the processor's shows.

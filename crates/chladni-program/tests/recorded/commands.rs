@@ -78,7 +78,7 @@ pub const COMMANDS: &[Recorded] = recorded! {
     "dance-project":
         "project new sample:head -k 48 -o me.chladni",
         "project add-layer me.chladni --template ellipsoid --mu -1",
-        "dance me.chladni sample:tune --duration 1 --coefficients dance.npz";
+        "dance me.chladni sample:tune -k 512 --duration 1 --coefficients dance.npz";
     "no-such-command": "sing";
     "no-arguments": "caricature";
 };

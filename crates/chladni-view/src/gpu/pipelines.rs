@@ -320,11 +320,12 @@ impl Part {
         use wgpu::CompareFunction::{Always, Greater, Less, LessEqual};
         let (write, compare) = match self {
             Self::Smooth => return None,
-            Self::Surface(.., Pass::Colors) => (false, LessEqual),
+            Self::Markers | Self::Grains | Self::Brush | Self::Surface(.., Pass::Colors) => {
+                (false, LessEqual)
+            }
             // Of surfaces in one place the first is seen, as on the processor.
             Self::Shadow | Self::Depth | Self::Surface(..) => (true, Less),
             Self::Backdrop | Self::Pictured => (false, Always),
-            Self::Markers | Self::Grains | Self::Brush => (false, LessEqual),
             Self::HiddenMarkers => (false, Greater),
         };
         let (constant, slope_scale) = match self {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use chladni_caricature::{
     Base, Crossings, DEFAULT_HARMONICS, Project, Resolution, ShapeSource, Stack, Template,
 };
+use chladni_match::MatchSettings;
 use chladni_mesh::{Format, TriMesh};
 use chladni_task::counted;
 
@@ -26,8 +27,8 @@ use crate::work::outputs::{
     check_distinct, check_film, check_fits, check_mesh, check_picture, check_textures,
 };
 use crate::work::{
-    Error, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, check_template, check_templates,
-    digits, make, settled, sitter, source,
+    Error, FIRST_SEED, Made, OwnLook, Sculpture, Share, Subject, Warning, Watcher, check_template,
+    check_templates, digits, make, settled, sitter, source,
 };
 
 /// Exaggerate what makes a shape differ from a template.
@@ -233,12 +234,18 @@ impl Caricature {
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
         let given = match &self.template {
-            Some(template) => Some((template.clone(), self.layer.matching(&subject, terminal)?)),
+            Some(template) => {
+                // The seed is the gallery's: matched as in the window, the same caricatures come.
+                let seed = MatchSettings::default().seed;
+                let matching = MatchSettings { seed, ..self.layer.matching(&subject, terminal)? };
+                Some((template.clone(), matching))
+            }
             None => None,
         };
+        let seed = self.layer.seed().unwrap_or(FIRST_SEED);
         let sitter = sitter(mesh, &mut stack, given, terminal)?;
         if self.gallery.is_single() {
-            for layer in self.gallery.single(&sitter, self.layer.seed(), terminal)? {
+            for layer in self.gallery.single(&sitter, seed, terminal)? {
                 project.push(layer)?;
             }
             let evaluation = settled(&mut stack, &project, terminal)?;
@@ -246,7 +253,7 @@ impl Caricature {
             return save(&Sculpture { source, subject, body, evaluation }, output, terminal);
         }
         let from = self.portrait.camera(shape, mesh, None, None, terminal)?;
-        self.gallery.sheet(&sitter, self.layer.seed(), (from, self.portrait.size()), output, terminal)?;
+        self.gallery.sheet(&sitter, seed, (from, self.portrait.size()), output, terminal)?;
         terminal.wrote(output)
     }
 }

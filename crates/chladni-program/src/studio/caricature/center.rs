@@ -58,7 +58,8 @@ impl CaricatureRoom {
             self.heat.paint(self.brush.active.then_some(painting));
             let mut limbs = None;
             if self.brush.active && self.brush.limbs.active {
-                match self.limbs.of(session.stack.body(), self.brush.limbs.level, ui.ctx()) {
+                let (body, mesh) = (session.stack.body(), &session.subject.mesh);
+                match self.limbs.of(body, mesh, self.brush.limbs.level, ui.ctx()) {
                     Ok(found) => limbs = found,
                     Err(why) => shared.notices.failed(why),
                 }

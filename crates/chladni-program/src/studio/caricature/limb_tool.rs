@@ -4,14 +4,15 @@ use std::sync::Arc;
 
 use chladni_caricature::{Limbs, PaintEdit};
 use chladni_harmonics::Body;
-use chladni_mesh::MirrorPlane;
+use chladni_mesh::{MirrorPlane, TriMesh};
+use chladni_task::Task;
 use egui::{Modifiers, RichText, Slider, Ui};
 
 use super::stage::Press;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::Job;
 use crate::studio::theme;
-use crate::work::Error;
+use crate::work::{Aside, Error, body_of_limbs};
 
 /// How parts are taken.
 #[derive(Debug)]
@@ -99,7 +100,9 @@ impl LimbTool {
 pub struct KnownLimbs {
     found: Option<(Sought, Arc<Limbs>)>,
     /// One at a time; when it ends, the newest request is the next.
-    running: Option<(Sought, Job<Limbs>)>,
+    running: Option<(Sought, Job<(Arc<Body>, Limbs)>)>,
+    /// A body, and that whose harmonics they were found by.
+    solved: Option<(Arc<Body>, Arc<Body>)>,
 }
 
 /// Of which body at which level.
@@ -116,10 +119,11 @@ impl Sought {
 }
 
 impl KnownLimbs {
-    /// Those of `body` at `level`, or, until they are found, those that were found last.
+    /// Those of `body`, made of this mesh, at `level`, or, until they are found, those that were found last.
     pub fn of(
         &mut self,
         body: &Arc<Body>,
+        mesh: &Arc<TriMesh>,
         level: f64,
         ctx: &egui::Context,
     ) -> Result<Option<Arc<Limbs>>, Error> {
@@ -128,11 +132,19 @@ impl KnownLimbs {
             self.running.as_ref().and_then(|(of, job)| Some((of.clone(), job.ended()?)))
         {
             self.running = None;
-            self.found = Some((of, Arc::new(ended?)));
+            let (solved, limbs) = ended?;
+            self.solved = Some((Arc::clone(&of.body), solved));
+            self.found = Some((of, Arc::new(limbs)));
         }
         if self.running.is_none() && !self.found.as_ref().is_some_and(|(of, _)| of.is_same(&sought)) {
-            let body = Arc::clone(body);
-            let job = Job::start("Finding parts", ctx, move |_| Ok(Limbs::of(&body, level)));
+            let solved = self.solved.as_ref().filter(|(of, _)| Arc::ptr_eq(of, body));
+            let solved = solved.map(|(_, solved)| Arc::clone(solved));
+            let (body, mesh) = (Arc::clone(body), Arc::clone(mesh));
+            let job = Job::start("Finding parts", ctx, move |task| {
+                let solved = solved.unwrap_or_else(|| solved_for(&body, &mesh, task));
+                let limbs = Limbs::of(&solved, level);
+                Ok((solved, limbs))
+            });
             self.running = Some((sought, job));
         }
         Ok(self.found.as_ref().map(|(_, limbs)| Arc::clone(limbs)))
@@ -142,6 +154,11 @@ impl KnownLimbs {
     pub fn is_searching(&self) -> bool {
         self.running.is_some()
     }
+}
+
+/// The body whose limbs are found; `body` itself where its mesh has no other harmonics.
+fn solved_for(body: &Arc<Body>, mesh: &TriMesh, task: &Task) -> Arc<Body> {
+    body_of_limbs(body, ("the shape", mesh), &Aside::new(task)).unwrap_or_else(|_| Arc::clone(body))
 }
 
 #[cfg(test)]
@@ -171,26 +188,26 @@ mod tests {
     fn parts_are_found_beside_the_window_and_the_newest_request_is_found_last() {
         use chladni_harmonics::BasisSettings;
 
-        let mesh = chladni_mesh::samples::sample("octopus").unwrap();
-        let body = Body::build(&mesh, &BasisSettings::new(40), &chladni_task::Task::new()).unwrap();
+        let mesh = Arc::new(chladni_mesh::samples::sample("octopus").unwrap());
+        let body = Body::build(&mesh, &BasisSettings::new(Limbs::HARMONICS), &Task::new()).unwrap();
         let (body, ctx, mut known) = (Arc::new(body), egui::Context::default(), KnownLimbs::default());
         // As a slider that is dragged asks: never more than one search.
         for level in [0.0, 0.1, 0.5] {
-            known.of(&body, level, &ctx).unwrap();
+            known.of(&body, &mesh, level, &ctx).unwrap();
             assert!(known.is_searching());
         }
         let start = std::time::Instant::now();
         let mut seen: Vec<Limbs> = Vec::new();
         while seen.is_empty() || known.is_searching() {
             assert!(start.elapsed() < chladni_testdata::HANGS, "the search never ended");
-            let found = known.of(&body, 1.0, &ctx).unwrap();
+            let found = known.of(&body, &mesh, 1.0, &ctx).unwrap();
             seen.extend(found.map(|limbs| (*limbs).clone()).filter(|limbs| seen.last() != Some(limbs)));
             std::thread::sleep(std::time::Duration::from_millis(2));
         }
         assert_eq!(seen.last(), Some(&Limbs::of(&body, 1.0)));
         assert_ne!(seen.last(), Some(&Limbs::of(&body, 0.0)));
         // What is known is there at once, and looked for once.
-        assert_eq!(known.of(&body, 1.0, &ctx).unwrap().as_deref(), seen.last());
+        assert_eq!(known.of(&body, &mesh, 1.0, &ctx).unwrap().as_deref(), seen.last());
         assert!(!known.is_searching());
     }
 }

@@ -56,7 +56,7 @@ pub fn load(path: &Path, means: Means, task: &Task) -> Result<Ready, Error> {
     let cast = Cast::open(path, &aside)?;
     let subject = cast.subject().clone();
     let stands = cast.stands(Stance::default(), &aside)?;
-    let harmonics = cast.harmonics().map_or(means.harmonics, |own| own.min(means.harmonics));
+    let harmonics = cast.harmonics(means.harmonics);
     let (body, voices) = cast.prepare(harmonics, Laplacian::Delaunay, true, &aside)?;
     let (symmetry, details) = rayon::join(
         || classes(&body, false, task),

@@ -17,9 +17,7 @@ use chladni_music::{BeatReading, ClockTrack, Show, Stretch, Viewpoint};
 use chladni_view::Look;
 
 use super::outputs::is_same_file;
-use super::{
-    Error, HARMONICS, Scenery, Stance, Warning, Watcher, first_looks, look_named, opening_looks, opening_view,
-};
+use super::{Error, Scenery, Stance, Warning, Watcher, first_looks, look_named, opening_looks, opening_view};
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
@@ -39,8 +37,8 @@ pub struct Film {
     pub songs: Vec<(String, BeatReading)>,
     /// How the body stands.
     pub stance: Stance,
-    /// K.
-    pub harmonics: usize,
+    /// K; the show's own or the usual number unless given, or that of a project that has fewer.
+    pub harmonics: Option<usize>,
     /// Harmonics and classes as in the paper.
     pub paper: bool,
     /// Which song is heard when; the first one from its beginning where this is empty.
@@ -82,7 +80,7 @@ impl Film {
             body,
             songs: vec![(song, BeatReading::default())],
             stance: Stance::default(),
-            harmonics: HARMONICS,
+            harmonics: None,
             paper: false,
             heard: Vec::new(),
             clock: ClockTrack::default(),
@@ -105,7 +103,7 @@ impl Film {
             songs,
             stance: Stance::default(),
             paper: false,
-            harmonics: show.harmonics.unwrap_or(HARMONICS),
+            harmonics: None,
             heard,
             clock,
             show_secs: show.duration_secs,

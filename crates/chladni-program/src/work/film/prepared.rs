@@ -22,7 +22,9 @@ use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::{earlier_frames, left_of_gltf};
-use crate::work::{Cast, Error, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, texture_colors};
+use crate::work::{
+    Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, texture_colors,
+};
 
 /// Said of a dance that becomes a GLB: as detail turns, the whole shape's displacements are no sums of targets.
 const ONLY_THE_PROXY: &str = "the GLB of a dance has only the vertices that are worked on, with textures as their \
@@ -62,7 +64,10 @@ impl Prepared {
         seconds.reading = reading.elapsed().as_secs_f64();
         let preparing = Instant::now();
         let subject = cast.subject().clone();
-        let (body, voices) = cast.prepare(wanted.harmonics, laplacian(wanted.paper), false, watcher)?;
+        // As the window does.
+        let of_show = wanted.beginning.show.as_ref().and_then(|show| show.harmonics);
+        let harmonics = wanted.harmonics.unwrap_or_else(|| cast.harmonics(of_show.unwrap_or(HARMONICS)));
+        let (body, voices) = cast.prepare(harmonics, laplacian(wanted.paper), false, watcher)?;
         let symmetry = watcher.watch("finding the mirror", |task| classes(&body, wanted.paper, task))?;
         let Dancing { body, dancer, .. } = Dancing::new(&body, symmetry, &stands)?;
         seconds.preparing = preparing.elapsed().as_secs_f64();
