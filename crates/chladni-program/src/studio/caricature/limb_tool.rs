@@ -100,10 +100,13 @@ impl LimbTool {
 pub struct KnownLimbs {
     found: Option<(Sought, Arc<Limbs>)>,
     /// One at a time; when it ends, the newest request is the next.
-    running: Option<(Sought, Job<(Arc<Body>, Limbs)>)>,
+    running: Option<(Sought, Search)>,
     /// A body, and that whose harmonics they were found by.
     solved: Option<(Arc<Body>, Arc<Body>)>,
 }
+
+/// Ends with the parts, and the body whose harmonics they were found by.
+type Search = Job<(Arc<Body>, Limbs)>;
 
 /// Of which body at which level.
 #[derive(Clone)]
