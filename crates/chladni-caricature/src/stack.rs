@@ -147,6 +147,11 @@ impl Stack {
         self.matches.retain(|(known, _)| known.template != *template);
     }
 
+    /// Whether a match with this template has succeeded, whatever its settings.
+    pub fn is_matched_with(&self, template: &Template) -> bool {
+        self.matches.iter().any(|(known, found)| known.template == *template && found.is_ok())
+    }
+
     /// The match that answers `request`, where there is one.
     pub fn matched(&self, request: &MatchRequest) -> Option<&Arc<Matched>> {
         let (_, found) = self.matches.iter().find(|(known, _)| known == request)?;

@@ -173,14 +173,17 @@ fn a_match_made_elsewhere_takes_the_place_of_one_that_failed() {
     let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
     project.push(Layer { matching, ..Layer::new("same", Template::File("absent.obj".into())) }).unwrap();
     let request = stack.missing(&project).remove(0);
+    let template = request.template.clone();
     let (mut other, mut third) = (stack.clone(), stack.clone());
     stack.install(request.clone(), request.run(&mesh, &body, None, &Task::new()));
+    assert!(!stack.is_matched_with(&template));
     assert!(matches!(stack.evaluate(&project).layers[0].state, LayerState::Failed(_)));
     third.learn(&stack);
     assert_eq!(third.missing(&project).len(), 1, "a failure is not learned");
     let matched = request.run(&mesh, &body, Some(&mesh), &Task::new());
     other.install(request, matched);
     stack.learn(&other);
+    assert!(stack.is_matched_with(&template));
     assert_eq!(stack.evaluate(&project).layers[0].state, LayerState::Acts);
 }
 

@@ -10,6 +10,17 @@ use crate::driving;
 use crate::driving::person::{Desk, Person, differing, finer_lump};
 
 #[test]
+fn landmarks_are_picked_on_a_template_as_its_file_is_now() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj", "template.obj"]);
+    person.wait_to_see("Covered");
+    save_mesh(&finer_lump(), &desk.path("template.obj")).unwrap();
+    person.press(Key::L);
+    person.wait_to_see("is another file now");
+    person.wait_to_see("Landmarks on the template");
+}
+
+#[test]
 fn landmarks_are_picked_moved_removed_saved_and_read() {
     let desk = Desk::new();
     let mut person = desk.sit_down(&["shape.obj", "template.obj"]);

@@ -53,7 +53,7 @@ impl CaricatureRoom {
         self.brush_keys(&ctx);
         self.look_keys(&ctx);
         if LANDMARKS.pressed(&ctx)
-            && let Some(session) = &self.session
+            && let Some(session) = &mut self.session
         {
             toggle_picking(&mut self.picking, session, shared);
         }

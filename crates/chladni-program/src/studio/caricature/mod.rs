@@ -210,7 +210,7 @@ impl Room for CaricatureRoom {
         }
         // Only half a pair is lost; complete landmarks are in the project.
         if self.picking.take().is_some()
-            && let Some(session) = &self.session
+            && let Some(session) = &mut self.session
         {
             toggle_picking(&mut self.picking, session, shared);
         }
@@ -431,9 +431,14 @@ fn as_far_as_it_goes(session: &mut Session, may_fold: f64, edits: &mut Edits, sh
 }
 
 /// Opens or leaves the view of both shapes.
-fn toggle_picking(picking: &mut Option<Picking>, session: &Session, shared: &mut Shared<'_>) {
+fn toggle_picking(picking: &mut Option<Picking>, session: &mut Session, shared: &mut Shared<'_>) {
     if picking.take().is_some() {
         return;
+    }
+    // Landmarks are vertices of the file as it is now.
+    if let Some(layer) = session.selected.and_then(|id| session.project().layer(id)) {
+        let template = layer.template.clone();
+        matches::renew(session, &template, shared);
     }
     match Picking::begin(session, shared) {
         Some(Ok(begun)) => *picking = Some(begun),

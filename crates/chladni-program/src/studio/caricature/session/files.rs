@@ -41,6 +41,13 @@ impl MatchedFiles {
         }
     }
 
+    /// The next match with this template is the first one.
+    pub fn forget(&mut self, template: &Template) {
+        if let Some(path) = template.file() {
+            self.stamps.remove(path);
+        }
+    }
+
     /// Notes the file of a template that was matched as it is now.
     fn renew(&mut self, template: &Template) -> Fate {
         let Some(path) = template.file() else { return Fate::Same };
@@ -108,19 +115,40 @@ mod tests {
     use chladni_task::Task;
     use std::sync::mpsc::channel;
 
-    #[test]
-    fn a_template_that_was_written_again_is_matched_anew_without_landmarks_where_it_is_chosen_again() {
-        let folder = tempfile::tempdir().unwrap();
-        let [shape, file] = ["shape.ply", "template.ply"].map(|name| folder.path().join(name));
+    /// An open project whose layer has a landmark on `template.ply`.
+    fn marked(folder: &Path) -> (Session, MatchRequest, PathBuf) {
+        let [shape, file] = ["shape.ply", "template.ply"].map(|name| folder.join(name));
         for path in [&shape, &file] {
             save_mesh(&icosphere(1), path).unwrap();
         }
         let mut layer = Layer { mu: 0.5, ..Layer::new("layer", Template::File(file.clone())) };
         layer.matching.landmarks = vec![Landmark { shape: 1, template: 1 }];
-        let (request, template) = (MatchRequest::of(&layer).unwrap(), layer.template.clone());
+        let request = MatchRequest::of(&layer).unwrap();
         let mut project = Project::new(ShapeSource::File(shape), 4);
         project.push(layer).unwrap();
-        let mut session = Session::new(load(Candidate::new(project), &channel().0, &Task::new()).unwrap());
+        let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
+        (Session::new(loaded), request, file)
+    }
+
+    #[test]
+    fn a_file_that_is_mended_and_tried_again_keeps_its_landmarks() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut session, request, file) = marked(folder.path());
+        session.files.note(&request.template);
+        session.stack.install(request.clone(), Err(CaricatureError::Elsewhere("broken".into())));
+        save_mesh(&icosphere(2), &file).unwrap();
+        session.retry_match();
+        assert_eq!(session.stack.missing(session.project()), std::slice::from_ref(&request));
+        session.files.note(&request.template);
+        assert_eq!((session.renew(&request.template).unwrap(), session.renewals()), (None, 0));
+        assert_eq!(session.stack.missing(session.project()), [request]);
+    }
+
+    #[test]
+    fn a_template_that_was_written_again_is_matched_anew_without_landmarks_where_it_is_chosen_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut session, request, file) = marked(folder.path());
+        let template = request.template.clone();
         assert_eq!(session.renew(&template).unwrap(), None, "never matched");
         session.files.note(&template);
         session.stack.install(request.clone(), Err(CaricatureError::Elsewhere("as it was".into())));

@@ -190,6 +190,10 @@ impl Session {
     /// Tries again what has failed of the selected layer: its match, or keeping its triangles.
     pub fn retry_match(&mut self) {
         if let Some(request) = self.selected_request() {
+            // Where no match with another file is left, this one is the file that landmarks belong to.
+            if !self.stack.is_matched_with(&request.template) {
+                self.files.forget(&request.template);
+            }
             self.stack.forget(&request);
         }
         if let Some(layer) = self.selected {
