@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use chladni_caricature::{Action, Layer, Project, Resolution, ShapeSource, Template};
+use chladni_caricature::{Action, Layer, Project, Recovered, Resolution, ShapeSource, Template};
 use chladni_mesh::surface::vec3::single;
 use chladni_view::{Camera, View};
 use egui::Context;
@@ -267,7 +267,7 @@ impl CaricatureRoom {
         let project = recovered.project.clone();
         let candidate = Candidate {
             path: recovered.original.clone(),
-            on_disk: recovered.original.as_deref().and_then(file_hash),
+            on_disk: known_original(&recovered),
             recovered: Some(recovered),
             ..Candidate::new(project)
         };
@@ -321,10 +321,40 @@ fn is_changed_elsewhere(session: &Session, path: &Path) -> bool {
     now.is_some() && now != session.on_disk
 }
 
+/// The hash of the file of a recovered project; none where that was written after the copy, as by another program.
+fn known_original(recovered: &Recovered) -> Option<String> {
+    let original = recovered.original.as_deref()?;
+    let written = original.metadata().ok()?.modified().ok()?;
+    if written <= recovered.modified? { file_hash(original) } else { None }
+}
+
 /// Writes the project to `path`, whole or not at all.
 fn save_to(session: &mut Session, path: &Path) -> Result<(), Error> {
     session.project().save(path).map_err(Error::unsaved)?;
     (session.path, session.on_disk) = (Some(PathBuf::from(path)), file_hash(path));
     session.history.mark_saved();
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_was_written_after_the_recovery_copy_is_not_known() {
+        let folder = tempfile::tempdir().unwrap();
+        let original = folder.path().join("p.chladni");
+        std::fs::write(&original, "by another program").unwrap();
+        let written = original.metadata().unwrap().modified().unwrap();
+        let known = |copied| {
+            known_original(&Recovered {
+                copy: folder.path().join("copy.chladni"),
+                original: Some(original.clone()),
+                modified: Some(copied),
+                project: Project::new(ShapeSource::Sample("head".into()), 8),
+            })
+        };
+        assert_eq!(known(written + Duration::from_secs(1)), file_hash(&original));
+        assert_eq!(known(written - Duration::from_secs(1)), None);
+    }
 }
