@@ -242,7 +242,7 @@ fn live(ui: &mut Ui, listening: &mut Listening, inputs: &mut Devices, preference
             CaptureKind::Program => Icon::AppWindow,
             CaptureKind::Input => Icon::Mic,
         };
-        let on = listening.live().is_some_and(|name| name == source.name);
+        let on = listening.listens_to(&source.name);
         let row = row(ui, ui.available_width(), on, icon::label(mark, &source.name));
         if row.on_hover_text(&source.name).clicked() {
             chosen = Some((!on, source.clone()));

@@ -15,8 +15,8 @@ mod suggesting;
 
 use chladni_mesh::surface::Detail;
 use chladni_music::{
-    Action, Ensemble, GalleryShape, Instrument, ItemId, Mapping, Moment, Parameter, Parameters, Preset,
-    SAND_MODE, Settings, Show, Switch, Viewpoint, without_sand,
+    Action, Ensemble, GalleryShape, Instrument, ItemId, LoggedAction, Mapping, Moment, Parameter, Parameters,
+    Preset, SAND_MODE, Settings, Show, Switch, Viewpoint, without_sand,
 };
 use chladni_synth::{Backend, SynthModel};
 use chladni_view::{Device, Topology};
@@ -398,10 +398,7 @@ impl Concert {
 
     /// Whether another gallery would take away dances that no file has. Favorites would stay.
     pub fn has_unsaved_gallery(&self) -> bool {
-        let gallery = self.instrument.gallery();
-        let is_bred = gallery.generations().len() > 1;
-        let is_touched = || gallery.items().iter().any(|item| item.edited || !item.name.is_empty());
-        (is_bred || is_touched()) && self.has_changed()
+        self.has_since(gallery_since(self.instrument.log()).max(self.saved), is_of_gallery)
     }
 
     fn has_since(&self, count: usize, counts: impl Fn(&Action) -> bool) -> bool {
@@ -433,6 +430,16 @@ fn is_bred(action: &Action) -> bool {
     matches!(action, Action::Breed | Action::BreedFrom { .. } | Action::Mutate { .. })
 }
 
+/// The number of actions that came before the gallery that is shown.
+fn gallery_since(log: &[LoggedAction]) -> usize {
+    log.iter().rposition(|line| matches!(line.action, Action::NewGallery { .. })).map_or(0, |last| last + 1)
+}
+
+/// Whether what an action makes goes with the gallery.
+fn is_of_gallery(action: &Action) -> bool {
+    is_bred(action) || is_by_hand(action) && !matches!(action, Action::Favorite { .. })
+}
+
 fn is_by_hand(action: &Action) -> bool {
     matches!(
         action,
@@ -443,4 +450,21 @@ fn is_by_hand(action: &Action) -> bool {
             | Action::SetStereoMu { .. }
             | Action::SetItemGain { .. }
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_bred_since_a_gallery_began_goes_with_it_and_favorites_do_not() {
+        let begin = Action::NewGallery { seed: 2, size: 6 };
+        let favorite = Action::Favorite { item: 0, on: true };
+        let log = [Action::Breed, begin, favorite.clone(), Action::Breed];
+        let log = log.map(|action| LoggedAction { moment: Moment::default(), action });
+        let since = [1, 2, 4].map(|count| gallery_since(log.get(..count).unwrap()));
+        assert_eq!(since, [0, 2, 2]);
+        let renamed = Action::Rename { item: 0, name: "squid".into() };
+        assert!(is_of_gallery(&Action::Breed) && is_of_gallery(&renamed) && !is_of_gallery(&favorite));
+    }
 }

@@ -37,7 +37,6 @@ impl Concert {
         let began = (shared.now)();
         let whole = viewport::whole_pixels(ui);
         self.seconds = ui.input(|input| input.time);
-        self.song_title.follow(listening, self.seconds, shared.settings.music.song_titles);
         self.backcloth.follow(shared);
         self.moving = self.backcloth.moves();
         if listening.beats_changed() {
@@ -47,6 +46,8 @@ impl Concert {
         self.follow_bars(&listening.new_bars())?;
         self.judge(ui.ctx())?;
         let (mut frame, mut items) = self.play(shared, listening, began)?;
+        // Name and number are those of one song only once the frame has been heard.
+        self.song_title.follow(listening, self.seconds, shared.settings.music.song_titles);
         if frame.is_apart {
             let framing = frame.framing(&self.instrument, listening);
             let before = (shared.now)();

@@ -77,6 +77,12 @@ impl Listening {
         }
     }
 
+    /// Whether the live input of this name is listened to, or will be once it is open.
+    pub fn listens_to(&self, name: &str) -> bool {
+        let wanted = self.wanted.as_ref().map(|wanted| wanted.name.as_str());
+        wanted.or(self.live()) == Some(name)
+    }
+
     /// Looks for a live input, and listens to it once it is found.
     pub fn listen_to_named(&mut self, name: &str, ctx: &Context) {
         let wanted = name.to_owned();
@@ -199,8 +205,9 @@ mod tests {
         ];
         for choose in instead {
             listening.listen_to_named("no such input", &ctx);
+            assert!(listening.listens_to("no such input") && !listening.listens_to("another"));
             choose(&mut listening);
-            assert!(listening.wanted.is_none());
+            assert!(listening.wanted.is_none() && !listening.listens_to("no such input"));
         }
         // A window is opened with both.
         listening.listen_to_named("no such input", &ctx);
