@@ -121,6 +121,28 @@ const RANKS: &[&str] = &[
     "KRB5CCNAME",
 ];
 
+/// Variables that say that this process is itself a rank of MPI: an `mpirun` started it, or it has initialized MPI.
+const OF_A_RANK: &[&str] = &["PMIX_NAMESPACE", "OMPI_COMM_WORLD_RANK"];
+
+/// Those that describe the job of such a rank: an `mpirun` that has them takes itself for a part of it, and fails.
+const OF_ITS_JOB: &[&str] = &[
+    "PMIX_*",
+    "OMPI_COMM_WORLD_*",
+    "OMPI_MCA_ess*",
+    "OMPI_MCA_pmix",
+    "OMPI_MCA_orte_*",
+    "OMPI_UNIVERSE*",
+    "OMPI_APP*",
+];
+
+/// Whether `name` is one of `known`, or begins as one of those that end in `*`.
+fn is_among(name: &str, known: &[&str]) -> bool {
+    known.iter().any(|known| match known.strip_suffix('*') {
+        Some(beginning) => name.starts_with(beginning),
+        None => name == *known,
+    })
+}
+
 impl Needs {
     fn lists(self) -> &'static [&'static [&'static str]] {
         match self {
@@ -131,16 +153,14 @@ impl Needs {
         }
     }
 
-    /// Whether a program gets a variable of this name.
-    fn include(self, name: &OsStr) -> bool {
+    /// Whether a program gets a variable of this name, where this process is a rank or is none.
+    fn include(self, name: &OsStr, in_a_rank: bool) -> bool {
         let Some(name) = name.to_str() else { return false };
         // Windows takes names in any case for the same.
         let name = if cfg!(windows) { name.to_ascii_uppercase() } else { name.to_owned() };
         let system: &[&str] = if cfg!(windows) { WINDOWS } else { &[] };
-        self.lists().iter().copied().chain([system]).flatten().any(|known| match known.strip_suffix('*') {
-            Some(beginning) => name.starts_with(beginning),
-            None => name == *known,
-        })
+        self.lists().iter().chain([&system]).any(|known| is_among(&name, known))
+            && !(in_a_rank && is_among(&name, OF_ITS_JOB))
     }
 }
 
@@ -169,8 +189,11 @@ fn with_variables(
     needs: Needs,
     variables: impl Iterator<Item = (OsString, OsString)>,
 ) -> Command {
+    let variables: Vec<(OsString, OsString)> = variables.collect();
+    let in_a_rank =
+        variables.iter().any(|(name, _)| name.to_str().is_some_and(|name| is_among(name, OF_A_RANK)));
     let mut command = Command::new(name);
-    command.env_clear().envs(variables.filter(|(name, _)| needs.include(name)));
+    command.env_clear().envs(variables.into_iter().filter(|(name, _)| needs.include(name, in_a_rank)));
     command
 }
 
@@ -215,6 +238,18 @@ mod tests {
         assert_eq!(given(Needs::Desktop, &set), ["HOME", "LC_ALL", "PATH", "PULSE_SERVER"]);
         assert_eq!(given(Needs::Window, &set), ["HOME", "LC_ALL", "PATH", "PULSE_SERVER", "WGPU_BACKEND"]);
         assert_eq!(given(Needs::Ranks, &set), ["HOME", "LC_ALL", "OMPI_MCA_btl", "PATH"]);
+    }
+
+    #[test]
+    fn ranks_do_not_join_the_job_that_this_process_is_a_rank_of() {
+        let set = ["PMIX_RANK", "OMPI_MCA_ess_base_jobid", "OMPI_MCA_btl", "OMPI_MCA_orte_top_session_dir"];
+        let all =
+            ["OMPI_MCA_btl", "OMPI_MCA_ess_base_jobid", "OMPI_MCA_orte_top_session_dir", "PATH", "PMIX_RANK"];
+        assert_eq!(given(Needs::Ranks, &set), all);
+        for of_a_rank in OF_A_RANK {
+            let set = [&set[..], &[*of_a_rank]].concat();
+            assert_eq!(given(Needs::Ranks, &set), ["OMPI_MCA_btl", "PATH"]);
+        }
     }
 
     /// Process and process group, from the text of `/proc/…/stat`.

@@ -91,8 +91,8 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
         *value = if k < zeros { 0.0 } else { (*value - lift).max(0.0) };
     }
     if solved.is_dense {
-        // A dense solve is exact to a share of the largest eigenvalue, which may be little beside t and much beside the first
-        // eigenvalues.
+        // A dense solve is exact to a share of the largest eigenvalue, which may be little beside t and much beside the
+        // first eigenvalues.
         let own = residual(&pencil, zeros, &solved.basis);
         let certificate = &mut solved.basis.certificate;
         if own.is_nan() || own > MAX_RELATIVE_RESIDUAL {
@@ -103,8 +103,8 @@ fn solve_wanted(pencil: Pencil, wanted: Wanted, task: &Task) -> Result<Solved, H
     Ok(solved)
 }
 
-/// The largest ‖S h − λ M h‖ / ‖S h‖ of the pairs after the first `zeros`, where ‖x‖² = xᵀD⁻¹x with the diagonal D of M: no λ is
-/// farther from an eigenvalue where M is diagonal.
+/// The largest ‖S h − λ M h‖ / ‖S h‖ of the pairs after the first `zeros`, where ‖x‖² = xᵀD⁻¹x with the diagonal D of M: if
+/// M is diagonal, no λ is farther from an eigenvalue.
 fn residual(pencil: &Pencil, zeros: usize, basis: &Basis) -> f64 {
     let of_pair = |k: usize| {
         let (h, lambda) = (basis.harmonic(k), basis.eigenvalues[k]);

@@ -64,8 +64,11 @@ impl Launcher {
         match (&ranks.hosts, self.is_open_mpi) {
             (Some(hosts), true) => command.arg("--hostfile").arg(hosts),
             (Some(hosts), false) => command.arg("-f").arg(hosts),
-            // More ranks than cores are slow but not wrong.
-            (None, true) => command.args(["--oversubscribe", "--bind-to", "none"]),
+            // More ranks than cores are slow but not wrong. Without a host, ranks would go to all machines of a
+            // cluster's job, which need not share the folder.
+            (None, true) => command
+                .args(["--oversubscribe", "--bind-to", "none", "--host"])
+                .arg(format!("localhost:{}", ranks.count)),
             (None, false) => &mut command,
         };
         command.arg("-n").arg(ranks.count.to_string()).arg(&self.python).arg(worker).arg(folder);
@@ -186,6 +189,25 @@ impl Drop for Running {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ranks_stay_on_this_machine_unless_there_are_hosts() {
+        let launcher = Launcher { python: "python3".into(), is_open_mpi: true };
+        let words = |ranks: &Ranks| {
+            let command = launcher.command(ranks, Path::new("worker.py"), Path::new("folder"));
+            command.get_args().map(|word| word.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
+        };
+        let here = Ranks::here(3);
+        assert!(
+            words(&here).contains("--host localhost:3 -n 3 python3 worker.py folder"),
+            "{}",
+            words(&here)
+        );
+        let elsewhere = Ranks { hosts: Some("hosts.txt".into()), ..here };
+        assert!(
+            words(&elsewhere).contains("--hostfile hosts.txt -n 3") && !words(&elsewhere).contains("--host ")
+        );
+    }
 
     #[test]
     fn the_last_lines_of_many_are_kept() {
