@@ -125,6 +125,7 @@ impl Basis {
         scratch: Option<&Bound<'_, PyAny>>,
         boundary: &Bound<'_, PyAny>,
         solved: Option<SolvedArrays>,
+        may_cut: bool,
     ) -> PyResult<Self> {
         let mesh = arrays::mesh(V, F, ["V", "F"])?;
         if let Some(solved) = solved {
@@ -160,7 +161,7 @@ impl Basis {
             })
         })?;
         warn_of(py, &report, &body.basis.certificate)?;
-        if report.cuts_cluster && !whole_clusters {
+        if report.cuts_cluster && !whole_clusters && !may_cut {
             let last = body.basis.harmonics().saturating_sub(1);
             let warning = format!(
                 "harmonic {last} belongs to a group of equal eigenvalues that goes on; \

@@ -32,7 +32,10 @@ impl StoredBasis {
         let folder = std::path::absolute(arrays::path(folder, "folder")?)
             .map_err(|error| InputError::new_err(format!("folder: {error}")))?;
         let stored = npz::StoredBasis::open(&folder).map_err(|error| match &error {
-            HarmonicsError::Stored { path, .. } if !path.exists() => missing(py, &error.to_string()),
+            // One in a folder that may not be entered may be there.
+            HarmonicsError::Stored { path, .. } if path.try_exists().is_ok_and(|there| !there) => {
+                missing(py, &error.to_string())
+            }
             _ => Failure::from(error).into(),
         })?;
         let eigenvalues = give(py, stored.eigenvalues().to_vec()).unbind();

@@ -1,6 +1,8 @@
 """Geodesics, matches, caricatures, symmetry and files."""
 
 import errno
+import os
+import warnings
 
 import chladni
 import numpy as np
@@ -96,6 +98,16 @@ def test_a_mirror_tells_harmonics_apart(ball):
     assert (np.sign(products) == found.classes).all()
 
 
+def test_what_a_cut_does_not_matter_to_leaves_the_warnings_of_other_threads_alone(ball, monkeypatch):
+    # Filters are those of the whole process.
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with monkeypatch.context() as patched:
+            patched.delattr(warnings, "catch_warnings")
+            assert np.isfinite(chladni.caricature(*ball, k=3)).all()
+            assert chladni.symmetry(*ball, k=3).classes.shape == (3,)
+
+
 def test_meshes_come_back_from_their_files(tmp_path, pebble):
     V, F = pebble
     for name in ("a.obj", "a.ply"):
@@ -107,6 +119,12 @@ def test_meshes_come_back_from_their_files(tmp_path, pebble):
     with pytest.raises(FileNotFoundError) as missing:
         chladni.read_mesh(tmp_path / "missing.obj")
     assert isinstance(missing.value, chladni.FileError) and missing.value.errno == errno.ENOENT
+    if os.name == "posix":
+        # A link that leads to itself is there, and cannot be read.
+        (tmp_path / "loop.obj").symlink_to("loop.obj")
+        with pytest.raises(chladni.FileError) as unread:
+            chladni.read_mesh(tmp_path / "loop.obj")
+        assert not isinstance(unread.value, FileNotFoundError)
     (tmp_path / "bad.ply").write_bytes(b"ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n")
     for bad in (lambda: chladni.read_mesh(tmp_path / "bad.ply"), lambda: chladni.write_mesh(tmp_path / "a.txt", V, F)):
         with pytest.raises(chladni.FileError):

@@ -2,6 +2,7 @@
 
 import copy
 import errno
+import os
 import pickle
 
 import chladni
@@ -48,6 +49,12 @@ def test_what_does_not_fit_is_refused(tmp_path, ball):
     with pytest.raises(chladni.MissingFileError, match="eigenvectors") as raised:
         chladni.StoredBasis(tmp_path / "nowhere")
     assert isinstance(raised.value, FileNotFoundError) and raised.value.errno == errno.ENOENT
+    if os.name == "posix":
+        # A link that leads to itself is there, and cannot be read.
+        (tmp_path / "loop").symlink_to("loop")
+        with pytest.raises(chladni.FileError) as raised:
+            chladni.StoredBasis(tmp_path / "loop")
+        assert not isinstance(raised.value, FileNotFoundError)
     stored(tmp_path, *ball, 5)
     read = chladni.StoredBasis(tmp_path)
     with pytest.raises(chladni.InputError, match="3 vertices, where the basis has 642"):
