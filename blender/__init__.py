@@ -90,6 +90,13 @@ def weights(target, name):
     return found
 
 
+def check_keys(target):
+    """Refuses absolute shape keys: those are shown one after the other, whatever their values are."""
+    keys = target.data.shape_keys
+    if keys is not None and not keys.use_relative:
+        raise ValueError("the shape keys are absolute: switch Relative on, and exaggerate again")
+
+
 def distinct(names):
     """The same names, with a number behind those that were there before."""
     found = []
@@ -106,6 +113,9 @@ class Work:
     """One run of the program on one object."""
 
     def __init__(self, target, settings, path):
+        check_keys(target)
+        scale = [abs(each) for each in target.scale]
+        self.is_uneven = max(scale) > 1.001 * min(scale)
         # Undo replaces the Python object that stands for it.
         self.uid = target.session_uid
         self.name = settings.name
@@ -158,6 +168,7 @@ class Work:
             raise ValueError("leave edit mode, and exaggerate again")
         if len(target.data.vertices) != self.vertices:
             raise ValueError("the mesh was changed in the meantime")
+        check_keys(target)
         layers = exchange.read_targets(self.result)
         if target.data.shape_keys is None:
             target.shape_key_add(name="Basis", from_mix=False)
@@ -181,6 +192,8 @@ class Work:
             key.value = 1.0
             now[name] = key.name
         self.put_away(keys, before, now)
+        # A key that is pinned hides what all others do.
+        target.show_only_shape_key = False
         made[self.name] = before | now
         target.data[MADE] = json.dumps(made)
         target.data.update()
@@ -211,7 +224,13 @@ class ChladniCaricature(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.type == "MESH" and context.mode == "OBJECT"
+        if context.object is None or context.object.type != "MESH" or context.mode != "OBJECT":
+            return False
+        if context.object.data.library is not None:
+            # Blender would not save its new keys.
+            cls.poll_message_set("The mesh is linked from another file: make it local first")
+            return False
+        return True
 
     def begin(self, context):
         path = program(context.preferences.addons[__package__].preferences)
@@ -239,6 +258,9 @@ class ChladniCaricature(bpy.types.Operator):
                 self.report({"WARNING"}, line.removeprefix(warning))
             elif not line.startswith("wrote "):
                 self.report({"INFO"}, line)
+        if work.is_uneven:
+            applied = "apply the scale (Ctrl A) for a caricature of what is seen"
+            self.report({"WARNING"}, f"The object is scaled unevenly: {applied}")
         return {"FINISHED"}
 
     def execute(self, context):
@@ -259,7 +281,8 @@ class ChladniCaricature(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        stopped = event.type == "ESC"
+        # As it is let go, it may have ended something else.
+        stopped = event.type == "ESC" and event.value == "PRESS"
         if not stopped and self.work.process.poll() is None:
             return {"PASS_THROUGH"}
         if stopped:

@@ -8,6 +8,7 @@ import os
 import pathlib
 import sys
 import tempfile
+import types
 
 FOLDER = tempfile.TemporaryDirectory(prefix="chladni-blender-")
 # Blender's settings and extensions live here, not in the user's own folder.
@@ -140,6 +141,26 @@ def the_addon_makes_shape_keys():
     settings.mask, settings.template, settings.project = "", "project", ""
     check("a project that is not chosen is one, too", "choose the project" in refused())
 
+    settings.template, settings.name = "ellipsoid", "Seen"
+    target.active_shape_key_index, target.show_only_shape_key = 0, True
+    bpy.ops.object.chladni_caricature()
+    check("a key that was pinned hides no new one", not target.show_only_shape_key)
+    count, target.data.shape_keys.use_relative = len(keys), False
+    check("absolute keys are an error in words", "are absolute" in refused() and len(keys) == count)
+    target.data.shape_keys.use_relative = True
+    for name, scale, uneven in [("mirrored", (1.0, -1.0, 1.0), False), ("stretched", (1.0, 1.0, 2.0), True)]:
+        target.scale = scale
+        work = package.Work(target, settings, str(CHLADNI))
+        work.end()
+        check(f"a {name} object is scaled {'un' * uneven}evenly", work.is_uneven == uneven)
+    target.scale = 1.0, 1.0, 1.0
+    process = types.SimpleNamespace(poll=lambda: None)
+    running = types.SimpleNamespace(work=types.SimpleNamespace(process=process))
+    let_go = types.SimpleNamespace(type="ESC", value="RELEASE")
+    passed = package.ChladniCaricature.modal(running, bpy.context, let_go)
+    check("an Escape that is let go stops nothing", passed == {"PASS_THROUGH"})
+    linked_meshes_are_refused(target)
+
     settings.template, settings.name = "ellipsoid", "Afterwards"
     work = package.Work(target, settings, str(CHLADNI))
     work.process.wait()
@@ -155,6 +176,22 @@ def the_addon_makes_shape_keys():
         ended = str(error)
     work.end()
     check("one that is gone is an error in words", "deleted in the meantime" in ended)
+
+
+def linked_meshes_are_refused(target):
+    library = HERE / "library.blend"
+    there = target.data.copy()
+    there.name = "There"
+    bpy.data.libraries.write(str(library), {there})
+    bpy.data.meshes.remove(there)
+    with bpy.data.libraries.load(str(library), link=True) as (_, linked):
+        linked.meshes = ["There"]
+    other = bpy.data.objects.new("Linked", linked.meshes[0])
+    bpy.context.collection.objects.link(other)
+    bpy.context.view_layer.objects.active = other
+    check("a mesh that is linked is refused", "make it local" in refused())
+    bpy.context.view_layer.objects.active = target
+    bpy.data.objects.remove(other)
 
 
 def refused():
