@@ -19,11 +19,11 @@ import * as ways from "./tests/ways.mjs";
 
 const only = process.argv[4];
 const rooms = {
-  music: [music.laptop, music.phone],
+  music: [music.laptop, music.plate, music.phone],
   beats: [beats],
   shows: [shows.shows, shows.flashes, shows.withoutSong, shows.films],
   returns: [returns.dances, returns.galleries, returns.overtaken, returns.layers],
-  haste: [haste.shapes, haste.songs, haste.films, haste.beginnings, haste.layers, haste.projects],
+  haste: [haste.shapes, haste.songs, haste.films, haste.beginnings, haste.slowly, haste.layers, haste.projects],
   films: [shows.wholeFilms, shows.stoppedFilms, shows.brokenFilms],
   microphone: [microphone.heard, microphone.refused],
   caricature: [caricature.laptop, caricature.phone],

@@ -106,6 +106,7 @@ async function openShape(name, bytes, project, first, came = []) {
   sitting = next;
   isOfFile = project !== undefined;
   requests.clear();
+  forgetFiles(name);
   for (const [each, mesh] of came) files.set(each, mesh);
   empty(false);
   ink.again(true);
@@ -114,6 +115,13 @@ async function openShape(name, bytes, project, first, came = []) {
   hold("turn");
   refresh();
   attemptOf(label(name), () => Promise.all([solve(mine), match()]));
+}
+
+/** Forgets the meshes that neither the open shape nor a project that waits needs: each may be large. */
+function forgetFiles(name) {
+  const templates = JSON.parse(sitting.needs()).templates.map(base);
+  const needed = new Set([base(name), ...templates, ...(waiting?.templates ?? [])]);
+  for (const each of [...files.keys()]) if (!needed.has(each)) files.delete(each);
 }
 
 /** Has a worker solve for the harmonics of the shape. */
@@ -268,7 +276,11 @@ export async function takeMesh(name, bytes) {
   if (isNew && comparedWith(name).length) return say(`${name} is kept for the layers that are compared with it.`);
   switch (sitting ? await whichOf(name) : "shape") {
     case "shape": return openShape(name, bytes);
-    case "template": sitting.compare(name); return matchAnew();
+    case "template":
+      // Another shape may have been opened since the question.
+      files.set(name, bytes);
+      sitting.compare(name);
+      return matchAnew();
     default: return undefined;
   }
 }

@@ -27,13 +27,15 @@ function cell(item) {
 
 /**
  * Lays the buttons over cells of a picture of `width` × `height` pixels: x, y, width and height of each. `choices` has
- * what they do, `choose(item)` and `perform(item)`; what the second is called, `performs` and, aloud, `says(item)`;
+ * the `label` of all and what they do, `choose(item)` and `perform(item)`; what the second is called, `performs` and,
+ * aloud, `says(item)`;
  * `name(item)` for items without a name; and, where there is such a thing, `favor(item)`, `lock(item)`, `vary(item)` and
  * `curves(item)`, the small curves of its cell. Items may have a `text` in place of their number, and be `idle`: nothing
  * is chosen by them. Where `isNamed`, the texts are names.
  */
 export function drawCells(parent, cells, items, width, height, choices) {
   current = choices;
+  if (parent.getAttribute("aria-label") !== choices.label) parent.setAttribute("aria-label", choices.label);
   const count = cells.length / 4;
   while (made.length > count) made.pop().box.remove();
   while (made.length < count) {

@@ -10,6 +10,8 @@ const [PIXEL_BITS, SOUND_BITS] = [0.2, 192_000];
 const KEY_SECS = 2;
 /** Pictures that may wait to be encoded. */
 const WAITING = 4;
+/** How often an encoder is looked at. */
+const TIMER_MS = 5;
 /** Units of a second of Opus, whatever it was made of. */
 const OPUS_RATE = 48_000;
 /** What color spaces are called in films (ISO/IEC 23091-2). */
@@ -66,8 +68,17 @@ export class EncodedFilm {
     const keyFrame = this.count % Math.round(KEY_SECS * rate) === 0;
     this.count++;
     try { this.painter.encode(frame, { keyFrame }); } finally { frame.close(); }
-    while (this.painter.encodeQueueSize > WAITING && !this.failed) await new Promise((done) => setTimeout(done, 2));
+    while (this.painter.encodeQueueSize > WAITING && !this.failed) await this.oneLess();
     if (this.failed) throw this.failed;
+  }
+
+  /** Until a picture less waits, as far as the browser says so. Timers, which rest in a page that is not seen, are for those
+   * that do not, and for an encoder that fails. */
+  oneLess() {
+    return new Promise((done) => {
+      this.painter.ondequeue = done;
+      setTimeout(done, TIMER_MS);
+    });
   }
 
   /** Takes sound: both channels from one sample to another. */

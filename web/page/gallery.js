@@ -12,6 +12,7 @@ const drawn = [];
 const act = (action) => room.act(action);
 
 export const choices = {
+  label: "Dances: choose those you love, then breed",
   choose: (item) => act({ do: "choose", item, on: !state.dances[item].chosen }),
   perform: (first) => act({ do: "perform-gallery", first }),
   performs: "Stage",

@@ -42,7 +42,8 @@ export function hands(places, room) {
       dragged = false;
       tool()?.hover(...at(event));
       stroking = event.button === 0 && !event.altKey && !!tool()?.grabs(...at(event));
-      if (stroking && tool().paints()) tool().stroke(...at(event));
+      // A finger may be the first of two, which pinch: it paints once it drags, or by a tap.
+      if (stroking && tool().paints() && event.pointerType !== "touch") tool().stroke(...at(event));
     }
     from = middle();
   };
@@ -69,6 +70,8 @@ export function hands(places, room) {
   const end = (event) => {
     if (!down.delete(event.pointerId)) return;
     const held = stroking;
+    const tapped = held && !dragged && event.type === "pointerup" && event.pointerType === "touch";
+    if (tapped && tool()?.paints()) tool().stroke(...at(event));
     letGo();
     if (down.size) from = middle();
     else if (!dragged && !held && event.type === "pointerup" && event.target === places[0]) tool()?.click(...at(event), event);

@@ -14,16 +14,30 @@ const { dataset } = document.body;
 const isIn = (view) => dataset.view === view;
 report.view = () => (isIn("caricature") ? caricature : music).view();
 
+/** Shows a room. The browser's Back leads from it to the front: one entry of its history stands for all visits. */
+function showRoom(view) {
+  if (!history.state?.inRoom) history.pushState({ inRoom: true }, "");
+  dataset.view = view;
+}
+
+async function goHome() {
+  music.leave();
+  delete dataset.empty;
+  delete dataset.bare;
+  dataset.view = "front";
+  await music.front();
+}
+
 async function enterMusic() {
   if (isIn("music")) return;
-  dataset.view = "music";
+  showRoom("music");
   delete dataset.empty;
   await music.open();
 }
 
 function enterCaricature() {
   if (isIn("caricature")) return;
-  dataset.view = "caricature";
+  showRoom("caricature");
   music.leave();
   caricature.open();
 }
@@ -101,11 +115,16 @@ function asksBeforeClosing(event) {
 
 function listen() {
   addEventListener("beforeunload", asksBeforeClosing);
-  on("enter", async () => { dataset.view = "music"; await music.enter(); });
+  on("enter", async () => { showRoom("music"); await music.enter(); });
   on("exaggerate", () => { enterCaricature(); return caricature.begin(); });
   on("bring", () => of("file").click());
   for (const id of ["open", "open-project"]) on(id, () => of("file").click());
-  on("home", async () => { music.leave(); delete dataset.empty; dataset.view = "front"; await music.front(); });
+  on("home", goHome);
+  addEventListener("popstate", attempt(() => {
+    if (isIn("front") || history.state?.inRoom) return undefined;
+    // A film that waits for its pictures stays until it is done.
+    return isFilmed() ? showRoom(dataset.view) : goHome();
+  }));
   on("cancel", () => giveUp());
   // An iPhone's browser has none for pages.
   of("full").hidden = !document.fullscreenEnabled;
@@ -116,18 +135,31 @@ function listen() {
   });
   document.addEventListener("fullscreenchange", () => { if (!document.fullscreenElement) delete dataset.bare; });
   of("file").addEventListener("change", () => { open([...of("file").files]); of("file").value = ""; });
-  addEventListener("dragover", (event) => event.preventDefault());
-  addEventListener("drop", (event) => { event.preventDefault(); open([...event.dataTransfer.files]); });
+  addEventListener("drop", (event) => open([...event.dataTransfer.files]));
   hands([of("picture"), of("cells")], () => (isIn("caricature") ? caricature : music));
   music.listen();
   caricature.listen();
+  for (const button of of("front").querySelectorAll("button")) button.disabled = false;
+  of("loading").hidden = true;
+}
+
+/** The module and what draws; where they cannot be had, the reason stays to be read. */
+async function load() {
+  try {
+    const { memory } = await init({ module_or_path: await compiled });
+    await openCard();
+    return memory;
+  } catch (error) {
+    of("loading").textContent = `Chladni could not be loaded (${error.message ?? error}): open the page again.`;
+    return undefined;
+  }
 }
 
 const start = attempt(async () => {
   const tune = ask({ work: "decode", name: "sample:tune" }, undefined, "song");
   tune.catch(() => {});
-  const { memory } = await init({ module_or_path: await compiled });
-  await openCard();
+  const memory = await load();
+  if (!memory) return;
   tellCores();
   listen();
   draw(memory);

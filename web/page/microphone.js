@@ -1,5 +1,5 @@
 // A microphone, and what a browser says where it lends none.
-import { runs } from "./sound.js";
+import { runs, soundsAs } from "./sound.js";
 
 const REFUSED = {
   NotAllowedError: "The microphone was refused: allow it for this page, then press Listen again.",
@@ -12,14 +12,25 @@ const AS_IT_IS = { echoCancellation: false, noiseSuppression: false, autoGainCon
 /** What is left of the loudest sample in the next block, a hundredth of a second later. */
 const FALL = 0.97;
 
+/** Microphones that are open, or about to be. */
+let count = 0;
+
+/** One more is open, or one less. */
+function counts(by) {
+  count += by;
+  soundsAs(count ? "play-and-record" : "playback");
+}
+
 export class Microphone {
   /** Listens to the microphone of an id, or to the browser's own; `take(left, right)` gets what it hears, `lost()` is called
    * where it is unplugged. */
   static async open(id, take, lost) {
     if (!navigator.mediaDevices) throw new Error("A browser lends its microphone to pages over https or on this machine only.");
     const audio = { ...AS_IT_IS, ...(id && { deviceId: { exact: id } }) };
+    counts(1);
     let stream;
     try { stream = await navigator.mediaDevices.getUserMedia({ audio }); } catch (error) {
+      counts(-1);
       throw new Error(REFUSED[error.name] ?? error.message);
     }
     const context = new AudioContext();
@@ -30,6 +41,7 @@ export class Microphone {
       for (const track of stream.getTracks()) track.stop();
       // One that never began may never end.
       context.close().catch(() => {});
+      counts(-1);
       throw error;
     }
     return new Microphone(stream, context, take, lost);
@@ -56,6 +68,7 @@ export class Microphone {
   close() {
     this.capture.port.onmessage = null;
     for (const track of this.stream.getTracks()) track.stop();
+    counts(-1);
     return this.context.close();
   }
 

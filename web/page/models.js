@@ -7,6 +7,10 @@ export function drawModels(sitting, { layers, selected }, set, width, height) {
   const { model } = layers.find(({ id }) => id === selected) ?? {};
   const models = [...of("model").options].map(({ value, text }) => ({ text, name: text, chosen: value === model }));
   const items = [...models, { text: "Original", name: "Original", idle: true }];
-  const choices = { choose: (item) => set({ model: of("model").options[item].value }), isNamed: true };
+  const choices = {
+    label: "The layer in its three models: a press takes one",
+    choose: (item) => set({ model: of("model").options[item].value }),
+    isNamed: true,
+  };
   drawCells(of("cells"), [...sitting.cells()], items, width, height, choices);
 }

@@ -7,6 +7,7 @@ import * as shows from "./shows.js";
 import * as songs from "./songs.js";
 import { ask, giveUp, obsolete, works } from "./work.js";
 import * as sounding from "./sounding.js";
+import { keepAwake } from "./awake.js";
 import { drawCells } from "./cells.js";
 import * as curves from "./curves.js";
 import * as dance from "./dance.js";
@@ -54,12 +55,15 @@ export const view = () => JSON.parse(concert.state()).viewpoint;
 // ---- bodies and songs
 
 async function bodyOf(name) {
-  // Without a connection, one that was not kept is solved here.
-  const baked = name.startsWith("sample:") && (await fetch(`bodies/${name.slice(7)}.body`).catch(() => undefined));
-  if (baked?.ok) {
-    const body = new Uint8Array(await baked.arrayBuffer());
+  // Without a connection, or where that breaks, one that was not kept is solved here.
+  const fetched = async () => {
+    const answer = await fetch(`bodies/${name.slice(7)}.body`);
+    return answer.ok ? new Uint8Array(await answer.arrayBuffer()) : undefined;
+  };
+  const baked = name.startsWith("sample:") ? await fetched().catch(() => undefined) : undefined;
+  if (baked) {
     say("");
-    return body;
+    return baked;
   }
   return (await busy(label(name), (tell) => ask({ work: "prepare", name, harmonics: sampleHarmonics(label(name)) }, tell))).body;
 }
@@ -76,8 +80,15 @@ function show(body, begin = () => []) {
   edits = 0;
   // A concert that has heard nothing yet: its first song is the one that plays.
   heard.splice(0, heard.length, ...songsHeard);
+  rest(false);
   hear();
   refresh();
+}
+
+/** Until a shape dances, what needs one rests. */
+function rest(isSo) {
+  const parts = [of("sounding"), ...of("breed").parentElement.children, ...of("drawer").children];
+  for (const part of parts) part.inert = isSo && !part.matches("#open, #more") && !part.querySelector("#shape, #song-list");
 }
 
 /** Tells the concert what is heard: a microphone, or the song that plays. */
@@ -179,6 +190,8 @@ function danceOnMesh(name, body, secs, before) {
 export { openSongs } from "./player.js";
 
 export async function openText(name, bytes) {
+  // The octopus may still be on its way.
+  if (!concert) await open();
   const text = new TextDecoder().decode(bytes);
   const needs = JSON.parse(needs_of_text(text));
   if (needs.preset) return takeDance(name, text, needs.caution);
@@ -188,7 +201,7 @@ export async function openText(name, bytes) {
   if (!mayReplace("Open the show", "The show is not open: Save show keeps the dances that are here.")) return;
   const begin = (dancing) => {
     dancing.open_show(text);
-    return needs.songs.map((song) => songs.findForShow(song) ?? { name: song });
+    return songs.findForShow(needs.songs).map((song, i) => song ?? { name: needs.songs[i] });
   };
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) {
     if (!await danceOn(needs.body, begin)) return;
@@ -222,7 +235,7 @@ function takeDance(name, text, caution) {
 /** The news that a show is open, and what it still lacks. */
 function isOpen(name, needs) {
   if (lacks) return `${name} was danced by ${needs.body}: drop that mesh, too.`;
-  const missing = needs.songs.filter((song) => !songs.names().includes(song));
+  const missing = needs.songs.filter((song) => !songs.find(song));
   if (missing.length) return `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.`;
   const behind = [state.looks.picture, state.looks.panorama].filter(Boolean).map(base);
   const unseen = behind.length && `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`;
@@ -324,6 +337,7 @@ const room = {
     if (state.played || isAnotherOnStage()) refresh();
     drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, gallery.choices);
     films.tick();
+    keepAwake(isHere() && (sound.isHeard || !!listening.microphone()));
     if (listening.microphone()) of("loudness").value = Math.sqrt(listening.microphone().loudest);
     showPlace();
   },
@@ -453,6 +467,7 @@ export function leave() {
   attempt(films.endFilm)();
   sound.pause();
   listening.stop();
+  keepAwake(false);
   // The song for which it waits would be missing when the room is entered again.
   if (shows.isWaiting()) {
     endShow();
@@ -463,7 +478,7 @@ export function leave() {
   visit++;
 }
 
-/** Leaves the front's concert, if the room had one before. */
+/** Leaves the front's concert, if the room had one before; else that is the room's from now on, and in its middle. */
 function unpark() {
   if (parked) {
     concert?.free();
@@ -472,7 +487,7 @@ function unpark() {
     parked = undefined;
     hear();
     refresh();
-  }
+  } else if (concert && concert === atFront) concert.fit();
   atFront = undefined;
   const stood = plate.letGo();
   if (left) sound.seek(left.position);
@@ -480,6 +495,16 @@ function unpark() {
   if (from) goOnFrom(from);
   if (stood) sound.playing = true;
   left = undefined;
+}
+
+/** How far the plate of the front is shifted, in heights of the picture. */
+let shifted;
+
+/** Puts the plate beside the words, or above them. */
+function placeFront() {
+  const [x, y] = innerWidth > 900 ? [0.24, -0.04] : innerWidth > innerHeight ? [0.62, 0] : [0, -0.16];
+  concert.shift(x - shifted[0], y - shifted[1]);
+  shifted = [x, y];
 }
 
 /** The plate with sand on it, which moves as soon as the tune is there. */
@@ -499,10 +524,8 @@ export async function front() {
   atFront = concert;
   concert.set_look(FRONT);
   concert.zoom(-1);
-  // Beside the words, or above them.
-  if (innerWidth > 900) concert.shift(0.24, -0.04);
-  else if (innerWidth > innerHeight) concert.shift(0.62, 0);
-  else concert.shift(0, -0.16);
+  shifted = [0, 0];
+  placeFront();
   concert.sand(true);
   refresh();
 }
@@ -546,6 +569,7 @@ async function playOrPause() {
 }
 
 export function listen() {
+  rest(true);
   of("shape").append(...options(JSON.parse(samples()).map(([name]) => name), (name) => `sample:${name}`), new Option("Other…", ""));
   looks.listen((shown) => { concert.set_look(JSON.stringify(shown)); refresh(); }, () => state.looks);
   knobs.listen(act, (name) => { concert.set_timbre(name); refresh(); });
@@ -559,6 +583,7 @@ export function listen() {
   on("play", playOrPause);
   plate.listen(holdStill);
   addEventListener("keydown", onKey);
+  addEventListener("resize", () => { if (concert && concert === atFront) placeFront(); });
   curves.listen(act, (item, name) => { concert.begin_curve(item, name); edits++; refresh(); });
   films.listen({ ...shared, microphone: listening.microphone, forget: () => { overtake(); player.passOver(); } });
   on("draw", () => { drawing = !drawing; refresh(); });

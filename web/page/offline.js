@@ -7,8 +7,8 @@ async function fresh(request) {
   const response = await fetch(request);
   if (response.ok && response.type === "basic") {
     const copy = response.clone();
-    // What there is no room for, or no cache, is shown, and not kept.
-    await caches.open(CACHE).then((cache) => cache.put(request, copy)).catch(() => {});
+    // What there is no room for, or no cache, is shown, and not kept. What has broken off fails here.
+    await caches.open(CACHE).then((cache) => cache.put(request, copy)).catch(() => response.clone().arrayBuffer());
   }
   return response;
 }

@@ -48,8 +48,8 @@ export const attempt = (act) => async (...args) => {
 export function ofFile(name, error) {
   const why = error.message ?? String(error);
   if (["AbortError", "ObsoleteError"].includes(error.name) || why.includes(name)) return error;
-  // A folder has no content that could be read.
-  return new Error(error.name === "NotFoundError" ? `${name} cannot be read: the page opens files, not folders.` : `${name}: ${why}`);
+  // A folder has no content that could be read, either.
+  return new Error(error.name === "NotFoundError" ? `${name} cannot be read: it was moved or deleted, or is a folder.` : `${name}: ${why}`);
 }
 
 /** Does what a file, or a shape of this name, needs, and says of it what went wrong. */

@@ -29,7 +29,7 @@ function cast() {
   if (!opened) return [];
   const missing = opened.needs.songs.filter((name) => !songs.find(name));
   if (missing.length) throw new Error(`The show was danced to ${missing.join(", ")}: drop that song, too.`);
-  return opened.needs.songs.map((name) => songs.findForShow(name));
+  return songs.findForShow(opened.needs.songs);
 }
 
 /** Plays it on `concert` from its beginning; gives its songs. */

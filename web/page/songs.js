@@ -15,16 +15,19 @@ export const current = () => playing;
 export const count = () => list.length;
 export const all = () => list;
 export const place = () => list.indexOf(playing);
-export const names = () => list.map(({ name }) => name);
 
 /** A song by its name: one that was brought, or the tune. */
 export const find = (name) => list.find((song) => song.name === name) ?? (name === TUNE ? { name } : undefined);
 
-/** The same for a show, which says itself how its beats are read. */
-export function findForShow(name) {
-  const song = find(name);
-  if (song) song.reading = undefined;
-  return song;
+/** The songs of a show by their names, nothing for one that is missing. Of two that share a name, each has its own song, in
+ * the order of the list. The show says itself how their beats are read. */
+export function findForShow(names) {
+  return names.map((name, i) => {
+    const before = names.slice(0, i).filter((each) => each === name).length;
+    const song = list.filter((each) => each.name === name)[before] ?? find(name);
+    if (song) song.reading = undefined;
+    return song;
+  });
 }
 
 /** Adds songs at the end of the list; gives the first of them. */

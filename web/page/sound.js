@@ -11,6 +11,12 @@ export async function runs(context, resumed = context.resume()) {
   return context.state === "running";
 }
 
+/** Says what the sound is for, where a browser asks: on an iPhone, that of a "playback" is heard with its ring switch on
+ * silent, too. */
+export function soundsAs(type) {
+  if (navigator.audioSession) navigator.audioSession.type = type;
+}
+
 export class Sound {
   constructor() {
     this.number = -1;
@@ -63,6 +69,7 @@ export class Sound {
   async play() {
     let at = this.position();
     const { pauses } = this;
+    soundsAs("playback");
     this.context ??= new AudioContext();
     const resumed = this.context.resume();
     const isRunning = await runs(this.context, resumed);

@@ -102,6 +102,7 @@ async function hang(layers) {
 }
 
 const choices = {
+  label: "Caricatures: choose those you like, then breed",
   choose: attempt(ofSeen(async (item) => take(await asks("choose", item, !shown.items[item].chosen)))),
   perform: attempt(ofSeen(async (item) => hang((await asks("layers", item)).found))),
   favor: attempt(ofSeen(async (item) => take(await asks("favor", item, !shown.items[item].favorite)))),

@@ -1,5 +1,6 @@
 // A film of the song that waits for each picture: what is on stage, or in the gallery, dances to it as it is now. The
 // clock of the dance goes on by one picture after the other, however long each takes.
+import { keepAwake } from "./awake.js";
 import { EncodedFilm, encodes } from "./encoder.js";
 import { attempt, of, on, save, say } from "./page.js";
 import { copier, drawOnce, hold } from "./picture.js";
@@ -74,12 +75,10 @@ async function begin() {
   const mine = going = {};
   show();
   let release;
-  let awake;
   try {
     stage.begin();
     release = hold();
-    // A screen that goes dark stops the page. Not every browser keeps it awake.
-    awake = await navigator.wakeLock?.request("screen").catch(() => undefined);
+    keepAwake(true);
     const { film, isSilent, failed } = await shoot(mine);
     if (film) save("chladni-song.mp4", film);
     else say("The film was given up.");
@@ -88,7 +87,7 @@ async function begin() {
   } finally {
     stage.end();
     release?.();
-    awake?.release();
+    keepAwake(false);
     going = undefined;
     show();
     of("whole-film").close();

@@ -8,6 +8,9 @@ compiled.catch(() => { /* Whoever waits for it says so. */ });
 /** Workers that have one thread in any case: a song is decoded from its beginning to its end, and ink is drawn while the
  * page draws, too. */
 const ALONE = ["song", "ahead", "ink"];
+/** Workers that know nothing of what they did before, and end once they have grown beyond so many bytes: no memory of a
+ * module ever shrinks. */
+const [FORGETFUL, MOST_BYTES] = [["song", "ahead", "work"], 128 << 20];
 /** Bytes of a thread's stack, as on the desktop. */
 const STACK = 2 << 20;
 
@@ -27,7 +30,11 @@ function open(file, name) {
     if (data.kind === "broken") return workers.get(name)?.includes(worker) && stopped(data.text);
     const asked = waiting.get(data.id);
     if (!asked) return;
-    if (data.kind === "done") { waiting.delete(data.id); asked.resolve(data); }
+    if (data.kind === "done") {
+      waiting.delete(data.id);
+      asked.resolve(data);
+      if (FORGETFUL.includes(name) && data.memoryBytes > MOST_BYTES && !works(name)) giveUp(obsolete(), [name]);
+    }
     else if (data.kind === "failed") { waiting.delete(data.id); asked.reject(new Error(data.text)); }
     else asked.report(data.kind, data.text);
   };

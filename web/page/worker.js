@@ -3,13 +3,16 @@
 
 /** The module: that of one thread, or the one whose threads (thread.js) share its memory. */
 let engine;
+/** What it works in, which grows and never shrinks. */
+let memory;
 
 let began;
 const ready = new Promise((done) => { began = done; });
 
 async function begin({ threads, ...start }) {
   engine = await import(threads > 1 ? "./chladni_threads.js" : "./chladni_web.js");
-  await engine.default(start);
+  const own = await engine.default(start);
+  memory = start.memory ?? own.memory;
   if (threads > 1) engine.open_pool(threads);
 }
 
@@ -85,7 +88,8 @@ onmessage = async ({ data: { start, id, work, ...request } }) => {
     const from = performance.now();
     const [done, given] = works[work](request, tell);
     const secs = (performance.now() - from) / 1000;
-    postMessage({ id, kind: "done", secs, threads: engine.threads?.() ?? 1, ...done }, given ?? []);
+    const about = { secs, threads: engine.threads?.() ?? 1, memoryBytes: memory.buffer.byteLength };
+    postMessage({ id, kind: "done", ...about, ...done }, given ?? []);
   } catch (error) {
     const text = error.message ?? String(error);
     postMessage({ id, kind: "failed", text });

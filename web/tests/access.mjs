@@ -52,6 +52,7 @@ export async function names() {
   await page.click("#more");
   await page.evaluate(() => { for (const each of document.querySelectorAll("#drawer details")) each.open = true; });
   await holds("gallery of dances");
+  assert.match(await page.getAttribute("#cells", "aria-label"), /^Dances:/);
   await page.locator(".cell:nth-child(2) .stage").dispatchEvent("click");
   await until(page, () => window.chladni.state.on_stage);
   await page.click("#draw");
@@ -70,6 +71,7 @@ export async function names() {
   await page.click("#gallery");
   await until(page, () => window.chladni.wall && document.querySelectorAll("#cells .cell").length === 12);
   await holds("gallery of caricatures");
+  assert.match(await page.getAttribute("#cells", "aria-label"), /^Caricatures:/);
   await page.click("#wall-close");
   assert.match(await page.getAttribute("#softness", "aria-valuetext"), /^\d+ % of the shape's size$/);
   step(`all controls have names and are reached by the tabulator: ${counts.join(", ")}`);

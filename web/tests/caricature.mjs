@@ -219,8 +219,17 @@ export async function phone() {
   await shot("phone-parts");
   await page.tap("#hold-brush");
   await touch("touchStart", [185, 200]);
+  await touch("touchStart", [185, 200], [215, 200]);
+  for (const x of [225, 240, 230, 215]) await touch("touchMove", [185, 200], [x, 200]);
+  await touch("touchEnd");
+  assert.notEqual(await page.evaluate(() => window.chladni.sitting.undo), "paint", "two fingers paint nothing");
+  await touch("touchStart", [185, 200]);
   for (let x = 185; x <= 215; x += 5) await touch("touchMove", [x, 200]);
   await touch("touchEnd");
+  await until(page, () => window.chladni.sitting.undo === "paint");
+  await page.tap("#undo");
+  await until(page, () => window.chladni.sitting.undo !== "paint");
+  await page.touchscreen.tap(195, 200);
   await until(page, () => window.chladni.sitting.undo === "paint");
   step("a phone: one finger turns or paints, two pinch, a tap takes a part");
   assert.deepEqual([wrong, elsewhere], [[], []]);

@@ -389,6 +389,44 @@ export async function beginnings() {
   step("without waiting for the plate there is the octopus, and a song");
 }
 
+/** A slow network, and a broken one: what cannot be done yet says so, and the reason of a failure stays. */
+export async function slowly() {
+  const context = await browser.newContext({ viewport: LAPTOP, serviceWorkers: "block" });
+  const page = await context.newPage();
+  const held = new Map();
+  await page.route(/chladni_web_bg\.wasm|octopus\.body/, (route) => { held.set(route.request().url().split("/").at(-1), route); });
+  const comes = async (name) => {
+    for (let i = 0; i < 300 && !held.has(name); i++) await page.waitForTimeout(100);
+    return held.get(name);
+  };
+  await page.goto(address);
+  const module = await comes("chladni_web_bg.wasm");
+  const rests = (id) => page.evaluate((id) => document.getElementById(id).matches(":disabled, [inert]"), id);
+  assert.ok(await page.isVisible("#loading"));
+  for (const id of ["enter", "exaggerate", "bring", "hold-still"]) assert.ok(await rests(id), id);
+  const stays = await page.evaluate(() => !document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true })));
+  assert.ok(stays, "a file that is dropped does not take the page's place");
+  await module.continue();
+  await page.click("#enter");
+  assert.ok(await page.isHidden("#loading"));
+  // The octopus is on its way.
+  const octopus = await comes("octopus.body");
+  // Unless the plate was faster than the press.
+  assert.ok(await rests("breed") || await page.evaluate(() => !!window.chladni.state), "what needs a shape rests until there is one");
+  for (const id of ["open", "more", "play"]) assert.ok(!await rests(id), id);
+  await octopus.continue();
+  await dances(page, "sample:octopus");
+  assert.ok(!await page.evaluate(() => document.querySelector("#controls [inert], #drawer [inert]")));
+
+  await page.unrouteAll();
+  await page.route(/chladni_web_bg\.wasm/, (route) => route.abort());
+  await page.goto(`${address}?anew`);
+  await until(page, () => document.getElementById("loading").textContent.startsWith("Chladni could not be loaded"));
+  assert.ok(await rests("enter"));
+  await context.close();
+  step("a slow network is waited for, and a broken one is called so");
+}
+
 const isIdle = (page) => until(page, () => document.getElementById("cancel").hidden);
 
 /** The caricature room. */
@@ -595,5 +633,8 @@ export async function projects() {
   await release(page);
   await acts(page);
   step("of two meshes the second is asked about while the first is solved");
+  // The second is a template of the open shape; those of projects before are not kept.
+  await drop(page, ["dent.chladni", PROJECT]);
+  await says(page, "dent.chladni is made on dent.obj: bring that mesh, too.");
   await ends(opening);
 }

@@ -372,6 +372,24 @@ export async function laptop() {
   await page.context().close();
 }
 
+/** The front's plate stays in sight where the screen is turned, and is in the middle of the room. */
+export async function plate() {
+  const { page, wrong, elsewhere } = await opened({ width: 844, height: 390 }, true);
+  const shift = async () => (await page.evaluate(() => window.chladni.view())).shift;
+  const near = (found, wanted) => assert.ok(found.every((value, i) => Math.abs(value - wanted[i]) < 1e-3), `${found}`);
+  near(await shift(), [0.62, 0]);
+  await page.setViewportSize({ width: 390, height: 844 });
+  await until(page, () => window.chladni.view().shift[1] < 0);
+  near(await shift(), [0, -0.16]);
+  await drop(page, ["clicks.wav", song(20)]);
+  await until(page, () => document.getElementById("song").textContent === "clicks.wav");
+  assert.equal((await state(page)).body, "sample:plate");
+  near(await shift(), [0, 0]);
+  step("the plate of the front stays in sight, and is in the middle of the room");
+  assert.deepEqual([wrong, elsewhere], [[], []]);
+  await page.context().close();
+}
+
 export async function phone() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 390, height: 844 }, true);
   await page.waitForTimeout(3000);
@@ -406,6 +424,19 @@ export async function phone() {
   await touch("touchEnd");
   assert.ok((await view()).distance < 0.8 * turned.distance, "two fingers pinch");
   step("a phone: six dances, one finger turns and two pinch");
+  // The system's Back leads from a room to the front, once for each visit.
+  for (const enter of ["#enter", "#exaggerate"]) {
+    await page.goBack();
+    await until(page, () => document.body.dataset.view === "front");
+    await page.tap(enter);
+    await until(page, () => document.body.dataset.view !== "front");
+  }
+  const entries = await page.evaluate(() => history.length);
+  await page.tap("#home");
+  await until(page, () => document.body.dataset.view === "front");
+  await page.tap("#enter");
+  assert.equal(await page.evaluate(() => history.length), entries, "one entry stands for all visits");
+  step("Back leads from a room to the front");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

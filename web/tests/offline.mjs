@@ -9,7 +9,7 @@ import { address, browser, folder, step, until } from "./driver.mjs";
 /** What the network gives is shown, whether a browser opens no cache or puts nothing into it. No browser can be asked to refuse. */
 async function refused() {
   const run = new Function("self", "caches", "fetch", readFileSync(join(folder, "offline.js"), "utf8"));
-  const came = { ok: true, type: "basic", clone: () => ({}) };
+  const came = { ok: true, type: "basic", clone: () => ({ arrayBuffer: async () => new ArrayBuffer(0) }) };
   const request = { method: "GET", url: `${address}main.js`, destination: "script" };
   const none = () => Promise.reject(new Error("refused"));
   for (const open of [none, async () => ({ put: none })]) {
@@ -20,6 +20,16 @@ async function refused() {
     assert.equal(await shown, came);
   }
   step("what cannot be kept is shown");
+  // The connection breaks in the middle of a file, of which there is a copy.
+  const on = {};
+  const kept = {};
+  const fails = async () => { throw new TypeError("network error"); };
+  const broken = { ...came, clone: () => ({ arrayBuffer: fails }) };
+  run({ registration: { scope: address }, addEventListener: (kind, act) => { on[kind] = act; } }, { open: async () => ({ put: fails }), match: async () => kept }, async () => broken);
+  let shown;
+  on.fetch({ request, respondWith: (found) => { shown = found; } });
+  assert.equal(await shown, kept);
+  step("what was kept takes the place of a file that breaks off");
 }
 
 export async function offline() {

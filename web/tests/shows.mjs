@@ -79,6 +79,17 @@ export async function shows() {
   await until(page, () => !window.chladni.state.played);
   assert.ok(Math.abs((await value()) - before) > 0.9, "it is a dance of one's own then");
   step("a curve is drawn while a show is played");
+  // The tune needs no file, and songs of one name are told apart by their order.
+  await drop(page, ["tune.toml", Buffer.from(lasting.replace('"clicks.wav"', '"sample:tune"'))]);
+  await until(page, () => document.getElementById("status").textContent === "tune.toml is open.");
+  await drop(page, ["01.wav", song(2)], ["01.wav", song(3)]);
+  await until(page, () => document.getElementById("song").textContent === "2 of 3: 01.wav");
+  const found = await page.evaluate(async () => {
+    const { all, findForShow } = await import("./songs.js");
+    return findForShow(["01.wav", "sample:tune", "01.wav", "01.wav", "gone.wav"]).map((song) => (song?.file ? all().indexOf(song) : song?.name));
+  });
+  assert.deepEqual(found, [1, "sample:tune", 2, 1, undefined]);
+  step("a show finds its songs, of which two may share a name");
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

@@ -6,10 +6,33 @@ import { downloaded, drop, opened, step, until } from "./driver.mjs";
 
 const click = (page, selector) => page.locator(selector).dispatchEvent("click");
 
+/** A browser's ways to keep a screen awake, and to ask what sound is for. */
+const asksBrowser = () => {
+  window.locks = [];
+  const request = async () => {
+    const lock = { released: false, release: async () => { lock.released = true; } };
+    window.locks.push(lock);
+    return lock;
+  };
+  Object.defineProperty(navigator, "wakeLock", { value: { request } });
+  Object.defineProperty(navigator, "audioSession", { value: { type: "auto" } });
+};
+
 export async function music() {
-  const { page, wrong, elsewhere } = await opened({ width: 1366, height: 768 }, false);
+  const { page, wrong, elsewhere } = await opened({ width: 1366, height: 768 }, false, { prepare: asksBrowser });
   await page.click("#enter");
   await until(page, () => window.chladni.state.body === "sample:octopus");
+  // While it dances aloud the screen stays awake, after a visit to another tab, too.
+  const locks = (...released) => until(page, (released) => JSON.stringify(window.locks.map((lock) => lock.released)) === released, JSON.stringify(released));
+  await locks(false);
+  assert.equal(await page.evaluate(() => navigator.audioSession.type), "playback");
+  await page.evaluate(() => { window.locks[0].released = true; document.dispatchEvent(new Event("visibilitychange")); });
+  await locks(true, false);
+  await page.click("#play");
+  await locks(true, true);
+  await page.click("#play");
+  await locks(true, true, false);
+  step("the screen stays awake while a shape dances");
   // The dance on stage is the one that is saved.
   await click(page, "#cells .cell:nth-child(5) .stage");
   await until(page, () => window.chladni.state.on_stage);
