@@ -77,7 +77,7 @@ function show(body, begin = () => []) {
   concert = next;
   before?.free();
   atFront = undefined;
-  edits = 0;
+  allKept();
   // A concert that has heard nothing yet: its first song is the one that plays.
   heard.splice(0, heard.length, ...songsHeard);
   rest(false);
@@ -108,9 +108,15 @@ function hear() {
   else song.reading = concert.reading(sound.number);
 }
 
-/** How often something was bred, loved or drawn that no file has. */
+/** How often something was bred, loved or drawn that no file has, and how much of that another gallery leaves. */
 let edits = 0;
+let staying = 0;
 const KEPT = ["breed", "mutate", "favorite", "lock", "rename", "set-transfer", "set-amplification", "set-item-gain", "set-stereo-mu"];
+
+function allKept() {
+  edits = 0;
+  staying = 0;
+}
 
 /** Whether dances would be lost. */
 export const isUnsaved = () => (atFront ? parked?.edits ?? 0 : edits) > 0;
@@ -209,7 +215,7 @@ export async function openText(name, bytes) {
     // Its own mesh may come.
     if (!coming || coming.name !== needs.body) overtake();
     heard.splice(0, heard.length, ...begin(concert));
-    edits = 0;
+    allKept();
     hear();
   }
   shows.know(text, needs);
@@ -252,7 +258,7 @@ async function playShow() {
   overtake();
   player.passOver();
   heard.splice(0, heard.length, ...cast);
-  edits = 0;
+  allKept();
   // Until its first song is heard there is none.
   sound.number = -1;
   refresh();
@@ -360,6 +366,7 @@ function showPlace() {
 const act = attempt((action) => {
   concert.act(JSON.stringify(action));
   if (KEPT.includes(action.do)) edits++;
+  if (action.do === "favorite") staying++;
   refresh();
 });
 /** The dance that is saved: the one on stage, else the first that is chosen. */
@@ -378,11 +385,12 @@ function isAnotherOnStage() {
 
 /** Gives all dances up for others, where their user may. */
 const newGallery = attempt((size, isOther) => {
-  if (isUnsaved() && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
+  if (edits > staying && !confirm("The dances that were bred here are not saved. Begin anew without them?")) return refresh();
   concert.new_gallery(size, isOther);
   refresh();
   // Favorites stay, and no file may have them yet.
-  if (!state.favorites) edits = 0;
+  if (state.favorites) staying = edits;
+  else allKept();
 });
 
 /** Sand is of the stage: it goes with it. */
@@ -482,7 +490,7 @@ export function leave() {
 function unpark() {
   if (parked) {
     concert?.free();
-    ({ concert, edits } = parked);
+    ({ concert, edits, staying } = parked);
     heard.splice(0, heard.length, ...parked.heard);
     parked = undefined;
     hear();
@@ -517,7 +525,7 @@ export async function front() {
   if (mine !== visit) return;
   if (concert && concert !== atFront) {
     // What was bred in the room is there again when it is entered.
-    parked = { concert, heard: [...heard], edits };
+    parked = { concert, heard: [...heard], edits, staying };
     concert = undefined;
   }
   show(body);
@@ -600,7 +608,7 @@ export function listen() {
   });
   on("pilot", () => { concert.autopilot(!state.piloted); settle(); });
   on("sand", () => { concert.sand(!state.sand); refresh(); });
-  on("save-show", () => { save("chladni-show.toml", concert.save_show()); edits = 0; });
+  on("save-show", () => { save("chladni-show.toml", concert.save_show()); allKept(); });
   on("save-preset", () => save("chladni-dance.toml", concert.save_preset(theDance())));
   on("play-show", playShow);
   on("save-picture", async () => save("chladni.png", await takePicture(LONGEST)));

@@ -21,7 +21,7 @@ function beginFilm() {
   let film;
   try { film = new LiveFilm(by * clientWidth, by * clientHeight, overheard.tracks); } catch (error) { overheard.end(); throw error; }
   const unwatch = watch((picture, veil) => film.take(picture, veil));
-  filming = { film, follow: overheard.follow, end: () => { unwatch(); overheard.end(); } };
+  filming = { film, follow: overheard.follow, keepLate: overheard.keepLate, end: () => { unwatch(); overheard.end(); } };
   film.failed.catch(attempt(async (error) => {
     // One that is ending already gives away by itself.
     if (filming?.film !== film) return;
@@ -98,7 +98,9 @@ export function show(isBusy) {
 
 /** Shows how long it is recorded by now. */
 export function tick() {
-  if (filming) of("film").textContent = `Stop, ${Math.floor(filming.film.secs)} s`;
+  if (!filming) return;
+  filming.keepLate();
+  of("film").textContent = `Stop, ${Math.floor(filming.film.secs)} s`;
 }
 
 export function listen(musicRoom) {

@@ -147,15 +147,18 @@ export class Sound {
   }
 
   /** The sound of the room, for a film: its tracks; `follow(stream)`, after which a microphone's stream is heard, too, or
-   * none; and `end()` when they are no longer wanted. */
+   * none; `keepLate()`, to be called now and then, as another device may be late otherwise; and `end()` when they are no
+   * longer wanted. */
   overheard() {
     const ear = this.outlet().context.createMediaStreamDestination();
     // Pictures are of what leaves the loudspeaker: a film has the song as late.
     const late = this.context.createDelay(1);
-    const keepLate = () => { late.delayTime.value = this.lateSecs(); };
+    const keepLate = () => {
+      if (Math.abs(late.delayTime.value - this.lateSecs()) > 0.01) late.delayTime.value = this.lateSecs();
+    };
     keepLate();
     // Where no song was heard yet it does not run.
-    this.context.resume().then(keepLate, () => {});
+    this.context.resume().catch(() => {});
     this.out.connect(late).connect(ear);
     let heard;
     let source;
@@ -172,7 +175,7 @@ export class Sound {
       this.out.disconnect(late);
       for (const track of tracks) track.stop();
     };
-    return { tracks, follow, end };
+    return { tracks, follow, keepLate, end };
   }
 
   stopSource() {
