@@ -13,7 +13,7 @@ use crate::ldlt::Row;
 use crate::{Basis, Certificate, HarmonicsError, Laplacian, Pencil};
 
 /// A larger residual is an error.
-pub(super) const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
+const MAX_RELATIVE_RESIDUAL: f64 = 1e-7;
 const MAX_ORTHOGONALITY_ERROR: f64 = 1e-7;
 /// Overlaps between neighboring slices above this are removed.
 const OVERLAP: f64 = 0.2 * Certificate::ORTHOGONALITY;
