@@ -50,15 +50,40 @@ impl Disc {
     }
 
     /// Premultiplied color at the middle of a pixel with samples of these depths, of its part behind them or of that before
-    /// them.
+    /// them, which is laid over the other.
     pub(super) fn color(&self, x: i32, y: i32, depths: [f32; 4], hidden: bool) -> [f32; 4] {
         let r = (x as f32 + 0.5 - self.center[0]).hypot(y as f32 + 0.5 - self.center[1]);
         let cover = 1.0 - smoothstep(self.radius - 0.7, self.radius + 0.7, r);
         let rim = smoothstep(self.radius * 0.68 - 0.6, self.radius * 0.68 + 0.6, r);
         let before = depths.iter().filter(|depth| self.depth <= **depth).count() as f32 / 4.0;
-        let share = if hidden { HIDDEN * (1.0 - before) } else { before };
-        let alpha = cover * self.color[3] * share;
+        let own = cover * self.color[3];
+        let alpha = if hidden {
+            // The two share no samples: what the part before will take from this one is added.
+            own * HIDDEN * (1.0 - before) / (1.0 - own * before).max(1e-6)
+        } else {
+            own * before
+        };
         let [r, g, b, _] = self.color.map(|c| mix(c, 1.0, rim) * alpha);
         [r, g, b, alpha]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_disc_that_a_surface_cuts_is_the_mean_of_its_samples() {
+        for opacity in [0.4, 1.0] {
+            let disc = Disc { center: [0.5, 0.5], depth: 0.5, radius: 9.0, color: [0.0, 0.0, 0.0, opacity] };
+            for before in 0..=4 {
+                let depths = std::array::from_fn(|s| if s < before { 1.0 } else { 0.0 });
+                let left = |hidden: bool| 1.0 - disc.color(0, 0, depths, hidden)[3];
+                let share = before as f32 / 4.0;
+                let mean = share * (1.0 - opacity) + (1.0 - share) * (1.0 - opacity * HIDDEN);
+                let both = left(true) * left(false);
+                assert!((both - mean).abs() < 1e-6, "{before} samples of opacity {opacity}: {both}, {mean}");
+            }
+        }
     }
 }

@@ -255,6 +255,11 @@ impl Pipelines {
                 ("marker_vertex", Some(fragment), vec![slot(stride, MARKER_BYTES, &marker)])
             }
         };
+        // No light is computed where it would be thrown away.
+        let fragment = match kind.part {
+            Part::Surface(.., Pass::Depths) => Some("no_fragment"),
+            _ => fragment,
+        };
         let layout = match kind.part {
             Part::Grains => &self.cornered,
             Part::Shadow | Part::Depth => &self.shadowed,
@@ -320,10 +325,9 @@ impl Part {
         use wgpu::CompareFunction::{Always, Greater, Less, LessEqual};
         let (write, compare) = match self {
             Self::Smooth => return None,
-            Self::Markers | Self::Grains | Self::Brush | Self::Surface(.., Pass::Colors) => {
-                (false, LessEqual)
-            }
-            // Of surfaces in one place the first is seen, as on the processor.
+            Self::Markers | Self::Grains | Self::Brush => (false, LessEqual),
+            // Of surfaces in one place the first is seen, as on the processor: colors of translucent ones, too, hide those
+            // of others.
             Self::Shadow | Self::Depth | Self::Surface(..) => (true, Less),
             Self::Backdrop | Self::Pictured => (false, Always),
             Self::HiddenMarkers => (false, Greater),

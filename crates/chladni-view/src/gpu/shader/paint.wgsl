@@ -40,6 +40,12 @@ fn brush_fragment(in: Brushed) -> @location(0) vec4f {
     return vec4f(c, 1.0) * max(ring, inside);
 }
 
+// Only depths are drawn.
+@fragment
+fn no_fragment() -> @location(0) vec4f {
+    return vec4f(0.0);
+}
+
 @fragment
 fn plain_fragment(in: Surface, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let key = lit_by_key(in.map_at, select(-in.map_step, in.map_step, front), in.clip.xy);
