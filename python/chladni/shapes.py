@@ -87,8 +87,8 @@ class Match:
     coverage: float
     """Share of the area of shape 1 that is trusted."""
     residual_median: float | None
-    """Median distance that is left between shape 1, bent or aligned, and shape 2; a share of the diagonal of shape 1. None for
-    "map" and "same"."""
+    """Median distance that is left between shape 1, bent or aligned, and shape 2; a share of the diagonal of shape 1. None
+    for "map" and "same"."""
     residual_p95: float | None
     """The remaining distance that 5 % of the vertices exceed."""
     flipped_triangles: int
@@ -127,7 +127,8 @@ def caricature(
     ``caricature(basis, ...)`` uses the harmonics of a `Basis`, ``caricature(V, F, ...)`` solves for k of them (at most n).
     The template is "ellipsoid" or "sphere" (fitted), a mesh ``(V2, F2)``, which is matched as `match` does it, or a whole
     number K of at most k: the shape's own first K harmonics. ``model`` is "coordinate", "normal" or "distance", the
-    three of the paper. Where a matched mesh is exaggerated, the finest detail is left as it is, since no match is exact there.
+    three of the paper. Where a matched mesh is exaggerated, the finest detail is left as it is, since no match is exact
+    there.
     """
     basis = _basis(V, F, k, progress)
     template = tuple(template) if isinstance(template, list) and len(template) == 2 else template
@@ -156,8 +157,8 @@ def symmetry(V, F=None, *, k=64, progress=None):
 
 def read_mesh(path):
     """Vertices (n, 3) and triangles (m, 3) of a file: OBJ, PLY, STL, OFF, GLB, glTF, Medit (.mesh); polygons are divided
-    into triangles. "sample:NAME" is a shape of our own: head, template, octopus, plate, disc, drum, bell, ring, jellyfish, human, cat,
-    or portrait, a head with sliders ("sample:portrait?jaw=0.5")."""
+    into triangles. "sample:NAME" is a shape of our own: head, template, octopus, plate, disc, drum, bell, ring, jellyfish,
+    human, cat, or portrait, a head with sliders ("sample:portrait?jaw=0.5")."""
     try:
         return _chladni.read_mesh(path)
     except FileError as error:
@@ -173,10 +174,8 @@ def _is_missing(name):
     """Whether no file has this name; one in a folder that may not be entered may be there."""
     try:
         os.stat(name)
-    except FileNotFoundError:
-        return True
-    except (OSError, ValueError):
-        return False
+    except (OSError, ValueError) as error:
+        return isinstance(error, (FileNotFoundError, NotADirectoryError))
     return False
 
 

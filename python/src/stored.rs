@@ -1,6 +1,7 @@
 //! A basis in a folder, of which only a piece is in memory at a time.
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use chladni_harmonics::{HarmonicsError, npz};
 use numpy::PyArray1;
@@ -32,10 +33,7 @@ impl StoredBasis {
         let folder = std::path::absolute(arrays::path(folder, "folder")?)
             .map_err(|error| InputError::new_err(format!("folder: {error}")))?;
         let stored = npz::StoredBasis::open(&folder).map_err(|error| match &error {
-            // One in a folder that may not be entered may be there.
-            HarmonicsError::Stored { path, .. } if path.try_exists().is_ok_and(|there| !there) => {
-                missing(py, &error.to_string())
-            }
+            HarmonicsError::Stored { path, .. } if is_missing(path) => missing(py, &error.to_string()),
             _ => Failure::from(error).into(),
         })?;
         let eigenvalues = give(py, stored.eigenvalues().to_vec()).unbind();
@@ -90,6 +88,14 @@ impl StoredBasis {
     fn __repr__(&self) -> String {
         let (vertices, k) = (self.stored.operator_vertex().len(), self.stored.eigenvalues().len());
         format!("StoredBasis({vertices} vertices, {k} harmonics)")
+    }
+}
+
+/// Whether no file has this name; one in a folder that may not be entered may be there.
+fn is_missing(path: &Path) -> bool {
+    match path.try_exists() {
+        Ok(there) => !there,
+        Err(error) => error.kind() == io::ErrorKind::NotADirectory,
     }
 }
 

@@ -125,6 +125,9 @@ def test_meshes_come_back_from_their_files(tmp_path, pebble):
         with pytest.raises(chladni.FileError) as unread:
             chladni.read_mesh(tmp_path / "loop.obj")
         assert not isinstance(unread.value, FileNotFoundError)
+    # No file has a name that leads through another file.
+    with pytest.raises(FileNotFoundError):
+        chladni.read_mesh(tmp_path / "a.obj" / "a.obj")
     (tmp_path / "bad.ply").write_bytes(b"ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n")
     for bad in (lambda: chladni.read_mesh(tmp_path / "bad.ply"), lambda: chladni.write_mesh(tmp_path / "a.txt", V, F)):
         with pytest.raises(chladni.FileError):

@@ -55,6 +55,9 @@ def test_what_does_not_fit_is_refused(tmp_path, ball):
         with pytest.raises(chladni.FileError) as raised:
             chladni.StoredBasis(tmp_path / "loop")
         assert not isinstance(raised.value, FileNotFoundError)
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(chladni.MissingFileError):
+        chladni.StoredBasis(tmp_path / "file" / "nowhere")
     stored(tmp_path, *ball, 5)
     read = chladni.StoredBasis(tmp_path)
     with pytest.raises(chladni.InputError, match="3 vertices, where the basis has 642"):
