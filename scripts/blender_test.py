@@ -274,9 +274,9 @@ def scene_of(path):
     corner_normals = np.empty(3 * len(mesh.loops), np.float32)
     mesh.corner_normals.foreach_get("vector", corner_normals)
     flat = np.array([polygon.normal for polygon in mesh.polygons for _ in polygon.loop_indices], np.float32)
+    nodes = [(m.name, m.node_tree.nodes["Principled BSDF"]) for m in mesh.materials]
     principled = [
-        (m.name, *(round(m.node_tree.nodes["Principled BSDF"].inputs[i].default_value, 6) for i in ("Roughness", "Metallic")))
-        for m in mesh.materials
+        (name, *(round(node.inputs[i].default_value, 6) for i in ("Roughness", "Metallic"))) for name, node in nodes
     ]
     actions = sorted((action.name, tuple(action.frame_range)) for action in bpy.data.actions)
     found = {

@@ -77,7 +77,8 @@ fn rigged() -> (Value, Vec<u8>) {
             { "name": "bone end" }
         ],
         "meshes": [
-            { "name": "solid", "primitives": [solid.clone(), lines], "weights": [0.0], "extras": { "targetNames": ["Smile"], "mine": 7 } },
+            { "name": "solid", "primitives": [solid.clone(), lines], "weights": [0.0],
+              "extras": { "targetNames": ["Smile"], "mine": 7 } },
             { "name": "other", "primitives": [solid] }
         ],
         "skins": [{ "joints": [4, 5], "inverseBindMatrices": inverse }],

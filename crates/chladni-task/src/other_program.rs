@@ -175,8 +175,8 @@ pub fn other_program(name: impl AsRef<OsStr>, needs: Needs) -> Command {
 }
 
 /// Starts a program in a process group of its own (on Unix): Ctrl-C, which a terminal sends to the whole group, would end
-/// an encoder before we have given it the rest. One that reads from us or writes to us ends when we do, one that makes a file of files
-/// when that is done.
+/// an encoder before we have given it the rest. One that reads from us or writes to us ends when we do, one that makes a
+/// file of files when that is done.
 pub fn apart(command: &mut Command) {
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(command, 0);

@@ -159,7 +159,8 @@ impl KnownLimbs {
     }
 }
 
-/// The body whose limbs are found; `body` itself where its mesh has no other harmonics.
+/// The body whose limbs are found; `body` itself where its mesh has no other harmonics. Limbs may then have other numbers
+/// than in the commands.
 fn solved_for(body: &Arc<Body>, mesh: &TriMesh, task: &Task) -> Arc<Body> {
     body_of_limbs(body, ("the shape", mesh), &Aside::new(task)).unwrap_or_else(|_| Arc::clone(body))
 }
