@@ -69,12 +69,15 @@ fn stamp(path: &Path) -> Option<Stamp> {
 
 impl Session {
     /// Takes in that a template is chosen. Where its file is another than the one that was matched, matches with that one are
-    /// forgotten, and the landmarks, which are vertices of it, go. Returns what the user should know of this.
+    /// forgotten, and the landmarks, which are vertices of it, go where one had succeeded. Returns what
+    /// the user should know of this.
     pub fn renew(&mut self, template: &Template) -> Result<Option<String>, Error> {
         let fate = self.files.renew(template);
         if matches!(fate, Fate::Same) {
             return Ok(None);
         }
+        // Landmarks are vertices of a file that was matched.
+        let was_matched = self.stack.is_matched_with(template);
         self.stack.forget_template(template);
         self.matching.take_if(|(request, _)| request.template == *template);
         self.refresh();
@@ -82,7 +85,7 @@ impl Session {
         let compared = layers.filter(|(_, layer)| layer.template == *template);
         let compared: Vec<(LayerId, MatchSettings)> =
             compared.map(|(id, layer)| (*id, layer.matching.clone())).collect();
-        if matches!(fate, Fate::Come) || compared.is_empty() {
+        if matches!(fate, Fate::Come) || !was_matched || compared.is_empty() {
             return Ok(None);
         }
         let marked = compared.into_iter().filter(|(_, matching)| !matching.landmarks.is_empty());
@@ -109,7 +112,8 @@ impl Session {
 mod tests {
     use super::super::super::loading::{Candidate, load};
     use super::*;
-    use chladni_caricature::{CaricatureError, Layer, MatchRequest, Project, ShapeSource};
+    use crate::work::{Aside, matched};
+    use chladni_caricature::{CaricatureError, Layer, MatchRequest, Matched, Project, ShapeSource};
     use chladni_match::Landmark;
     use chladni_mesh::{samples::icosphere, save_mesh};
     use chladni_task::Task;
@@ -128,6 +132,23 @@ mod tests {
         project.push(layer).unwrap();
         let loaded = load(Candidate::new(project), &channel().0, &Task::new()).unwrap();
         (Session::new(loaded), request, file)
+    }
+
+    /// Any match of the shape.
+    fn found(session: &Session) -> Matched {
+        let request = MatchRequest::of(&Layer::new("sphere", Template::Sphere)).unwrap();
+        matched(&request, &session.subject.mesh, session.stack.body(), &Aside::new(&Task::new())).unwrap()
+    }
+
+    #[test]
+    fn a_file_that_is_mended_and_chosen_again_keeps_its_landmarks() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut session, request, file) = marked(folder.path());
+        session.files.note(&request.template);
+        session.stack.install(request.clone(), Err(CaricatureError::Elsewhere("broken".into())));
+        save_mesh(&icosphere(2), &file).unwrap();
+        assert_eq!((session.renew(&request.template).unwrap(), session.renewals()), (None, 1));
+        assert_eq!(session.stack.missing(session.project()), [request]);
     }
 
     #[test]
@@ -151,7 +172,8 @@ mod tests {
         let template = request.template.clone();
         assert_eq!(session.renew(&template).unwrap(), None, "never matched");
         session.files.note(&template);
-        session.stack.install(request.clone(), Err(CaricatureError::Elsewhere("as it was".into())));
+        let as_it_was = found(&session);
+        session.stack.install(request.clone(), Ok(as_it_was));
         assert_eq!(session.renew(&template).unwrap(), None);
         assert!(session.stack.missing(session.project()).is_empty());
 
