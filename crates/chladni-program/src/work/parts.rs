@@ -50,7 +50,7 @@ impl Parts {
         let twins = twins_in(&limbs, mirror);
         let named = |(i, limb): (usize, &chladni_caricature::Limb)| {
             let kind = if limb.is_trunk() { "trunk" } else { "part" };
-            // The number that `parts --level` prints and --limb takes.
+            // The number that `parts --level` prints and --limb takes, where the body has as many harmonics.
             format!("{kind} {i}, {:.0} %", 100.0 * limb.share)
         };
         Self {
@@ -91,7 +91,7 @@ impl Parts {
 }
 
 /// The body whose limbs are found: `own`, made of the mesh called `name`, where its harmonics are those of the commands,
-/// or the mesh with these. So the same limbs are found everywhere.
+/// or the mesh with these. So commands, the window and galleries find the same limbs.
 ///
 /// # Errors
 /// As [`body::build`].

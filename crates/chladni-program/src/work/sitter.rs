@@ -8,7 +8,7 @@ use chladni_caricature::{
 use chladni_match::{Match, MatchSettings, Method, match_shapes};
 use chladni_mesh::TriMesh;
 
-use super::{Error, Watcher, matched, twins_of};
+use super::{Aside, Error, Watcher, body_of_limbs, matched, twins_of};
 
 /// The sample that heads are matched with.
 const HEAD: &str = "template";
@@ -35,7 +35,7 @@ pub fn sitter(
     let templates = all_templates(given, named.is_some(), stack.body().basis.harmonics());
     let parts = match named {
         Some(parts) => parts,
-        None => limbs(stack, watcher)?,
+        None => limbs(mesh, stack, watcher)?,
     };
     for (template, matching) in &templates {
         let request = MatchRequest { template: template.clone(), matching: matching.clone() };
@@ -116,11 +116,20 @@ fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Opt
     Ok(Some(parts?.into_iter().flatten().collect()))
 }
 
-/// The limbs of any shape, mirror images together, the largest first.
-fn limbs(stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
-    let body = stack.body();
-    let found = Limbs::of(body, Limbs::USUAL_LEVEL);
-    let twins = twins_of(&found, body, watcher)?;
+/// The limbs of any shape, mirror images together, the largest first: those that a click takes in the window, and that
+/// `parts --level` prints.
+fn limbs(mesh: &TriMesh, stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
+    let own = stack.body();
+    // Warnings of the mesh came with its own harmonics.
+    let solved = watcher.watch("solving for the harmonics of limbs", |task| {
+        body_of_limbs(own, ("the shape", mesh), &Aside::new(task))
+    });
+    let body = match solved {
+        Err(error) if !error.is_cancelled() => Arc::clone(own),
+        solved => solved?,
+    };
+    let found = Limbs::of(&body, Limbs::USUAL_LEVEL);
+    let twins = twins_of(&found, &body, watcher)?;
     let mut parts = Vec::new();
     for (i, twin) in twins.iter().enumerate().filter(|(i, twin)| twin.is_none_or(|twin| twin > *i)) {
         let both: Vec<usize> = std::iter::once(i).chain(*twin).collect();
@@ -145,7 +154,7 @@ mod tests {
     use chladni_task::Task;
 
     use super::*;
-    use crate::work::{Aside, Parts};
+    use crate::work::Parts;
 
     #[test]
     fn a_shape_made_smooth_is_one_template_where_it_has_few_harmonics() {
@@ -179,14 +188,14 @@ mod tests {
     /// The number that `parts --level` prints, from 0, and --limb takes.
     #[test]
     fn a_limb_has_one_number_wherever_it_is_named() {
-        let task = Task::new();
-        let settings = BasisSettings::new(Limbs::HARMONICS);
-        let body = Arc::new(Body::build(&sample("octopus").unwrap(), &settings, &task).unwrap());
-        let stack = Stack::new(Arc::clone(&body)).unwrap();
+        let (mesh, task) = (sample("octopus").unwrap(), Task::new());
+        let [body, few] = [Limbs::HARMONICS, 12]
+            .map(|harmonics| Arc::new(Body::build(&mesh, &BasisSettings::new(harmonics), &task).unwrap()));
+        let stack = Stack::new(few).unwrap();
         let found = Limbs::of(&body, Limbs::USUAL_LEVEL);
         let of_page = Parts::at_level(&body, Limbs::USUAL_LEVEL, None).names;
         assert_eq!(of_page.len(), found.parts.len());
-        let of_gallery = limbs(&stack, &Aside::new(&task)).unwrap();
+        let of_gallery = limbs(&mesh, &stack, &Aside::new(&task)).unwrap();
         assert!(of_gallery.len() > 1);
         for SitterPart { name, painted } in of_gallery {
             let (kind, numbers) = name.split_once(' ').unwrap();
