@@ -245,7 +245,10 @@ impl Studio {
         if HELP.pressed_anywhere(ctx) {
             self.key_sheet_open = !self.key_sheet_open;
         }
-        if self.key_sheet_open && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
+        // A menu in front of the sheet has Escape first.
+        if self.key_sheet_open
+            && !egui::Popup::is_any_open(ctx)
+            && ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape))
         {
             self.key_sheet_open = false;
         }

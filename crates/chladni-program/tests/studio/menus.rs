@@ -6,8 +6,8 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::CTRL;
-use crate::driving::control;
 use crate::driving::person::Desk;
+use crate::driving::{control, is_there};
 
 /// Taking a picture fails where something on it has no name of its own.
 #[test]
@@ -89,6 +89,21 @@ fn the_keyboard_alone_reaches_every_control() {
     person.press(Key::F1);
     person.wait_to_see("Keyboard and mouse");
     assert!(person.sees("Turn the view that has the focus"));
+    person.press(Key::Escape);
+    person.wait_until_gone("Keyboard and mouse");
+}
+
+#[test]
+fn escape_closes_a_menu_before_the_sheet_of_keys() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Compare with a mesh");
+    person.click("add");
+    person.press(Key::F1);
+    person.wait_to_see("Keyboard and mouse");
+    assert!(is_there(&person.0, "template/ellipsoid"));
+    person.press(Key::Escape);
+    assert!(!is_there(&person.0, "template/ellipsoid") && person.sees("Keyboard and mouse"));
     person.press(Key::Escape);
     person.wait_until_gone("Keyboard and mouse");
 }
