@@ -111,7 +111,7 @@ function hear() {
 /** How often something was bred, loved or drawn that no file has, and how much of that another gallery leaves. */
 let edits = 0;
 let staying = 0;
-const KEPT = ["breed", "mutate", "favorite", "lock", "rename", "set-transfer", "set-amplification", "set-item-gain", "set-stereo-mu"];
+const KEPT = ["breed", "mutate", "favorite", "rename", "set-transfer", "set-amplification", "set-item-gain", "set-stereo-mu"];
 
 function allKept() {
   edits = 0;

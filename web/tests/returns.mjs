@@ -136,6 +136,8 @@ export async function galleries() {
   await drop(page, ["cat.toml", Buffer.from(cat)]);
   await says(page, "cat.toml is open.");
   assert.deepEqual(asked, [], "what was played is in its file");
+  // Where a dance is locked, nothing is lost.
+  await page.locator("#cells .cell:nth-child(4) .lock").dispatchEvent("click");
   // Favorites stay when another gallery begins: they are asked about, too.
   await page.locator("#cells .cell:nth-child(3) .favor").dispatchEvent("click");
   for (const from of [1, 2]) {
