@@ -208,7 +208,7 @@ fn a_gallery_is_drawn_bred_and_one_of_it_becomes_a_mesh() {
     assert!(largest(&desk.mesh("seventh.ply").positions, &desk.mesh("shape.obj").positions) > 0.01);
     desk.ok(&format!("{gallery} --surprise -o surprise.glb"));
     assert!(desk.refused(&format!("{line} --choose 13 -o x.png")).contains("from 1 to 12"));
-    // Unless a seed is given, it is the first gallery of the window.
+    // Unless a seed is given, it is 1, as in the window and on the page.
     let variant = |seed: &str| {
         desk.ok(&format!("caricature shape.obj --gallery -k 48 {seed} --variant 1 -o first.ply"));
         desk.mesh("first.ply").positions
