@@ -175,6 +175,9 @@ impl Args {
         files.iter().try_for_each(|path| check_arrays(path))?;
         check_distinct(&files)?;
         folder.map_or(Ok(()), check_folder)?;
+        if let Some(scratch) = self.scratch.as_deref().filter(|path| !path.is_dir()) {
+            return Err(Error::Input(format!("--scratch {}: there is no such folder", scratch.display())));
+        }
         let scratch = self.scratch.clone().unwrap_or_else(BasisSettings::default_scratch);
         let ranks = self.on.of(self.engine, &scratch)?;
         if ranks.is_some() && self.threads.is_some() {
