@@ -23,11 +23,20 @@ pub struct Binding {
     /// Which choice or dance it takes, from 1; `None` for the next choice, or the dance that is marked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub number: Option<u32>,
+    /// A MIDI controller that sends by how many steps a level goes up or, as 128 less the steps, down: a knob that turns
+    /// endlessly.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub relative: bool,
 }
 
 impl Binding {
     fn is_of(&self, device: &str, control: &Control) -> bool {
         self.control == *control && (self.device.is_empty() || self.device == device)
+    }
+
+    /// Whether it can be [`relative`](Self::relative).
+    pub fn can_be_relative(&self) -> bool {
+        self.target.kind() == Kind::Level && matches!(self.control, Control::Controller { .. })
     }
 }
 
@@ -65,6 +74,8 @@ pub struct Bindings {
     /// The states, one per binding.
     hands: Vec<Hand>,
     learning: Option<(Target, Option<u32>)>,
+    /// A note that was learned for a level and is still held: it may be the touch sensor of a fader that moves next.
+    felt: Option<Binding>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -122,7 +133,7 @@ impl Bindings {
 
     /// Binds the next control that is touched to a target and a number. `None` stops waiting.
     pub fn learn(&mut self, target: Option<(Target, Option<u32>)>) {
-        self.learning = target;
+        (self.learning, self.felt) = (target, None);
     }
 
     /// The target that waits for a control, and its number.
@@ -143,27 +154,53 @@ impl Bindings {
         }
     }
 
+    /// Whether the binding at `at` is of a knob that turns endlessly. Nothing changes where it
+    /// [cannot be](Binding::can_be_relative).
+    pub fn set_relative(&mut self, at: usize, on: bool) {
+        if let Some(binding) = self.list.get_mut(at).filter(|binding| binding.can_be_relative()) {
+            binding.relative = on;
+        }
+    }
+
     /// Handles a touch. If a target is waiting for a control and there is room, binds this control to it; otherwise the
     /// control turns its target. A knob or fader whose position differs from its target's takes over when
-    /// it passes that position.
+    /// it passes that position. A note that is learned for a level does nothing until it is released: if a knob or fader of
+    /// its device moves before that, the note was its touch sensor, and the level is bound to what moves.
     pub fn touch(&mut self, touch: &Touch, parameters: &Parameters, standing: Standing<'_>) -> Option<Cue> {
         let value = if touch.value.is_finite() { touch.value.clamp(0.0, 1.0) } else { return None };
-        let learned = self.learning.filter(|_| value > 0.0);
+        let learned = self.learning.or_else(|| self.felt_for(touch)).filter(|_| value > 0.0);
         if let Some((target, number)) = learned {
-            let (device, control) = (touch.device.clone(), touch.control.clone());
-            // Where there is no room, it goes on waiting.
-            if self.bind(Binding { device, control, target, number }) {
-                self.learning = None;
+            if let Some(sensor) = self.felt.take()
+                && let Some(at) = self.list.iter().position(|binding| *binding == sensor)
+            {
+                self.forget(at);
             }
+            let (device, control) = (touch.device.clone(), touch.control.clone());
+            let binding = Binding { device, control, target, number, relative: false };
+            let may_be_sensor =
+                target.kind() == Kind::Level && matches!(binding.control, Control::Note { .. });
+            // Where there is no room, it goes on waiting.
+            if self.bind(binding.clone()) {
+                self.learning = None;
+                self.felt = Some(binding).filter(|_| may_be_sensor);
+            }
+        }
+        if self.felt.as_ref().is_some_and(|felt| felt.is_of(&touch.device, &touch.control)) {
+            if value <= 0.0 {
+                self.felt = None;
+            }
+            return None;
         }
         let at = self.list.iter().position(|binding| binding.is_of(&touch.device, &touch.control))?;
         let (binding, hand) = (self.list.get(at)?, self.hands.get_mut(at)?);
         let pressed = hand.press(&binding.control, value);
         let which = match (binding.target.kind(), binding.number) {
+            (Kind::Level, _) if binding.relative && binding.can_be_relative() => {
+                Which::Level(hand.step(value, standing(binding.target, None)?))
+            }
             (Kind::Level, _) => {
                 let now = standing(binding.target, None).filter(|_| learned.is_none());
-                let soft = matches!(binding.control, Control::Controller { .. } | Control::PitchBend { .. });
-                if !hand.turn(value, now.filter(|_| soft)) {
+                if !hand.turn(value, now.filter(|_| moves(&binding.control))) {
                     return None;
                 }
                 Which::Level(value)
@@ -234,6 +271,12 @@ impl Bindings {
         self.hands.iter_mut().for_each(|hand| *hand = Hand::default());
     }
 
+    /// The target of the note that is felt, and its number, where `touch` moves a control of the same device.
+    fn felt_for(&self, touch: &Touch) -> Option<(Target, Option<u32>)> {
+        let felt = self.felt.as_ref().filter(|felt| felt.device == touch.device && moves(&touch.control))?;
+        self.list.contains(felt).then_some((felt.target, felt.number))
+    }
+
     /// Returns whether there was room for it.
     fn bind(&mut self, binding: Binding) -> bool {
         while let Some(known) = self.list.iter().position(|known| {
@@ -273,6 +316,22 @@ impl Hand {
         self.seen = now.filter(|_| has);
         has
     }
+
+    /// Where the target of an endless knob goes that sends `value` while its target is at `now`.
+    fn step(&mut self, value: f32, now: f32) -> f32 {
+        let sent = (127.0 * value).round();
+        let steps = if sent < 64.0 { sent } else { sent - 128.0 };
+        // Steps within one frame add up.
+        let from = self.put.filter(|_| self.seen == Some(now)).unwrap_or(now);
+        let to = (from + steps / 127.0).clamp(0.0, 1.0);
+        (self.put, self.seen, self.was_sent) = (Some(to), Some(now), false);
+        to
+    }
+}
+
+/// Whether a control has positions that a hand moves, unlike a pad.
+fn moves(control: &Control) -> bool {
+    matches!(control, Control::Controller { .. } | Control::PitchBend { .. })
 }
 
 #[cfg(test)]

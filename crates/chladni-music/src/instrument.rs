@@ -231,8 +231,8 @@ impl Instrument {
         }
     }
 
-    /// Does `action` and logs it, unless it sets a knob or a switch to where it stands. On error nothing changes and nothing
-    /// is logged.
+    /// Does `action` and logs it, unless it puts a knob, a switch, a choice or the fader where it stands. On error nothing
+    /// changes and nothing is logged.
     ///
     /// # Errors
     /// The action names a missing thing, or a value out of its range; or the gallery refuses, as where
@@ -254,6 +254,10 @@ impl Instrument {
             | Action::Switch { switch: Switch::BeatSteps, .. } => false,
             Action::Set { parameter, value } => self.parameters.get(parameter).to_bits() == value.to_bits(),
             Action::Switch { switch, on } => self.parameters.is_on(switch) == on,
+            Action::SetForm { form } => self.parameters.form == form,
+            Action::SetChoir { choir } => self.parameters.choir == choir,
+            Action::SetHarmonics { harmonics } => self.parameters.harmonics.unwrap_or(0) == harmonics,
+            Action::Crossfade { share } => self.stage.rests_at(share),
             _ => false,
         }
     }

@@ -167,6 +167,11 @@ impl Stage {
         self.next = Some((id, self.fader));
     }
 
+    /// Whether the fader stands at `share` already, and brings nothing on stage there.
+    pub(crate) fn rests_at(&self, share: f32) -> bool {
+        self.fader.to_bits() == share.to_bits() && self.next().is_none_or(|(_, come)| come < FADED)
+    }
+
     /// Moves the fader; at its end the next one is on stage.
     pub(crate) fn fade(&mut self, to: f32, beat: f64) {
         self.fader = to.clamp(0.0, 1.0);

@@ -7,7 +7,7 @@ fn knob(number: u8, value: u8) -> Touch {
 }
 
 fn binding(control: Control, target: Target) -> Binding {
-    Binding { device: String::new(), control, target, number: None }
+    Binding { device: String::new(), control, target, number: None, relative: false }
 }
 
 /// Handles a touch when only the positions of knobs are known.
@@ -73,6 +73,66 @@ fn a_knob_takes_over_where_it_passes_its_target() {
 }
 
 #[test]
+fn a_motor_fader_that_feels_the_hand_is_learned_and_not_its_touch_sensor() {
+    let parameters = Parameters::default();
+    let sensor = |value| Touch::from_midi("desk", &[0x90, 104, value]).unwrap();
+    let fader = Touch::from_midi("desk", &[0xe0, 0, 64]).unwrap();
+    let mut bindings = Bindings::default();
+    let mut learn = |touches: &[&Touch]| {
+        bindings.learn(Some((Target::Volume, None)));
+        let cues: Vec<_> = touches.iter().map(|moved| touch(&mut bindings, moved, &parameters)).collect();
+        let bound: Vec<Control> = bindings.list().iter().map(|binding| binding.control.clone()).collect();
+        assert_eq!(bindings.learning(), None);
+        bindings.forget(0);
+        (cues, bound)
+    };
+    let level = |touch: &Touch| Some(Cue::Ask(Target::Volume, Which::Level(touch.value)));
+    let (held, released) = (sensor(127), sensor(0));
+    let other = Touch { device: "other".into(), ..fader.clone() };
+    let expected = (vec![None, None, level(&fader), None], vec![fader.control.clone()]);
+    assert_eq!(learn(&[&held, &other, &fader, &released]), expected);
+    // A pad that is struck was meant.
+    let (cues, bound) = learn(&[&held, &released, &fader, &held]);
+    assert_eq!((cues, bound), (vec![None, None, None, level(&held)], vec![held.control.clone()]));
+    // One that is forgotten while it is held is not bound again.
+    bindings.learn(Some((Target::Volume, None)));
+    assert_eq!(touch(&mut bindings, &held, &parameters), None);
+    bindings.forget(0);
+    assert_eq!(touch(&mut bindings, &fader, &parameters), None);
+    assert!(bindings.list().is_empty());
+}
+
+#[test]
+fn an_endless_knob_goes_on_from_where_its_target_stands() {
+    let target = Target::Parameter(Parameter::StereoMu);
+    let mut bindings = Bindings::new(vec![binding(knob(1, 0).control, target)]);
+    let before = bindings.to_text().unwrap();
+    assert!(!before.contains("relative"), "older programs read it, too");
+    bindings.set_relative(0, true);
+    let mut read = Bindings::default();
+    read.import(&bindings.to_text().unwrap()).unwrap();
+    assert_eq!(read.list(), bindings.list());
+    let mut parameters = Parameters::default();
+    parameters.set(Parameter::StereoMu, 0.5).unwrap();
+    let mut turn = |parameters: &Parameters, sent: u8| match touch(&mut bindings, &knob(1, sent), parameters)
+    {
+        Some(Cue::Do(Action::Set { parameter: Parameter::StereoMu, value })) => value,
+        cue => panic!("{cue:?}"),
+    };
+    let is_at = |value: f32, steps: f32| (value - 0.5 - steps / 127.0).abs() < 1e-5;
+    // Within one frame, too.
+    assert!(is_at(turn(&parameters, 1), 1.0) && is_at(turn(&parameters, 2), 3.0));
+    assert!(is_at(turn(&parameters, 127), 2.0));
+    parameters.set(Parameter::StereoMu, 1.0).unwrap();
+    assert_eq!(turn(&parameters, 5), 1.0);
+    // Only a controller of a level can be one.
+    let pad = binding(Control::Note { channel: 0, number: 1 }, target);
+    let mut bindings = Bindings::new(vec![pad.clone()]);
+    bindings.set_relative(0, true);
+    assert_eq!(bindings.list(), [pad]);
+}
+
+#[test]
 fn devices_show_where_things_stand_and_are_told_once() {
     let note = Control::Note { channel: 0, number: 40 };
     let fader = Control::PitchBend { channel: 3 };
@@ -81,6 +141,7 @@ fn devices_show_where_things_stand_and_are_told_once() {
         control: control.clone(),
         target,
         number,
+        relative: false,
     };
     let mut bindings = Bindings::new(vec![
         of("pads", &note, Target::Switch(Switch::Sand), None),

@@ -191,17 +191,25 @@ fn a_session_replays_bit_for_bit_through_its_file() {
 }
 
 #[test]
-fn a_knob_or_switch_that_stays_where_it_stands_is_no_action_of_a_show() {
+fn what_stays_where_it_stands_is_no_action_of_a_show() {
     let shape = GalleryShape { eigenvalues: (0..32).map(f64::from).collect(), bands: 16 };
     let mut instrument = Instrument::new(1, 6, shape.clone()).unwrap();
     let sand = !instrument.parameters().is_on(Switch::Sand);
     for _ in 0..3 {
         let gain = Action::Set { parameter: chladni_music::Parameter::Gain, value: 1.7 };
-        for action in [gain, Action::Switch { switch: Switch::Sand, on: sand }] {
+        let actions = [
+            gain,
+            Action::Switch { switch: Switch::Sand, on: sand },
+            Action::SetForm { form: Form::Modal },
+            Action::SetChoir { choir: chladni_music::Choir::Symmetric },
+            Action::SetHarmonics { harmonics: 8 },
+            Action::Crossfade { share: 0.25 },
+        ];
+        for action in actions {
             instrument.apply(Moment::default(), action).unwrap();
         }
     }
-    assert_eq!(instrument.log().len(), 2);
+    assert_eq!(instrument.log().len(), 6);
     assert_eq!(Show::of(&instrument).replay(shape).unwrap(), instrument);
 }
 

@@ -4,7 +4,7 @@ mod changes;
 
 use std::path::{Path, PathBuf};
 
-use chladni_music::{BeatReading, CHOIRS, Choir, FORMS, Form, Looks, Preset, Show};
+use chladni_music::{BeatReading, CHOIRS, Choir, FORMS, Form, Looks, Preset, Show, SongRef};
 use chladni_synth::Backend;
 use chladni_view::film::RawFormat;
 use chladni_view::{Answer, Background, FilmFormat, Lights, Look, Material, Palette, Samples};
@@ -16,7 +16,9 @@ use super::frames::{Fps, Size};
 use super::stance::StanceOptions;
 use crate::work::film::{self, Beginning, Film, Output};
 use crate::work::formats::is_project;
-use crate::work::{Error, OWN_COLORS, Piece, Warning, Watcher, blur, cautions, resolve, resolve_looks};
+use crate::work::{
+    Error, OWN_COLORS, Piece, Warning, Watcher, blur, cautions, placed, resolve, resolve_looks,
+};
 
 /// Film a shape that dances to a song.
 #[derive(clap::Args)]
@@ -337,8 +339,10 @@ impl Dance {
                 vec![(song.clone(), BeatReading::default())]
             }
             None => {
-                let songs = show.songs.iter();
-                songs.map(|song| Ok((file(&song.file())?, song.reading))).collect::<Result<_, Error>>()?
+                // Only those that are heard are needed: a film says which of them is not there.
+                let gone = |named: &str| placed(named, folder).to_string_lossy().into_owned();
+                let found = |song: &SongRef| file(&song.file()).unwrap_or_else(|_| gone(&song.path));
+                show.songs.iter().map(|song| (found(song), song.reading)).collect()
             }
         };
         if songs.is_empty() {

@@ -26,14 +26,15 @@ pub struct Awake {
 impl Awake {
     /// Keeps it awake from now on, or no longer; says why that cannot be done, once.
     pub fn keep(&mut self, on: bool) -> Option<String> {
-        if std::mem::replace(&mut self.wanted, on) == on {
-            return None;
-        }
-        self.let_go();
-        if !on {
-            return None;
-        }
-        let why = self.begin()?;
+        let why = if std::mem::replace(&mut self.wanted, on) == on {
+            self.ended()?
+        } else {
+            self.let_go();
+            if !on {
+                return None;
+            }
+            self.begin()?
+        };
         (!std::mem::replace(&mut self.was_said, true)).then(|| format!("The screen may go to sleep: {why}."))
     }
 
@@ -57,6 +58,13 @@ impl Awake {
         }
     }
 
+    /// How the program has ended by itself, where it has: it does so where there is nobody to ask.
+    fn ended(&mut self) -> Option<String> {
+        let status = self.keeper.as_mut()?.try_wait().ok()??;
+        self.keeper = None;
+        KEEPER.map(|(program, _)| format!("{program} ended ({status})"))
+    }
+
     fn let_go(&mut self) {
         if let Some(mut keeper) = self.keeper.take() {
             // It may have ended by itself.
@@ -76,6 +84,17 @@ impl Drop for Awake {
 mod tests {
     use super::*;
     use std::time::Instant;
+
+    #[test]
+    fn a_keeper_that_ends_by_itself_is_said_once() {
+        let Some((program, _)) = KEEPER else { return };
+        let mut gone = other_program("false", Needs::Desktop).spawn().unwrap();
+        gone.wait().unwrap();
+        let mut awake = Awake { keeper: Some(gone), wanted: true, was_said: false };
+        let why = awake.keep(true).unwrap();
+        assert!(why.contains(program) && why.ends_with("ended (exit status: 1)."), "{why}");
+        assert_eq!([awake.keep(true), awake.keep(false)], [None, None]);
+    }
 
     #[test]
     fn what_keeps_the_screen_awake_ends_with_us() {

@@ -96,6 +96,23 @@ fn a_film_that_begins_in_a_later_song_has_the_beats_of_the_whole_one() {
 }
 
 #[test]
+fn a_song_that_is_not_heard_in_a_film_may_be_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    ball(Path::new(&path("ball.obj")));
+    let mut show = show("ember", None);
+    show.songs.push(SongRef::of(FileRef { path: "gone.wav".to_owned(), blake3: None }));
+    let (file, npz) = (path("a.show.toml"), path("a.npz"));
+    let dance = ["dance", "--show", &file, "--coefficients", &npz, "-k", "16", "--duration", "0.2"];
+    show.save(Path::new(&file)).unwrap();
+    assert_eq!(run(&dance), 0);
+    show.heard =
+        vec![Stretch { at_secs: 0.0, song: Some(1), song_secs: 0.0, playing: true, crossfade_secs: 0.0 }];
+    show.save(Path::new(&file)).unwrap();
+    assert_ne!(run(&dance), 0);
+}
+
+#[test]
 fn the_form_that_is_asked_for_is_that_of_all_frames() {
     let folder = tempfile::tempdir().unwrap();
     let change = [Action::SetForm { form: Form::Filter }];

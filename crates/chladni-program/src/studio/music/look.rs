@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 
 use std::path::Path;
 
-use super::preferences::{Camera, Screen};
+use super::preferences::{Camera, CameraSize, Screen};
 use super::wish::{Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::room::Shared;
@@ -59,7 +59,7 @@ pub fn show(
                connected the stage stays in its window.";
     theme::weak(ui, tip);
     ui.add_space(theme::GAP);
-    camera(ui, &mut preferences.camera);
+    camera(ui, &mut preferences.camera, &mut preferences.camera_size);
     preferences.projection.show(ui, adjusts);
 }
 
@@ -80,18 +80,15 @@ fn screens(ui: &mut Ui, chosen: &mut Screen, names: Vec<String>) {
 }
 
 /// Which programs see the stage, by the means that this system has.
-fn camera(ui: &mut Ui, chosen: &mut Camera) {
+fn camera(ui: &mut Ui, chosen: &mut Camera, size: &mut CameraSize) {
     let (ways, tip): (&[Camera], _) = if cfg!(target_os = "linux") {
         (
             &[Camera::PipeWire],
-            "OBS, browsers and other programs see the stage as a camera named Chladni, in the size that it has when this is \
-             chosen: through PipeWire, or through a device of v4l2loopback",
+            "OBS, browsers and other programs see the stage as a camera named Chladni: through PipeWire, or \
+             through a device of v4l2loopback",
         )
     } else if HAS_SYPHON {
-        (
-            &[Camera::Syphon],
-            "Programs that know Syphon see the stage as a server named Chladni, in the size that it has when this is chosen",
-        )
+        (&[Camera::Syphon], "Programs that know Syphon see the stage as a server named Chladni")
     } else {
         return;
     };
@@ -115,6 +112,15 @@ fn camera(ui: &mut Ui, chosen: &mut Camera) {
         }
     });
     response.response.author_id("camera").on_hover_text(tip);
+    let tip = "The size of its pictures: a fixed one, or that which the stage, or the window where nothing is on stage, has \
+               when the camera begins";
+    theme::group(ui, "Size of the camera's pictures", |ui| {
+        ui.horizontal_wrapped(|ui| {
+            for (way, label) in CameraSize::ALL {
+                ui.selectable_value(size, way, label).on_hover_text(tip);
+            }
+        });
+    });
     ui.add_space(theme::GAP);
 }
 

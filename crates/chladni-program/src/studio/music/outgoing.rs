@@ -13,6 +13,9 @@ use crate::work::Error;
 /// Pictures on their way back from the device.
 const FLYING: usize = 2;
 
+/// Who gets the pictures, and their size if one was chosen.
+type Wanted = (CameraTarget, Option<[u32; 2]>);
+
 /// The other receivers of the stage's pictures.
 #[derive(Default)]
 pub struct Outgoing {
@@ -20,7 +23,7 @@ pub struct Outgoing {
     pub recorder: Option<Recorder>,
     /// Recordings of this show that are finished, the first one first.
     pub recorded: Vec<RecordedSet>,
-    camera: Option<(CameraTarget, LiveCamera)>,
+    camera: Option<(Wanted, LiveCamera)>,
     /// From when on pictures are counted.
     since_secs: f64,
     last: Option<u64>,
@@ -80,29 +83,31 @@ impl Outgoing {
         Ok(())
     }
 
-    /// Gives pictures of `size` to `target` from now on, or to nobody; nothing changes where it has them already.
-    pub fn show_to(&mut self, target: Option<&CameraTarget>, size: [u32; 2]) -> Result<(), Error> {
-        if target == self.camera.as_ref().map(|(target, _)| target) {
+    /// Gives pictures from now on as they are `wanted`, else as large as the `stage`, or to nobody; nothing changes where it
+    /// does so already.
+    pub fn show_to(&mut self, wanted: Option<Wanted>, stage: [u32; 2]) -> Result<(), Error> {
+        if wanted.as_ref() == self.camera.as_ref().map(|(wanted, _)| wanted) {
             return Ok(());
         }
         // One that goes on under the same name is ended first.
         self.camera = None;
-        if let Some(target) = target {
+        if let Some((target, size)) = wanted {
             // Programs that halve the chroma want even sides.
-            let [width, height] = size.map(|length| (length & !1).max(2));
-            self.camera = Some((target.clone(), LiveCamera::open(target, (width, height), RATE)?));
+            let [width, height] = size.unwrap_or(stage).map(|length| (length & !1).max(2));
+            let camera = LiveCamera::open(&target, (width, height), RATE)?;
+            self.camera = Some(((target, size), camera));
         }
         Ok(())
     }
 
     /// Writes frames of `size` on standard output from now on, in place of a camera.
     pub fn stream(&mut self, format: RawFormat, size: [u32; 2]) -> Result<(), Error> {
-        self.show_to(Some(&CameraTarget::StandardOutput(format)), size)
+        self.show_to(Some((CameraTarget::StandardOutput(format), Some(size))), size)
     }
 
     /// Frames go to standard output.
     pub fn is_streaming(&self) -> bool {
-        matches!(&self.camera, Some((CameraTarget::StandardOutput(_), _)))
+        matches!(&self.camera, Some(((CameraTarget::StandardOutput(_), _), _)))
     }
 
     /// The camera through which other programs see the stage.

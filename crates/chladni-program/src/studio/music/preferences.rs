@@ -44,6 +44,8 @@ pub struct Preferences {
     pub own_window: bool,
     /// The camera through which other programs see the stage.
     pub camera: Camera,
+    /// The size of its pictures.
+    pub camera_size: CameraSize,
     /// The UDP port on which OSC messages are heard; `None` is off.
     pub osc_port: Option<u16>,
     /// OSC of other machines is heard, too: of these, by their addresses, or of any where none is named.
@@ -144,6 +146,34 @@ impl Camera {
     }
 }
 
+/// The size of the camera's pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CameraSize {
+    /// That of the stage, or of the window, when the camera begins.
+    #[default]
+    AsSeen,
+    /// 720p.
+    Hd,
+    /// 1080p.
+    FullHd,
+}
+
+impl CameraSize {
+    /// All of them and their labels.
+    pub const ALL: [(Self, &str); 3] =
+        [(Self::AsSeen, "As seen"), (Self::Hd, "1280 × 720"), (Self::FullHd, "1920 × 1080")];
+
+    /// Width and height; `None` where it is as seen.
+    pub fn pixels(self) -> Option<[u32; 2]> {
+        match self {
+            Self::AsSeen => None,
+            Self::Hd => Some([1280, 720]),
+            Self::FullHd => Some([1920, 1080]),
+        }
+    }
+}
+
 impl Default for Preferences {
     fn default() -> Self {
         let Looks { look, palette, material, lights, background, picture, panorama, blur_percent } =
@@ -160,6 +190,7 @@ impl Default for Preferences {
             screen: Screen::default(),
             own_window: false,
             camera: Camera::default(),
+            camera_size: CameraSize::default(),
             osc_port: None,
             osc_network: false,
             osc_allowed: Vec::new(),
@@ -244,6 +275,14 @@ mod tests {
             Preferences { material: "gold".into(), blur_percent: Some(40), ..pictured.clone() };
         preferences.put_on("ember".into());
         assert_eq!(preferences, Preferences { look: "ember".into(), ..pictured });
+    }
+
+    #[test]
+    fn the_camera_has_the_size_that_was_chosen_in_each_run() {
+        let size = |text: &str| toml::from_str::<Preferences>(text).unwrap().camera_size.pixels();
+        assert_eq!(size("camera = \"pipe-wire\""), None);
+        let chosen = Preferences { camera_size: CameraSize::FullHd, ..Preferences::default() };
+        assert_eq!(size(&toml::to_string(&chosen).unwrap()), Some([1920, 1080]));
     }
 
     #[test]

@@ -137,8 +137,9 @@ impl MusicRoom {
         let opened = if streams {
             Ok(())
         } else {
-            let (target, size) = (shared.settings.music.camera.target(), concert.picture_size());
-            concert.outgoing.show_to(target.as_ref(), size)
+            let music = &shared.settings.music;
+            let wanted = music.camera.target().map(|target| (target, music.camera_size.pixels()));
+            concert.outgoing.show_to(wanted, concert.picture_size())
         };
         let Some(why) = opened.err().or_else(|| concert.outgoing.lost_camera()) else { return };
         if !streams {

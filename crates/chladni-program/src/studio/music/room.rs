@@ -259,9 +259,13 @@ impl MusicRoom {
         }
     }
 
-    /// The screen stays on while something is on stage or recorded, and the stage fills the one that was chosen for it.
+    /// The screen stays on while something is on stage, recorded or shown to other programs, and the stage fills the one
+    /// that was chosen for it.
     fn keep_the_screen(&mut self, on_stage: bool, shared: &mut Shared<'_>) {
-        let plays = |concert: &Concert| concert.on_stage() || concert.outgoing.recorder.is_some();
+        let plays = |concert: &Concert| {
+            let outgoing = &concert.outgoing;
+            concert.on_stage() || outgoing.recorder.is_some() || outgoing.camera().is_some()
+        };
         if let Some(why) = self.awake.keep(self.concert.as_ref().is_some_and(plays)) {
             shared.notices.warn(why);
         }

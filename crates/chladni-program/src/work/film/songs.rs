@@ -10,6 +10,8 @@ use crate::work::{Error, Hearing, KnownSong, Warning, Watcher, read_beats, sourc
 
 /// Sampling rate of a film's sound without any song.
 const SILENT_RATE_HZ: u32 = 44_100;
+/// The highest sampling rate of a film's sound: AAC knows no higher one.
+const MOST_RATE_HZ: u32 = 96_000;
 
 /// All songs of a show that its film needs.
 pub struct Songs {
@@ -152,29 +154,34 @@ impl Songs {
         }
     }
 
-    /// The sound of the film, at the highest rate of its songs: pauses are silent, and so is live input.
+    /// The sound of the film, at the highest rate of its songs up to 96 kHz: pauses are silent, and so is live input.
     ///
     /// # Errors
     /// A song that cannot be resampled to that rate.
     pub fn sound(&self) -> Result<Song, Error> {
         let audible = |known: &&KnownSong| known.song.frames() > 0;
         let rate_hz = self.songs.iter().flatten().filter(audible).map(|known| known.song.rate_hz).max();
-        let rate_hz = rate_hz.unwrap_or(SILENT_RATE_HZ);
+        let rate_hz = rate_hz.map_or(SILENT_RATE_HZ, |rate_hz| rate_hz.min(MOST_RATE_HZ));
         let frames = |secs: f64| (secs * f64::from(rate_hz)).round() as usize;
         let silence = vec![0.0; frames(self.film_secs)];
         let mut sound = Song { rate_hz, left: silence.clone(), right: silence };
-        let mut resampled: Vec<Option<Arc<Song>>> = Vec::new();
-        for known in &self.songs {
-            let known = known.as_ref().filter(audible);
-            resampled.push(known.map(|known| at_rate(&known.song, rate_hz)).transpose()?);
-        }
         let sounding = self.sounding();
         let breaks = sounding.windows(2).filter(|pair| !fades(&pair[0], &pair[1]));
         let breaks_secs: Vec<f64> = breaks.map(|pair| pair[1].at_secs).collect();
         let ends = sounding.iter().skip(1).map(|next| (next.at_secs, next.crossfade_secs));
-        for (stretch, (end_secs, fade_out_secs)) in sounding.iter().zip(ends.chain([(f64::INFINITY, 0.0)])) {
-            let song = stretch.song.and_then(|song| resampled.get(song)?.as_ref());
-            let Some(song) = song.filter(|_| stretch.playing) else { continue };
+        let ends = ends.chain([(f64::INFINITY, 0.0)]);
+        let mut played: Vec<_> = sounding.iter().zip(ends).filter(|(stretch, _)| stretch.playing).collect();
+        // Song by song, so that only one is held at another rate than its own.
+        played.sort_by_key(|(stretch, _)| stretch.song);
+        let mut resampled: Option<(usize, Arc<Song>)> = None;
+        for (stretch, (end_secs, fade_out_secs)) in played {
+            let known = stretch.song.and_then(|number| Some((number, self.songs.get(number)?.as_ref()?)));
+            let Some((number, known)) = known.filter(|(_, known)| audible(known)) else { continue };
+            let before = resampled.take().filter(|(of, _)| *of == number);
+            let (_, song) = match before {
+                Some(before) => resampled.insert(before),
+                None => resampled.insert((number, at_rate(&known.song, rate_hz)?)),
+            };
             let begin_secs = stretch.at_secs - 0.5 * stretch.crossfade_secs;
             let over_secs = end_secs + 0.5 * fade_out_secs;
             // No fade reaches over a leap, a pause or live input.
@@ -412,6 +419,9 @@ mod tests {
         assert_eq!((sound.rate_hz, sound.left.len()), (48_000, 48_000));
         // Songs that are not heard do not count.
         assert_eq!(of_sines(&[8_000, 48_000], &heard[..1]).rate_hz, 8_000);
+        // Films have no higher one than this.
+        let sound = of_sines(&[8_000, 192_000], &heard);
+        assert_eq!((sound.rate_hz, sound.left.len()), (96_000, 96_000));
     }
 
     #[test]

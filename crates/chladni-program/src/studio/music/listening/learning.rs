@@ -70,6 +70,13 @@ impl Listening {
                 }
             }
         }
+        if std::mem::replace(&mut self.learned_of, heard) != heard {
+            // Its file may have come back, as a drive that is plugged in again has.
+            let song = heard.and_then(|number| self.repertoire.get_mut(number));
+            if song.is_some_and(|song| std::mem::take(&mut song.given_up)) {
+                self.study = None;
+            }
+        }
         let Some(number) = heard else { return };
         let has_samples = self.hearing.song(number).is_some_and(|known| known.song.frames() > 0);
         let studied = self.study.as_ref().is_some_and(|study| study.number == number);
@@ -110,6 +117,21 @@ mod tests {
     use chladni_sound::{WavSample, sample_tune, write_wav};
 
     use super::*;
+
+    #[test]
+    fn a_song_that_was_given_up_is_read_again_where_it_is_heard_anew() {
+        let mut listening = Listening::start(&egui::Context::default(), 1.0, None).unwrap();
+        let number = listening.number_of(0).unwrap();
+        listening.repertoire[number].given_up = true;
+        let status = PlayerStatus { is_listed: true, ..PlayerStatus::default() };
+        listening.learn(&status);
+        assert!(!listening.repertoire[number].given_up);
+        assert!(listening.study.take().is_some_and(|study| study.number == number));
+        // Once, while it is heard.
+        listening.repertoire[number].given_up = true;
+        listening.learn(&status);
+        assert!(listening.repertoire[number].given_up && listening.study.is_none());
+    }
 
     #[test]
     fn the_beats_of_songs_that_were_heard_before_are_found_too() {

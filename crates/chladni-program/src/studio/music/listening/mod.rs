@@ -45,6 +45,8 @@ pub struct Listening {
     /// The songs of the show, by number.
     repertoire: Vec<ShowSong>,
     study: Option<Study>,
+    /// The song that was heard when findings were taken in last.
+    learned_of: Option<usize>,
     /// Where covers become textures.
     ctx: Context,
     /// Beats have become known that were unknown when some action was logged.
@@ -139,6 +141,7 @@ impl Listening {
             hearing: Hearing::default(),
             repertoire: Vec::new(),
             study: None,
+            learned_of: None,
             ctx: ctx.clone(),
             beats_changed: false,
             by_ear: true,

@@ -53,6 +53,7 @@ impl Remote {
             ui.label(RichText::new(heading).strong());
             for target in Target::all().filter(|target| target.kind() == kind) {
                 row(ui, &mut self.bindings, &mut self.number, target);
+                endless(ui, &mut self.bindings, target);
             }
         }
     }
@@ -212,6 +213,25 @@ fn row(ui: &mut Ui, bindings: &mut Bindings, number: &mut u32, target: Target) {
             }
         });
     });
+}
+
+/// Whether the knobs that are bound to a level turn endlessly.
+fn endless(ui: &mut Ui, bindings: &mut Bindings, target: Target) {
+    let mut turned = None;
+    for (index, binding) in bindings.list().iter().enumerate() {
+        if binding.target != target || !binding.can_be_relative() {
+            continue;
+        }
+        let mut relative = binding.relative;
+        let tip = "It sends steps, not positions: 1 for one to the right, 127 for one to the left";
+        let label = format!("{} turns endlessly", binding.control);
+        if theme::checkbox(ui, &mut relative, &label).on_hover_text(tip).changed() {
+            turned = Some((index, relative));
+        }
+    }
+    if let Some((index, relative)) = turned {
+        bindings.set_relative(index, relative);
+    }
 }
 
 fn name(target: Target) -> &'static str {
