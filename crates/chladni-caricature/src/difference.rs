@@ -154,7 +154,7 @@ impl Target {
     /// constants of all its pieces count as one harmonic.
     ///
     /// # Errors
-    /// A `cutoff` that is 0 or above K.
+    /// A `cutoff` that is 0 or above K; several pieces and no harmonics but their constants.
     pub fn low_passed(base: Arc<Base>, cutoff: usize) -> Result<Self, CaricatureError> {
         check_low_pass(cutoff, &base.basis)?;
         let cutoff = base.basis.harmonics_below(cutoff);
@@ -365,8 +365,14 @@ fn residual(basis: &Basis, signal: &[Vec3], spectrum: &[Vec3]) -> Vec<Vec3> {
     out
 }
 
-/// A low-pass keeps between 1 and all of the harmonics.
+/// A low-pass keeps between 1 and all of the harmonics, which include the constants of all pieces.
 pub(crate) fn check_low_pass(k0: usize, basis: &Basis) -> Result<(), CaricatureError> {
+    // Where all are constants, those of further pieces may be missing, and these would collapse.
+    if basis.harmonics() > 1 && basis.constants() == basis.harmonics() {
+        let what = "the number of harmonics beside the constants of its pieces";
+        let range = "above 0: remove loose pieces, or ask for more harmonics";
+        return Err(CaricatureError::Range { what, value: 0.0, range });
+    }
     if (1..=basis.harmonics()).contains(&k0) {
         return Ok(());
     }

@@ -11,7 +11,7 @@ use crate::difference::check_low_pass;
 /// positions of the file that `body` was made from.
 ///
 /// # Errors
-/// `k0` outside 1..=K, or positions that are not those of the body.
+/// `k0` outside 1..=K, no harmonics but the constants of several pieces, or positions that are not those of the body.
 pub fn self_low_passed(
     body: &Body,
     file_positions: &[[f64; 3]],

@@ -112,11 +112,15 @@ impl Basis {
         self.eigenvalues.len()
     }
 
+    /// The number of harmonics that are constant on each component: one per component, as far as K reaches.
+    pub fn constants(&self) -> usize {
+        self.eigenvalues.iter().take_while(|l| **l <= 0.0).count()
+    }
+
     /// The number of harmonics below `cutoff`, at most K. The constants of all components count as one: a
     /// low-pass with only some of the constants would tear the components apart.
     pub fn harmonics_below(&self, cutoff: usize) -> usize {
-        let constants = self.eigenvalues.iter().take_while(|l| **l <= 0.0).count();
-        let further = if cutoff > 0 { constants.saturating_sub(1) } else { 0 };
+        let further = if cutoff > 0 { self.constants().saturating_sub(1) } else { 0 };
         cutoff.saturating_add(further).min(self.harmonics())
     }
 

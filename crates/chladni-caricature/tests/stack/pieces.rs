@@ -42,6 +42,18 @@ fn of_many_pieces_each_stays_in_its_place_however_few_harmonics_a_template_keeps
 }
 
 #[test]
+fn no_low_pass_tears_pieces_for_which_there_are_too_few_harmonics() {
+    let mesh = balls(&chladni_mesh::samples::icosphere(0));
+    let low_passed = |harmonics| {
+        let body = Body::build(&mesh, &BasisSettings::new(harmonics), &Task::new()).unwrap();
+        self_low_passed(&body, &mesh.positions, 1)
+    };
+    let refused = low_passed(4).unwrap_err().to_string();
+    assert!(refused.contains("more harmonics"), "{refused}");
+    assert!(low_passed(7).is_ok());
+}
+
+#[test]
 fn of_many_pieces_each_keeps_its_own_region_however_soft() {
     let ball = chladni_mesh::samples::icosphere(2);
     let n = ball.positions.len();

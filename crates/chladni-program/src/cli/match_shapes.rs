@@ -184,7 +184,8 @@ impl MatchShapes {
                 // The constants of all pieces count as one harmonic.
                 let welded = HealthReport::of(shape).welded;
                 let (pieces, vertices) = (welded.topology.components, welded.vertices);
-                let harmonics = k0.max(1).saturating_add(pieces.saturating_sub(1));
+                // One more than the constants shows that none of these is missing.
+                let harmonics = k0.max(2).saturating_add(pieces.saturating_sub(1));
                 if harmonics > vertices {
                     return Err(HarmonicsError::BadHarmonicCount { harmonics, vertices }.into());
                 }

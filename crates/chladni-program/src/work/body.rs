@@ -2,7 +2,7 @@
 
 use chladni_caricature::ProxyKey;
 use chladni_harmonics::{
-    BasisCache, BasisSettings, BasisWarning, Body, BuildReport, HarmonicsError, Laplacian,
+    Basis, BasisCache, BasisSettings, BasisWarning, Body, BuildReport, HarmonicsError, Laplacian,
 };
 use chladni_mesh::TriMesh;
 
@@ -47,7 +47,15 @@ pub fn build(
             warning => Warning::of(name, warning),
         });
     }
+    many_pieces(name, &body.basis).into_iter().for_each(|warning| watcher.warn(warning));
     Ok((body, report))
+}
+
+/// A warning where most harmonics of the shape called `name` are constants of its pieces, which give it no form.
+fn many_pieces(name: &str, basis: &Basis) -> Option<Warning> {
+    let (constants, harmonics) = (basis.constants(), basis.harmonics());
+    let is_most = constants > 1 && 2 * constants > harmonics;
+    is_most.then(|| Warning::ManyPieces { name: name.to_owned(), constants, harmonics })
 }
 
 /// The error of a solve, with a way out where there are too many harmonics and enough vertices for a proxy.
@@ -65,7 +73,27 @@ fn advised(error: HarmonicsError) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use chladni_mesh::samples::icosphere;
+    use chladni_task::Task;
+
     use super::*;
+
+    #[test]
+    fn pieces_that_take_most_harmonics_are_warned_of() {
+        let ball = icosphere(0);
+        let mut mesh = TriMesh::default();
+        for i in 0..5_u32 {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(ball.positions.iter().map(|[x, y, z]| [x + 4.0 * f64::from(i), *y, *z]));
+            mesh.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        let warned = |harmonics| {
+            let body = Body::build(&mesh, &BasisSettings::new(harmonics), &Task::new()).unwrap();
+            many_pieces("balls", &body.basis).map(|warning| warning.to_string())
+        };
+        assert!(warned(8).is_some_and(|warning| warning.starts_with("balls: 5 of 8 harmonics")));
+        assert_eq!((warned(10), warned(1)), (None, None));
+    }
 
     #[test]
     fn what_is_too_large_has_a_way_out_where_there_is_one() {

@@ -176,6 +176,15 @@ pub enum Warning {
         /// The number of harmonics asked for.
         asked: usize,
     },
+    /// Most harmonics of the shape called `name` are constants of its pieces.
+    ManyPieces {
+        /// Name of the shape.
+        name: String,
+        /// Harmonics that are constant on each piece.
+        constants: usize,
+        /// All of them.
+        harmonics: usize,
+    },
     /// A layer's region holds no vertex of a shape, which reaches from `from` to `to`.
     EmptyRegion {
         /// The layer.
@@ -216,6 +225,11 @@ impl Display for Warning {
             Self::FewerHarmonics { name, vertices, asked } => {
                 write!(f, "{name}: has {vertices} vertices; {vertices} harmonics instead of {asked}")
             }
+            Self::ManyPieces { name, constants, harmonics } => write!(
+                f,
+                "{name}: {constants} of {harmonics} harmonics only say where its pieces lie: remove loose pieces, or ask \
+                 for more harmonics"
+            ),
             Self::EmptyRegion { layer, from, to } => {
                 let diagonal = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();
                 let corner = |at: &[f64; 3]| at.map(|c| digits(c, diagonal)).join(",");
