@@ -134,7 +134,7 @@ async function solve(mine) {
   refresh();
   try {
     const { basis, secs } = await busy(label(name), (tell) => ask(asked, tell, "solve"));
-    sitting.take_harmonics(basis);
+    sitting.take_harmonics(basis, harmonics);
     harmonicsSolved = harmonics;
     shape.basis = basis;
     report.solveSecs = secs;

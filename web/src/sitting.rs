@@ -42,6 +42,8 @@ pub struct Sitting {
     stack: Stack,
     /// Its harmonics are there. Until then the shape is shown as it is.
     solved: bool,
+    /// The project's number of harmonics for which these were solved.
+    solved_for: usize,
     evaluation: Evaluation,
     selected: Option<LayerId>,
     /// How the shape stands where the project does not say.
@@ -104,6 +106,7 @@ impl Sitting {
             history,
             stack,
             solved,
+            solved_for: 0,
             evaluation,
             selected,
             stands,
@@ -120,14 +123,14 @@ impl Sitting {
         })
     }
 
-    /// The harmonics that [`solve`](crate::solve::solve) found.
+    /// The harmonics that [`solve`](crate::solve::solve) found when the project asked for `harmonics`.
     ///
     /// # Errors
     /// Those of another shape.
-    pub fn take_harmonics(&mut self, bytes: &[u8]) -> Result<(), JsError> {
+    pub fn take_harmonics(&mut self, bytes: &[u8], harmonics: usize) -> Result<(), JsError> {
         let body = Arc::new(Body::of_basis(&self.mesh, solve::from_bytes(bytes)?)?);
         self.stack = self.stack.with_harmonics_of(body)?;
-        self.solved = true;
+        (self.solved, self.solved_for) = (true, harmonics);
         Ok(self.refresh()?)
     }
 }

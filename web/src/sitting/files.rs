@@ -114,7 +114,9 @@ impl Sitting {
     pub fn export(&mut self, extension: &str) -> Result<Vec<u8>, JsError> {
         let format = Format::from_extension(extension).ok_or_else(|| JsError::new("no such format"))?;
         let waits = |state: &LayerState| matches!(state, LayerState::Waiting | LayerState::Outdated);
-        if !self.solved || self.evaluation.layers.iter().any(|layer| waits(&layer.state)) {
+        // Until others are solved for, those of before stay.
+        let is_solved = self.solved && self.solved_for == self.history.project().harmonics;
+        if !is_solved || self.evaluation.layers.iter().any(|layer| waits(&layer.state)) {
             return Err(JsError::new(STILL_WORKING));
         }
         self.settle()?;
