@@ -67,7 +67,7 @@ pub use read::{Loaded, Mended, load_mesh, nothing_beside, read_mesh, read_mesh_b
 pub use shape_source::ShapeSource;
 pub use surface::{Rows, Weld, total_area, vertex_neighbors, vertex_triangles, weld};
 pub use write::{
-    MorphAnimation, MorphTarget, add_morph_targets, add_morph_targets_in, check_glb, save_mesh,
+    MorphAnimation, MorphTarget, add_morph_targets, add_morph_targets_in, check_glb, far_center, save_mesh,
     write_animated_glb, write_glb, write_mesh,
 };
 

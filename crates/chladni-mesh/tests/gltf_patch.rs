@@ -229,8 +229,10 @@ fn joints_place_a_skinned_mesh_and_a_pose_is_left_out_with_a_warning() {
     let (placed, expected) = (read(&root).unwrap(), read(&plain).unwrap());
     assert_eq!(placed.mesh.positions, expected.mesh.positions);
     let left_out = |what: &str| Mended::LeftOut(what.into());
-    let usual =
-        [left_out("primitives of points or lines (2)"), left_out("the morph targets of primitives (3)")];
+    let usual = [
+        left_out("primitives of points or lines (2)"),
+        left_out("the morph targets of primitives, as if all sliders were at 0 (3)"),
+    ];
     assert_eq!(placed.mended, usual);
 
     let mut posed = root.clone();

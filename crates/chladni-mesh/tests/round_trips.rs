@@ -4,7 +4,8 @@
 
 use chladni_mesh::{
     Appearance, CornerUvs, Format, Material, MeshError, MorphAnimation, MorphTarget, Texture, TriMesh,
-    load_mesh, read_mesh, samples, save_mesh, write_animated_glb, write_glb, write_mesh,
+    add_morph_targets_in, far_center, load_mesh, read_mesh, samples, save_mesh, write_animated_glb,
+    write_glb, write_mesh,
 };
 use chladni_task::Task;
 
@@ -255,6 +256,25 @@ fn a_sliders_glb_reads_as_the_shape_at_rest() {
     assert!(json.contains(r#""targetNames":["longer nose","b"]"#) && json.contains(r#""weights":[0.0,0.0]"#));
     let short = MorphTarget { name: "short".into(), displacements: vec![[0.0; 3]] };
     assert!(write_glb(&mesh, &[short]).unwrap_err().to_string().contains("short"));
+}
+
+#[test]
+fn a_glb_far_from_the_origin_keeps_its_form() {
+    let mut mesh = samples::icosphere(2);
+    mesh.positions
+        .iter_mut()
+        .for_each(|[x, y, z]| [*x, *y, *z] = [*x + 412_345.7, *y + 5_654_321.0, *z + 230.0]);
+    let target =
+        MorphTarget { name: "up".into(), displacements: vec![[0.0, 0.0, 0.5]; mesh.positions.len()] };
+    let bytes = write_glb(&mesh, std::slice::from_ref(&target)).unwrap();
+    let back = read_mesh(&bytes, Format::Glb).unwrap().mesh;
+    assert_eq!(back.triangles, mesh.triangles);
+    let pairs = back.positions.iter().flatten().zip(mesh.positions.iter().flatten());
+    assert!(pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-6));
+    let patched = add_morph_targets_in(&bytes, &back, &[target]).unwrap();
+    assert_eq!(read_mesh(&patched, Format::Glb).unwrap().mesh.positions, back.positions);
+    // Elsewhere coordinates are those of the file.
+    assert!(far_center(&samples::icosphere(2).positions).is_none());
 }
 
 #[test]

@@ -102,7 +102,7 @@ pub(crate) fn read_placed(
         read().map_err(|Fault { at, reason }| MeshError::Malformed { format, at, reason })?;
     for (count, what) in [
         (left_out.primitives, "primitives of points or lines"),
-        (left_out.targets, "the morph targets of primitives"),
+        (left_out.targets, "the morph targets of primitives, as if all sliders were at 0"),
         (left_out.poses, "the pose of skinned meshes"),
     ] {
         if count > 0 {

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use chladni_task::Task;
 use serde_json::{Value, json};
 
-use super::{check, narrowed};
+use super::{check, far_center, narrowed};
 use crate::read::gltf::MOST_VERTICES;
 use crate::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub};
 use crate::surface::{STAND_IN_NORMAL, corners, places, seamless_triangles, vertex_normals};
@@ -33,11 +33,12 @@ pub struct MorphAnimation<'a> {
 
 const FORMAT: Format = Format::Glb;
 
-/// Writes `mesh` as GLB: one mesh, one primitive per material, one morph target per entry of `targets`, all
-/// at weight 0, with smooth normals at rest and in every target. Coordinates are rounded to `f32`, polygons
-/// become triangles. A vertex with several texture coordinates is stored several times, the first time at its
-/// own index; an attribute `_VERTEX` identifies the copies, so that reading the file back gives the same
-/// vertices. Colors of vertices are left out where textures are seen alone.
+/// Writes `mesh` as GLB: one mesh, one primitive per material, one morph target per entry of `targets`, all at
+/// weight 0, with smooth normals at rest and in every target. Coordinates are rounded to `f32`, far from the origin
+/// relative to the shape's [middle](far_center), where its node lies then. Polygons become triangles. A vertex with
+/// several texture coordinates is stored several times, the first time at its own index; an attribute `_VERTEX`
+/// identifies the copies, so that reading the file back gives the same vertices. Colors of vertices are left out
+/// where textures are seen alone.
 ///
 /// # Errors
 /// [`MeshError::Unwritable`] where coordinates do not fit `f32`, a target has not n
@@ -106,7 +107,9 @@ fn write(
     check_count(entries.vertices.len())?;
     check_size(targets.len(), entries.vertices.len())?;
     let mut file = Glb::default();
-    let (attributes, morphs) = vertex_data(&mut file, mesh, &entries, targets, animation.is_some(), task)?;
+    let (center, together) = (far_center(&mesh.positions), animation.is_some());
+    let origin = center.unwrap_or_default();
+    let (attributes, morphs) = vertex_data(&mut file, mesh, &entries, origin, targets, together, task)?;
     let (materials, default_material) = materials(&mut file, mesh);
     let mut primitives = Vec::new();
     for (material, indices) in primitives_by_material(mesh, &entries, default_material) {
@@ -128,11 +131,15 @@ fn write(
         gltf_mesh["extras"] = json!({ "targetNames": names });
     }
     let animations = animation.map(|animation| file.animation(animation));
+    let mut node = json!({ "mesh": 0 });
+    if let Some(center) = center {
+        node["translation"] = json!(center);
+    }
     let mut root = json!({
         "asset": { "version": "2.0", "generator": "Chladni" },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
-        "nodes": [{ "mesh": 0 }],
+        "nodes": [node],
         "meshes": [gltf_mesh],
         "materials": materials,
         "accessors": std::mem::take(&mut file.accessors),
@@ -217,23 +224,26 @@ impl Entries {
     }
 }
 
-/// The attributes that all primitives share, and the targets, whose normals are derivatives where they act together.
+/// The attributes that all primitives share, with positions from `origin`, and the targets, whose normals are derivatives
+/// where they act together.
 fn vertex_data(
     file: &mut Glb,
     mesh: &TriMesh,
     entries: &Entries,
+    origin: Vec3,
     targets: &[MorphTarget],
     together: bool,
     task: &Task,
 ) -> Result<(Value, Vec<Value>), MeshError> {
-    let narrow = |values: &[[f64; 3]]| -> Result<Vec<[f32; 3]>, MeshError> {
-        entries.vertices.iter().map(|&v| narrowed(values[v as usize], FORMAT)).collect()
+    let from = |origin: Vec3, values: &[Vec3]| -> Result<Vec<[f32; 3]>, MeshError> {
+        entries.vertices.iter().map(|&v| narrowed(sub(values[v as usize], origin), FORMAT)).collect()
     };
+    let narrow = |values: &[Vec3]| from([0.0; 3], values);
     let place = places(&mesh.positions);
     let triangles = seamless_triangles(mesh, &place);
     let normals = smooth_normals(&place, &mesh.positions, &triangles);
     let mut attributes = json!({
-        "POSITION": file.floats(narrow(&mesh.positions)?.into_iter(), true),
+        "POSITION": file.floats(from(origin, &mesh.positions)?.into_iter(), true),
         "NORMAL": file.floats(narrow(&normals)?.into_iter(), false),
     });
     if !entries.uvs.is_empty() {

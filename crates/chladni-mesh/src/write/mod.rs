@@ -14,11 +14,13 @@ pub use glb::{MorphAnimation, MorphTarget, check_glb, write_animated_glb, write_
 pub use gltf_patch::{add_morph_targets, add_morph_targets_in};
 
 use crate::read::draft::GREATEST_COORDINATE;
+use crate::surface::Bounds;
 use crate::{Attribute, Format, MeshError, TriMesh};
 
 /// Writes `mesh` as OBJ, binary PLY, binary STL or GLB.
 ///
-/// OBJ and PLY hold coordinates exactly; STL and GLB round them to `f32`. An OBJ with materials
+/// OBJ and PLY hold coordinates exactly; STL and GLB round them to `f32`, GLB far from the origin relative to the shape's
+/// [middle](far_center). An OBJ with materials
 /// names the library `materials.mtl`, which [`save_mesh`] writes too, under a name of its own.
 ///
 /// # Errors
@@ -119,6 +121,17 @@ fn check(mesh: &TriMesh, format: Format) -> Result<(), MeshError> {
         return refused("a face names a material that is not there");
     }
     Ok(())
+}
+
+/// The middle, as `f32` holds it, of positions that lie more than a thousand times their extent from the origin, such as
+/// those of a georeferenced scan. `f32` is too coarse for these, unless they are written relative to it.
+pub fn far_center(positions: &[[f64; 3]]) -> Option<[f64; 3]> {
+    const FAR: f64 = 1000.0;
+    let bounds = Bounds::of(positions.iter().copied());
+    let farthest = bounds.low.iter().chain(&bounds.high).fold(0.0, |far: f64, x| far.max(x.abs()));
+    // Beyond `f32` there is no such middle.
+    let is_far = farthest > FAR * bounds.diagonal() && farthest <= f64::from(f32::MAX);
+    is_far.then(|| std::array::from_fn(|i| f64::from(((bounds.low[i] + bounds.high[i]) / 2.0) as f32)))
 }
 
 /// `position` as `f32`, for formats that hold no more.

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use chladni_match::{MatchSettings, Method, load_landmarks, transfer};
+use chladni_mesh::surface::Bounds;
+use chladni_mesh::surface::vec3::{length, sub};
 use chladni_mesh::{TriMesh, save_mesh};
 
 use super::Terminal;
@@ -50,6 +52,14 @@ impl TransferCommand {
         let [neutral, expression, target] =
             [&self.neutral, &self.expression, &self.target].map(|path| source::mesh(path, terminal));
         let (neutral, expression, target) = (neutral?, expression?, target?);
+        if is_one_shape(&neutral, &expression) {
+            terminal.warn(Warning::Plain(format!(
+                "{} and {} are one shape, so that nothing moves; a GLB of Chladni holds the original with sliders: save PLY \
+                 or OBJ",
+                self.neutral.display(),
+                self.expression.display()
+            )));
+        }
         let landmarks = self.landmarks.as_deref().map_or(Ok(Vec::new()), load_landmarks)?;
         let (method, scaling) = (self.matching, scaling(self.rigid));
         let settings = MatchSettings { method, landmarks, scaling, ..MatchSettings::default() };
@@ -70,4 +80,11 @@ impl TransferCommand {
         terminal.result(format_args!("mean confidence {trusted:.0} %"))?;
         terminal.wrote(&self.output)
     }
+}
+
+/// Whether the vertices of both are the same, but for rounding.
+fn is_one_shape(a: &TriMesh, b: &TriMesh) -> bool {
+    let near = 1e-6 * Bounds::of(a.positions.iter().copied()).diagonal();
+    let mut pairs = a.positions.iter().zip(&b.positions);
+    a.positions.len() == b.positions.len() && pairs.all(|(a, b)| length(sub(*a, *b)) <= near)
 }

@@ -1,10 +1,11 @@
 //! Checks where results go before the work: a missing folder is reported at once, not after minutes of
 //! computing.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf, is_separator};
 
 use chladni_caricature::Template;
-use chladni_mesh::{Format, Material, ShapeSource, Texture, TriMesh, check_glb};
+use chladni_mesh::{Format, Material, ShapeSource, Texture, TriMesh, check_glb, far_center};
 use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
@@ -240,6 +241,40 @@ pub fn check_fits(
 /// else that such a file holds.
 pub fn left_of_gltf(source: &Path, path: &Path) -> Option<Warning> {
     (is_gltf(source) && is_gltf(path)).then(|| Warning::of(source.display(), LEFT_OF_GLTF))
+}
+
+/// A warning where the numbers of an STL are too coarse for a mesh that lies as far from the origin as `mesh` does.
+pub fn rounded_in_stl(mesh: &TriMesh) -> Option<Warning> {
+    let center = far_center(&mesh.positions)?;
+    let step = center.iter().fold(0.0, |far: f64, x| far.max(x.abs())) * f64::from(f32::EPSILON);
+    Some(Warning::Plain(format!(
+        "the coordinates are so large that STL rounds them to about {step:.0e}: save PLY, or move the shape to the origin"
+    )))
+}
+
+/// A warning where pictures beside `source` that the materials of its `mesh` name, such as bump maps, are not beside the OBJ
+/// at `path`: only pictures of colors are brought there.
+pub fn left_pictures(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warning> {
+    let left = |statement: &String| {
+        let (keyword, rest) = statement.split_once(' ')?;
+        let is_picture =
+            keyword.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&keyword);
+        let name = rest.split(' ').next_back()?.replace('\\', "/");
+        let is_left = || folder_of(source).join(&name).is_file() && !folder_of(path).join(&name).is_file();
+        (is_picture && is_left()).then_some(name)
+    };
+    let statements = mesh.appearance.materials.iter().flat_map(|material| &material.other_statements);
+    let names: BTreeSet<String> = statements.filter_map(left).collect();
+    let first = names.first()?;
+    let more = match names.len() {
+        1 => String::new(),
+        count => format!(" and {} more", count - 1),
+    };
+    let source = source.display();
+    Some(Warning::of(
+        path.display(),
+        format_args!("its materials name {first}{more}, which it lacks: copy what lies beside {source}"),
+    ))
 }
 
 /// Whether a file's name is one of glTF.

@@ -12,7 +12,7 @@ use chladni_mesh::{
 };
 use chladni_task::{Task, write_atomic};
 
-use super::outputs::{LEFT_OF_GLTF, is_gltf};
+use super::outputs::{LEFT_OF_GLTF, is_gltf, left_pictures, rounded_in_stl};
 use super::{Error, Subject, Warning, Watcher, matched};
 
 /// The result of a project on its shape. Later edits of the project do not change it.
@@ -111,7 +111,8 @@ fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
 impl Sculpture {
     /// Writes it in the format of the ending: GLB holds the original with one morph target per layer, other
     /// formats the result itself. Where the shape comes from a glTF file, all else in that file stays in the GLB; a warning
-    /// says where that is not possible. A canceled `task` writes nothing.
+    /// says where that is not possible, and where an OBJ lacks pictures or an STL is too coarse. A canceled `task` writes
+    /// nothing.
     ///
     /// # Errors
     /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name; a canceled task.
@@ -124,7 +125,12 @@ impl Sculpture {
         }
         let result = self.result();
         task.check()?;
-        save_mesh(&result, path).map(|()| None).map_err(Error::unsaved)
+        save_mesh(&result, path).map_err(Error::unsaved)?;
+        Ok(match (Format::of_path(path), self.source.file()) {
+            (Some(Format::Stl), _) => rounded_in_stl(&result),
+            (Some(Format::Obj), Some(source)) => left_pictures(source, &result, path),
+            _ => None,
+        })
     }
 
     /// The same in memory, as a file of `format`. `file` holds the bytes of the shape's file, where it comes from
@@ -137,10 +143,16 @@ impl Sculpture {
             return Ok(self.glb(file)?);
         }
         let mut result = self.result();
-        // In memory no library can be written beside an OBJ.
-        let warning = (format == Format::Obj && leave_out_materials(&mut result)).then(|| {
-            Warning::Plain("an OBJ alone has neither materials nor pictures: save GLB for these".to_owned())
-        });
+        let warning = match format {
+            // In memory no library can be written beside it.
+            Format::Obj => leave_out_materials(&mut result).then(|| {
+                Warning::Plain(
+                    "an OBJ alone has neither materials nor pictures: save GLB for these".to_owned(),
+                )
+            }),
+            Format::Stl => rounded_in_stl(&result),
+            _ => None,
+        };
         Ok((write_mesh(&result, format)?, warning))
     }
 
@@ -220,5 +232,14 @@ mod tests {
         assert!(!text.contains("mtllib") && !text.contains("usemtl") && text.contains("\nf "));
         assert!(warning.unwrap().to_string().contains("save GLB"));
         assert_eq!(made.sculpture.to_bytes(Format::Ply, None).unwrap().1, None);
+    }
+
+    #[test]
+    fn an_stl_far_from_the_origin_is_warned_of() {
+        let mut mesh = icosphere(1);
+        assert_eq!(rounded_in_stl(&mesh), None);
+        mesh.positions.iter_mut().for_each(|p| p[1] += 5_654_321.0);
+        let warning = rounded_in_stl(&mesh).unwrap().to_string();
+        assert!(warning.contains("7e-1") && warning.contains("save PLY"), "{warning}");
     }
 }

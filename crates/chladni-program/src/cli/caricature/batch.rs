@@ -95,10 +95,13 @@ impl Caricature {
         let mut owners: HashMap<PathBuf, &Path> = HashMap::new();
         let mut planned = Vec::with_capacity(shapes.len());
         for shape in shapes {
-            // A format that can be written is kept; the others become PLY, which keeps every digit.
+            // A format that can be written is kept; glTF becomes GLB, and the others PLY, which keeps every digit.
             let (stem, extension) = match mesh_format(shape) {
                 _ if is_sample(shape) => (shape.as_os_str(), "ply".as_ref()),
                 Ok(_) => (shape.file_stem().unwrap_or_default(), shape.extension().unwrap_or_default()),
+                Err(_) if Format::of_path(shape) == Some(Format::Gltf) => {
+                    (shape.file_stem().unwrap_or_default(), "glb".as_ref())
+                }
                 Err(_) => (shape.file_stem().unwrap_or_default(), "ply".as_ref()),
             };
             let output = named(results, stem, extension);
@@ -153,10 +156,13 @@ fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(meshes)
 }
 
+/// The meshes in a folder, less hidden files: a Mac puts one beside each file, of the same ending.
 fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let unreadable = |error| Error::input(format_args!("{}: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
-    let is_mesh = |path: &PathBuf| path.is_file() && Format::of_path(path).is_some();
+    let is_hidden =
+        |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    let is_mesh = |path: &PathBuf| !is_hidden(path) && path.is_file() && Format::of_path(path).is_some();
     let mut meshes: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_mesh).collect();
     meshes.sort();
     if meshes.is_empty() {

@@ -57,7 +57,10 @@ impl Shelf {
         // A folder that is not there yet holds nothing.
         let Some(Ok(entries)) = self.folder.as_deref().map(std::fs::read_dir) else { return };
         let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-        paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+        // A Mac puts a hidden file of the same ending beside each.
+        let is_hidden =
+            |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        paths.retain(|path| !is_hidden(path) && path.extension().is_some_and(|ending| ending == "toml"));
         paths.sort();
         paths.truncate(MOST);
         for path in paths {
