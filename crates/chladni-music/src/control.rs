@@ -38,6 +38,11 @@ impl Binding {
     pub fn can_be_relative(&self) -> bool {
         self.target.kind() == Kind::Level && matches!(self.control, Control::Controller { .. })
     }
+
+    /// Whether it is of a knob that turns endlessly.
+    fn is_endless(&self) -> bool {
+        self.relative && self.can_be_relative()
+    }
 }
 
 /// The largest number of bindings.
@@ -165,7 +170,8 @@ impl Bindings {
     /// Handles a touch. If a target is waiting for a control and there is room, binds this control to it; otherwise the
     /// control turns its target. A knob or fader whose position differs from its target's takes over when
     /// it passes that position. A note that is learned for a level does nothing until it is released: if a knob or fader of
-    /// its device moves before that, the note was its touch sensor, and the level is bound to what moves.
+    /// its device that is bound to nothing else moves before that, the note was its touch sensor, and the level is bound to
+    /// what moves.
     pub fn touch(&mut self, touch: &Touch, parameters: &Parameters, standing: Standing<'_>) -> Option<Cue> {
         let value = if touch.value.is_finite() { touch.value.clamp(0.0, 1.0) } else { return None };
         let learned = self.learning.or_else(|| self.felt_for(touch)).filter(|_| value > 0.0);
@@ -176,7 +182,10 @@ impl Bindings {
                 self.forget(at);
             }
             let (device, control) = (touch.device.clone(), touch.control.clone());
-            let binding = Binding { device, control, target, number, relative: false };
+            // A knob that turns endlessly does so whatever it is bound to.
+            let relative = target.kind() == Kind::Level
+                && self.list.iter().any(|known| known.is_endless() && known.is_of(&device, &control));
+            let binding = Binding { device, control, target, number, relative };
             let may_be_sensor =
                 target.kind() == Kind::Level && matches!(binding.control, Control::Note { .. });
             // Where there is no room, it goes on waiting.
@@ -195,7 +204,7 @@ impl Bindings {
         let (binding, hand) = (self.list.get(at)?, self.hands.get_mut(at)?);
         let pressed = hand.press(&binding.control, value);
         let which = match (binding.target.kind(), binding.number) {
-            (Kind::Level, _) if binding.relative && binding.can_be_relative() => {
+            (Kind::Level, _) if binding.is_endless() => {
                 Which::Level(hand.step(value, standing(binding.target, None)?))
             }
             (Kind::Level, _) => {
@@ -252,8 +261,9 @@ impl Bindings {
             }
             let shows =
                 standing(binding.target, binding.number).and_then(|share| binding.control.message(share));
-            // A fader that is being moved shows the position already; a message would fight the hand.
-            let put = hand.put.filter(|_| !hand.was_sent);
+            // A fader that is being moved shows the position already; a message would fight the hand. An endless knob does
+            // not know its position.
+            let put = hand.put.filter(|_| !hand.was_sent && !binding.is_endless());
             let is_there = put.is_some() && put.and_then(|at| binding.control.message(at)) == shows;
             if let Some(message) = shows.filter(|message| hand.shown != Some(*message)) {
                 hand.shown = Some(message);
@@ -268,13 +278,19 @@ impl Bindings {
 
     /// Controls were moved unseen: nothing is known of where they stand.
     pub fn forget_hands(&mut self) {
+        // It may have been released.
+        self.felt = None;
         self.hands.iter_mut().for_each(|hand| *hand = Hand::default());
     }
 
     /// The target of the note that is felt, and its number, where `touch` moves a control of the same device.
     fn felt_for(&self, touch: &Touch) -> Option<(Target, Option<u32>)> {
         let felt = self.felt.as_ref().filter(|felt| felt.device == touch.device && moves(&touch.control))?;
-        self.list.contains(felt).then_some((felt.target, felt.number))
+        // A pad may stay on, and then what moves is not its fader: it keeps what it is bound to.
+        let is_free =
+            |known: &Binding| known.target == felt.target || !known.is_of(&touch.device, &touch.control);
+        let may_be_its_fader = self.list.contains(felt) && self.list.iter().all(is_free);
+        may_be_its_fader.then_some((felt.target, felt.number))
     }
 
     /// Returns whether there was room for it.

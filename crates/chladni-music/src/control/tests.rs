@@ -103,6 +103,64 @@ fn a_motor_fader_that_feels_the_hand_is_learned_and_not_its_touch_sensor() {
 }
 
 #[test]
+fn a_pad_that_stays_on_takes_no_bound_knob_from_its_target() {
+    let parameters = Parameters::default();
+    let pad = Touch::from_midi("desk", &[0x90, 36, 127]).unwrap();
+    let target = Target::Parameter(Parameter::StereoMu);
+    let mut bindings = Bindings::new(vec![binding(knob(1, 0).control, target)]);
+    bindings.learn(Some((Target::Volume, None)));
+    assert_eq!(touch(&mut bindings, &pad, &parameters), None);
+    let learned = bindings.list().to_vec();
+    assert_eq!(learned.len(), 2);
+    touch(&mut bindings, &knob(1, 64), &parameters);
+    assert_eq!(bindings.list(), learned);
+    // Its release may be lost while nobody listens.
+    bindings.forget_hands();
+    assert_eq!(touch(&mut bindings, &knob(2, 64), &parameters), None);
+    assert_eq!(bindings.list(), learned);
+}
+
+#[test]
+fn an_endless_knob_stays_endless_where_it_is_learned_for_another_level() {
+    let target = Target::Parameter(Parameter::StereoMu);
+    let mut bindings = Bindings::new(vec![binding(knob(1, 0).control, target)]);
+    bindings.set_relative(0, true);
+    let mut parameters = Parameters::default();
+    parameters.set(Parameter::Limit, 1.0).unwrap();
+    bindings.learn(Some((Target::Parameter(Parameter::Limit), None)));
+    let cue = touch(&mut bindings, &knob(1, 127), &parameters);
+    let Some(Cue::Do(Action::Set { parameter: Parameter::Limit, value })) = cue else { panic!("{cue:?}") };
+    assert!(value < 1.0 && value > 0.9, "{value}");
+    assert!(bindings.list()[0].relative);
+    // What else it is learned for takes no steps.
+    bindings.learn(Some((Target::Go, None)));
+    touch(&mut bindings, &knob(1, 127), &parameters);
+    assert!(!bindings.list()[0].relative);
+}
+
+#[test]
+fn the_ring_of_an_endless_knob_follows_its_own_turns() {
+    let target = Target::Parameter(Parameter::StereoMu);
+    let device = Binding { device: "desk".into(), ..binding(knob(1, 0).control, target) };
+    let mut bindings = Bindings::new(vec![device]);
+    bindings.set_relative(0, true);
+    let mut parameters = Parameters::default();
+    parameters.set(Parameter::StereoMu, 0.0).unwrap();
+    let sent = |bindings: &mut Bindings, parameters: &Parameters| {
+        bindings.feedback(&|target, number| target.standing(number, parameters), &|_| true)
+    };
+    let desk = |value| vec![("desk".to_owned(), [0xb2, 1, value])];
+    assert_eq!(sent(&mut bindings, &parameters), desk(0));
+    let cue = touch(&mut bindings, &knob(1, 3), &parameters);
+    // The frame in which it turns: its target follows after this.
+    assert!(sent(&mut bindings, &parameters).is_empty());
+    let Some(Cue::Do(Action::Set { parameter, value })) = cue else { panic!("{cue:?}") };
+    parameters.set(parameter, value).unwrap();
+    assert_eq!(sent(&mut bindings, &parameters), desk(3));
+    assert!(sent(&mut bindings, &parameters).is_empty());
+}
+
+#[test]
 fn an_endless_knob_goes_on_from_where_its_target_stands() {
     let target = Target::Parameter(Parameter::StereoMu);
     let mut bindings = Bindings::new(vec![binding(knob(1, 0).control, target)]);
