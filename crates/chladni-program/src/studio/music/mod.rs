@@ -102,6 +102,8 @@ pub struct MusicRoom {
     curtain: Curtain,
     leaning: Leaning,
     awake: Awake,
+    /// The time, by the window's clock, at which something moved last.
+    moved_secs: f64,
     /// Presets and shows that wait for a shape.
     waiting: Vec<PathBuf>,
     /// Songs that wait for the show that was opened with them: it would replace them.

@@ -27,6 +27,8 @@ use crate::work::{Error, playlist, unread};
 
 /// How often a room at rest checks for sound and controllers.
 const LISTENING: std::time::Duration = std::time::Duration::from_millis(50);
+/// What other programs see has come to an end when nothing has moved for longer: not in a pause between two songs.
+const REST_SECS: f64 = 300.0;
 
 impl Room for MusicRoom {
     fn name(&self) -> &'static str {
@@ -128,6 +130,8 @@ impl Room for MusicRoom {
         // In another room nobody taps to the clicks.
         if self.pass != shared.ctx.cumulative_pass_nr() {
             self.end_calibrating();
+            // The stage stands still there, and its own window is closed.
+            self.awake.keep(false);
         }
         // A window that closes waits for it, whichever room is on screen.
         self.filming.poll(shared);
@@ -259,12 +263,19 @@ impl MusicRoom {
         }
     }
 
-    /// The screen stays on while something is on stage, recorded or shown to other programs, and the stage fills the one
-    /// that was chosen for it.
+    /// The screen stays on while something is on stage or recorded, or moves where other programs see it, and the stage
+    /// fills the one that was chosen for it.
     fn keep_the_screen(&mut self, on_stage: bool, shared: &mut Shared<'_>) {
+        let now_secs = shared.ctx.input(|input| input.time);
+        if self.concert.as_ref().is_some_and(Concert::is_moving) {
+            self.moved_secs = now_secs;
+        }
+        // A camera is chosen for good, a stream only for this start.
+        let moves = now_secs - self.moved_secs < REST_SECS;
         let plays = |concert: &Concert| {
             let outgoing = &concert.outgoing;
-            concert.on_stage() || outgoing.recorder.is_some() || outgoing.camera().is_some()
+            let is_seen = outgoing.is_streaming() || (moves && outgoing.camera().is_some());
+            concert.on_stage() || outgoing.recorder.is_some() || is_seen
         };
         if let Some(why) = self.awake.keep(self.concert.as_ref().is_some_and(plays)) {
             shared.notices.warn(why);
