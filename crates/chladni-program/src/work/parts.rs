@@ -91,7 +91,7 @@ impl Parts {
 }
 
 /// The body whose limbs are found: `own`, made of the mesh called `name`, where its harmonics are those of the commands,
-/// or the mesh with these. So commands, the window and galleries find the same limbs.
+/// or the mesh with these. So commands, the window and their galleries find the same limbs.
 ///
 /// # Errors
 /// As [`body::build`].

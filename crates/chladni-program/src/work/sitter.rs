@@ -5,6 +5,7 @@ use std::sync::Arc;
 use chladni_caricature::{
     HEAD_PARTS, HeadParts, Limbs, MatchRequest, Painted, Sitter, SitterPart, Stack, Template,
 };
+use chladni_harmonics::Basis;
 use chladni_match::{Match, MatchSettings, Method, match_shapes};
 use chladni_mesh::TriMesh;
 
@@ -32,7 +33,7 @@ pub fn sitter(
     watcher: &impl Watcher,
 ) -> Result<Sitter, Error> {
     let named = head(mesh, stack, watcher)?;
-    let templates = all_templates(given, named.is_some(), stack.body().basis.harmonics());
+    let templates = all_templates(given, named.is_some(), smoothable(&stack.body().basis));
     let parts = match named {
         Some(parts) => parts,
         None => limbs(mesh, stack, watcher)?,
@@ -51,18 +52,26 @@ pub fn sitter(
     Ok(Sitter::new(stack, &templates, parts)?)
 }
 
-/// The template that is `given`, a plain head where the shape is one, an ellipsoid, and the shape made smooth, of whose
-/// harmonics there are `all`: each only once, as few harmonics make all alike.
+/// The number of harmonics of a shape that can be made smooth; `None` where all are constants of its pieces, with which
+/// no low-pass is possible.
+fn smoothable(basis: &Basis) -> Option<usize> {
+    let all = basis.harmonics();
+    (all == 1 || basis.constants() < all).then_some(all)
+}
+
+/// The template that is `given`, a plain head where the shape is one, an ellipsoid, and the shape made smooth, where it
+/// can be, of whose harmonics there are `all`: each only once, as few harmonics make all alike.
 fn all_templates(
     given: Option<(Template, MatchSettings)>,
     is_head: bool,
-    all: usize,
+    all: Option<usize>,
 ) -> Vec<(Template, MatchSettings)> {
     let usual = |template: Template| (template, MatchSettings::default());
     // Only a mesh is matched in more than one way.
     let given = given.map(|given| if given.0.is_mesh() { given } else { usual(given.0) });
     let head = is_head.then(|| Template::Sample(HEAD.into()));
-    let smooth = SMOOTH.map(|harmonics| Template::LowPass(harmonics.min(all)));
+    let smooth =
+        all.into_iter().flat_map(|all| SMOOTH.map(|harmonics| Template::LowPass(harmonics.min(all))));
     let own = head.into_iter().chain([Template::Ellipsoid]).chain(smooth);
     let mut templates = Vec::new();
     for template in given.into_iter().chain(own.map(usual)) {
@@ -117,14 +126,20 @@ fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Opt
 }
 
 /// The limbs of any shape, mirror images together, the largest first: those that a click takes in the window, and that
-/// `parts --level` prints.
+/// `parts --level` prints. On the page they are those of the harmonics that it has, as for a click there.
 fn limbs(mesh: &TriMesh, stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
     let own = stack.body();
-    // Warnings of the mesh came with its own harmonics.
-    let solved = watcher.watch("solving for the harmonics of limbs", |task| {
-        body_of_limbs(own, ("the shape", mesh), &Aside::new(task))
-    });
-    let body = match solved {
+    let solve = || {
+        // The page has few harmonics where more would take long.
+        if cfg!(target_family = "wasm") {
+            return Ok(Arc::clone(own));
+        }
+        // Warnings of the mesh came with its own harmonics.
+        watcher.watch("solving for the harmonics of limbs", |task| {
+            body_of_limbs(own, ("the shape", mesh), &Aside::new(task))
+        })
+    };
+    let body = match solve() {
         Err(error) if !error.is_cancelled() => Arc::clone(own),
         solved => solved?,
     };
@@ -150,21 +165,45 @@ fn part(name: String, painted: Painted) -> Option<SitterPart> {
 #[cfg(test)]
 mod tests {
     use chladni_harmonics::{BasisSettings, Body};
-    use chladni_mesh::samples::sample;
+    use chladni_mesh::samples::{icosphere, sample};
     use chladni_task::Task;
 
     use super::*;
     use crate::work::Parts;
 
+    fn kept(templates: &[(Template, MatchSettings)]) -> Vec<usize> {
+        let smooth = |(template, _): &(Template, MatchSettings)| match template {
+            Template::LowPass(harmonics) => Some(*harmonics),
+            _ => None,
+        };
+        templates.iter().filter_map(smooth).collect()
+    }
+
+    #[test]
+    fn a_shape_of_as_many_pieces_as_harmonics_is_not_made_smooth() {
+        let (ball, task) = (icosphere(1), Task::new());
+        let count = ball.positions.len() as u32;
+        let mut mesh = ball.clone();
+        mesh.positions.extend(ball.positions.iter().map(|[x, y, z]| [1.5 * x + 4.0, 1.5 * y, 1.5 * z]));
+        mesh.triangles.extend(ball.triangles.iter().map(|t| t.map(|v| v + count)));
+        let smooth = |harmonics| {
+            let body = Body::build(&mesh, &BasisSettings::new(harmonics), &task).unwrap();
+            let stack = Stack::new(Arc::new(body)).unwrap();
+            let templates = all_templates(None, false, smoothable(&stack.body().basis));
+            for (template, matching) in &templates {
+                let is_smooth = matches!(template, Template::LowPass(_));
+                assert!(!is_smooth || stack.difference(template, matching).is_ok(), "{template}");
+            }
+            kept(&templates)
+        };
+        assert_eq!([1, 2, 3].map(smooth), [vec![1], vec![], vec![3]]);
+    }
+
     #[test]
     fn a_shape_made_smooth_is_one_template_where_it_has_few_harmonics() {
-        let kept = |given: Option<usize>, all: usize| -> Vec<usize> {
+        let kept = |given: Option<usize>, all: usize| {
             let given = given.map(|harmonics| (Template::LowPass(harmonics), MatchSettings::default()));
-            let smooth = |(template, _): &(Template, MatchSettings)| match template {
-                Template::LowPass(harmonics) => Some(*harmonics),
-                _ => None,
-            };
-            all_templates(given, false, all).iter().filter_map(smooth).collect()
+            kept(&all_templates(given, false, Some(all)))
         };
         assert_eq!(kept(None, 5), [5]);
         assert_eq!(kept(None, 96), [8, 30]);
@@ -177,7 +216,7 @@ mod tests {
         let icp = MatchSettings { method: Method::Icp, ..MatchSettings::default() };
         let head = Template::Sample(HEAD.into());
         let count = |template: &Template, matching: &MatchSettings| {
-            let all = all_templates(Some((template.clone(), matching.clone())), true, 96);
+            let all = all_templates(Some((template.clone(), matching.clone())), true, Some(96));
             all.iter().filter(|(known, _)| known == template).count()
         };
         assert_eq!((count(&head, &usual), count(&Template::Ellipsoid, &usual)), (1, 1));
