@@ -20,8 +20,8 @@ use crate::{Attribute, Format, MeshError, TriMesh};
 /// Writes `mesh` as OBJ, binary PLY, binary STL or GLB.
 ///
 /// OBJ and PLY hold coordinates exactly; STL and GLB round them to `f32`, GLB far from the origin relative to the shape's
-/// [middle](far_center). An OBJ with materials
-/// names the library `materials.mtl`, which [`save_mesh`] writes too, under a name of its own.
+/// [middle](far_center). An OBJ with materials names the library `materials.mtl`, which [`save_mesh`] writes too, under a
+/// name of its own.
 ///
 /// # Errors
 /// [`MeshError::Unwritable`] for another format, for coordinates that the format cannot hold, and

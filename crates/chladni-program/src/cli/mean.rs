@@ -7,7 +7,7 @@ use chladni_mesh::{ShapeSource, TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{method, scaling};
-use crate::work::outputs::{check_mesh, left_of_gltf};
+use crate::work::outputs::{check_mesh, left_by};
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Average several shapes, such as scans of many heads, into one: a template of what is usual among them.
@@ -70,7 +70,7 @@ impl Mean {
         }
         let result = TriMesh { positions: mean.positions(), ..shape };
         save_mesh(&result, &self.output).map_err(Error::unsaved)?;
-        left_of_gltf(first, &self.output).into_iter().for_each(|lost| terminal.warn(lost));
+        left_by(first, &result, &self.output).into_iter().for_each(|lost| terminal.warn(lost));
         terminal.wrote(&self.output)
     }
 }

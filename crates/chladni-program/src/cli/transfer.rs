@@ -9,7 +9,7 @@ use chladni_mesh::{TriMesh, save_mesh};
 
 use super::Terminal;
 use super::layer_options::{check_landmarks, method, scaling};
-use crate::work::outputs::{check_mesh, left_of_gltf};
+use crate::work::outputs::{check_mesh, is_gltf, left_by};
 use crate::work::{Error, Warning, Watcher, source};
 
 /// Move the difference between two shapes, such as an expression or a caricature, onto a third.
@@ -53,9 +53,13 @@ impl TransferCommand {
             [&self.neutral, &self.expression, &self.target].map(|path| source::mesh(path, terminal));
         let (neutral, expression, target) = (neutral?, expression?, target?);
         if is_one_shape(&neutral, &expression) {
+            let hint = if is_gltf(&self.neutral) || is_gltf(&self.expression) {
+                "; a GLB of Chladni holds the original with sliders: save PLY or OBJ"
+            } else {
+                ""
+            };
             terminal.warn(Warning::Plain(format!(
-                "{} and {} are one shape, so that nothing moves; a GLB of Chladni holds the original with sliders: save PLY \
-                 or OBJ",
+                "{} and {} are one shape, so that nothing moves{hint}",
                 self.neutral.display(),
                 self.expression.display()
             )));
@@ -75,7 +79,7 @@ impl TransferCommand {
         let moved = moved.map(|(x, r)| std::array::from_fn(|i| x[i] + self.amount * (r[i] - x[i])));
         let result = TriMesh { positions: moved.collect(), ..target };
         save_mesh(&result, &self.output).map_err(Error::unsaved)?;
-        left_of_gltf(&self.target, &self.output).into_iter().for_each(|lost| terminal.warn(lost));
+        left_by(&self.target, &result, &self.output).into_iter().for_each(|lost| terminal.warn(lost));
         let trusted = 100.0 * found.confidence.iter().sum::<f64>() / (found.confidence.len().max(1) as f64);
         terminal.result(format_args!("mean confidence {trusted:.0} %"))?;
         terminal.wrote(&self.output)

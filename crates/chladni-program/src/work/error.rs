@@ -227,8 +227,8 @@ impl Display for Warning {
             }
             Self::ManyPieces { name, constants, harmonics } => write!(
                 f,
-                "{name}: {constants} of {harmonics} harmonics only say where its pieces lie: remove loose pieces, or ask \
-                 for more harmonics"
+                "{name}: {constants} of {harmonics} harmonics only say where its pieces lie: fewer loose pieces or more \
+                 harmonics would give it more form"
             ),
             Self::EmptyRegion { layer, from, to } => {
                 let diagonal = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt();

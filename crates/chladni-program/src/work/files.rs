@@ -95,6 +95,11 @@ pub fn resolve_looks(looks: Looks, folder: Option<&Path>) -> (Looks, Vec<Warning
     (looks, warnings)
 }
 
+/// Whether a file is hidden: a Mac puts one beside each file, of the same ending.
+pub fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."))
+}
+
 /// The BLAKE3 hash of a file in hexadecimal digits; `None` if it cannot be read.
 pub fn file_hash(path: &Path) -> Option<String> {
     let file = chladni_task::open_file(path).ok()?;

@@ -243,6 +243,15 @@ pub fn left_of_gltf(source: &Path, path: &Path) -> Option<Warning> {
     (is_gltf(source) && is_gltf(path)).then(|| Warning::of(source.display(), LEFT_OF_GLTF))
 }
 
+/// A warning of what the file at `path` lacks of `mesh`, which came from the file `source`.
+pub fn left_by(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warning> {
+    match Format::of_path(path) {
+        Some(Format::Stl) => rounded_in_stl(mesh),
+        Some(Format::Obj) => left_pictures(source, mesh, path),
+        _ => left_of_gltf(source, path),
+    }
+}
+
 /// A warning where the numbers of an STL are too coarse for a mesh that lies as far from the origin as `mesh` does.
 pub fn rounded_in_stl(mesh: &TriMesh) -> Option<Warning> {
     let center = far_center(&mesh.positions)?;

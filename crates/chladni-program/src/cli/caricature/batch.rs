@@ -10,7 +10,7 @@ use chladni_mesh::{Format, ShapeSource};
 use super::{Caricature, made_on, one};
 use crate::cli::Terminal;
 use crate::work::outputs::{check_apart, check_folders, is_one_place, mesh_format};
-use crate::work::{Error, Warning, Watcher};
+use crate::work::{Error, Warning, Watcher, is_hidden};
 
 impl Caricature {
     /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
@@ -156,12 +156,10 @@ fn meshes_listed(list: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(meshes)
 }
 
-/// The meshes in a folder, less hidden files: a Mac puts one beside each file, of the same ending.
+/// The meshes in a folder, less hidden files.
 fn meshes_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let unreadable = |error| Error::input(format_args!("{}: {error}", folder.display()));
     let entries = std::fs::read_dir(folder).map_err(unreadable)?;
-    let is_hidden =
-        |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
     let is_mesh = |path: &PathBuf| !is_hidden(path) && path.is_file() && Format::of_path(path).is_some();
     let mut meshes: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_mesh).collect();
     meshes.sort();

@@ -12,7 +12,7 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::notices::Notices;
 use crate::studio::theme;
-use crate::work::Error;
+use crate::work::{Error, is_hidden};
 
 /// At most this many presets are read.
 const MOST: usize = 2000;
@@ -57,9 +57,6 @@ impl Shelf {
         // A folder that is not there yet holds nothing.
         let Some(Ok(entries)) = self.folder.as_deref().map(std::fs::read_dir) else { return };
         let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-        // A Mac puts a hidden file of the same ending beside each.
-        let is_hidden =
-            |path: &Path| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
         paths.retain(|path| !is_hidden(path) && path.extension().is_some_and(|ending| ending == "toml"));
         paths.sort();
         paths.truncate(MOST);

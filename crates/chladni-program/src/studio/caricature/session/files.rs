@@ -69,8 +69,8 @@ fn stamp(path: &Path) -> Option<Stamp> {
 
 impl Session {
     /// Takes in that a template is chosen. Where its file is another than the one that was matched, matches with that one are
-    /// forgotten, and the landmarks, which are vertices of it, go where one had succeeded. Returns what
-    /// the user should know of this.
+    /// forgotten, and the landmarks, which are vertices of it, go where one had succeeded. Returns what the user should know
+    /// of this.
     pub fn renew(&mut self, template: &Template) -> Result<Option<String>, Error> {
         let fate = self.files.renew(template);
         if matches!(fate, Fate::Same) {
