@@ -2,10 +2,12 @@
 
 use std::collections::BTreeSet;
 use std::fs::{DirEntry, File};
-use std::io;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
+
+use tempfile::NamedTempFile;
 
 /// How the name of a temporary file begins; random letters and digits follow, and an ending.
 pub(super) const PREFIX: &str = ".chladni-draft-";
@@ -21,6 +23,18 @@ pub(super) fn claim(file: &File) {
     // Elsewhere a locked file could not be written by the programs that are given its name.
     if cfg!(unix) {
         let _ = file.try_lock();
+    }
+}
+
+/// Gives up the [`claim`] where it would keep others from writing to the file by its name: a lock on a share of SMB
+/// holds off every other handle, those of this process, too.
+pub(super) fn let_others_write(draft: &NamedTempFile) {
+    let written = File::options().write(true).open(draft.path()).and_then(|mut other| {
+        other.write_all(b" ")?;
+        other.set_len(0)
+    });
+    if written.is_err() {
+        let _ = draft.as_file().unlock();
     }
 }
 
@@ -92,6 +106,7 @@ mod tests {
         std::fs::create_dir(path(".chladni-draft-folder000000")).unwrap();
         std::os::unix::fs::symlink("p.chladni", path(".chladni-draft-link00000000")).unwrap();
         let held = temporary_beside(&path("film.mp4"), ".mp4").unwrap();
+        assert_eq!(held.path().metadata().unwrap().len(), 0, "trying it leaves nothing in it");
         age(held.path());
         sweep(folder.path());
         assert!(

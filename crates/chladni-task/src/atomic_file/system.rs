@@ -16,7 +16,11 @@ pub(super) trait System: std::fmt::Debug {
     }
 
     fn sync(&self, file: &File) -> io::Result<()> {
-        file.sync_all()
+        match file.sync_all() {
+            // It asks for more than other systems do: that the disk empties its cache, too.
+            Err(why) if cfg!(target_vendor = "apple") && cannot_flush(&why) => Ok(()),
+            done => done,
+        }
     }
 
     fn rename(&self, file: NamedTempFile, path: &Path) -> io::Result<()> {
@@ -40,13 +44,20 @@ pub(super) trait System: std::fmt::Debug {
         if !cfg!(unix) {
             return Ok(());
         }
-        use io::ErrorKind::{InvalidInput, PermissionDenied, Unsupported};
         match File::open(folder).and_then(|folder| folder.sync_all()) {
             // Some file systems cannot flush a folder, and some folders may be written but not read.
-            Err(why) if matches!(why.kind(), InvalidInput | PermissionDenied | Unsupported) => Ok(()),
+            Err(why) if cannot_flush(&why) || why.kind() == io::ErrorKind::PermissionDenied => Ok(()),
             done => done,
         }
     }
+}
+
+/// Whether a flush failed because the file system knows none.
+fn cannot_flush(why: &io::Error) -> bool {
+    // Apple's ENOTSUP, which is no kind of error in the standard library.
+    const NOT_SUPPORTED: i32 = 45;
+    matches!(why.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported)
+        || (cfg!(target_vendor = "apple") && why.raw_os_error() == Some(NOT_SUPPORTED))
 }
 
 /// The real system.
@@ -54,3 +65,17 @@ pub(super) trait System: std::fmt::Debug {
 pub(super) struct Disk;
 
 impl System for Disk {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use io::ErrorKind::{InvalidInput, Other, StorageFull, Unsupported};
+
+    #[test]
+    fn a_flush_that_there_is_not_is_told_from_one_that_failed() {
+        let found = [InvalidInput, Unsupported, StorageFull, Other].map(|kind| cannot_flush(&kind.into()));
+        assert_eq!(found, [true, true, false, false]);
+        let of_apple = cannot_flush(&io::Error::from_raw_os_error(45));
+        assert_eq!(of_apple, cfg!(target_vendor = "apple"));
+    }
+}
