@@ -40,7 +40,8 @@ impl RecordingFolder {
         // Where the file system has no locks, it is recorded all the same, and left alone afterwards.
         let _ = note.lock();
         writeln!(note, "{sound_hz}\n{name}")?;
-        note.sync_all()?;
+        // Not every volume can flush; without it, only a power cut would lose the note.
+        let _ = note.sync_all();
         Ok(Self { folder, film: film.to_owned(), sound_hz, _note: note })
     }
 
@@ -95,7 +96,8 @@ impl CutOff {
         if !folder.file_name()?.to_str()?.starts_with(PREFIX) || !folder.symlink_metadata().ok()?.is_dir() {
             return None;
         }
-        let note = File::open(folder.join(NOTE)).ok()?;
+        // NFS locks only what may be written.
+        let note = File::options().read(true).write(true).open(folder.join(NOTE)).ok()?;
         note.try_lock().ok()?;
         let mut text = String::new();
         (&note).take(MOST_BYTES).read_to_string(&mut text).ok()?;
