@@ -1,7 +1,8 @@
 //! Captures the output of a PulseAudio or PipeWire server, all of it or one program's, with its own recorder.
 
+use std::ffi::OsString;
 use std::io::Read;
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::sync::atomic::Ordering;
 
 use chladni_task::{Needs, other_program};
@@ -79,14 +80,22 @@ impl SinkInput {
 
 /// Streams that sound first; empty without a server, or with one that is older than its list in JSON.
 fn inputs() -> Vec<SinkInput> {
-    let listed = other_program("pactl", Needs::Desktop)
-        .args(["-f", "json", "list", "sink-inputs"])
-        .stderr(Stdio::null())
-        .output();
+    let mut pactl = other_program("pactl", Needs::Desktop);
+    write_points(&mut pactl, std::env::var_os("LC_ALL"));
+    let listed = pactl.args(["-f", "json", "list", "sink-inputs"]).stderr(Stdio::null()).output();
     let mut inputs: Vec<SinkInput> =
         listed.ok().and_then(|listed| serde_json::from_slice(&listed.stdout).ok()).unwrap_or_default();
     inputs.sort_by_key(|input| input.corked);
     inputs
+}
+
+/// Lets a program write numbers with a decimal point, as `pactl` needs for its JSON to be valid, whatever language `LC_ALL`,
+/// here `all`, asks for. Its letters stay those of that language.
+fn write_points(program: &mut Command, all: Option<OsString>) {
+    if let Some(all) = all.filter(|all| !all.is_empty()) {
+        program.env_remove("LC_ALL").env("LC_CTYPE", all);
+    }
+    program.env("LC_NUMERIC", "C");
 }
 
 /// Names of the programs that play something, each once.
@@ -156,4 +165,27 @@ fn read(mut sound: impl Read, mut inlet: Inlet) {
         held -= whole;
     }
     inlet.lost.store(true, Ordering::Release);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::OsStr;
+
+    use super::*;
+
+    #[test]
+    fn a_list_has_decimal_points_in_every_language() {
+        let given = |all: &str| {
+            let mut program = other_program("pactl", Needs::Desktop);
+            program.env("LC_ALL", all).env("LC_CTYPE", "before");
+            write_points(&mut program, Some(all.into()));
+            let value = |name: &str| {
+                let found = program.get_envs().find(|(known, _)| *known == OsStr::new(name));
+                found.and_then(|(_, value)| value).map(|value| value.to_string_lossy().into_owned())
+            };
+            ["LC_ALL", "LC_CTYPE", "LC_NUMERIC"].map(|name| value(name).unwrap_or_default())
+        };
+        assert_eq!(given("de_DE.UTF-8"), ["", "de_DE.UTF-8", "C"]);
+        assert_eq!(given(""), ["", "before", "C"]);
+    }
 }
