@@ -16,6 +16,11 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     FileRef { path: place(path, folder), blake3: file_hash(path) }
 }
 
+/// Whether the file at `path` is not found again as `named`: a show is text, which not every name of a file is.
+pub fn is_lost(path: &Path, named: &FileRef) -> bool {
+    path.to_str().is_none() && named.path.contains(char::REPLACEMENT_CHARACTER)
+}
+
 /// `path` relative to `folder` if it lies below it, with slashes on every system, so that a show can move between them;
 /// else absolute.
 fn place(path: &Path, folder: Option<&Path>) -> String {
@@ -131,6 +136,18 @@ mod tests {
         assert_eq!(resolve(&far, Some(new.path())).unwrap(), (song, None));
         let sample = refer(Path::new("sample:octopus"), None);
         assert_eq!(resolve(&sample, None).unwrap(), ("sample:octopus".into(), None));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_name_that_is_no_text_is_lost_unless_only_a_folder_above_the_show_has_it() {
+        use std::os::unix::ffi::OsStrExt;
+        let odd = Path::new("/nowhere").join(std::ffi::OsStr::from_bytes(b"caf\xe9"));
+        let lost = |path: &Path, folder: &Path| is_lost(path, &refer(path, Some(folder)));
+        assert!(lost(&odd, Path::new("/nowhere")));
+        assert!(lost(&odd.join("a.wav"), Path::new("/nowhere")));
+        assert!(!lost(&odd.join("a.wav"), &odd));
+        assert!(!lost(Path::new("/nowhere/café.wav"), Path::new("/nowhere")));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Opening, continuing and saving presets and shows.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use chladni_music::{
@@ -18,7 +19,7 @@ use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
 use crate::work::formats::TEXT;
 use crate::work::{
-    Error, cautions, is_like_a_show, placed, playlist, refer, refer_looks, resolve, resolve_looks,
+    Error, cautions, is_like_a_show, is_lost, placed, playlist, refer, refer_looks, resolve, resolve_looks,
 };
 
 /// The most harmonics that dance live.
@@ -350,7 +351,7 @@ pub fn songs_of(show: &Show) -> Vec<(String, BeatReading)> {
     show.songs.iter().map(|song| (song.path.clone(), song.reading)).collect()
 }
 
-/// Saves the show.
+/// Saves the show. Where it names a file that cannot be found again, it is written, but counts as unsaved.
 pub fn write_show(
     path: &Path,
     concert: &mut Concert,
@@ -358,9 +359,23 @@ pub fn write_show(
     names: &Names,
     shared: &mut Shared<'_>,
 ) -> Result<(), Error> {
-    let mut show = the_show(concert, listening, names, shared, |file| refer(file, path.parent()));
+    let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
+    let mut show = the_show(concert, listening, names, shared, |file| {
+        let named = refer(file, path.parent());
+        if is_lost(file, &named) {
+            *lost.borrow_mut() = Some(file.to_owned());
+        }
+        named
+    });
     show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
     show.save(path).map_err(Error::unsaved)?;
+    if let Some(file) = lost.into_inner() {
+        return Err(Error::input(format_args!(
+            "{}: its name is not valid Unicode, so the show that was saved cannot find it again: rename it, \
+             open it again, and save once more",
+            file.display()
+        )));
+    }
     shared.notices.done(format!("Saved {}", path.display()));
     concert.mark_saved();
     Ok(())
