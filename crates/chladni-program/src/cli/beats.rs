@@ -1,5 +1,7 @@
 //! `chladni beats`: tempo and beats of a song.
 
+use std::path::PathBuf;
+
 use chladni_sound::{track_beats, track_beats_causally};
 use clap::Args;
 
@@ -10,7 +12,7 @@ use crate::work::{Error, Watcher, source};
 #[derive(Args)]
 pub struct Beats {
     /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF, Matroska) or sample:tune.
-    song: String,
+    song: PathBuf,
     /// Print beats, tempo, bars, sections and energy as JSON (docs/beats.md).
     #[arg(long)]
     json: bool,

@@ -33,6 +33,8 @@ mod threads;
 mod transfer;
 mod turntable;
 
+use std::ffi::OsString;
+
 use chladni_view::Draw;
 use clap::{Parser, Subcommand};
 
@@ -93,12 +95,13 @@ pub fn main() -> std::process::ExitCode {
 pub fn run<I, T>(arguments: I) -> u8
 where
     I: IntoIterator<Item = T>,
-    T: Into<std::ffi::OsString> + Clone,
+    T: Into<OsString> + Clone,
 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
-            let error = Error::Input(in_one_line(&error));
+            let error = Error::Input(in_one_line(&error, &arguments));
             Terminal::new(false).error(&error);
             return exit_code(&error);
         }
@@ -129,10 +132,11 @@ where
 pub fn understand<I, T>(arguments: I) -> Result<(), Error>
 where
     I: IntoIterator<Item = T>,
-    T: Into<std::ffi::OsString> + Clone,
+    T: Into<OsString> + Clone,
 {
-    match Cli::try_parse_from(arguments) {
-        Err(error) if error.use_stderr() => Err(Error::Input(in_one_line(&error))),
+    let arguments: Vec<OsString> = arguments.into_iter().map(Into::into).collect();
+    match Cli::try_parse_from(&arguments) {
+        Err(error) if error.use_stderr() => Err(Error::Input(in_one_line(&error, &arguments))),
         _ => Ok(()),
     }
 }
@@ -143,7 +147,13 @@ pub fn exit_code(error: &Error) -> u8 {
 }
 
 /// The error in the arguments and clap's suggestion, without the usage that follows.
-fn in_one_line(error: &clap::Error) -> String {
+fn in_one_line(error: &clap::Error, arguments: &[OsString]) -> String {
+    if error.kind() == clap::error::ErrorKind::InvalidUtf8 {
+        // Its own text names none.
+        let odd = arguments.iter().filter(|argument| argument.to_str().is_none());
+        let odd: Vec<_> = odd.map(|argument| argument.to_string_lossy()).collect();
+        return format!("{}: is not valid Unicode, which is needed here", odd.join(", "));
+    }
     if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return "a subcommand is missing (--help lists what there is)".into();
     }

@@ -32,7 +32,7 @@ pub enum ProjectCommand {
 #[derive(clap::Args)]
 pub struct New {
     /// The shape: a mesh file or sample:NAME.
-    shape: String,
+    shape: PathBuf,
     /// The project file; must end in .chladni and not exist yet.
     #[arg(short, long, value_name = "P.chladni")]
     output: PathBuf,
@@ -108,18 +108,19 @@ impl New {
         // Refuse a shape that cannot be read before making a project on it.
         let stance = Stance::from(self.stance);
         stance.check()?;
-        let shape: ShapeSource = self.shape.parse()?;
+        let shape = ShapeSource::named(&self.shape);
+        let name = shape.to_string();
         let mut project = Project::new(shape, self.harmonics);
         project.resolution = self.resolution.wanted();
         let mesh = Subject::of(&mut project, terminal)?.mesh;
         if stance.is_told() {
-            project.stands = Some(stance.of(&self.shape, &mesh, None, None, terminal)?);
+            project.stands = Some(stance.of(&name, &mesh, None, None, terminal)?);
         }
         project.laplacian = laplacian(self.paper);
         project.keep_triangles = self.keep_triangles;
         if self.paper {
             // Reported now rather than with the first layer.
-            Operator::with(&mesh, project.laplacian).map_err(|error| Error::from(error).of(&self.shape))?;
+            Operator::with(&mesh, project.laplacian).map_err(|error| Error::from(error).of(&name))?;
         }
         save_new(&project, &self.output)?;
         terminal.wrote(&self.output)

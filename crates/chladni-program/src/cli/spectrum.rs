@@ -16,7 +16,7 @@ use crate::work::{Error, Warning, Watcher, source};
 #[command(group(clap::ArgGroup::new("form").required(true).args(["json", "render"])))]
 pub struct Spectrum {
     /// A song (WAV, FLAC, MP3, Ogg Vorbis, Opus, M4A, AIFF, Matroska) or sample:tune.
-    song: String,
+    song: PathBuf,
     /// Print `rate_hz`, `bands_hz` and `frames` (`time_secs`, `mid`, `side`) as JSON.
     #[arg(long)]
     json: bool,
@@ -69,8 +69,8 @@ impl Spectrum {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
         let (song, from_secs) = self.read(terminal)?;
         let shown = source::frames_of(&song, self.start - from_secs, self.duration).ok_or_else(|| {
-            let ends_secs = from_secs + song.duration_secs();
-            Error::Input(format!("{}: ends after {ends_secs:.1} s: there is nothing to show", self.song))
+            let (name, ends_secs) = (self.song.display(), from_secs + song.duration_secs());
+            Error::Input(format!("{name}: ends after {ends_secs:.1} s: there is nothing to show"))
         })?;
         let shown_secs = shown.len() as f64 / f64::from(song.rate_hz);
         let fps = self.frames_a_second(shown_secs)?;
@@ -114,7 +114,7 @@ impl Spectrum {
         match source::song(&self.song, 0.0, None, watcher) {
             Err(Error::Sound(SoundError::TooLong { .. })) if heard_secs.is_some() || from_secs > 0.0 => {
                 let message = "is too long to be read as a whole: the level is that of the part";
-                watcher.warn(Warning::of(&self.song, message));
+                watcher.warn(Warning::of(self.song.display(), message));
                 part()
             }
             Err(error @ Error::Sound(SoundError::TooLong { .. })) => {

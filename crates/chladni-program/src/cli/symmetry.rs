@@ -23,7 +23,7 @@ use crate::work::{Error, Stance, Watcher, figure_markers, source};
 #[derive(clap::Args)]
 pub struct SymmetryCommand {
     /// A mesh file or sample:NAME.
-    mesh: String,
+    mesh: PathBuf,
     /// K, the number of harmonics.
     #[arg(short = 'k', long, value_name = "K", default_value_t = 100)]
     harmonics: usize,
@@ -64,14 +64,14 @@ impl SymmetryCommand {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         self.render.as_deref().map_or(Ok(()), check_picture)?;
         let mesh = source::mesh(&self.mesh, terminal)?;
-        let shape = Path::new(&self.mesh);
-        self.render.as_deref().map_or(Ok(()), |path| check_no_texture(path, shape, &mesh))?;
-        let (body, _) = body::build(&self.mesh, &mesh, self.harmonics, laplacian(self.paper), terminal)?;
+        self.render.as_deref().map_or(Ok(()), |path| check_no_texture(path, &self.mesh, &mesh))?;
+        let name = self.mesh.display().to_string();
+        let (body, _) = body::build(&name, &mesh, self.harmonics, laplacian(self.paper), terminal)?;
         let symmetry = terminal
             .watch("finding the mirror", |task| classes(&body, self.paper, task))
-            .map_err(|error| error.of(&self.mesh))?;
+            .map_err(|error| error.of(&name))?;
         if let Some(path) = &self.render {
-            let stands = Stance::default().of(&self.mesh, &mesh, None, None, terminal)?;
+            let stands = Stance::default().of(&name, &mesh, None, None, terminal)?;
             draw(path, &body, &symmetry, stands, &terminal.device()?)?;
         }
         let report = report(&body, &symmetry);

@@ -124,21 +124,21 @@ fn aged(path: &Path, project: Project, watcher: &impl Watcher) -> Project {
 /// # Errors
 /// [`Error::Sound`], and [`Error::Input`] for a stretch that is not there.
 pub fn song(
-    name: &str,
+    name: impl AsRef<Path>,
     start_secs: f64,
     duration_secs: Option<f64>,
     watcher: &impl Watcher,
 ) -> Result<Song, Error> {
-    read_song(name, &SongOptions { start_secs, duration_secs, ..SongOptions::default() }, watcher)
+    read_song(name.as_ref(), &SongOptions { start_secs, duration_secs, ..SongOptions::default() }, watcher)
 }
 
 /// Reads all of a song, or of `sample:tune`, for work without a listener, which may take more memory; warns of damage.
 ///
 /// # Errors
 /// As [`song`] does, but [`Error::Input`] for a song that is too long.
-pub fn long_song(name: &str, watcher: &impl Watcher) -> Result<Song, Error> {
+pub fn long_song(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<Song, Error> {
     let options = SongOptions { max_bytes: most_bytes(available_memory()), ..SongOptions::default() };
-    match read_song(name, &options, watcher) {
+    match read_song(name.as_ref(), &options, watcher) {
         Err(Error::Sound(error @ SoundError::TooLong { .. })) => {
             Err(Error::Input(format!("{error}; free some memory, or cut it into several files")))
         }
@@ -153,19 +153,19 @@ fn most_bytes(free: Option<u64>) -> usize {
     SongOptions::default().max_bytes.max(usize::try_from(most).unwrap_or(usize::MAX))
 }
 
-fn read_song(name: &str, options: &SongOptions, watcher: &impl Watcher) -> Result<Song, Error> {
+fn read_song(name: &Path, options: &SongOptions, watcher: &impl Watcher) -> Result<Song, Error> {
     let SongOptions { start_secs, duration_secs, .. } = *options;
     check_stretch(start_secs, duration_secs)?;
-    if let Some(sample) = ShapeSource::sample_name(Path::new(name)) {
-        if name != TUNE {
+    if let Some(sample) = ShapeSource::sample_name(name) {
+        if name.as_os_str() != TUNE {
             return Err(Error::Input(format!("there is no sample {sample}: tune is a song")));
         }
         return stretch(sample_tune(), start_secs, duration_secs);
     }
-    let mut reader = SongReader::open(Path::new(name))?;
+    let mut reader = SongReader::open(name)?;
     let song = watcher.watch("decoding the song", |task| Song::read(&mut reader, options, task));
     if let Some(damage) = reader.damage() {
-        watcher.warn(Warning::of(name, damage));
+        watcher.warn(Warning::of(name.display(), damage));
     }
     Ok(song?)
 }

@@ -113,6 +113,31 @@ fn wrong_arguments_are_told_in_one_line() {
 
 #[cfg(unix)]
 #[test]
+fn names_that_are_not_unicode_are_understood_or_named() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let understood = |line: &str| {
+        let odd = OsStr::from_bytes(b"caf\xe9.obj");
+        let arguments = line.split(' ').map(|word| if word == "ODD" { odd } else { OsStr::new(word) });
+        cli::understand(arguments)
+    };
+    for line in [
+        "chladni beats ODD",
+        "chladni spectrum ODD --json",
+        "chladni symmetry ODD",
+        "chladni caricature ODD ellipsoid -o wild.obj",
+        "chladni project new ODD -o me.chladni",
+    ] {
+        understood(line).unwrap();
+    }
+    for line in ["chladni dance ODD song.wav -o a.gif", "chladni caricature sample:head ODD -o wild.obj"] {
+        let why = understood(line).unwrap_err().to_string();
+        assert!(why.starts_with("caf\u{fffd}.obj: "), "{why}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
 fn what_never_ends_is_refused_before_it_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let (mesh, out) = (folder.path().join("mesh.obj"), folder.path().join("out.npz"));

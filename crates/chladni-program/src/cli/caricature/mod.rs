@@ -37,7 +37,7 @@ use crate::work::{
 pub struct Caricature {
     /// The shape: a mesh file or sample:NAME. With --recipe it replaces the recipe's own.
     #[arg(required_unless_present = "recipe")]
-    shape: Option<String>,
+    shape: Option<PathBuf>,
     /// The template, to compare it with: a mesh file, sample:NAME, ellipsoid, sphere, a given one
     /// (sphere:x,y,z,radius, ellipsoid:x,y,z,a,b,c and, turned, three angles), self:scale=0.9 or self:lowpass=20.
     #[arg(required_unless_present_any = ["recipe", "gallery"], conflicts_with = "recipe")]
@@ -164,7 +164,7 @@ impl Caricature {
     /// The meshes that the arguments name.
     fn read(&self) -> Vec<&Path> {
         let template = self.template.as_ref().and_then(Template::file);
-        let shape = self.shape.as_deref().map(Path::new);
+        let shape = self.shape.as_deref();
         shape.into_iter().chain(template).chain(self.region.mask_file()).collect()
     }
 
@@ -182,13 +182,14 @@ impl Caricature {
             return Err(Error::input("the number of harmonics must be 1 or more"));
         }
         check_template(template, terminal)?;
-        let source: ShapeSource = shape.parse()?;
+        let source = ShapeSource::named(shape);
+        let name = source.to_string();
         let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
         project.laplacian = laplacian(self.paper);
         project.keep_triangles = self.keep_triangles;
         project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
         let subject = Subject::of(&mut project, terminal)?;
-        let painted = self.region.painted(shape, &subject, terminal)?;
+        let painted = self.region.painted(&name, &subject, terminal)?;
         let layer =
             self.layer.layer("caricature", template.clone(), painted, &project, &subject, terminal)?;
         project.push(layer)?;
@@ -221,7 +222,9 @@ impl Caricature {
         }
         self.template.iter().try_for_each(|template| check_template(template, terminal))?;
         let (harmonics, laplacian) = (self.harmonics.unwrap_or(DEFAULT_HARMONICS), laplacian(self.paper));
-        let mut project = Project::new(shape.parse()?, harmonics);
+        let source = ShapeSource::named(shape);
+        let name = source.to_string();
+        let mut project = Project::new(source, harmonics);
         (project.laplacian, project.keep_triangles) = (laplacian, self.keep_triangles);
         project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
         let subject = Subject::of(&mut project, terminal)?;
@@ -230,7 +233,7 @@ impl Caricature {
         check_textures(&[output.as_path()], whole, self.template.iter())?;
         // Without targets: the layers are yet to be chosen.
         check_fits(output, whole, 0)?;
-        let (body, _) = body::build(shape, mesh, harmonics, laplacian, terminal)?;
+        let (body, _) = body::build(&name, mesh, harmonics, laplacian, terminal)?;
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
         let given = match &self.template {
@@ -252,7 +255,7 @@ impl Caricature {
             let source = project.shape.clone();
             return save(&Sculpture { source, subject, body, evaluation }, output, terminal);
         }
-        let from = self.portrait.camera(shape, mesh, None, None, terminal)?;
+        let from = self.portrait.camera(&name, mesh, None, None, terminal)?;
         self.gallery.sheet(&sitter, seed, (from, self.portrait.size()), output, terminal)?;
         terminal.wrote(output)
     }
