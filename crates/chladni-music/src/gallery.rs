@@ -20,8 +20,9 @@ pub struct GalleryShape {
 }
 
 impl GalleryShape {
-    /// How many waves of each harmonic fit into the length of the body: √λ_k/π, because the longest side is 2
-    /// in the working frame. It depends only on the body's shape, not on its size or on K.
+    /// How many waves of each harmonic fit into the size of the body, twice its farthest coordinate from its
+    /// centroid: √λ_k/π, because that is 2 in the working frame. It does not depend on units or on K, but on how the
+    /// body lies in its file: its longest side is 1 to 2 in the working frame.
     pub fn waves_per_size(&self) -> Vec<f32> {
         self.eigenvalues.iter().map(|l| (l.max(0.0).sqrt() / std::f64::consts::PI) as f32).collect()
     }

@@ -30,8 +30,8 @@ pub struct Preset {
     pub lineage: Vec<Ancestor>,
     /// The mapping, for the harmonics on which it was made.
     pub mapping: Mapping,
-    /// For each of those harmonics, how many of its waves fit into the length of the shape; ascending.
-    /// Empty in version 1, in which harmonics are shares of K.
+    /// For each of those harmonics, how many of its waves fit into the size of the shape
+    /// ([`GalleryShape::waves_per_size`]); ascending. Empty in version 1, in which harmonics are shares of K.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub waves_per_size: Vec<f32>,
     /// The form, and the knobs that change how the dance looks.

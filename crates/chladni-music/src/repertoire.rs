@@ -15,7 +15,7 @@ struct Entry {
     tags: Vec<String>,
     form: Form,
     timbre: String,
-    /// How many waves fit into the length of the shape, from the lowest sounds to the highest, in even steps.
+    /// How many waves fit into the size of the shape, from the lowest sounds to the highest, in even steps.
     waves: Vec<f32>,
     /// The waves that are amplified, from and to; the ends are soft.
     sounding: [f32; 2],
