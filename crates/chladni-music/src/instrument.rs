@@ -1,11 +1,13 @@
 //! The state that actions change, and the log that replays them.
 
 mod dances;
+mod past;
 
 use std::collections::{BTreeMap, VecDeque};
 
 use chladni_breeding::{ItemId, Origin, item_name};
 
+use self::past::Past;
 use crate::gallery::{Gallery, GalleryItem, GalleryShape, initial};
 use crate::stage::{Scene, Stage};
 use crate::text_file::FORMAT_VERSION;
@@ -41,6 +43,8 @@ pub struct Instrument {
     stage: Stage,
     /// Items that the stage still names although they may have left the gallery, as they were then.
     staying: Vec<GalleryItem>,
+    /// Of dances that were taken from presets, or have outlived their gallery.
+    pasts: BTreeMap<ItemId, Past>,
     /// How often the sand was swept.
     sweeps: u32,
     /// The look that [`Action::SetLook`] put over the stage; empty if none.
@@ -79,6 +83,7 @@ impl Instrument {
             voices: BTreeMap::new(),
             stage: Stage::default(),
             staying: Vec::new(),
+            pasts: BTreeMap::new(),
             sweeps: 0,
             look: String::new(),
             log: Vec::new(),
@@ -214,14 +219,16 @@ impl Instrument {
         lineage
     }
 
-    /// A preset of an item, with its lineage and the knobs where they stand.
+    /// A preset of an item, with its lineage and the knobs where they stand; [`tags`](Self::tags) has those of the
+    /// preset that it was taken from.
     pub fn preset(&self, item: &GalleryItem, tags: Vec<String>) -> Preset {
+        let Past { seed, lineage, .. } = self.past(item);
         Preset {
             format_version: FORMAT_VERSION,
             name: if item.name.is_empty() { format!("item {}", item.id) } else { item.name.clone() },
             tags,
-            seed: self.seed(),
-            lineage: self.lineage(item),
+            seed,
+            lineage,
             mapping: Mapping {
                 amplification: item.genome.amplification_on(self.shape.eigenvalues.len()),
                 ..item.genome.clone()
@@ -307,6 +314,7 @@ impl Instrument {
                     self.later_seeds.push((moment, seed));
                 }
                 self.keep_staged();
+                self.keep_pasts();
                 self.gallery = gallery;
             }
             Action::SetTransfer { item, ref transfer } => {
@@ -326,6 +334,7 @@ impl Instrument {
                 let mapping = preset.mapping_on(&self.shape);
                 mapping.validate()?;
                 self.load(item, &preset.name, mapping)?;
+                self.pasts.insert(self.gallery.item_mut(item)?.id, Past::of(preset));
                 self.parameters.apply(&preset.settings)?;
             }
             Action::Set { parameter: parameter @ Parameter::BeatsPerStep, value } => {

@@ -98,7 +98,8 @@ impl Concert {
         // Another evening, another programme.
         let draw = js_sys::Date::now() as u64;
         let favorites = self.instrument.favorites().iter();
-        let favorites = favorites.map(|item| self.instrument.preset(item, Vec::new())).collect();
+        let favorites =
+            favorites.map(|item| self.instrument.preset(item, self.instrument.tags(item.id))).collect();
         let programme = Programme::new(&self.instrument, favorites, at_secs, draw)?;
         let mut programme = programme.on_sheet(self.staging.is_flat());
         let actions = programme.step(at_secs, true, &self.instrument);

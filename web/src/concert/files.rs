@@ -100,7 +100,7 @@ impl Concert {
     pub fn save_preset(&self, item: usize) -> Result<String, JsError> {
         let items = self.instrument.gallery().items();
         let found = items.get(item).ok_or_else(|| JsError::new("there is no such dance"))?;
-        Ok(self.instrument.preset(found, Vec::new()).to_text()?)
+        Ok(self.instrument.preset(found, self.instrument.tags(found.id)).to_text()?)
     }
 
     /// Puts a preset in the place of a dance.

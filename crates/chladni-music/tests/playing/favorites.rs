@@ -2,7 +2,7 @@
 
 use super::*;
 
-use chladni_music::{ItemId, Parameter, Scene};
+use chladni_music::{GalleryItem, ItemId, Parameter, Scene};
 
 const STEP: f64 = 16.0;
 
@@ -236,4 +236,41 @@ fn a_transition_that_has_begun_goes_on_as_it_began() {
     assert_eq!(alone.scene(62.0).map(|scene| scene.weight), Some(0.5));
     let unchanged = alone.clone();
     assert!(alone.apply(Moment::default(), takes(1e3)).is_err() && alone == unchanged);
+}
+
+#[test]
+fn a_preset_keeps_seed_tags_and_lineage_through_other_galleries() {
+    let mut made = instrument();
+    for item in [0, 1, 2] {
+        apply(&mut made, 0.0, Action::Choose { item, on: true });
+    }
+    apply(&mut made, 0.0, Action::Breed);
+    apply(&mut made, 0.0, Action::Favorite { item: 3, on: true });
+    let first = made.preset(&made.favorites()[0], vec!["calm".into()]);
+    assert!(first.seed == 77 && first.lineage.len() > 2);
+    // A favorite outlives the gallery that it was bred in.
+    apply(&mut made, 0.0, Action::NewGallery { seed: 78, size: 6 });
+    assert_eq!(made.preset(&made.favorites()[0], first.tags.clone()), first);
+    assert_eq!(made.preset(&made.gallery().items()[0], Vec::new()).seed, 78);
+
+    let mut other = Instrument::new(9, 6, made.shape().clone()).unwrap();
+    apply(&mut other, 0.0, Action::Take { item: 2, preset: Box::new(first.clone()) });
+    let past = |item: &GalleryItem, instrument: &Instrument| {
+        let preset = instrument.preset(item, instrument.tags(item.id));
+        (preset.seed, preset.tags, preset.lineage)
+    };
+    let [taken, beside] = [2, 3].map(|item: usize| past(&other.gallery().items()[item], &other));
+    assert_eq!(taken, (77, first.tags.clone(), first.lineage.clone()));
+    assert_eq!((beside.0, beside.1.len(), beside.2.len()), (9, 0, 1));
+    // Marked and changed by hand, it is in no gallery in the end.
+    apply(&mut other, 0.0, Action::Favorite { item: 2, on: true });
+    apply(&mut other, 0.0, Action::SetItemGain { item: 2, gain: 0.5 });
+    for seed in [10, 11] {
+        apply(&mut other, 0.0, Action::NewGallery { seed, size: 6 });
+    }
+    let (seed, tags, lineage) = past(&other.favorites()[0], &other);
+    assert_eq!((seed, tags, &lineage[1..]), (77, first.tags, &first.lineage[1..]));
+    assert!(lineage[0].edited);
+    let text = Show::of(&other).to_text().unwrap();
+    assert_eq!(Show::from_text(&text).unwrap().replay(other.shape().clone()).unwrap(), other);
 }

@@ -55,7 +55,7 @@ pub struct Dance {
     /// The largest number of morph targets in a .glb, 48 unless given: more come nearer to the film.
     #[arg(long, value_name = "N")]
     targets: Option<usize>,
-    /// Width and height in pixels.
+    /// Width and height in pixels; an MP4 leaves out the last column or row of odd ones.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720")]
     size: Size,
     /// Frames per second: a number, or a fraction such as 30000/1001.

@@ -36,7 +36,8 @@ pub struct Open {
     /// or y4m, which says both.
     #[arg(long, value_name = "FORMAT", value_parser = one_of(RawFormat::NAMED), requires = "output")]
     format: Option<RawFormat>,
-    /// Width and height of what -o gets, in pixels; those of the stage unless given.
+    /// Width and height of what -o gets, in pixels; those of the stage unless given. An .mp4 leaves out the last column
+    /// or row of odd ones.
     #[arg(long, value_name = "WIDTHxHEIGHT", requires = "output")]
     size: Option<Size>,
 }

@@ -10,14 +10,14 @@ use chladni_view::{
 
 use super::Terminal;
 use super::ink::InkOptions;
-use crate::work::outputs::earlier_frames;
+use crate::work::outputs::{earlier_frames, odd_sides};
 use crate::work::{Error, Inked, OwnLook, Sculpture, Watcher};
 
 /// A film of the result.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct TurntableOptions {
-    /// Film the result turning once around: .mp4 (through ffmpeg), .gif, .png or .apng (animated), or a folder of pictures. In
-    /// ink with --ink.
+    /// Film the result turning once around: .mp4 (through ffmpeg, of even sides), .gif, .png or .apng (animated), or a
+    /// folder of pictures. In ink with --ink.
     #[arg(long, value_name = "FILM", conflicts_with = "batch")]
     pub turntable: Option<PathBuf>,
     /// How long the turn takes.
@@ -48,6 +48,7 @@ impl TurntableOptions {
         let rate = FrameRate::per_second(FRAMES_A_SECOND);
         let frames = rate.frames_in(self.turn_secs);
         earlier_frames(path, frames).into_iter().for_each(|warning| terminal.warn(warning));
+        odd_sides(path, [width, height]).into_iter().for_each(|warning| terminal.warn(warning));
         let film = Film::create(path, FilmSettings { width, height, rate, frames, first: 0, audio: None })?;
         let positions = single(&sculpture.evaluation.result.positions);
         let triangles = &sculpture.body.triangles;

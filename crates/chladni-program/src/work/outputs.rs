@@ -111,6 +111,15 @@ pub fn earlier_frames(folder: &Path, frames: u64) -> Option<Warning> {
         .then(|| Warning::of(folder.display(), format!("{name} and those after it are of an earlier film")))
 }
 
+/// A warning where the film at `path` is an MP4 and leaves out the last column or row of pictures of this size.
+pub fn odd_sides(path: &Path, size: [u32; 2]) -> Option<Warning> {
+    let is_mp4 = FilmFormat::of(path).is_ok_and(|format| format == FilmFormat::Mp4);
+    let even = size.map(|side| side & !1);
+    let [width, height] = even;
+    (is_mp4 && even != size)
+        .then(|| Warning::of(path.display(), format!("an MP4 has even sides: {width}×{height}")))
+}
+
 /// Checks that a picture can be written at `path`, whose name must end in `.png`.
 ///
 /// # Errors
@@ -341,6 +350,16 @@ mod tests {
         }
         let why = check_size(16_384, 4097).unwrap_err().to_string();
         assert!(why.contains("16384 × 4097") && why.contains("64 megapixels"), "{why}");
+    }
+
+    #[test]
+    fn an_mp4_of_odd_sides_says_how_large_it_is() {
+        let said = |name: &str, size| odd_sides(Path::new(name), size).map(|warning| warning.to_string());
+        for size in [[321, 181], [320, 181], [321, 180]] {
+            assert_eq!(said("odd.mp4", size).as_deref(), Some("odd.mp4: an MP4 has even sides: 320×180"));
+            assert_eq!((said("odd.gif", size), said("frames", size)), (None, None));
+        }
+        assert_eq!(said("even.mp4", [320, 180]), None);
     }
 
     #[test]

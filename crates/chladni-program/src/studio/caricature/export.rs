@@ -17,7 +17,7 @@ use crate::studio::choose::ask_where_to_save;
 use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::outputs::{check_apart, check_size, check_textures};
+use crate::work::outputs::{check_apart, check_size, check_textures, odd_sides};
 use crate::work::{Error, Warning};
 
 /// The most frames a second that are offered.
@@ -220,6 +220,7 @@ impl CaricatureRoom {
                 Ok((path, None))
             }),
             (What::Mp4 | What::Gif, Ok(shot)) => {
+                let warning = odd_sides(&path, [width, height]);
                 let rate = FrameRate::per_second(self.export.fps());
                 let settings =
                     FilmSettings { width, height, rate, frames: rate.frames_in(secs), first: 0, audio: None };
@@ -227,7 +228,7 @@ impl CaricatureRoom {
                     spares_textures(&path)?;
                     let made = shot.turntable(&path, settings, task);
                     made.map_err(|error| Error::from(error).of(path.display()))?;
-                    Ok((path, None))
+                    Ok((path, warning))
                 })
             }
         };

@@ -124,7 +124,7 @@ impl MusicRoom {
             return Ok(());
         };
         let Some(item) = instrument.item(item) else { return Ok(()) };
-        let mut preset = instrument.preset(item, Vec::new());
+        let mut preset = instrument.preset(item, instrument.tags(item.id));
         preset.name = lineage::called(instrument, item);
         preset.save(path).map_err(Error::unsaved)?;
         shared.notices.done(format!("Saved {}", path.display()));

@@ -72,7 +72,7 @@ impl Shelf {
     /// Opens the form that keeps an item.
     pub fn ask(&mut self, instrument: &Instrument, item: ItemId) {
         let name = instrument.item(item).map_or_else(String::new, |item| item.name.clone());
-        self.form = Some(Form { item, name, tags: String::new() });
+        self.form = Some(Form { item, name, tags: instrument.tags(item).join(", ") });
     }
 
     /// All dances of the shelf, in its order: first those that are kept in files.

@@ -21,7 +21,7 @@ use super::titles::Titles;
 use super::{Film, ONE_DANCE, preset_in, sound_beside, sound_in};
 use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
-use crate::work::outputs::{earlier_frames, left_of_gltf};
+use crate::work::outputs::{earlier_frames, left_of_gltf, odd_sides};
 use crate::work::{
     Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, texture_colors,
 };
@@ -150,6 +150,10 @@ impl Prepared {
         if let Some(folder) = output.folder().filter(|_| output.piece.is_none()) {
             earlier_frames(folder, range.end).into_iter().for_each(|warning| watcher.warn(warning));
         }
+        if let Some(file) = film.filter(|_| !output.is_folder) {
+            let size = [output.width, output.height];
+            odd_sides(file, size).into_iter().for_each(|warning| watcher.warn(warning));
+        }
         let film = match film.zip(format) {
             Some((path, format)) => Reel::create_as(format, path, settings)?,
             None => Reel::to_pipe(std::io::stdout(), output.pipe.unwrap_or_default(), settings)?,
@@ -223,7 +227,8 @@ impl Prepared {
 fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
     chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
     for (i, item) in instrument.gallery().items().iter().enumerate() {
-        instrument.preset(item, Vec::new()).save(&preset_in(folder, i)).map_err(Error::unsaved)?;
+        let preset = instrument.preset(item, instrument.tags(item.id));
+        preset.save(&preset_in(folder, i)).map_err(Error::unsaved)?;
     }
     Ok(())
 }

@@ -24,7 +24,7 @@ impl Concert {
             return self.act(Action::LeaveStage);
         }
         let favorites = self.instrument.favorites().iter();
-        let favorites = favorites.map(|item| self.instrument.preset(item, Vec::new()));
+        let favorites = favorites.map(|item| self.instrument.preset(item, self.instrument.tags(item.id)));
         let favorites = favorites.chain(kept).collect();
         // Another evening, another program: its actions are written down in the show.
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
