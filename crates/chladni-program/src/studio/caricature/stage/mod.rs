@@ -16,6 +16,7 @@ use pointing::Pointed;
 
 use std::sync::Arc;
 
+use chladni_caricature::Brush;
 use chladni_mesh::Orientation;
 use chladni_view::{
     BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Topology, VertexPaint, View, ViewError,
@@ -76,6 +77,8 @@ pub struct Stage {
     /// Where a dragged brush was in the last frame, in pixels of the canvas.
     brushed: Option<[f32; 2]>,
     ring: BrushRing,
+    /// Whose ring that is: the figure, the pixel of the canvas, and the brush.
+    ringed: Option<(usize, [f32; 2], Brush)>,
     fitted: bool,
     /// The user has moved the camera since all was shown: it is not moved automatically.
     by_hand: bool,
@@ -127,6 +130,7 @@ impl Stage {
             pick: None,
             brushed: None,
             ring,
+            ringed: None,
             fitted: false,
             by_hand: false,
             grown: false,
@@ -309,7 +313,10 @@ impl Stage {
         } else {
             self.ring.lift();
         }
-        if brush.is_some() && (response.hovered() || response.dragged()) {
+        let under = brush.zip(pointed.as_ref()).filter(|_| touch.is_some());
+        let ringed = under.map(|(hand, pointed)| (pointed.figure, pointed.at, hand.brush));
+        // A ring that lies still needs no new picture.
+        if std::mem::replace(&mut self.ringed, ringed) != ringed {
             self.viewport.invalidate();
         }
         let figure = pointed.map(|pointed| pointed.figure);
@@ -365,5 +372,48 @@ impl Stage {
             };
             shown.iter().zip(drawn.iter().map(Vec::as_slice)).map(cell).collect()
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use chladni_caricature::Surface;
+    use chladni_harmonics::{BasisSettings, Body};
+    use chladni_mesh::samples::icosphere;
+    use chladni_mesh::surface::vec3::single;
+    use chladni_task::Task;
+    use chladni_view::Device;
+
+    use super::*;
+
+    #[test]
+    fn a_brush_at_rest_asks_for_no_more_frames() {
+        let body = Body::build(&icosphere(2), &BasisSettings::new(6), &Task::new()).unwrap();
+        let surface = Surface::new(&body);
+        let screen = Screen::unseen(&Device::Processor);
+        let mut stage = Stage::new(&screen, &single(&body.positions), &body.triangles, None).unwrap();
+        let brush = Brush { radius: 0.1, hardness: 1.0, mirror: None };
+        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(64.0, 64.0));
+        let ctx = egui::Context::default();
+        // After how long the next frame is asked for.
+        let frame = |stage: &mut Stage, events: Vec<egui::Event>| {
+            let input = egui::RawInput { events, ..egui::RawInput::default() };
+            let output = ctx.run_ui(input, |ui| {
+                let hand = BrushInHand { brush, surface: &surface };
+                stage.show(ui, rect, Portrayal::default(), Some(hand)).unwrap();
+            });
+            output.viewport_output[&egui::ViewportId::ROOT].repaint_delay
+        };
+        for _ in 0..3 {
+            frame(&mut stage, Vec::new());
+        }
+        frame(&mut stage, vec![egui::Event::PointerMoved(rect.center())]);
+        let asked: Vec<Duration> = (0..12).map(|_| frame(&mut stage, Vec::new())).collect();
+        assert!(stage.ringed.is_some());
+        assert!(asked.last().is_some_and(|wait| !wait.is_zero()), "{asked:?}");
+        assert!(frame(&mut stage, vec![egui::Event::PointerGone]).is_zero());
+        assert!(stage.ringed.is_none());
     }
 }
