@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use chladni_music::{BeatReading, Looks, Show, Viewpoint};
 use chladni_task::RecoveryCopy;
@@ -20,6 +20,12 @@ use crate::work::unread;
 
 /// The least time between two copies.
 const INTERVAL_SECS: f64 = 2.0;
+/// Where a copy takes long to write, no more than this share of the time goes to that.
+const WRITING: f64 = 0.05;
+/// On the slowest disk no copy waits longer for that.
+const LONGEST_SECS: f64 = 60.0;
+/// A long show takes time to put together, too: it waits a second longer for so many actions.
+const ACTIONS_PER_SEC: f64 = 20_000.0;
 /// A copy lacks no more than this of a show in which sound goes on and nothing else is done.
 const HEARD_SECS: f64 = 30.0;
 /// Beginning and ending of a copy's name.
@@ -29,6 +35,12 @@ const NAMES: (&str, &str) = ("show", "toml");
 struct Written {
     copy: RecoveryCopy,
     failure: Option<String>,
+    took_secs: f64,
+}
+
+/// How long after a copy that took so long to write the next one of a show with so many actions may be due.
+fn interval_secs(took_secs: f64, actions: usize) -> f64 {
+    (took_secs / WRITING).clamp(INTERVAL_SECS, LONGEST_SECS) + actions as f64 / ACTIONS_PER_SEC
 }
 
 /// What a copy has of a show that goes on. Where any of it is another by now, a new copy is due.
@@ -81,6 +93,8 @@ pub struct Keepsake {
     writing: Option<(Receiver<Written>, Kept)>,
     kept: Option<Kept>,
     last_secs: f64,
+    /// How long the last copy took to write.
+    took_secs: f64,
     /// Why the last copy could not be written: reported once, and tried again.
     failure: Option<String>,
     /// Copies that earlier windows left, once they were looked for.
@@ -97,11 +111,12 @@ impl Keepsake {
         let (written, kept) = self.writing.as_ref()?;
         let written =
             if waits { written.recv().map_err(|_| TryRecvError::Disconnected) } else { written.try_recv() };
-        let (copy, failure) = match written {
+        let (copy, failure, took_secs) = match written {
             Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => (Err(()), Some("its thread ended".to_owned())),
-            Ok(Written { copy, failure }) => (Ok(copy), failure),
+            Err(TryRecvError::Disconnected) => (Err(()), Some("its thread ended".to_owned()), 0.0),
+            Ok(Written { copy, failure, took_secs }) => (Ok(copy), failure, took_secs),
         };
+        self.took_secs = took_secs;
         if failure.is_none() {
             self.kept = Some(kept.clone());
             self.release_adopted();
@@ -126,10 +141,12 @@ impl Keepsake {
         };
         let (done, written) = channel();
         let work = move || {
+            let began = Instant::now();
             let text = show.to_text().map_err(|why| why.to_string());
             let saved = text.and_then(|text| copy.keep(text.as_bytes()).map_err(|why| why.to_string()));
+            let took_secs = began.elapsed().as_secs_f64();
             // If nobody waits any longer, the window is gone, and the copy stays.
-            let _ = done.send(Written { copy, failure: saved.err() });
+            let _ = done.send(Written { copy, failure: saved.err(), took_secs });
         };
         match std::thread::Builder::new().name("show copy".into()).spawn(work) {
             Ok(_) => self.writing = Some((written, kept)),
@@ -148,7 +165,8 @@ impl MusicRoom {
         let (Some(concert), Some(listening)) = (&self.concert, &self.listening) else { return };
         let Some(folder) = &shared.folders.recovery else { return };
         let now_secs = shared.ctx.input(|input| input.time);
-        let wait_secs = keepsake.last_secs + INTERVAL_SECS - now_secs;
+        let interval_secs = interval_secs(keepsake.took_secs, concert.instrument().log().len());
+        let wait_secs = keepsake.last_secs + interval_secs - now_secs;
         if keepsake.writing.is_some() || !at_once && wait_secs > 0.0 {
             // In another room nothing else may bring the frame that keeps the rest.
             if self.pass != shared.ctx.cumulative_pass_nr() && concert.has_changed() {
@@ -292,6 +310,20 @@ mod tests {
         let show = Show::from_text("format_version = 1\nseed = 5\nsize = 6\n").unwrap();
         keepsake.write(show, Kept::default());
         assert!(matches!(keepsake.copy, Some(Err(()))) && keepsake.writing.is_none());
+    }
+
+    #[test]
+    fn copies_that_take_long_come_less_often() {
+        assert!(interval_secs(0.01, 100) < 1.01 * INTERVAL_SECS);
+        assert!(interval_secs(1.0, 0) > 19.0);
+        assert!(interval_secs(1e3, 0) <= LONGEST_SECS);
+        assert!(interval_secs(0.0, 200_000) > 10.0);
+        let folder = tempfile::tempdir().unwrap();
+        let copy = RecoveryCopy::start(folder.path(), NAMES.0, NAMES.1, std::process::id()).unwrap();
+        let (done, written) = channel();
+        let mut keepsake = Keepsake { writing: Some((written, Kept::default())), ..Keepsake::default() };
+        assert!(done.send(Written { copy, failure: None, took_secs: 1.5 }).is_ok());
+        assert!(keepsake.settle(true).is_none() && keepsake.took_secs > 1.0);
     }
 
     #[test]
