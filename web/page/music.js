@@ -35,6 +35,8 @@ const heard = [];
 let drawing = false;
 let concert;
 let state;
+/** What the controls show by now. */
+let shown;
 /** The concert of the front, and that of the room while the front shows its own, with the songs that it has heard. */
 let atFront;
 let parked;
@@ -340,7 +342,7 @@ const room = {
   },
   drawn: (width, height) => {
     sounding.show(concert);
-    if (state.played || isAnotherOnStage()) refresh();
+    if ((state.played && toShow() !== shown) || isAnotherOnStage()) refresh();
     drawCells(of("cells"), state.on_stage ? [] : concert.cells(), state.dances, width, height, gallery.choices);
     films.tick();
     keepAwake(isHere() && (sound.isHeard || !!listening.microphone()));
@@ -406,8 +408,12 @@ function songName() {
   return songs.count() > 1 ? `${songs.place() + 1} of ${songs.count()}: ${name}` : name;
 }
 
+/** What the controls of a show that is played follow: its state, and whether its song is heard. */
+const toShow = () => concert.state() + sound.isHeard;
+
 function refresh() {
   if (!concert) return;
+  shown = toShow();
   state = report.state = JSON.parse(concert.state());
   gallery.show(state);
   knobs.show(state);
