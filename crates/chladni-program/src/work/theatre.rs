@@ -102,6 +102,8 @@ pub struct Staging {
     bends: Vec<f32>,
     /// Where up and front are.
     stands: Orientation,
+    /// From where to where the body at rest reaches along the [axes].
+    reaches: [[f32; 2]; 3],
     /// Whether the body is a sheet.
     flat: bool,
     /// The limit of displacement, and the points that have to fit into a cell for it.
@@ -152,12 +154,14 @@ impl Staging {
         surface.extend(extremes(&corners.collect::<Vec<_>>()));
         let bends = bends(&rest, triangles);
         let flat = is_flat(&rest);
+        let reaches = axes(stands).map(|axis| ends(&rest, axis));
         Self {
             dancer,
             rest,
             along,
             bends,
             stands,
+            reaches,
             flat,
             room: (0.0, Vec::new()),
             surface,
@@ -263,7 +267,7 @@ impl Staging {
     /// The point so far below the middle of the body at rest, and half its width there.
     fn ground(&self, below: f32) -> Option<([f32; 3], f32)> {
         let axes = axes(self.stands);
-        let [right, up, front] = axes.map(|axis| ends(&self.rest, axis));
+        let [right, up, front] = self.reaches;
         let at = [0.5 * (right[0] + right[1]), up[0] - below, 0.5 * (front[0] + front[1])];
         let radius = 0.5 * (right[1] - right[0]).max(front[1] - front[0]);
         let point = std::array::from_fn(|i| (0..3).map(|a| at[a] * axes[a][i]).sum());
@@ -320,17 +324,31 @@ mod tests {
     use super::*;
     use chladni_mesh::surface::vec3::single;
 
-    #[test]
-    fn how_a_picture_came_to_its_size_plays_no_part() {
-        use chladni_harmonics::{BasisSettings, Body};
-        use chladni_music::Class;
+    /// Of a ball, which stands upright.
+    fn staging() -> Staging {
+        use chladni_harmonics::BasisSettings;
         let mesh = chladni_mesh::samples::icosphere(2);
         let body = Body::build(&mesh, &BasisSettings::new(8), &chladni_task::Task::new()).unwrap();
         let stands = Orientation::Y_UP;
         let dancer = Arc::new(Dancer::new(&body, &[Class::Symmetric; 8], &stands).unwrap());
         let rest = single(&body.positions);
         let along = along(&body, &dancer);
-        let mut staging = Staging::new(dancer, rest, &body.triangles, along, stands);
+        Staging::new(dancer, rest, &body.triangles, along, stands)
+    }
+
+    #[test]
+    fn the_floor_lies_below_the_body_which_is_measured_once() {
+        let mut staging = staging();
+        let before = staging.ground(0.1);
+        let lowest = staging.rest.iter().map(|p| p[1]).fold(f32::INFINITY, f32::min);
+        assert!(before.is_some_and(|(at, _)| (at[1] - (lowest - 0.1)).abs() < 1e-6));
+        staging.rest.clear();
+        assert_eq!(staging.ground(0.1), before);
+    }
+
+    #[test]
+    fn how_a_picture_came_to_its_size_plays_no_part() {
+        let mut staging = staging();
         staging.room.0 = 1.0;
         let still = Reaction { turn_rad: 0.0, light_turn_rad: 0.0, light_gain: 1.0 };
         let (viewpoint, framing) = (Viewpoint::default(), Framing::default());

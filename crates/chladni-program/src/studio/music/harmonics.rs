@@ -19,6 +19,10 @@ pub const CELLS: usize = 12;
 pub struct Harmonics {
     body: Body,
     symmetry: Symmetry,
+    /// The body's vertices.
+    points: Vec<[f32; 3]>,
+    /// The viewer's camera and the aspect of a cell, and the camera in which the body fills that.
+    fitted: Option<((Camera, f32), Camera)>,
     figure_markers: Vec<Marker>,
     drawn: Option<Drawn>,
     /// The page, who looked and the cells of the last picture.
@@ -36,7 +40,8 @@ impl Harmonics {
     /// The harmonics of `body`, mixed as `symmetry` says.
     pub fn new(body: Body, symmetry: Symmetry) -> Self {
         let figure_markers = figure_markers(&body, &symmetry);
-        Self { body, symmetry, figure_markers, drawn: None, shown: None }
+        let points = single(&body.positions);
+        Self { body, symmetry, points, fitted: None, figure_markers, drawn: None, shown: None }
     }
 
     /// Triangles of the body, by its vertices.
@@ -101,15 +106,12 @@ impl Harmonics {
         if self.drawn.as_ref().is_none_or(|drawn| drawn.first != first) {
             self.drawn = Some(self.prepare(viewport, first, shown)?);
         }
-        let Some(drawn) = &self.drawn else { return Ok(false) };
         let area = viewport::area(ui, rect);
         let (rows, columns) = layout::rows_and_columns(area.width, area.height, shown, 1.0);
         let cells = layout::grid(area, rows, columns, 6, shown);
-        let mut fitted = camera;
-        let points = single(&self.body.positions);
         let aspect = cells.iter().map(Rect::aspect).fold(f32::INFINITY, f32::min);
-        fitted.fit_turntable(&points, aspect, 0.8);
-        fitted.distance *= camera.distance / Camera::default().distance;
+        let fitted = self.fitted(camera, aspect);
+        let Some(drawn) = &self.drawn else { return Ok(false) };
         let figures: Vec<Figure<'_>> = drawn
             .paints
             .iter()
@@ -141,6 +143,20 @@ impl Harmonics {
         Ok(new)
     }
 
+    /// The viewer's camera, moved so that the body fills cells of this aspect.
+    fn fitted(&mut self, camera: Camera, aspect: f32) -> Camera {
+        match self.fitted {
+            Some((of, fitted)) if of == (camera, aspect) => fitted,
+            _ => {
+                let mut fitted = camera;
+                fitted.fit_turntable(&self.points, aspect, 0.8);
+                fitted.distance *= camera.distance / Camera::default().distance;
+                self.fitted = Some(((camera, aspect), fitted));
+                fitted
+            }
+        }
+    }
+
     fn prepare(
         &self,
         viewport: &Viewport,
@@ -149,9 +165,8 @@ impl Harmonics {
     ) -> Result<Drawn, chladni_view::ViewError> {
         let device = viewport.device();
         let count = self.body.positions.len();
-        let positions = single(&self.body.positions);
         let rest = ItemBuffers::new(device, count, 1);
-        rest.write(device, 0, &positions, &smooth_normals(&positions, &self.body.triangles))?;
+        rest.write(device, 0, &self.points, &smooth_normals(&self.points, &self.body.triangles))?;
         let paint = |values: &[f32], scale: Scale| {
             let paint = VertexPaint::new(device, count);
             paint.write_values(device, values).map(|()| (paint, scale))
@@ -195,5 +210,29 @@ fn class_name(class: Option<Class>) -> (&'static str, Color32) {
         Some(Class::Symmetric) => ("symmetric", Color32::from_rgb(240, 170, 90)),
         Some(Class::Antisymmetric) => ("antisymmetric", Color32::from_rgb(130, 180, 245)),
         Some(Class::Undecided) | None => ("undecided", Color32::from_gray(190)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::BasisSettings;
+    use chladni_mesh::samples::icosphere;
+    use chladni_task::Task;
+
+    use super::*;
+
+    #[test]
+    fn the_camera_is_fitted_only_where_it_or_the_cells_have_changed() {
+        let body = Body::build(&icosphere(2), &BasisSettings::new(8), &Task::new()).unwrap();
+        let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
+        let mut harmonics = Harmonics::new(body, symmetry);
+        let camera = Camera::default();
+        let before = harmonics.fitted(camera, 1.0);
+        let larger: Vec<[f32; 3]> = harmonics.points.iter().map(|p| p.map(|c| 2.0 * c)).collect();
+        harmonics.points = larger;
+        assert_eq!(harmonics.fitted(camera, 1.0), before, "nobody has moved it");
+        assert!(harmonics.fitted(camera, 1.5).distance > before.distance);
+        let turned = Camera { yaw_rad: 0.5, ..camera };
+        assert_eq!(harmonics.fitted(turned, 1.5).yaw_rad, 0.5);
     }
 }

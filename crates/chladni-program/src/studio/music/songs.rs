@@ -187,14 +187,15 @@ fn playlist(ui: &mut Ui, listening: &mut Listening, wishes: &mut Vec<Wish>) {
 /// A song of the list; whether it is to be played, and whether it is to be taken out.
 fn song_row(ui: &mut Ui, listening: &Listening, status: &PlayerStatus, song: usize) -> (bool, bool) {
     let heard = song == status.song && listening.live().is_none();
-    let name = listening.name_of(song);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, heard, &name));
+    let name = || listening.name_of(song);
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, heard, name()));
     let response = response.author_id(format!("song/{}", song + 1));
     // A long list is mostly out of sight.
     if !ui.is_rect_visible(rect) {
         return (response.clicked(), false);
     }
+    let name = name();
     let visuals = ui.style().interact_selectable(&response, heard);
     if heard || response.hovered() || response.has_focus() {
         ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);

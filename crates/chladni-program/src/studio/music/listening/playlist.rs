@@ -89,10 +89,12 @@ impl Listening {
 
     /// Artist and title of a song of the list, once it has been heard and if it has them, or else its file's name.
     pub fn name_of(&self, song: usize) -> String {
-        let title = self.title_of(song);
-        match self.artist_of(song).filter(|_| self.has_title(song)) {
-            Some(artist) => format!("{artist} – {title}"),
-            None => title,
+        let tags = self.known(song).map(|known| &known.tags);
+        let artist = tags.and_then(|tags| tags.artist.as_deref());
+        match (artist, tags.and_then(|tags| tags.title.as_deref())) {
+            (Some(artist), Some(title)) => format!("{artist} – {title}"),
+            (None, Some(title)) => title.to_owned(),
+            (_, None) => self.file_name_of(song),
         }
     }
 
@@ -113,10 +115,6 @@ impl Listening {
     /// Who plays it, once it has been heard and if its tags say so.
     pub fn artist_of(&self, song: usize) -> Option<&str> {
         self.known(song)?.tags.artist.as_deref()
-    }
-
-    fn has_title(&self, song: usize) -> bool {
-        self.known(song).is_some_and(|known| known.tags.title.is_some())
     }
 
     /// What was learned of a song of the list.
