@@ -18,8 +18,10 @@ use crate::work::{Error, Lettering, Watcher};
 pub struct GalleryOptions {
     /// Draw twelve caricatures that differ, numbered, on a sheet (-o sheet.png); TEMPLATE may be left out. --seed makes
     /// others.
-    #[arg(long, conflicts_with_all = ["recipe", "render", "turntable", "RegionOptions", "model", "mu",
-        "strength", "cutoff", "roll_off", "no_clamp", "scale_curve", "infill"])]
+    // Clap waives what an option requires where that conflicts with what is given: such options are named, too.
+    #[arg(long, conflicts_with_all = ["recipe", "render", "show", "sweep", "turntable", "turn_secs", "resume",
+        "piece", "RegionOptions", "model", "mu", "strength", "cutoff", "roll_off", "no_clamp", "scale_curve",
+        "infill"])]
     pub gallery: bool,
     /// Breed on from these of the sheet, such as 3,7; once more from those of the next sheet.
     #[arg(long, value_name = "N,N…", requires = "gallery")]
@@ -62,6 +64,11 @@ impl GalleryOptions {
     /// Whether a single caricature is asked for, as a mesh.
     pub fn is_single(&self) -> bool {
         self.surprise || self.variant.is_some()
+    }
+
+    /// Whether one of its options is given without the gallery.
+    pub fn is_missing(&self) -> bool {
+        !self.gallery && (self.is_single() || !self.choose.is_empty())
     }
 
     /// The layers of the one that is asked for.

@@ -21,8 +21,8 @@ pub struct TurntableOptions {
     #[arg(long, value_name = "FILM", conflicts_with = "batch")]
     pub turntable: Option<PathBuf>,
     /// How long the turn takes.
-    #[arg(long, value_name = "SECS", requires = "turntable", default_value_t = 6.0,
-        allow_negative_numbers = true, value_parser = secs)]
+    #[arg(long, value_name = "SECS", requires = "turntable", conflicts_with = "batch",
+        default_value_t = 6.0, allow_negative_numbers = true, value_parser = secs)]
     turn_secs: f64,
 }
 

@@ -122,6 +122,13 @@ impl Caricature {
 
     /// Checks that no option is without effect.
     fn check_options(&self) -> Result<(), Error> {
+        // Clap waives what an option requires where that conflicts with what is given.
+        if self.batch.is_none() && (self.resume || self.piece.is_some()) {
+            return Err(Error::input("--resume and --piece are for --batch"));
+        }
+        if self.gallery.is_missing() {
+            return Err(Error::input("--choose, --variant and --surprise are for --gallery"));
+        }
         self.layer.check_for(self.template.as_ref())?;
         self.layer.check_edge(self.region.is_given(), self.paper)?;
         let in_ink = self.render.as_deref().is_some_and(|path| self.ink.wanted(path));
