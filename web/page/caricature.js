@@ -423,8 +423,9 @@ function hold(tool) {
   takeBrush();
 }
 const takeBrush = () => {
-  const [size, hardness] = ["brush-size", "brush-hardness"].map((id) => Number(of(id).value));
-  sitting?.set_brush(size, hardness, of("erase").checked, of("both-sides").checked);
+  const numbers = ["brush-size", "brush-hardness", "brush-intensity"].map((id) => Number(of(id).value));
+  const switches = ["erase", "both-sides", "fill"].map((id) => of(id).checked);
+  sitting?.set_brush(...numbers, ...switches);
 };
 
 /** What a pointer does on the figure. */
@@ -541,7 +542,7 @@ export function listen() {
   of("model").addEventListener("change", () => set({ model: of("model").value }));
   of("curve").addEventListener("change", attempt(() => { sitting.set_curve(state.selected, of("curve").value); return changed(); }));
   for (const name of ["turn", "parts", "brush"]) on(`hold-${name}`, () => { hold(name); refresh(); });
-  for (const id of ["brush-size", "brush-hardness", "erase", "both-sides"]) of(id).addEventListener("change", takeBrush);
+  for (const id of ["brush-size", "brush-hardness", "brush-intensity", "erase", "both-sides", "fill"]) of(id).addEventListener("change", takeBrush);
   on("everywhere", () => paint({ set: "everywhere" }));
   on("invert", () => paint("invert"));
   of("parts-of").addEventListener("change", attempt(findParts));

@@ -1,6 +1,6 @@
 // The chosen layer beyond its amount: its name, how it is matched, the head that it is compared with, the edge of its region.
 import { head_sliders } from "./chladni_web.js";
-import { attempt, capitalized, knobRow, of, on } from "./page.js";
+import { attempt, capitalized, knobRow, of, on, say } from "./page.js";
 
 let room;
 let layer;
@@ -14,6 +14,8 @@ export function show(chosen) {
   layer = chosen;
   if (!layer) return;
   if (document.activeElement !== of("layer-name")) of("layer-name").value = layer.name;
+  of("template-row").hidden = layer.template_text === null;
+  if (document.activeElement !== of("template-text")) of("template-text").value = layer.template_text ?? "";
   of("solo").setAttribute("aria-pressed", layer.solo);
   of("match").hidden = !layer.has_mesh && !layer.head;
   of("method-row").hidden = of("fit-size-row").hidden = !layer.has_mesh;
@@ -44,6 +46,16 @@ function slider([name, about], i) {
   return label;
 }
 
+/** Moves μ to where hardly a triangle folds. */
+function goFurthest() {
+  if (layer.mu * layer.strength === 0) {
+    return say("Nothing moves at a μ or strength of 0. Set both, μ a little to the side on which it is to grow.");
+  }
+  const mu = room.sitting().furthest_mu();
+  if (mu === undefined) return say("This layer never folds in that direction, or does not act yet.");
+  return room.set({ mu });
+}
+
 /** `caricature` has `sitting()`, `act(action)`, `set(property)`, `slide(id, to)` and `changed()`. */
 export function listen(caricature) {
   room = caricature;
@@ -56,6 +68,8 @@ export function listen(caricature) {
     if (of("mu-value").value !== "" && Number.isFinite(mu)) return room.set({ mu: Math.min(100, Math.max(-100, mu)) });
     return room.changed();
   });
+  on("furthest", goFurthest);
+  of("template-text").addEventListener("change", attempt(() => { room.sitting().set_template(layer.id, of("template-text").value); return room.changed(); }));
   of("method").addEventListener("change", attempt(() => { room.sitting().set_method(layer.id, of("method").value); return room.changed(); }));
   of("fit-size").addEventListener("change", attempt(() => { room.sitting().fit_size(layer.id, of("fit-size").checked); return room.changed(); }));
   room.slide("infill", (infill) => ({ infill }));

@@ -114,6 +114,42 @@ async function heat(page, shot) {
   step(`${names.length} heat maps, with their legends`);
 }
 
+/** The numbers of a region in a NumPy array. */
+const numbers = (npy) => {
+  const all = [];
+  for (let at = 10 + npy.readUInt16LE(8); at < npy.length; at += 4) all.push(npy.readFloatLE(at));
+  return all;
+};
+
+async function brush(page) {
+  const half = async () => {
+    const all = numbers(readFileSync(await downloaded(page, "#save-mask-npy")));
+    assert.ok(all.every((value) => value === 0 || value === 0.5), "no more than the intensity");
+    return all.filter((value) => value === 0.5).length / all.length;
+  };
+  const box = await page.locator("#picture").boundingBox();
+  const press = async () => {
+    await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.3 * box.height);
+    await until(page, () => window.chladni.sitting.undo === "paint" && !window.chladni.sitting.layers.at(-1).everywhere);
+    return half();
+  };
+  await page.click("#hold-brush");
+  await page.fill("#brush-intensity", "0.5");
+  await page.click("#region-clear");
+  const dab = await press();
+  await page.check("#fill");
+  const filled = await press();
+  assert.ok(dab > 0 && dab < 0.4 && filled > 0.5, `${dab} are painted, ${filled} filled`);
+  await page.check("#erase");
+  assert.equal(await press(), 0, "all that is connected is erased");
+  await page.uncheck("#erase");
+  await page.uncheck("#fill");
+  await page.fill("#brush-intensity", "1");
+  await page.click("#everywhere");
+  await page.click("#hold-turn");
+  step("the brush paints with half its intensity, and fills");
+}
+
 async function masks(page) {
   await page.click("#hold-parts");
   await page.click('#parts button:has-text("nose")');
@@ -309,7 +345,7 @@ async function layersToo(page, shot) {
   await page.click('#parts button:has-text("nose")');
   await is(() => !window.chladni.sitting.layers.at(-1).everywhere);
   const values = async () => readFileSync(await downloaded(page, "#save-mask-npy"));
-  const sum = (npy) => { let total = 0; for (let at = 10 + npy.readUInt16LE(8); at < npy.length; at += 4) total += npy.readFloatLE(at); return total; };
+  const sum = (npy) => numbers(npy).reduce((total, value) => total + value, 0);
   const nose = sum(await values());
   await page.click("#region-grow");
   const grown = sum(await values());
@@ -349,6 +385,32 @@ async function layersToo(page, shot) {
   await shot("laptop-head");
   step("matches by another method, at its own size; a head of sliders follows them");
 
+  assert.ok(await page.isHidden("#template-row"), "a mesh has no numbers");
+  await page.selectOption("#add", { label: "Own detail" });
+  await is((count) => window.chladni.sitting.layers.length === count + 3, before);
+  await acts(page);
+  assert.equal(await page.inputValue("#template-text"), "self:lowpass=20");
+  const write = async (text) => { await page.fill("#template-text", text); await page.press("#template-text", "Enter"); };
+  await write("self:lowpass=12");
+  await is(() => window.chladni.sitting.layers.at(-1).template_text === "self:lowpass=12");
+  await write("nose.ply");
+  await is(() => /nose.ply: write ellipsoid/.test(document.getElementById("status").textContent));
+  assert.equal((await top()).template_text, "self:lowpass=12");
+  await write("sphere:0,0,0,1");
+  await is(() => window.chladni.sitting.layers.at(-1).template === "given sphere");
+  await write("self:lowpass=12");
+  await acts(page);
+  await page.fill("#mu-value", "-0.01");
+  await page.press("#mu-value", "Enter");
+  await is(() => window.chladni.sitting.layers.at(-1).mu === -0.01);
+  await page.click("#furthest");
+  await is(() => window.chladni.sitting.layers.at(-1).mu !== -0.01);
+  const detail = await top();
+  assert.ok(detail.mu < 0, "on the side where it was");
+  await page.click(`#layers [data-key="${detail.id} delete"]`);
+  await is((count) => window.chladni.sitting.layers.length === count + 2, before);
+  step(`numbers of templates are written, and μ goes as far as it goes, to ${detail.mu.toFixed(2)}`);
+
   await page.fill("#wanted-harmonics", "64");
   await page.press("#wanted-harmonics", "Enter");
   await is(() => window.chladni.sitting.harmonics === 64 && window.chladni.sitting.wanted_harmonics === 64);
@@ -369,7 +431,7 @@ export async function laptop() {
   const { page, wrong, elsewhere, shot } = await opened({ width: 1440, height: 900 }, false);
   await page.click("#exaggerate");
   await acts(page);
-  for (const tool of [presses, ink, heat, masks, landmarks, gallery, layersToo]) await tool(page, shot);
+  for (const tool of [presses, ink, heat, brush, masks, landmarks, gallery, layersToo]) await tool(page, shot);
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }

@@ -124,6 +124,12 @@ impl Brush {
         reach
     }
 
+    /// The vertex at the mirror image of a place at rest; `None` where the brush does not mirror.
+    pub fn twin(&self, at: &SurfacePoint, surface: &Surface) -> Option<SurfacePoint> {
+        let plane = self.mirror?;
+        surface.nearest_vertex(plane.image(surface.position(at)?))
+    }
+
     fn press(&self, seen: &Seen<'_>, at: &SurfacePoint, side: f64) -> Reach {
         let surface = seen.surface;
         let marched = surface.march(at, self.radius, |v| seen.at(v), |t| seen.shows(t, side));

@@ -6,7 +6,7 @@ use chladni_mesh::surface::components;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{CaricatureError, Painted, Reach, Surface, SurfacePoint};
+use crate::{Brush, CaricatureError, Painted, Reach, Surface, SurfacePoint};
 
 /// One change to a painted region. Replaying the same edits on the same surface gives the same
 /// region.
@@ -53,6 +53,17 @@ pub struct Dab {
 }
 
 impl PaintEdit {
+    /// Edits with `brush` that fill everything that is connected with a place, and what is with its mirror image.
+    pub fn fills(
+        brush: &Brush,
+        at: SurfacePoint,
+        surface: &Surface,
+        intensity: f32,
+    ) -> impl Iterator<Item = Self> {
+        let twin = brush.twin(&at, surface);
+        std::iter::once(at).chain(twin).map(move |at| Self::FillComponent { at, intensity })
+    }
+
     /// The region after this edit. A first dab or fill on a region that is everywhere starts from an empty
     /// one, unless it erases: painting means choosing where.
     ///
@@ -209,8 +220,9 @@ fn means(surface: &Surface, values: &[f32]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Seen;
     use crate::fixture::{bumpy_sphere, icosphere};
-    use crate::{Brush, Seen};
+    use chladni_mesh::MirrorPlane;
     use chladni_mesh::surface::vec3::{Vec3, add, single};
 
     fn count(painted: &Painted, surface: &Surface) -> (usize, f32) {
@@ -331,8 +343,8 @@ mod tests {
         assert_eq!(count(&PaintEdit::Clear.apply(&once, &surface).unwrap(), &surface).0, 0);
     }
 
-    #[test]
-    fn a_component_is_filled_alone() {
+    /// Two balls with as many vertices each, the second of which is the first moved by 3 along x.
+    fn two_balls() -> (Surface, usize) {
         let (points, triangles) = icosphere(2);
         let n = points.len() as u32;
         let two: Vec<Vec3> =
@@ -340,14 +352,32 @@ mod tests {
         let second = triangles.iter().map(|t| t.map(|v| v + n));
         let both: Vec<[u32; 3]> = triangles.iter().copied().chain(second).collect();
         let frame = chladni_mesh::Frame { center: [0.0; 3], scale: 1.0 };
-        let surface = Surface::of(two, both, frame);
+        (Surface::of(two, both, frame), points.len())
+    }
+
+    #[test]
+    fn a_component_is_filled_alone() {
+        let (surface, n) = two_balls();
         // Painted on, only the component is in the region; painted away, only it is not.
         for intensity in [1.0, 0.0] {
             let fill = PaintEdit::FillComponent { at: at(3), intensity };
             let filled = fill.apply(&Painted::Everywhere, &surface).unwrap();
             let values = filled.values(&surface.positions);
-            let expected = |v: usize| if v < n as usize { intensity } else { 1.0 - intensity };
+            let expected = |v: usize| if v < n { intensity } else { 1.0 - intensity };
             assert!(values.iter().enumerate().all(|(v, x)| *x == expected(v)), "{intensity}");
+        }
+    }
+
+    #[test]
+    fn what_is_filled_is_filled_on_both_sides_of_a_mirror() {
+        let (surface, n) = two_balls();
+        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: 1.5, misfit: 0.0 };
+        for (mirror, expected) in [(None, n), (Some(plane), 2 * n)] {
+            let brush = Brush { radius: 0.1, hardness: 1.0, mirror };
+            let painted = PaintEdit::fills(&brush, at(3), &surface, 0.75)
+                .try_fold(Painted::Everywhere, |painted, edit| edit.apply(&painted, &surface))
+                .unwrap();
+            assert_eq!(count(&painted, &surface), (expected, 0.75));
         }
     }
 }

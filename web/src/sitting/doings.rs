@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use chladni_caricature::{Action, Layer, LayerId, Property, ScaleCurve};
 use chladni_mesh::Axis;
-use chladni_program::work::{Aside, Error, Parts, STARTING_POINTS, Stance, layer_against, layer_since};
+use chladni_program::work::{
+    Aside, Error, MAY_FOLD, Parts, STARTING_POINTS, Stance, furthest_mu, layer_against, layer_since,
+    template_from,
+};
 use chladni_task::Task;
 use chladni_view::{Camera, View};
 use wasm_bindgen::prelude::*;
@@ -126,6 +129,24 @@ impl Sitting {
     pub fn set_curve(&mut self, layer: u32, name: &str) -> Result<(), JsError> {
         let to = Property::Curve(name.parse::<ScaleCurve>()?);
         Ok(self.act_once(&Action::Set { layer: LayerId(layer.into()), to })?)
+    }
+
+    /// Compares a layer with another template that needs neither a mesh nor another layer, by its text: `self:scale=0.9`.
+    ///
+    /// # Errors
+    /// Text of another kind of template, or of none; a layer that is not there.
+    pub fn set_template(&mut self, layer: u32, text: &str) -> Result<(), JsError> {
+        let to = Property::Template(template_from(text)?);
+        Ok(self.act_once(&Action::Set { layer: LayerId(layer.into()), to })?)
+    }
+
+    /// The μ with the strongest exaggeration before the selected layer folds more than a sliver; `None` where nothing moves
+    /// or it never folds.
+    pub fn furthest_mu(&self) -> Option<f64> {
+        let id = self.selected?;
+        let layer = self.history.project().layer(id)?;
+        let evaluated = self.evaluation.layers.iter().find(|evaluated| evaluated.id == id)?;
+        furthest_mu(evaluated, layer, self.stack.surface(), MAY_FOLD)
     }
 
     /// Says which axis of the shape's file points up, such as `z` or `-y`; `""` leaves it to the estimate.

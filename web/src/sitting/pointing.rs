@@ -18,8 +18,12 @@ pub struct Tool {
     radius: f64,
     /// The share of it that is painted in full.
     hardness: f64,
+    /// How much of the layer acts there.
+    intensity: f32,
     erase: bool,
     both_sides: bool,
+    /// It takes all that is connected.
+    fill: bool,
     /// Where the brush was pressed last.
     at: Option<[f32; 2]>,
 }
@@ -56,11 +60,19 @@ impl Sitting {
         Ok(self.recoat()?)
     }
 
-    /// The brush from now on: its radius as a share of the shape's half size, and the share of that which is painted in
-    /// full.
-    pub fn set_brush(&mut self, radius: f64, hardness: f64, erase: bool, both_sides: bool) {
-        (self.tool.radius, self.tool.hardness) = (radius, hardness);
-        (self.tool.erase, self.tool.both_sides) = (erase, both_sides);
+    /// The brush from now on: its radius as a share of the shape's half size, the share of that which is painted in full,
+    /// and how much of the layer acts there, from 0 to 1; or it fills all that is connected.
+    pub fn set_brush(
+        &mut self,
+        radius: f64,
+        hardness: f64,
+        intensity: f32,
+        erase: bool,
+        both_sides: bool,
+        fill: bool,
+    ) {
+        (self.tool.radius, self.tool.hardness, self.tool.intensity) = (radius, hardness, intensity);
+        (self.tool.erase, self.tool.both_sides, self.tool.fill) = (erase, both_sides, fill);
     }
 
     /// The pointer is over a pixel of the last picture; whether something there answers.
@@ -121,12 +133,15 @@ impl Sitting {
     /// Bugs only.
     pub fn press(&mut self, x: f32, y: f32) -> Result<(), JsError> {
         let Some(layer) = self.selected else { return Ok(()) };
-        for [x, y] in self.trail([x, y]) {
+        // All that is connected is filled from anywhere on it.
+        let places = if self.tool.fill { vec![[x, y]] } else { self.trail([x, y]) };
+        for [x, y] in places {
             let Some(hit) = self.stage.hit(x, y) else { continue };
             let reach = self.reach(&hit, x, y)?;
-            let edit = PaintEdit::Dab(Dab::of(&reach, 1.0, self.tool.erase));
             let surface = self.stack.surface().clone();
-            self.history.apply_live(&Action::Paint { layer, edit }, Some(&surface))?;
+            for edit in self.edits(&hit, &reach)? {
+                self.history.apply_live(&Action::Paint { layer, edit }, Some(&surface))?;
+            }
             self.stage.lay_ring(Some(&reach), &surface)?;
         }
         self.tool.at = Some([x, y]);
@@ -174,17 +189,31 @@ impl Sitting {
         Brush { radius: self.tool.radius, hardness: self.tool.hardness, mirror }
     }
 
+    /// The effect of a press of the brush, which reaches so far.
+    fn edits(&mut self, hit: &Hit, reach: &Reach) -> Result<Vec<PaintEdit>, Error> {
+        let Tool { intensity, erase, fill, .. } = self.tool;
+        if !fill {
+            return Ok(vec![PaintEdit::Dab(Dab::of(reach, intensity, erase))]);
+        }
+        let brush = self.brush_in_hand()?;
+        let intensity = if erase { 0.0 } else { intensity };
+        Ok(PaintEdit::fills(&brush, place(hit), self.stack.surface(), intensity).collect())
+    }
+
+    fn brush_in_hand(&mut self) -> Result<Brush, Error> {
+        let mirror = if self.tool.both_sides { self.mirror()? } else { None };
+        Ok(self.brush(mirror))
+    }
+
     /// The part of the figure under the brush.
     fn reach(&mut self, hit: &Hit, x: f32, y: f32) -> Result<Reach, Error> {
-        let mirror = if self.tool.both_sides { self.mirror()? } else { None };
-        let brush = self.brush(mirror);
+        let brush = self.brush_in_hand()?;
         let eye = self.stage.camera.eye_at(x, y, self.stage.area());
         let (tree, positions, triangles) = self.stage.pick_tree();
         let blocked = |eye: [f64; 3], point: [f64; 3]| tree.blocks(eye, point, positions, triangles);
         let surface = self.stack.surface();
         let seen = Seen { surface, positions, eye: Some(eye), blocked: Some(&blocked) };
-        let at = SurfacePoint { triangle: hit.triangle, weights: hit.barycentric.map(f64::from) };
-        Ok(brush.reach(&seen, &at))
+        Ok(brush.reach(&seen, &place(hit)))
     }
 
     /// Colors the figure: while parts are chosen or painted by the region of the selected layer, with what is pointed at,
@@ -212,4 +241,9 @@ impl Sitting {
         };
         self.stage.coat(coating)
     }
+}
+
+/// The place on the surface that was hit.
+fn place(hit: &Hit) -> SurfacePoint {
+    SurfacePoint { triangle: hit.triangle, weights: hit.barycentric.map(f64::from) }
 }

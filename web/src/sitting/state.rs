@@ -3,7 +3,7 @@
 use chladni_caricature::{Layer, LayerId, LayerState, Model, Painted, ScaleCurve, Smoothing};
 use chladni_match::{Landmark, Method, Scaling};
 use chladni_mesh::Axis;
-use chladni_program::work::{STARTING_POINTS, results, template_name};
+use chladni_program::work::{STARTING_POINTS, results, template_name, template_text};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -19,6 +19,8 @@ struct ShownLayer<'a> {
     id: LayerId,
     name: &'a str,
     template: String,
+    /// The text in which its numbers are edited, where it needs neither a mesh nor another layer.
+    template_text: Option<String>,
     model: Model,
     mu: f64,
     /// The strongest exaggeration that its slider offers.
@@ -160,6 +162,7 @@ impl Sitting {
             id,
             name: &layer.name,
             template: template_name(&layer.template, self.history.project()),
+            template_text: template_text(&layer.template),
             model: layer.model,
             mu: layer.mu,
             least_mu: if layer.model == Model::Distance { -8.0 } else { -3.0 },

@@ -24,6 +24,7 @@ mod files;
 pub mod film;
 pub mod formats;
 mod frame_guard;
+mod furthest;
 mod health;
 mod hearing;
 mod heat;
@@ -60,6 +61,7 @@ mod swelling;
 mod symmetry_figure;
 mod template;
 mod template_name;
+mod template_text;
 mod theatre;
 #[cfg(feature = "desktop")]
 mod titles;
@@ -82,6 +84,7 @@ pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
 pub use files::{file_hash, is_hidden, is_lost, placed, refer, refer_looks, resolve, resolve_looks, unread};
 pub use frame_guard::FrameGuard;
+pub use furthest::{MAY_FOLD, furthest_mu};
 pub use health::{HealthRow, digits, health_rows, is_sound, laplacian_row};
 pub use hearing::{Heard, Hearing, KnownSong, bands_of};
 pub use heat::{Coating, Quantity, Seen, coating};
@@ -109,6 +112,7 @@ pub use swelling::{Swelling, swollen_at};
 pub use symmetry_figure::figure_markers;
 pub use template::{check_template, check_templates, is_namesake, matched, matched_with, template_mesh};
 pub use template_name::template_name;
+pub use template_text::{template_from, template_text};
 pub use theatre::{
     FIRST_VIEW, OWN_COLORS, Staged, Staging, Wardrobe, along, blur, cautions, chooses_shots, dots,
     first_looks, is_flat, look_named, look_on_stage, reaction,

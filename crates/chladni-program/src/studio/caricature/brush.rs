@@ -1,6 +1,6 @@
 //! The brush that paints a layer's region.
 
-use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit, SurfacePoint};
+use chladni_caricature::{Action, Dab, LayerId, Limbs, PaintEdit};
 use chladni_mesh::MirrorPlane;
 use egui::{RichText, Slider, Ui};
 
@@ -144,7 +144,8 @@ impl BrushTool {
             let mut paint = |edit| edits.live(Action::Paint { layer, edit });
             if self.fill {
                 let intensity = if erase { 0.0 } else { self.intensity };
-                fills(press.touch.on_surface(), hand, intensity).for_each(paint);
+                let at = press.touch.on_surface();
+                PaintEdit::fills(&hand.brush, at, hand.surface, intensity).for_each(paint);
             } else {
                 paint(PaintEdit::Dab(Dab::of(&press.reach, self.intensity, erase)));
             }
@@ -153,12 +154,6 @@ impl BrushTool {
             edits.finish();
         }
     }
-}
-
-/// Fills everything that is connected with a place, and what is with its mirror image.
-fn fills(at: SurfacePoint, hand: BrushInHand<'_>, intensity: f32) -> impl Iterator<Item = PaintEdit> {
-    let twin = hand.twin(&at);
-    std::iter::once(at).chain(twin).map(move |at| PaintEdit::FillComponent { at, intensity })
 }
 
 /// Of ways to paint that exclude each other, the one that was switched on last.
@@ -195,43 +190,6 @@ fn show_mirror(ui: &mut Ui, plane: Option<Option<MirrorPlane>>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use chladni_caricature::{Brush, Painted, Stack, Surface};
-    use chladni_harmonics::{BasisSettings, Body};
-    use chladni_mesh::{TriMesh, samples};
-    use chladni_task::Task;
-
-    /// Two balls, each the mirror image of the other, and the plane between them.
-    fn balls() -> (Stack, MirrorPlane) {
-        let ball = samples::icosphere(2);
-        let n = ball.positions.len() as u32;
-        let at = |x: f64| ball.positions.iter().map(move |p| [p[0] + x, p[1], p[2]]);
-        let second = ball.triangles.iter().map(|t| t.map(|v| v + n));
-        let mesh = TriMesh {
-            positions: at(-2.0).chain(at(2.0)).collect(),
-            triangles: ball.triangles.iter().copied().chain(second).collect(),
-            ..TriMesh::default()
-        };
-        let body = Body::build(&mesh, &BasisSettings::new(6), &Task::new()).unwrap();
-        let middle = body.frame.to_working([0.0; 3])[0];
-        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: middle, misfit: 0.0 };
-        (Stack::new(body.into()).unwrap(), plane)
-    }
-
-    #[test]
-    fn what_is_filled_is_filled_on_both_sides_of_a_mirror() {
-        let (stack, plane) = balls();
-        let surface: &Surface = stack.surface();
-        let at = SurfacePoint { triangle: 3, weights: [1.0, 0.0, 0.0] };
-        for (mirror, share) in [(None, 0.5), (Some(plane), 1.0)] {
-            let hand = BrushInHand { brush: Brush { radius: 0.1, hardness: 1.0, mirror }, surface };
-            let painted = fills(at, hand, 0.75)
-                .try_fold(Painted::Everywhere, |painted, edit| edit.apply(&painted, surface))
-                .unwrap();
-            let Painted::Vertices(values) = painted else { panic!("nothing was filled") };
-            let filled = values.iter().filter(|x| **x == 0.75).count();
-            assert_eq!(filled as f64, share * values.len() as f64);
-        }
-    }
 
     #[test]
     fn fill_parts_and_lasso_exclude_each_other() {

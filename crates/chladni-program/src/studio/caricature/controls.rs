@@ -18,8 +18,8 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::caricature::{FURTHEST, INVERT, NEXT_MODEL, STRONGER, WEAKER};
 use crate::studio::theme;
-use crate::work::Quantity;
 use crate::work::scale_plot::Spectrum;
+use crate::work::{MAY_FOLD, Quantity};
 
 /// Measurements that the panel shows beside the layer's own numbers.
 pub struct Measured<'a> {
@@ -59,11 +59,10 @@ pub struct Controls {
 }
 
 impl Default for Controls {
-    /// One triangle of 2000: a sliver of a scan folds at once.
     fn default() -> Self {
         Self {
             pen: Pen::default(),
-            may_fold_percent: 0.05,
+            may_fold_percent: 100.0 * MAY_FOLD,
             masks: MaskMenu::default(),
             named: NamedParts::default(),
         }

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
-use chladni_caricature::{EvaluatedLayer, LayerState, MatchRequest, Matched, furthest};
+use chladni_caricature::{EvaluatedLayer, LayerState, MatchRequest, Matched};
 
 use super::Session;
+use crate::work::furthest_mu;
 
 /// How far a layer is held back where it would fold the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,19 +30,7 @@ impl Session {
     /// triangles. What is shown must have [caught up](Self::catch_up).
     pub fn furthest_mu(&self, may_fold: f64) -> Option<f64> {
         let layer = self.project().layer(self.selected?)?;
-        let evaluated = self.selected_layer()?;
-        // What keeps triangles holds it back further and further: only without that is it proportional to μ.
-        let displacement = evaluated.unlimited.as_ref()?;
-        let mu = layer.effective_mu();
-        if mu == 0.0 || layer.strength == 0.0 {
-            return None;
-        }
-        let unit: Vec<[f64; 3]> = displacement.iter().map(|d| d.map(|c| c / mu)).collect();
-        let surface = self.stack.surface();
-        let allowed = (may_fold * surface.whole_triangles() as f64) as usize;
-        let reach = furthest(surface, &evaluated.base.positions, &unit, mu.signum(), allowed)?;
-        // Just before the next fold.
-        Some((0.999 * reach / layer.strength).clamp(-100.0, 100.0))
+        furthest_mu(self.selected_layer()?, layer, self.stack.surface(), may_fold)
     }
 
     /// How far the selected layer is held back; `None` where its project does not keep triangles.

@@ -34,14 +34,6 @@ pub struct BrushInHand<'a> {
     pub surface: &'a Surface,
 }
 
-impl BrushInHand<'_> {
-    /// The vertex at the mirror image of a place; `None` where the brush does not mirror.
-    pub fn twin(&self, at: &SurfacePoint) -> Option<SurfacePoint> {
-        let plane = self.brush.mirror?;
-        self.surface.nearest_vertex(plane.image(self.surface.position(at)?))
-    }
-}
-
 /// One press of the brush.
 pub struct Press {
     /// Its center.
