@@ -166,10 +166,18 @@ fn planted_faults_fail_the_certificate() {
     let good = (*build(&mesh, 80).basis).clone();
     let n = good.vertices();
     assert_eq!(operator.certify(&good).unwrap().inertia_counts_match, Some(true));
-    let mut removed = good.clone();
-    removed.eigenvalues.remove(40);
-    removed.vectors = [&good.vectors[..40 * n], &good.vectors[41 * n..]].concat().into();
-    assert_eq!(operator.certify(&removed).unwrap().inertia_counts_match, Some(false));
+    for k in [40, 60] {
+        let mut removed = good.clone();
+        removed.eigenvalues.remove(k);
+        removed.vectors = [&good.vectors[..k * n], &good.vectors[(k + 1) * n..]].concat().into();
+        assert_eq!(operator.certify(&removed).unwrap().inertia_counts_match, Some(false), "{k}");
+    }
+    // The last harmonic in place of the constant.
+    let mut misplaced = good.clone();
+    misplaced.eigenvalues.pop();
+    misplaced.vectors = [good.harmonic(79), &good.vectors[n..79 * n]].concat().into();
+    let certificate = operator.certify(&misplaced).unwrap();
+    assert!(certificate.max_relative_residual > 1e-6 && certificate.max_orthogonality_error < 1e-8);
     let mut doubled = good.clone();
     let copy = good.harmonic(40).to_vec();
     doubled.eigenvalues[41] = doubled.eigenvalues[40];
