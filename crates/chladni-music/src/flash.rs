@@ -129,9 +129,10 @@ impl Default for FlashLimiter {
 
 impl FlashLimiter {
     /// A limiter that changes the luminance by at most `max_slope_per_sec` (at 4, black to white takes a
-    /// quarter of a second); a slope that is not positive counts as 4.
+    /// quarter of a second); a slope that is not positive and finite counts as 4.
     pub fn new(max_slope_per_sec: f32) -> Self {
-        let max_slope_per_sec = if max_slope_per_sec > 0.0 { max_slope_per_sec } else { 4.0 };
+        let is_slope = max_slope_per_sec.is_finite() && max_slope_per_sec > 0.0;
+        let max_slope_per_sec = if is_slope { max_slope_per_sec } else { 4.0 };
         Self {
             swings: Swings::of(GUARDED_STEP, GUARDED_DARK),
             edges_secs: [f64::NEG_INFINITY; 2 * MAX_FLASHES - 1],
@@ -152,7 +153,7 @@ impl FlashLimiter {
     /// The value that [`limit`](Self::limit) would return, without counting it as shown: one between `wanted` and the
     /// last value shown.
     pub fn allowed(&self, time_secs: f64, wanted: f32) -> f32 {
-        let wanted = if wanted.is_finite() { wanted.clamp(0.0, 1.0) } else { 0.0 };
+        let wanted = clamped(wanted);
         let Some((last_secs, last)) = self.last else { return wanted };
         let step = self.max_slope_per_sec * (time_secs - last_secs).max(0.0) as f32;
         let shown = wanted.clamp(last - step, last + step);
@@ -163,9 +164,10 @@ impl FlashLimiter {
         }
     }
 
-    /// Counts the value shown at `time_secs`; it should be as near to what was
+    /// Counts the value shown at `time_secs`, clamped as by [`limit`](Self::limit); it should be as near to what was
     /// [`allowed`](Self::allowed) as the picture permits.
     pub fn show(&mut self, time_secs: f64, shown: f32) {
+        let shown = clamped(shown);
         if self.swings.push(shown) {
             self.count_edge(time_secs);
         }
@@ -203,6 +205,11 @@ impl FlashLimiter {
     }
 }
 
+/// A luminance within [0, 1]; what is not finite counts as 0.
+fn clamped(luminance: f32) -> f32 {
+    if luminance.is_finite() { luminance.clamp(0.0, 1.0) } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -228,6 +235,18 @@ mod tests {
         let times: Vec<f64> = (0..600).map(|i| f64::from(i) / 60.0).collect();
         let slow: Vec<f32> = times.iter().map(|t| 0.5 + 0.4 * (t * 2.0).sin() as f32).collect();
         assert_eq!(limited(&times, &slow), slow);
+    }
+
+    #[test]
+    fn any_slope_and_any_luminance_give_one_that_can_be_shown() {
+        for slope in [f32::INFINITY, f32::NAN, f32::MAX, -1.0] {
+            let mut limiter = FlashLimiter::new(slope);
+            for (time_secs, wanted) in [(0.0, 0.2), (0.0, 0.9), (1.0, f32::NAN), (2.0, 0.5)] {
+                assert!((0.0..=1.0).contains(&limiter.limit(time_secs, wanted)), "{slope}");
+            }
+            limiter.show(2.5, f32::NAN);
+            assert!((0.0..=1.0).contains(&limiter.limit(3.0, 1.0)), "{slope}");
+        }
     }
 
     proptest! {
