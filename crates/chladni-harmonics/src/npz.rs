@@ -259,11 +259,12 @@ const MOST_BYTES: u64 = 1 << 30;
 
 /// The numbers of an array, in the order of the file: of the `.npy` file at `path`, or of the array `name`
 /// of the `.npz` archive there. Truth values become 0 and 1. There may be up to `most` numbers: a compressed
-/// archive may hold a thousand for each of its bytes.
+/// archive may hold a thousand for each of its bytes. Integers of 8 to 64 bits and floats of 32 and 64 are read;
+/// floats of other sizes, such as 16 bits, and complex numbers are not.
 ///
 /// # Errors
 /// An error of the system; a file that is neither, or has no array of that name; an array that does not
-/// hold real numbers, holds more than `most`, or is larger than 1 GiB.
+/// hold such numbers, holds more than `most`, or is larger than 1 GiB.
 pub fn read_numbers(path: &Path, name: &str, most: usize) -> Result<Vec<f64>> {
     numbers_in(&chladni_task::read_file(path, MOST_BYTES)?, name, most)
 }
@@ -301,10 +302,13 @@ fn numbers_of(mut file: impl Read, most: usize) -> Result<Vec<f64>> {
         (TypeChar::Float, 4) => each(file, most, |x: f32| f64::from(x)),
         (TypeChar::Float, 8) => each(file, most, |x: f64| x),
         (TypeChar::Int, 1) => each(file, most, |x: i8| f64::from(x)),
+        (TypeChar::Int, 2) => each(file, most, |x: i16| f64::from(x)),
         (TypeChar::Int, 4) => each(file, most, |x: i32| f64::from(x)),
         (TypeChar::Int, 8) => each(file, most, |x: i64| x as f64),
         (TypeChar::Uint, 1) => each(file, most, |x: u8| f64::from(x)),
+        (TypeChar::Uint, 2) => each(file, most, |x: u16| f64::from(x)),
         (TypeChar::Uint, 4) => each(file, most, |x: u32| f64::from(x)),
+        (TypeChar::Uint, 8) => each(file, most, |x: u64| x as f64),
         _ => {
             Err(Error::other(format!("it holds {kind}, which is none of the kinds of number that are read")))
         }
@@ -462,9 +466,15 @@ mod tests {
         };
         assert_eq!(read(&npy("|b1", 3, &[1, 0, 1])).unwrap(), [1.0, 0.0, 1.0]);
         assert_eq!(read(&npy("<f8", 1, &2.5f64.to_le_bytes())).unwrap(), [2.5]);
+        assert_eq!(read(&npy("<i2", 1, &(-3_i16).to_le_bytes())).unwrap(), [-3.0]);
+        assert_eq!(read(&npy(">u2", 1, &300_u16.to_be_bytes())).unwrap(), [300.0]);
+        assert_eq!(read(&npy("<u8", 1, &7_u64.to_le_bytes())).unwrap(), [7.0]);
         // The header promises far more than the file holds.
         assert!(read(&npy("<f8", usize::MAX / 16, &[0; 16])).is_err());
-        assert!(read(&npy("<c16", 1, &[0; 16])).unwrap_err().to_string().contains("kinds of number"));
+        for (kind, bytes) in [("<c16", 16), ("<f2", 2)] {
+            let refused = read(&npy(kind, 1, &vec![0; bytes])).unwrap_err();
+            assert!(refused.to_string().contains("kinds of number"), "{kind}");
+        }
         for bytes in [&b""[..], b"P", b"PK\x03\x04", b"\x93NUMPY\x01\x00\xff\xff{", b"no array"] {
             assert!(read(bytes).is_err(), "{bytes:?}");
         }
