@@ -48,6 +48,7 @@ pub use error::BreedingError;
 pub use gallery::{CANDIDATES, GALLERY_SIZES, Gallery};
 pub use item::{GalleryItem, Generation, Genome, ItemId, Origin, item_name};
 pub use rand_chacha::ChaCha8Rng;
+pub use rand_chacha::rand_core::SeedableRng;
 pub use suggestion::{Describe, Descriptor, most_different, suggest};
 
 /// The examples of README.md, compiled.

@@ -16,6 +16,14 @@ const SILENT: f32 = 0.02;
 /// A child that no sound would move, because its transfer leads only to harmonics that it does not amplify,
 /// gets the mean of both amplifications; if that does not help, its mother's transfer as well; if the
 /// parents' amplifications cancel, its mother's amplification.
+///
+/// ```
+/// use chladni_music::{ChaCha8Rng, Mapping, SeedableRng, breed};
+///
+/// let (mother, father) = (Mapping::rest(8, 4), Mapping { gain: 2.0, ..Mapping::rest(8, 4) });
+/// let child = breed(&mother, &father, &mut ChaCha8Rng::seed_from_u64(7));
+/// assert!((1.0..=2.0).contains(&child.gain));
+/// ```
 pub fn breed(mother: &Mapping, father: &Mapping, rng: &mut ChaCha8Rng) -> Mapping {
     let bands = mother.transfer.len().max(father.transfer.len());
     let harmonics = mother.amplification.len().max(father.amplification.len());

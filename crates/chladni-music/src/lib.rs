@@ -93,7 +93,8 @@ pub use calibration::{
     CALIBRATION_PERIOD_SECS, CALIBRATION_TAPS, Calibration, Latency, Signal, calibration_flash,
 };
 pub use chladni_breeding::{
-    BreedingError, CANDIDATES, Describe, Descriptor, GALLERY_SIZES, Generation, ItemId, Origin, suggest,
+    BreedingError, CANDIDATES, ChaCha8Rng, Describe, Descriptor, GALLERY_SIZES, Generation, Genome, ItemId,
+    Origin, SeedableRng, suggest,
 };
 pub use chladni_mesh::MirrorPlane;
 pub use clock::{ClockMessage, ClockOut, TICKS_PER_QUARTER};

@@ -39,7 +39,8 @@
 //!
 //! Two instruments compute the coefficients. [`caricature`] derives them from the differences between a
 //! shape and a template, after [`matching`] has found corresponding points. [`music`] derives them from the
-//! frequency bands of sound that [`sound`] analyzes. [`view`] renders pictures and films of the results.
+//! frequency bands of sound that [`sound`] analyzes. The galleries of both are bred by [`breeding`]. [`view`]
+//! renders pictures and films of the results.
 //!
 //! ```
 //! # use chladni::{harmonics::{BasisSettings, Body}, mesh::samples, task::Task};
@@ -63,6 +64,7 @@
 //! Not guaranteed: anything beyond what the page of each crate promises. Before version 1, minor versions
 //! may rename items.
 
+pub use chladni_breeding as breeding;
 pub use chladni_caricature as caricature;
 pub use chladni_harmonics as harmonics;
 pub use chladni_match as matching;
