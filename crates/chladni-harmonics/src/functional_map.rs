@@ -105,6 +105,10 @@ impl FunctionalMap {
         target: Eigenvectors,
         dual: Option<&[f64]>,
     ) -> Result<Self, HarmonicsError> {
+        let values = target.vertices * target.count();
+        if dual.is_some_and(|dual| dual.len() != values) {
+            return Err(bad(format!("M Φ has other than {values} values, those of the target's Φ")));
+        }
         Self::of_first(map, source, target, dual, [target.count(), source.count()])
     }
 
@@ -319,7 +323,10 @@ mod tests {
         assert!(map.zoomed_out(three, two, None, 1, [1, 1], &Task::new()).is_err());
         assert!(FunctionalMap::of_point_map(&[0, 3], three, two, None).is_err());
         assert!(FunctionalMap::of_point_map(&[0], three, two, None).is_err());
-        assert!(FunctionalMap::of_point_map(&[0, 1], three, two, Some(&[1.0])).is_err());
+        for length in [1, 3, 5, 6] {
+            let dual = Some(&values[..length]);
+            assert!(FunctionalMap::of_point_map(&[0, 1], three, two, dual).is_err(), "{length}");
+        }
         let none = Eigenvectors { vertices: 0, values: &[] };
         assert!(map.to_point_map(none, two, false, &Task::new()).is_err());
         let cancelled = Task::new();

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
-use chladni_harmonics::{BasisSettings, Body, HarmonicsError, Operator, Pencil, SymmetricSparse};
+use chladni_harmonics::{
+    BasisSettings, Body, HarmonicsError, Operator, Pencil, SymmetricSparse, available_memory,
+};
 use chladni_mesh::TriMesh;
 use chladni_mesh::samples::icosphere;
 use chladni_task::Task;
@@ -108,4 +110,17 @@ fn beside_factors_that_fill_fewer_slices_are_reported_and_the_disk_is_used() {
         assert_eq!((short.slices, short.of_slices, short.scratch.is_some()), (1, 2, is_on_disk), "{bytes}");
         assert!(fewer == basis);
     }
+}
+
+#[test]
+fn dense_eigenvalues_that_do_not_fit_are_refused() {
+    if available_memory().is_none() {
+        return;
+    }
+    let n = 1_000_000;
+    let mut operator = Operator::of(&icosphere(0)).unwrap();
+    operator.stiffness = SymmetricSparse::from_entries(n, []).unwrap();
+    operator.mass = vec![1.0; n];
+    let refused = operator.dense_eigenvalues().unwrap_err();
+    assert!(matches!(refused, HarmonicsError::TooMany { .. }), "{refused}");
 }

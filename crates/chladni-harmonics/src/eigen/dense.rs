@@ -165,6 +165,10 @@ impl Operator {
     /// # Errors
     /// The dense solver failed, or the matrix does not fit into memory.
     pub fn dense_eigenvalues(&self) -> Result<Vec<f64>, HarmonicsError> {
+        let n = self.vertices();
+        if let Some(free) = memory::available() {
+            memory::check_dense(n, n, free)?;
+        }
         let matrix = symmetrized(self.pencil());
         let (values, _) = symmetric_eigen(&matrix, Par::Seq)
             .ok_or_else(|| HarmonicsError::not_certified("the dense solver failed"))?;
