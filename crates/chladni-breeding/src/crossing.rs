@@ -9,7 +9,11 @@ const MEAN_RUN: f64 = 0.1;
 /// Crosses the values of two parents, which have the same length. With probability ½ the values are mixed
 /// run by run, and each value of the child lies between those of the parents; otherwise the child is a copy
 /// of one parent.
+///
+/// # Panics
+/// If the parents differ in length.
 pub fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
+    assert_eq!(mother.len(), father.len(), "parents have as many values");
     if rng.random_bool(0.5) {
         return mix(mother, father, rng);
     }
@@ -25,8 +29,13 @@ fn mix(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
         let w: f32 = rng.random();
         for i in child.len()..end {
             let (p, q) = (mother[i], father[i]);
-            // Rounding must not carry a child's value outside its parents' range.
-            child.push((w * p + (1.0 - w) * q).clamp(p.min(q), p.max(q)));
+            let (mixed, low, high) = (w * p + (1.0 - w) * q, p.min(q), p.max(q));
+            // Rounding must not carry a child's value outside its parents' range; NaN has none.
+            child.push(match mixed {
+                x if x < low => low,
+                x if x > high => high,
+                x => x,
+            });
         }
     }
     child
@@ -45,7 +54,11 @@ fn run_length(length: usize, rng: &mut ChaCha8Rng) -> usize {
 /// Mutates `values`: each run moves by one random step of at most `amount`, and stays within [`low`, 1]. If
 /// `low` is not 0, half of the runs leave values of zero at zero; otherwise a mutation would activate all
 /// of them at once.
+///
+/// # Panics
+/// If `low` is NaN or above 1.
 pub fn shift(values: &mut [f32], amount: f32, low: f32, rng: &mut ChaCha8Rng) {
+    assert!(low <= 1.0, "values stay within [low, 1]");
     let mut start = 0;
     while start < values.len() {
         let end = (start + run_length(values.len(), rng)).min(values.len());
@@ -70,5 +83,26 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let total: usize = (0..20_000).map(|_| run_length(200, &mut rng)).sum();
         assert!((total as f64 / 20_000.0 - 20.0).abs() < 0.6, "{total}");
+    }
+
+    #[test]
+    #[should_panic(expected = "as many values")]
+    fn parents_of_different_length_have_no_child() {
+        inherit(&[0.5], &[0.5, 1.0], &mut ChaCha8Rng::seed_from_u64(1));
+    }
+
+    #[test]
+    #[should_panic(expected = "within [low, 1]")]
+    fn no_value_is_above_1_and_not_below_2() {
+        shift(&mut [0.0; 0], 0.5, 2.0, &mut ChaCha8Rng::seed_from_u64(1));
+    }
+
+    #[test]
+    fn a_value_that_is_no_number_can_be_inherited() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..16 {
+            let child = inherit(&[f32::NAN, 0.5], &[f32::NAN, 0.5], &mut rng);
+            assert!(child[0].is_nan() && child[1] == 0.5, "{child:?}");
+        }
     }
 }

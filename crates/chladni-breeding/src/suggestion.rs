@@ -114,7 +114,7 @@ impl Preference {
 }
 
 /// The numbers of the candidates to show, one for each place of the gallery. Those of locked places are 0, which
-/// [`Gallery::breed_from`] does not use.
+/// [`Gallery::breed_from`] does not use. If fewer candidates than places differ, they are repeated in turn.
 ///
 /// # Errors
 /// [`BreedingError::NotEnoughParents`] if nothing is chosen; the errors of `describer`.
@@ -133,12 +133,13 @@ pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -
     let locked: Vec<Descriptor> =
         locked.map(|item| describer.describe(&item.genome)).collect::<Result<_, _>>()?;
     let shown = farthest_first(&described, &order, &locked, places - locked.len());
-    let mut shown = shown.into_iter().map(|i| i as u16);
+    let mut shown = shown.into_iter().map(|i| i as u16).cycle();
     let for_place = |is_locked: bool| if is_locked { 0 } else { shown.next().unwrap_or(0) };
     Ok(gallery.items().iter().map(|item| item.locked).map(for_place).collect())
 }
 
-/// The indices of `count` items of `described` that differ most from each other.
+/// The indices of `count` items of `described` that differ most from each other, each once; of all items if there are
+/// no more.
 pub fn most_different(described: &[Descriptor], count: usize) -> Vec<usize> {
     farthest_first(described, &(0..described.len()).collect::<Vec<_>>(), &[], count)
 }
@@ -160,7 +161,8 @@ fn without_twins(described: &[Descriptor], order: &[usize], least: usize) -> Vec
     }
 }
 
-/// The first of `order`, then repeatedly the one that is farthest from all taken so far and from `besides`.
+/// The first of `order`, then repeatedly the one that is farthest from all taken so far and from `besides`. Each is
+/// taken once.
 fn farthest_first(
     described: &[Descriptor],
     order: &[usize],
@@ -169,14 +171,70 @@ fn farthest_first(
 ) -> Vec<usize> {
     let from_besides = |i: usize| besides.iter().map(|d| d.distance(&described[i])).fold(f32::MAX, f32::min);
     let mut nearest: Vec<f32> = order.iter().map(|&i| from_besides(i)).collect();
+    let count = count.min(order.len());
     let mut taken: Vec<usize> = Vec::with_capacity(count);
     let mut next = 0;
-    while taken.len() < count && !order.is_empty() {
+    while taken.len() < count {
         taken.push(order[next]);
         let last = &described[order[next]];
         nearest.iter_mut().zip(order).for_each(|(d, &i)| *d = d.min(last.distance(&described[i])));
+        nearest[next] = f32::NEG_INFINITY;
         // Among several at the same distance, the best liked one wins: it comes first in `order`.
         next = (0..order.len()).rev().max_by(|&a, &b| nearest[a].total_cmp(&nearest[b])).unwrap_or(0);
     }
     taken
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    /// +1 or −1, which never changes.
+    #[derive(Clone)]
+    struct Side(f32);
+
+    impl Genome for Side {
+        fn child(mother: &Self, father: &Self, rng: &mut ChaCha8Rng) -> Self {
+            if rng.random_bool(0.5) { mother.clone() } else { father.clone() }
+        }
+
+        fn mutant(&self, _: f32, _: &mut ChaCha8Rng) -> Self {
+            self.clone()
+        }
+
+        fn genes(&self) -> usize {
+            1
+        }
+    }
+
+    struct BySide;
+
+    impl Describe<Side> for BySide {
+        type Error = BreedingError;
+
+        fn describe(&self, genome: &Side) -> Result<Descriptor, BreedingError> {
+            Ok(Descriptor::of(vec![genome.0]))
+        }
+    }
+
+    #[test]
+    fn each_is_named_once_also_where_all_look_alike() {
+        let alike = vec![Descriptor::of(vec![1.0, 0.0]); 3];
+        assert_eq!(most_different(&alike, 2), [0, 1]);
+        assert_eq!(most_different(&alike, 5), [0, 1, 2]);
+        assert!(most_different(&[], 5).is_empty());
+    }
+
+    #[test]
+    fn two_candidates_that_differ_share_the_places() {
+        let sides = |i: u8| Side(if i.is_multiple_of(2) { 1.0 } else { -1.0 });
+        let mut gallery = Gallery::new(7, 6, |_| (0..6).map(sides).collect()).unwrap();
+        gallery.choose(0, true).unwrap();
+        gallery.choose(1, true).unwrap();
+        let numbers = suggest(&gallery, &BySide).unwrap();
+        assert_eq!(numbers.iter().filter(|number| **number == numbers[0]).count(), 3, "{numbers:?}");
+    }
 }
