@@ -79,11 +79,17 @@ pub(crate) fn orient(basis: &mut Basis) {
 }
 
 /// The rotation, column by column, that makes the orthonormal `columns` (N values each) of one eigenvalue
-/// canonical; `None` if it cannot be computed.
+/// canonical; `None` if it cannot be computed, as without any vertex.
 ///
 /// For the same space it gives the same rotated columns up to sign, whatever basis of the space `columns`
 /// is.
+///
+/// # Panics
+/// If `columns` is not a whole number of columns of N values.
 pub fn mix(columns: &[f64], mass: &[f64], positions: &[[f64; 3]]) -> Option<Mat<f64>> {
+    if mass.is_empty() || positions.is_empty() {
+        return None;
+    }
     mix_within(columns, mass, positions, &Task::new()).ok().flatten()
 }
 
@@ -264,6 +270,11 @@ mod tests {
         task.cancel();
         let result = choose(&mut basis, &positions, &stiffness, &task);
         assert_eq!(result, Err(HarmonicsError::Cancelled(Cancelled)));
+    }
+
+    #[test]
+    fn without_vertices_there_is_no_choice() {
+        assert!(mix(&[], &[], &[]).is_none());
     }
 
     proptest! {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::laplacian::{MOLLIFY, delaunay_laplacian};
 use crate::ldlt::{Factor, Symbolic, Workspace, nested_dissection};
+use crate::operator::check_corners;
 use crate::{Body, HarmonicsError, SymmetricSparse};
 
 /// The Laplacian of a body in elimination order, shared by steps of every length.
@@ -63,12 +64,21 @@ impl HeatFlow {
     /// The same from the N positions of a body, in its working frame, and its triangles.
     ///
     /// # Errors
-    /// Those of [`of`](Self::of).
+    /// Those of [`of`](Self::of); [`HarmonicsError::IndexOutOfRange`] for a corner that is not there;
+    /// [`HarmonicsError::NotOnSurface`] for a position that no triangle with three different corners uses.
     pub fn on_surface(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self, HarmonicsError> {
+        let vertices = positions.len();
+        check_corners(triangles, vertices)?;
         let whole = |[a, b, c]: &&[u32; 3]| a != b && b != c && c != a;
         let triangles: Vec<[u32; 3]> = triangles.iter().filter(whole).copied().collect();
         if triangles.is_empty() {
             return Err(HarmonicsError::NoTriangle);
+        }
+        let mut is_used = vec![false; vertices];
+        triangles.as_flattened().iter().for_each(|v| is_used[*v as usize] = true);
+        if let Some(vertex) = is_used.iter().position(|is_used| !is_used) {
+            let reason = "no triangle uses it";
+            return Err(HarmonicsError::NotOnSurface { vertex, vertices, reason });
         }
         let (stiffness, mass) = delaunay_laplacian(positions, &triangles, MOLLIFY)?;
         Ok(Self::on(&stiffness, &mass))
@@ -249,6 +259,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_corner_that_is_not_there_and_a_position_without_triangle_are_refused() {
+        let ball = samples::icosphere(1);
+        let refused = HeatFlow::on_surface(&ball.positions, &[[0, 1, 2], [0, 1, 99]]).unwrap_err();
+        assert_eq!(refused, HarmonicsError::IndexOutOfRange { triangle: 1, vertex: 99, vertices: 42 });
+        let more = [&ball.positions[..], &[[2.0; 3]]].concat();
+        let refused = HeatFlow::on_surface(&more, &ball.triangles).unwrap_err();
+        assert!(matches!(refused, HarmonicsError::NotOnSurface { vertex: 42, .. }), "{refused}");
     }
 
     #[test]

@@ -174,13 +174,18 @@ pub fn point_cloud_laplacian(
     Ok((stiffness, mass))
 }
 
-fn check_mesh(mesh: &TriMesh) -> Result<(), HarmonicsError> {
-    let vertices = mesh.positions.len();
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+/// Refuses triangles that name a vertex that is not there.
+pub(crate) fn check_corners(triangles: &[[u32; 3]], vertices: usize) -> Result<(), HarmonicsError> {
+    for (triangle, corners) in triangles.iter().enumerate() {
         if let Some(&vertex) = corners.iter().find(|&&v| v as usize >= vertices) {
             return Err(HarmonicsError::IndexOutOfRange { triangle, vertex, vertices });
         }
     }
+    Ok(())
+}
+
+fn check_mesh(mesh: &TriMesh) -> Result<(), HarmonicsError> {
+    check_corners(&mesh.triangles, mesh.positions.len())?;
     // Squared lengths must neither overflow nor underflow before the frame scales them.
     let measurable = |x: &f64| x.is_finite() && x.abs() < 1e150;
     match mesh.positions.iter().position(|p| !p.iter().all(measurable)) {

@@ -282,12 +282,18 @@ impl SymmetricSparse {
     }
 
     /// Rows and values of column j.
+    ///
+    /// # Panics
+    /// If j ≥ n.
     pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let range = self.column_starts[j]..self.column_starts[j + 1];
         self.rows[range.clone()].iter().zip(&self.values[range]).map(|(&r, &v)| (r as usize, v))
     }
 
-    /// The matrix times `x`.
+    /// The matrix times `x`, n values.
+    ///
+    /// # Panics
+    /// If `x` has fewer than n values and one that is missing is needed.
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
         (0..self.size()).map(|j| self.column(j).map(|(i, v)| v * x[i]).sum()).collect()
     }

@@ -96,7 +96,11 @@ impl Basis {
     }
 
     /// Computes Σ_k H_k(v) c_k for C channels and passes the result of each vertex to `emit`, with the
-    /// vertex's own slot of `out`. Harmonics whose coefficients are all zero are not read.
+    /// vertex's own slot of `out`. Harmonics whose coefficients are all zero are not read,
+    /// nor are coefficients beyond the first K.
+    ///
+    /// # Panics
+    /// If `out` is longer than N.
     pub fn synthesize_each<const C: usize, T: Send>(
         &self,
         coefficients: &[[f64; C]],
