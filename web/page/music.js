@@ -413,8 +413,9 @@ const toShow = () => concert.state() + sound.isHeard;
 
 function refresh() {
   if (!concert) return;
-  shown = toShow();
-  state = report.state = JSON.parse(concert.state());
+  const text = concert.state();
+  shown = text + sound.isHeard;
+  state = report.state = JSON.parse(text);
   gallery.show(state);
   knobs.show(state);
   dance.show(state.dances.length ? theDance() : undefined, state);

@@ -286,9 +286,12 @@ impl Bindings {
     /// The target of the note that is felt, and its number, where `touch` moves a control of the same device.
     fn felt_for(&self, touch: &Touch) -> Option<(Target, Option<u32>)> {
         let felt = self.felt.as_ref().filter(|felt| felt.device == touch.device && moves(&touch.control))?;
-        // A pad may stay on, and then what moves is not its fader: it keeps what it is bound to.
-        let is_free =
-            |known: &Binding| known.target == felt.target || !known.is_of(&touch.device, &touch.control);
+        // A pad may stay on, and then what moves is not its fader: it keeps what it is bound to. Only faders bend a pitch.
+        let is_free = |known: &Binding| {
+            known.target == felt.target
+                || matches!(touch.control, Control::PitchBend { .. })
+                || !known.is_of(&touch.device, &touch.control)
+        };
         let may_be_its_fader = self.list.contains(felt) && self.list.iter().all(is_free);
         may_be_its_fader.then_some((felt.target, felt.number))
     }

@@ -305,6 +305,9 @@ impl Instrument {
             }
             Action::Rename { item, ref name } => {
                 let (id, name) = (self.gallery.item_mut(item)?.id, item_name(name));
+                if let Some(own) = self.pasts.get_mut(&id).and_then(|past| past.lineage.first_mut()) {
+                    own.name.clone_from(&name);
+                }
                 self.copies_mut(id).for_each(|copy| copy.name.clone_from(&name));
             }
             Action::GoTo { generation } => self.gallery.go_to(generation)?,

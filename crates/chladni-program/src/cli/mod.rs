@@ -150,9 +150,10 @@ pub fn exit_code(error: &Error) -> u8 {
 fn in_one_line(error: &clap::Error, arguments: &[OsString]) -> String {
     if error.kind() == clap::error::ErrorKind::InvalidUtf8 {
         // Its own text names none.
-        let odd = arguments.iter().filter(|argument| argument.to_str().is_none());
+        let odd = arguments.iter().skip(1).filter(|argument| argument.to_str().is_none());
         let odd: Vec<_> = odd.map(|argument| argument.to_string_lossy()).collect();
-        return format!("{}: is not valid Unicode, which is needed here", odd.join(", "));
+        let which = if odd.len() == 1 { "is" } else { "one of these is" };
+        return format!("{}: {which} not valid Unicode, which is needed here", odd.join(", "));
     }
     if error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return "a subcommand is missing (--help lists what there is)".into();

@@ -25,8 +25,8 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 /// Creates a temporary file beside `path`, lets `write` fill it, flushes it to the disk, renames it to
-/// `path`, and flushes the folder. Once this function has returned, the file survives a power cut, except on a network or
-/// FUSE volume of macOS that cannot be flushed.
+/// `path`, and flushes the folder. Once this function has returned, the file survives a power cut, except on a volume of
+/// macOS that cannot be flushed.
 ///
 /// If `write` fails or the process dies, `path` is unchanged; a temporary file that a killed process left is removed by
 /// a later one that saves in the same folder. If `path` is a link, its target is replaced.

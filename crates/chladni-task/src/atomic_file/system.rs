@@ -54,10 +54,11 @@ pub(super) trait System: std::fmt::Debug {
 
 /// Whether a flush failed because the file system knows none.
 fn cannot_flush(why: &io::Error) -> bool {
-    // Apple's ENOTSUP, which is no kind of error in the standard library.
-    const NOT_SUPPORTED: i32 = 45;
+    // Apple's ENOTTY and ENOTSUP, which are no kinds of error in the standard library.
+    const NOT_SUPPORTED: [i32; 2] = [25, 45];
     matches!(why.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported)
-        || (cfg!(target_vendor = "apple") && why.raw_os_error() == Some(NOT_SUPPORTED))
+        || (cfg!(target_vendor = "apple")
+            && why.raw_os_error().is_some_and(|code| NOT_SUPPORTED.contains(&code)))
 }
 
 /// The real system.
@@ -75,7 +76,9 @@ mod tests {
     fn a_flush_that_there_is_not_is_told_from_one_that_failed() {
         let found = [InvalidInput, Unsupported, StorageFull, Other].map(|kind| cannot_flush(&kind.into()));
         assert_eq!(found, [true, true, false, false]);
-        let of_apple = cannot_flush(&io::Error::from_raw_os_error(45));
-        assert_eq!(of_apple, cfg!(target_vendor = "apple"));
+        for code in [25, 45] {
+            let of_apple = cannot_flush(&io::Error::from_raw_os_error(code));
+            assert_eq!(of_apple, cfg!(target_vendor = "apple"));
+        }
     }
 }

@@ -351,7 +351,7 @@ pub fn songs_of(show: &Show) -> Vec<(String, BeatReading)> {
     show.songs.iter().map(|song| (song.path.clone(), song.reading)).collect()
 }
 
-/// Saves the show. Where it names a file that cannot be found again, it is written, but counts as unsaved.
+/// Saves the show, and warns of a file that it names and cannot find again.
 pub fn write_show(
     path: &Path,
     concert: &mut Concert,
@@ -369,14 +369,14 @@ pub fn write_show(
     });
     show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
     show.save(path).map_err(Error::unsaved)?;
-    if let Some(file) = lost.into_inner() {
-        return Err(Error::input(format_args!(
-            "{}: its name is not valid Unicode, so the show that was saved cannot find it again: rename it, \
-             open it again, and save once more",
+    match lost.into_inner() {
+        Some(file) => shared.notices.warn(format_args!(
+            "Saved {}, which will not find {}: its name is not valid Unicode. Rename it, and its name in the show",
+            path.display(),
             file.display()
-        )));
+        )),
+        None => shared.notices.done(format!("Saved {}", path.display())),
     }
-    shared.notices.done(format!("Saved {}", path.display()));
     concert.mark_saved();
     Ok(())
 }
