@@ -70,6 +70,8 @@ export function listen(caricature) {
   });
   on("furthest", goFurthest);
   of("template-text").addEventListener("change", attempt(() => { room.sitting().set_template(layer.id, of("template-text").value); return room.changed(); }));
+  // What was refused may be corrected, until the box is left.
+  of("template-text").addEventListener("blur", () => show(layer));
   of("method").addEventListener("change", attempt(() => { room.sitting().set_method(layer.id, of("method").value); return room.changed(); }));
   of("fit-size").addEventListener("change", attempt(() => { room.sitting().fit_size(layer.id, of("fit-size").checked); return room.changed(); }));
   room.slide("infill", (infill) => ({ infill }));

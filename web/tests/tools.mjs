@@ -396,6 +396,8 @@ async function layersToo(page, shot) {
   await write("nose.ply");
   await is(() => /nose.ply: write ellipsoid/.test(document.getElementById("status").textContent));
   assert.equal((await top()).template_text, "self:lowpass=12");
+  await page.locator("#template-text").blur();
+  assert.equal(await page.inputValue("#template-text"), "self:lowpass=12");
   await write("sphere:0,0,0,1");
   await is(() => window.chladni.sitting.layers.at(-1).template === "given sphere");
   await write("self:lowpass=12");

@@ -13,7 +13,7 @@ const MEAN_RUN: f64 = 0.1;
 /// # Panics
 /// If the parents differ in length.
 pub fn inherit(mother: &[f32], father: &[f32], rng: &mut ChaCha8Rng) -> Vec<f32> {
-    assert_eq!(mother.len(), father.len(), "parents have as many values");
+    assert_eq!(mother.len(), father.len(), "both parents have the same number of values");
     if rng.random_bool(0.5) {
         return mix(mother, father, rng);
     }
@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "as many values")]
+    #[should_panic(expected = "same number of values")]
     fn parents_of_different_length_have_no_child() {
         inherit(&[0.5], &[0.5, 1.0], &mut ChaCha8Rng::seed_from_u64(1));
     }

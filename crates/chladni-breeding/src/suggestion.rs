@@ -138,8 +138,8 @@ pub fn suggest<G: Genome, D: Describe<G>>(gallery: &Gallery<G>, describer: &D) -
     Ok(gallery.items().iter().map(|item| item.locked).map(for_place).collect())
 }
 
-/// The indices of `count` items of `described` that differ most from each other, each once; of all items if there are
-/// no more.
+/// The indices of `count` items of `described` that differ most from each other, each once; all of them if there
+/// are fewer.
 pub fn most_different(described: &[Descriptor], count: usize) -> Vec<usize> {
     farthest_first(described, &(0..described.len()).collect::<Vec<_>>(), &[], count)
 }

@@ -53,7 +53,8 @@ pub struct Dab {
 }
 
 impl PaintEdit {
-    /// Edits with `brush` that fill everything that is connected with a place, and what is with its mirror image.
+    /// Edits with `brush` that fill everything that is connected with a place, and with its mirror image where the brush
+    /// mirrors.
     pub fn fills(
         brush: &Brush,
         at: SurfacePoint,

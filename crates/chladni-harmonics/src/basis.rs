@@ -13,7 +13,8 @@ pub struct Certificate {
     /// the number of pairs found there: then none is missing and none is doubled. `None` where a solver
     /// without factors ([`InnerSolver::Iterated`](crate::InnerSolver)) could not count them.
     pub inertia_counts_match: Option<bool>,
-    /// max over k ≥ 1 of ‖S h − λ M h‖ / ‖S h‖.
+    /// max over k ≥ 1 of ‖S h − λ M h‖ / ‖S h‖; from [`Operator::certify`](crate::Operator::certify) also that of the
+    /// constants, as a share of the terms that cancel.
     pub max_relative_residual: f64,
     /// max |HᵀMH − I|.
     pub max_orthogonality_error: f64,

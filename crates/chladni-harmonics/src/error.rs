@@ -99,7 +99,7 @@ pub enum HarmonicsError {
         /// The vertex in the file, from 0.
         vertex: usize,
     },
-    /// A source, or a vertex of a map, that is not on the surface.
+    /// A source, a vertex of a map, or a position that is not on the surface.
     #[error("vertex {vertex} is not on the surface, which has {vertices} vertices: {reason}")]
     NotOnSurface {
         /// Index of the vertex.

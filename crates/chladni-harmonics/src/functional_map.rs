@@ -107,7 +107,7 @@ impl FunctionalMap {
     ) -> Result<Self, HarmonicsError> {
         let values = target.vertices * target.count();
         if dual.is_some_and(|dual| dual.len() != values) {
-            return Err(bad(format!("M Φ has other than {values} values, those of the target's Φ")));
+            return Err(bad(format!("M Φ has another number of values than the target's Φ, {values}")));
         }
         Self::of_first(map, source, target, dual, [target.count(), source.count()])
     }

@@ -56,7 +56,7 @@ impl HeatFlow {
     /// work of factoring a step, done once for steps of every length.
     ///
     /// # Errors
-    /// [`HarmonicsError::NoTriangle`] if no triangle has three different corners.
+    /// Those of [`on_surface`](Self::on_surface).
     pub fn of(body: &Body) -> Result<Self, HarmonicsError> {
         Self::on_surface(&body.positions, &body.triangles)
     }
@@ -64,8 +64,8 @@ impl HeatFlow {
     /// The same from the N positions of a body, in its working frame, and its triangles.
     ///
     /// # Errors
-    /// Those of [`of`](Self::of); [`HarmonicsError::IndexOutOfRange`] for a corner that is not there;
-    /// [`HarmonicsError::NotOnSurface`] for a position that no triangle with three different corners uses.
+    /// [`HarmonicsError::NoTriangle`] if no triangle has three different corners; [`HarmonicsError::IndexOutOfRange`] for a
+    /// corner that is not there; [`HarmonicsError::NotOnSurface`] for a position that no triangle with three different corners uses.
     pub fn on_surface(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Self, HarmonicsError> {
         let vertices = positions.len();
         check_corners(triangles, vertices)?;

@@ -194,6 +194,24 @@ fn planted_faults_fail_the_certificate() {
 }
 
 #[test]
+fn a_false_constant_beside_a_speck_fails_the_certificate() {
+    let speck = shapes::scaled(&shapes::icosphere(2), 1e-9);
+    let mesh = shapes::beside(&[speck, shapes::icosphere(2)], [1e-3, 0.0, 0.0]);
+    let operator = Operator::of(&mesh).unwrap();
+    let good = (*build(&mesh, 20).basis).clone();
+    assert!(operator.certify(&good).unwrap().is_precise());
+    let (n, last) = (good.vertices(), good.harmonics() - 1);
+    for constant in [0, 1] {
+        let mut false_one = good.clone();
+        false_one.eigenvalues.pop();
+        let mut vectors = good.vectors[..last * n].to_vec();
+        vectors[constant * n..(constant + 1) * n].copy_from_slice(good.harmonic(last));
+        false_one.vectors = vectors.into();
+        assert!(!operator.certify(&false_one).unwrap().is_precise(), "{constant}");
+    }
+}
+
+#[test]
 fn the_result_does_not_depend_on_threads() {
     let mesh = shapes::icosphere(3);
     let with = |threads| {

@@ -133,7 +133,10 @@ impl Sitting {
     /// Bugs only.
     pub fn press(&mut self, x: f32, y: f32) -> Result<(), JsError> {
         let Some(layer) = self.selected else { return Ok(()) };
-        // All that is connected is filled from anywhere on it.
+        // A press fills: dragging on adds nothing.
+        if self.tool.fill && self.tool.at.is_some() {
+            return Ok(());
+        }
         let places = if self.tool.fill { vec![[x, y]] } else { self.trail([x, y]) };
         for [x, y] in places {
             let Some(hit) = self.stage.hit(x, y) else { continue };
