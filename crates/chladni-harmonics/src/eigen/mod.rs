@@ -23,6 +23,7 @@ use std::path::Path;
 
 use chladni_task::{Stage, Task};
 
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use assemble::check_certificate;
 use components::Kind;
 pub(crate) use given::solve as solve_given;
