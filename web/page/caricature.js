@@ -117,11 +117,20 @@ async function openShape(name, bytes, project, first, came = []) {
   attemptOf(label(name), () => Promise.all([solve(mine), match()]));
 }
 
-/** Forgets the meshes that neither the open shape nor a project that waits needs: each may be large. */
+/** How many bytes of meshes are kept that neither the open shape nor a project that waits needs: a project may name them. */
+const IDLE_BYTES = 2 ** 27;
+
+/** Forgets such meshes, the oldest first, where they are large together. */
 function forgetFiles(name) {
   const templates = JSON.parse(sitting.needs()).templates.map(base);
   const needed = new Set([base(name), ...templates, ...(waiting?.templates ?? [])]);
-  for (const each of [...files.keys()]) if (!needed.has(each)) files.delete(each);
+  const idle = [...files].filter(([each]) => !needed.has(each));
+  let bytes = idle.reduce((sum, [, mesh]) => sum + mesh.length, 0);
+  for (const [each, mesh] of idle) {
+    if (bytes <= IDLE_BYTES) return;
+    files.delete(each);
+    bytes -= mesh.length;
+  }
 }
 
 /** Has a worker solve for the harmonics of the shape. */

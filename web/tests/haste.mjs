@@ -633,8 +633,5 @@ export async function projects() {
   await release(page);
   await acts(page);
   step("of two meshes the second is asked about while the first is solved");
-  // The second is a template of the open shape; those of projects before are not kept.
-  await drop(page, ["dent.chladni", PROJECT]);
-  await says(page, "dent.chladni is made on dent.obj: bring that mesh, too.");
   await ends(opening);
 }
