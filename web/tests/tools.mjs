@@ -128,20 +128,20 @@ async function brush(page) {
     return all.filter((value) => value === 0.5).length / all.length;
   };
   const box = await page.locator("#picture").boundingBox();
-  const press = async () => {
+  const press = async (step) => {
     await page.mouse.click(box.x + 0.5 * box.width, box.y + 0.3 * box.height);
-    await until(page, () => window.chladni.sitting.undo === "paint" && !window.chladni.sitting.layers.at(-1).everywhere);
+    await until(page, (step) => window.chladni.sitting.undo === step && !window.chladni.sitting.layers.at(-1).everywhere, step);
     return half();
   };
   await page.click("#hold-brush");
   await page.fill("#brush-intensity", "0.5");
   await page.click("#region-clear");
-  const dab = await press();
+  const dab = await press("paint");
   await page.check("#fill");
-  const filled = await press();
+  const filled = await press("fill component");
   assert.ok(dab > 0 && dab < 0.4 && filled > 0.5, `${dab} are painted, ${filled} filled`);
   await page.check("#erase");
-  assert.equal(await press(), 0, "all that is connected is erased");
+  assert.equal(await press("fill component"), 0, "all that is connected is erased");
   await page.uncheck("#erase");
   await page.uncheck("#fill");
   await page.fill("#brush-intensity", "1");
