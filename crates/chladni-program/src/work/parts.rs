@@ -91,10 +91,11 @@ impl Parts {
 }
 
 /// The body whose limbs are found: `own`, made of the mesh called `name`, where its harmonics are those of the commands,
-/// or the mesh with these. So commands, the window and their galleries find the same limbs.
+/// or the mesh with these. So commands, the window and their galleries find the same limbs. It is `own` where the mesh has
+/// no such harmonics, and limbs may then have other numbers than in the commands.
 ///
 /// # Errors
-/// As [`body::build`].
+/// [`Error::Cancelled`].
 pub fn body_of_limbs(
     own: &Arc<Body>,
     (name, mesh): (&str, &TriMesh),
@@ -105,8 +106,11 @@ pub fn body_of_limbs(
     if basis.certificate.laplacian == Laplacian::Delaunay && basis.harmonics() >= enough {
         return Ok(Arc::clone(own));
     }
-    let (body, _) = body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, watcher)?;
-    Ok(Arc::new(body))
+    match body::build(name, mesh, Limbs::HARMONICS, Laplacian::Delaunay, watcher) {
+        Ok((body, _)) => Ok(Arc::new(body)),
+        Err(error) if error.is_cancelled() => Err(error),
+        Err(_) => Ok(Arc::clone(own)),
+    }
 }
 
 /// For each of the `limbs` of `body` its mirror image; none where the shape is not symmetric.

@@ -129,19 +129,14 @@ fn head(mesh: &TriMesh, stack: &mut Stack, watcher: &impl Watcher) -> Result<Opt
 /// `parts --level` prints. On the page they are those of the harmonics that it has, as for a click there.
 fn limbs(mesh: &TriMesh, stack: &Stack, watcher: &impl Watcher) -> Result<Vec<SitterPart>, Error> {
     let own = stack.body();
-    let solve = || {
-        // The page has few harmonics where more would take long.
-        if cfg!(target_family = "wasm") {
-            return Ok(Arc::clone(own));
-        }
+    // The page has few harmonics where more would take long.
+    let body = if cfg!(target_family = "wasm") {
+        Arc::clone(own)
+    } else {
         // Warnings of the mesh came with its own harmonics.
         watcher.watch("solving for the harmonics of limbs", |task| {
             body_of_limbs(own, ("the shape", mesh), &Aside::new(task))
-        })
-    };
-    let body = match solve() {
-        Err(error) if !error.is_cancelled() => Arc::clone(own),
-        solved => solved?,
+        })?
     };
     let found = Limbs::of(&body, Limbs::USUAL_LEVEL);
     let twins = twins_of(&found, &body, watcher)?;

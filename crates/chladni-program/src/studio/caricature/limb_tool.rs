@@ -5,7 +5,6 @@ use std::sync::Arc;
 use chladni_caricature::{Limbs, PaintEdit};
 use chladni_harmonics::Body;
 use chladni_mesh::{MirrorPlane, TriMesh};
-use chladni_task::Task;
 use egui::{Modifiers, RichText, Slider, Ui};
 
 use super::stage::Press;
@@ -144,7 +143,10 @@ impl KnownLimbs {
             let solved = solved.map(|(_, solved)| Arc::clone(solved));
             let (body, mesh) = (Arc::clone(body), Arc::clone(mesh));
             let job = Job::start("Finding parts", ctx, move |task| {
-                let solved = solved.unwrap_or_else(|| solved_for(&body, &mesh, task));
+                let solved = match solved {
+                    Some(solved) => solved,
+                    None => body_of_limbs(&body, ("the shape", &mesh), &Aside::new(task))?,
+                };
                 let limbs = Limbs::of(&solved, level);
                 Ok((solved, limbs))
             });
@@ -159,16 +161,11 @@ impl KnownLimbs {
     }
 }
 
-/// The body whose limbs are found; `body` itself where its mesh has no other harmonics. Limbs may then have other numbers
-/// than in the commands.
-fn solved_for(body: &Arc<Body>, mesh: &TriMesh, task: &Task) -> Arc<Body> {
-    body_of_limbs(body, ("the shape", mesh), &Aside::new(task)).unwrap_or_else(|_| Arc::clone(body))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use chladni_caricature::{Dab, Limb, Painted};
+    use chladni_task::Task;
 
     #[test]
     fn a_click_takes_a_part_alone_shift_adds_it_and_erasing_takes_it_away() {

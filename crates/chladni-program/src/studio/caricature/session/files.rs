@@ -140,13 +140,19 @@ mod tests {
         matched(&request, &session.subject.mesh, session.stack.body(), &Aside::new(&Task::new())).unwrap()
     }
 
-    #[test]
-    fn a_file_that_is_mended_and_chosen_again_keeps_its_landmarks() {
-        let folder = tempfile::tempdir().unwrap();
-        let (mut session, request, file) = marked(folder.path());
+    /// As [`marked`], with a match that failed and a file that was written again since.
+    fn broken_and_mended(folder: &Path) -> (Session, MatchRequest) {
+        let (mut session, request, file) = marked(folder);
         session.files.note(&request.template);
         session.stack.install(request.clone(), Err(CaricatureError::Elsewhere("broken".into())));
         save_mesh(&icosphere(2), &file).unwrap();
+        (session, request)
+    }
+
+    #[test]
+    fn a_file_that_is_mended_and_chosen_again_keeps_its_landmarks() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut session, request) = broken_and_mended(folder.path());
         assert_eq!((session.renew(&request.template).unwrap(), session.renewals()), (None, 1));
         assert_eq!(session.stack.missing(session.project()), [request]);
     }
@@ -154,10 +160,7 @@ mod tests {
     #[test]
     fn a_file_that_is_mended_and_tried_again_keeps_its_landmarks() {
         let folder = tempfile::tempdir().unwrap();
-        let (mut session, request, file) = marked(folder.path());
-        session.files.note(&request.template);
-        session.stack.install(request.clone(), Err(CaricatureError::Elsewhere("broken".into())));
-        save_mesh(&icosphere(2), &file).unwrap();
+        let (mut session, request) = broken_and_mended(folder.path());
         session.retry_match();
         assert_eq!(session.stack.missing(session.project()), std::slice::from_ref(&request));
         session.files.note(&request.template);
