@@ -74,6 +74,8 @@ pub struct SongReader {
     /// After a seek: the frame of the container that was requested, until a packet shows which one was
     /// reached.
     sought: Option<u64>,
+    /// The first tick of what is decoded for it; earlier packets are passed over.
+    decoded_from: i64,
     /// What was sought lies beyond the end.
     is_beyond: bool,
     /// When the first sound begins, in ticks; 0 but in Matroska, which counts from the codec's delay.
@@ -137,6 +139,7 @@ impl SongReader {
             position: 0,
             skip: audible.skip,
             sought: None,
+            decoded_from: i64::MIN,
             is_beyond: false,
             first_ticks: 0,
             interleaved: Vec::new(),
@@ -276,8 +279,9 @@ impl SongReader {
         }
         let target = position.saturating_add(self.audible.skip);
         let preroll = (PREROLL_SECS * f64::from(self.rate_hz)) as u64;
+        let begin = if self.is_adpcm() { 0 } else { target.saturating_sub(preroll) };
         // Some containers cannot seek to their end, or not at all. Then decoding continues from the start.
-        let reached = self.seek_container(target.saturating_sub(preroll)) || self.seek_container(0);
+        let reached = self.seek_container(begin) || self.seek_container(0);
         if !reached {
             let what = "cannot be rewound".to_owned();
             return Err(SoundError::Damaged { name: self.name.clone(), what });
@@ -291,10 +295,16 @@ impl SongReader {
 
     /// Goes back to the first link of a chain: container readers seek only within one.
     fn reopen(&mut self) -> Result<(), SoundError> {
-        rewind(&self.name, &mut self.source)?;
-        self.format = probe(&self.name, &self.source)?;
+        self.restart()?;
         (self.link_begin, self.missing_before) = (0, 0);
         self.enter_link()
+    }
+
+    /// Reads the container from its first byte again.
+    fn restart(&mut self) -> Result<(), SoundError> {
+        rewind(&self.name, &mut self.source)?;
+        self.format = probe(&self.name, &self.source)?;
+        Ok(())
     }
 
     /// Opens the track of the link that begins here, which may be another one.
@@ -319,12 +329,31 @@ impl SongReader {
         Ok(())
     }
 
+    /// Whether the sound is ADPCM of a WAV, whose reader seeks as if a block of many frames held one.
+    fn is_adpcm(&self) -> bool {
+        let codec = self.decoder.codec_params().codec;
+        [well_known::CODEC_ID_ADPCM_MS, well_known::CODEC_ID_ADPCM_IMA_WAV].contains(&codec)
+    }
+
     fn seek_container(&mut self, frame: u64) -> bool {
+        if self.format.format_info().format == FORMAT_ID_MKV {
+            return self.seek_matroska(frame).is_ok();
+        }
         self.ticks_of(frame).is_some_and(|ticks| {
             let ticks = ticks.saturating_add(self.first_ticks).max(0);
             let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.track_id };
             self.format.seek(SeekMode::Accurate, to).is_ok()
         })
+    }
+
+    /// Passes over the packets before this frame: the reader of Matroska takes the wrong time for a cluster that it looks up.
+    /// Packets need not state a length, so decoding begins a second earlier.
+    fn seek_matroska(&mut self, frame: u64) -> Result<(), SoundError> {
+        self.restart()?;
+        let begin = frame.saturating_sub(u64::from(self.rate_hz));
+        let ticks = self.ticks_of(begin).unwrap_or(i64::MAX).saturating_add(self.first_ticks);
+        self.decoded_from = if begin == 0 { i64::MIN } else { ticks };
+        Ok(())
     }
 
     /// Ticks of the container's clock per frame of sound, as (numerator, denominator).
@@ -413,7 +442,8 @@ impl SongReader {
             }
             Err(error) => return self.failure(&error),
         };
-        if packet.track_id != self.track_id {
+        let is_before = self.sought.is_some() && packet.pts.get() < self.decoded_from;
+        if packet.track_id != self.track_id || is_before {
             return Ok(true);
         }
         if self.is_guess {
