@@ -40,7 +40,7 @@ pub struct Recorder {
     spans_shows: bool,
     /// Its length, once it ends.
     duration_secs: f64,
-    resampler: Option<(u32, StereoResampler)>,
+    resampler: Option<StereoResampler>,
     /// When something came last.
     last_secs: f64,
     ends: bool,
@@ -126,25 +126,30 @@ impl Recorder {
             // From before it began.
             return Ok(());
         }
-        let at_secs = self.at_secs(now_secs);
-        if heard.rate_hz == SOUND_HZ || heard.left.is_empty() {
-            self.film.sound(at_secs, &heard.left, &heard.right);
-            return Ok(());
-        }
-        let fitting = self.resampler.take().filter(|(rate_hz, _)| *rate_hz == heard.rate_hz);
-        let (rate_hz, mut resampler) = match fitting {
-            Some(known) => known,
-            None => (heard.rate_hz, StereoResampler::new(heard.rate_hz, SOUND_HZ)?),
-        };
-        let pairs = heard.left.iter().zip(&heard.right);
-        let interleaved: Vec<f32> = pairs.flat_map(|(left, right)| [*left, *right]).collect();
         let mut out = Vec::new();
-        resampler.process(&interleaved, &mut out)?;
-        self.resampler = Some((rate_hz, resampler));
-        let (left, right): (Vec<f32>, Vec<f32>) =
-            out.as_chunks::<2>().0.iter().map(|[l, r]| (*l, *r)).unzip();
-        self.film.sound(at_secs, &left, &right);
+        if !heard.left.is_empty() {
+            // Sound of another rate ends before this one.
+            if let Some(mut other) = self.resampler.take_if(|known| known.from_hz() != heard.rate_hz) {
+                other.finish(&mut out)?;
+            }
+            let mut resampler = match self.resampler.take() {
+                Some(known) => known,
+                None => StereoResampler::new(heard.rate_hz, SOUND_HZ)?,
+            };
+            let pairs = heard.left.iter().zip(&heard.right);
+            let interleaved: Vec<f32> = pairs.flat_map(|(left, right)| [*left, *right]).collect();
+            resampler.process(&interleaved, &mut out)?;
+            self.resampler = Some(resampler);
+        }
+        self.pass_on(self.at_secs(now_secs), &out);
         Ok(())
+    }
+
+    /// Gives the film interleaved sound up to `at_secs`.
+    fn pass_on(&mut self, at_secs: f64, interleaved: &[f32]) {
+        let pairs = interleaved.as_chunks::<2>().0.iter();
+        let (left, right): (Vec<f32>, Vec<f32>) = pairs.map(|[left, right]| (*left, *right)).unzip();
+        self.film.sound(at_secs, &left, &right);
     }
 
     /// Notes where in the show it begins: at `now_secs` of the window the show is at `show_secs`, in a stretch that has been
@@ -178,6 +183,10 @@ impl Recorder {
     pub fn finish(&mut self, now_secs: f64) {
         if !std::mem::replace(&mut self.ends, true) {
             self.duration_secs = self.at_secs(now_secs);
+            let mut rest = Vec::new();
+            if self.resampler.take().is_some_and(|mut last| last.finish(&mut rest).is_ok()) {
+                self.pass_on(self.duration_secs, &rest);
+            }
             self.film.finish(self.duration_secs);
         }
     }
@@ -252,5 +261,39 @@ mod tests {
             std::thread::sleep(std::time::Duration::from_millis(5));
         };
         assert_eq!(frames, 30);
+    }
+
+    #[test]
+    fn sound_of_one_rate_ends_where_that_of_another_begins() {
+        if !chladni_view::film::ffmpeg_is_there() {
+            return println!("skipped: no ffmpeg");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("set.mp4");
+        let mut recorder = Recorder::begin(&path, [64, 48], 10.0).unwrap();
+        // Half a second each of a song, of silent live input, and of a silent song.
+        for frame in 0..=45 {
+            let (rate_hz, level) = match frame {
+                0..=15 => (44_100_u32, 0.5_f32),
+                16..=30 => (SOUND_HZ, 0.0),
+                _ => (44_100, 0.0),
+            };
+            let radians = std::f32::consts::TAU * 600.0 / rate_hz as f32;
+            let tone: Vec<f32> = (0..rate_hz / 30).map(|n| level * (radians * n as f32).sin()).collect();
+            let mut heard = HeardSound::default();
+            (heard.rate_hz, heard.left, heard.right) = (rate_hz, tone.clone(), tone);
+            let now_secs = 15.0 + f64::from(frame) / 30.0;
+            recorder.sound(now_secs, &heard).unwrap();
+            recorder.picture(now_secs, Picture { width: 64, height: 48, rgba: vec![128; 4 * 64 * 48] });
+        }
+        recorder.finish(16.5);
+        recorder.wait();
+        let song = chladni_sound::Song::open(&path).unwrap();
+        let loudest = |from: usize, to: usize| {
+            let part = &song.left[from * 480..to * 480];
+            part.iter().fold(0.0_f32, |most, sample| most.max(sample.abs()))
+        };
+        assert!(loudest(10, 40) > 0.4, "{}", loudest(10, 40));
+        assert!(loudest(90, 140) < 0.01, "{}", loudest(90, 140));
     }
 }
