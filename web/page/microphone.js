@@ -59,6 +59,10 @@ export class Microphone {
     };
     this.source = context.createMediaStreamSource(stream);
     this.source.connect(this.capture);
+    // A call on a phone, or another device, may interrupt it.
+    context.onstatechange = () => {
+      if (!["running", "closed"].includes(context.state)) context.resume().catch(() => {});
+    };
   }
 
   get name() { return this.stream.getAudioTracks()[0].label || "Microphone"; }

@@ -6,6 +6,11 @@ use wasm_bindgen::prelude::*;
 
 use super::Concert;
 
+/// A microphone from which nothing has come for longer is silent.
+const QUIET_SECS: f64 = 0.2;
+/// A slow picture counts as this long: sound may be waiting behind it.
+const LONGEST_STEP_SECS: f64 = 0.1;
+
 /// The latest live sound, and the ear that listens to it.
 pub(super) struct Live {
     rate_hz: u32,
@@ -15,6 +20,8 @@ pub(super) struct Live {
     left: Vec<f32>,
     right: Vec<f32>,
     last_secs: f64,
+    /// How long no sound has come; `None` where some came since it was analyzed last.
+    quiet_secs: Option<f64>,
     /// As it was heard last.
     beat: Beat,
     director: Director,
@@ -32,11 +39,13 @@ impl Live {
         let (left, right) = (silence.clone(), silence);
         let director = Director::live(instrument.seed());
         let beat = Beat { count: gone, confidence: 0.0 };
-        Ok(Self { rate_hz, ear, left, right, last_secs: 0.0, beat, director, bars: Vec::new() })
+        let (last_secs, quiet_secs, bars) = (0.0, None, Vec::new());
+        Ok(Self { rate_hz, ear, left, right, last_secs, quiet_secs, beat, director, bars })
     }
 
     fn take(&mut self, left: &[f32], right: &[f32], seed: u64) {
         self.director.set_seed(seed);
+        self.quiet_secs = None;
         for bar in self.ear.follow(left, right) {
             self.director.hear(bar);
             // Only an autopilot asks for them.
@@ -61,6 +70,12 @@ impl Live {
             kept.splice(..0, std::iter::repeat_n(0.0, missing));
         }
         let dt_secs = (at_secs - std::mem::replace(&mut self.last_secs, at_secs)).max(1e-3);
+        let quiet_secs = self.quiet_secs.map_or(0.0, |secs| secs + dt_secs.min(LONGEST_STEP_SECS));
+        self.quiet_secs = Some(quiet_secs);
+        if quiet_secs > QUIET_SECS {
+            self.left.fill(0.0);
+            self.right.fill(0.0);
+        }
         self.beat = self.ear.beat();
         let (bands, harmony) = self.ear.hear((&self.left, &self.right), parameters, dt_secs);
         Ok(Heard { at_secs, is_known: false, bands, harmony, beat: self.beat, fading: None })
