@@ -18,7 +18,7 @@ pub struct Appearance {
     pub divided: BTreeMap<u32, Vec<[u32; 3]>>,
     /// One linear-light RGBA color per vertex, each channel in [0, 1].
     pub colors: Option<Vec<[f32; 4]>>,
-    /// Whether these are multiplied with textures, as in glTF. Other formats do not say; there, textures are seen alone.
+    /// Whether these are multiplied with materials, as in glTF. Other formats do not say; there, textures are seen alone.
     pub colors_tint: bool,
     /// Texture coordinates per corner of a face.
     pub uvs: Option<CornerUvs>,

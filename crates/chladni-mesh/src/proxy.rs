@@ -237,6 +237,7 @@ fn chosen(whole: &TriMesh, chosen: &[u32], triangles: Vec<[u32; 3]>) -> TriMesh 
     };
     let appearance = crate::Appearance {
         colors: colors.map(|colors| chosen.iter().map(|v| colors[of(v)]).collect()),
+        colors_tint: whole.appearance.colors_tint,
         attributes: whole.appearance.attributes.iter().map(attribute).collect(),
         ..crate::Appearance::default()
     };

@@ -23,6 +23,9 @@ pub const LONGEST_SIDE: usize = 1920;
 /// … and in the window, which is drawn while it is looked at.
 pub const LONGEST_LIVE_SIDE: usize = 960;
 
+/// Films whose shorter side has this many pixels are HD: players take BT.709 for their colors where they name no matrix.
+const HD_SIDE: u32 = 720;
+
 /// Whether a file is taken for a film, by its ending.
 pub fn is_film(name: &str) -> bool {
     ends_in(Path::new(name), &FILMS)
@@ -32,6 +35,8 @@ pub fn is_film(name: &str) -> bool {
 pub struct BackFilm {
     path: PathBuf,
     longest_side: usize,
+    /// Of its colors, as ffmpeg calls it.
+    matrix: &'static str,
     decoder: Decoder,
     /// How many pictures were decoded since its beginning; the last of them is held.
     decoded: u64,
@@ -48,12 +53,13 @@ impl BackFilm {
     pub fn open(name: &str, longest_side: usize) -> Result<Self, Error> {
         let path = PathBuf::from(name);
         std::fs::metadata(&path).map_err(|why| Error::Input(format!("{name}: {why}")))?;
-        let mut decoder = Decoder::begin(&path, longest_side)?;
+        let matrix = matrix_of(&path);
+        let mut decoder = Decoder::begin(&path, longest_side, matrix)?;
         let mut picture = Picture { width: 0, height: 0, rgba: Vec::new() };
         if !decoder.next(&mut picture).map_err(|why| Error::Input(format!("{name}: {why}")))? {
             return Err(Error::Input(format!("{name}: {}", decoder.complaint())));
         }
-        Ok(Self { path, longest_side, decoder, decoded: 1, picture, length: None })
+        Ok(Self { path, longest_side, matrix, decoder, decoded: 1, picture, length: None })
     }
 
     /// The first picture, or the one that was asked for last.
@@ -72,7 +78,8 @@ impl BackFilm {
         let before = self.decoded;
         while self.decoded != wanted && goes_on() {
             if self.decoded > wanted {
-                (self.decoder, self.decoded) = (Decoder::begin(&self.path, self.longest_side)?, 0);
+                let again = Decoder::begin(&self.path, self.longest_side, self.matrix)?;
+                (self.decoder, self.decoded) = (again, 0);
             }
             let unread = |why| Error::Input(format!("{}: {why}", self.path.display()));
             if self.decoder.next(&mut self.picture).map_err(unread)? {
@@ -88,6 +95,28 @@ impl BackFilm {
     }
 }
 
+/// The matrix of a film's colors, as ffmpeg calls it: the one that the film names, or else BT.709 for HD, where ffmpeg by
+/// itself would take BT.601, too.
+fn matrix_of(path: &Path) -> &'static str {
+    let mut command = ffmpeg();
+    command.args(["-nostdin", "-loglevel", "info"]);
+    add_input(&mut command, path, &FORMATS);
+    command.args(["-an", "-sn", "-vf", "showinfo", "-frames:v", "1", "-f", "null", "-"]);
+    // Why nothing can be read of it, its decoder says.
+    let said = command.stdin(Stdio::null()).output().map(|output| output.stderr).unwrap_or_default();
+    if is_untagged_hd(&String::from_utf8_lossy(&said)) { "bt709" } else { "auto" }
+}
+
+/// Whether a picture is HD and names no matrix, by what ffmpeg's showinfo has `said` of it.
+fn is_untagged_hd(said: &str) -> bool {
+    let lines = said.lines().filter(|line| line.contains("Parsed_showinfo"));
+    let mut words = lines.flat_map(str::split_whitespace);
+    let is_long = |side: &str| side.parse::<u32>().is_ok_and(|side| side >= HD_SIDE);
+    let sides = words.clone().find_map(|word| word.strip_prefix("s:")?.split_once('x'));
+    sides.is_some_and(|(width, height)| is_long(width) && is_long(height))
+        && words.any(|word| word == "color_space:unknown")
+}
+
 /// ffmpeg, writing one picture after the other as PPM, which says its size.
 struct Decoder {
     child: Child,
@@ -95,11 +124,12 @@ struct Decoder {
 }
 
 impl Decoder {
-    fn begin(path: &Path, longest_side: usize) -> Result<Self, Error> {
+    fn begin(path: &Path, longest_side: usize, matrix: &str) -> Result<Self, Error> {
         // Pixels that are not square become wider or narrower; none of the sides may be 0, which stands for the film's own.
         let share = format!("min(1,{longest_side}/max(iw*sar,ih))");
         let side = |length: &str| format!("'max(1,round({length}*{share}))'");
-        let fits = format!("fps={RATE_HZ},scale=w={}:h={}", side("iw*sar"), side("ih"));
+        let (width, height) = (side("iw*sar"), side("ih"));
+        let fits = format!("fps={RATE_HZ},scale=w={width}:h={height}:in_color_matrix={matrix}");
         let missing = |why| Error::other(format!("ffmpeg, which reads films, cannot be started: {why}"));
         let mut command = ffmpeg();
         command.args(["-nostdin", "-loglevel", "fatal"]);
@@ -226,6 +256,35 @@ mod tests {
             assert_eq!((film.picture().width, film.picture().height), size);
             assert!(film.picture().rgba[0].abs_diff(128) < 4, "{}", film.picture().rgba[0]);
         }
+    }
+
+    #[test]
+    fn an_hd_film_that_names_no_matrix_has_the_colors_of_bt_709() {
+        if !chladni_testdata::program("ffmpeg") {
+            return;
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let shown = |name: &str, tags: &[&str]| {
+            let path = folder.path().join(name);
+            let made = ffmpeg()
+                .args(["-nostdin", "-loglevel", "error", "-f", "lavfi"])
+                .args(["-i", "color=red:s=1280x720:r=25:d=0.04"])
+                .args(["-vf", "format=rgb24,scale=out_color_matrix=bt709,format=yuv420p", "-c:v", "ffv1"])
+                .args(tags)
+                .arg(&path)
+                .status();
+            assert!(made.unwrap().success());
+            let film = BackFilm::open(&path.to_string_lossy(), 16).unwrap();
+            film.picture().rgba[..3].to_vec()
+        };
+        let tagged = shown("tagged.mkv", &["-colorspace", "bt709"]);
+        assert!(tagged[0] > 245 && tagged[1] < 5, "{tagged:?}");
+        assert_eq!(shown("untagged.mkv", &[]), tagged);
+        let said = |size: &str, space: &str| {
+            format!("[Parsed_showinfo_0 @ 0] n: 0 s:{size}\n[Parsed_showinfo_0 @ 0] color_space:{space}")
+        };
+        assert!(is_untagged_hd(&said("720x1280", "unknown")) && !is_untagged_hd(&said("720x576", "unknown")));
+        assert!(!is_untagged_hd(&said("1280x720", "smpte170m")) && !is_untagged_hd(""));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use chladni_view::Picture;
 
 use super::Lettering;
-use super::titles::{COVER, GAP, TITLE};
+use super::titles::{COVER, GAP, TITLE, halo_offsets, halo_opacity};
 
 /// How opaque letters get.
 const WHITE: f32 = 220.0 / 255.0;
@@ -36,7 +36,6 @@ impl Caption {
 
     /// Draws it over a picture, as opaque as this, in [0, 1].
     pub fn lay(&mut self, picture: &mut Picture, opacity: f32) {
-        let opacity = WHITE * opacity;
         if opacity <= 0.0 {
             return;
         }
@@ -49,9 +48,14 @@ impl Caption {
             self.drawn = Some(Drawn { height, letters, cover });
         }
         let Some(Drawn { letters, cover, .. }) = &self.drawn else { return };
-        let foot = (height as f32 - bottom - 0.2 * size).max(0.0);
+        let foot = (height as f32 - bottom - 0.2 * size).max(0.0).floor();
         let beside = if cover.width > 0 { cover.width as f32 + GAP * size } else { 0.0 };
-        letters.lay(picture, [(left + beside) as usize, foot as usize], [255; 3], opacity);
+        let place = [(left + beside).floor(), foot];
+        for offset in halo_offsets(size) {
+            let [x, y] = [0, 1].map(|axis| (place[axis] + offset[axis]).max(0.0).round() as usize);
+            letters.lay(picture, [x, y], [0; 3], halo_opacity(opacity));
+        }
+        letters.lay(picture, place.map(|length| length as usize), [255; 3], WHITE * opacity);
         let top = (height as f32 - bottom) as u32;
         picture.blend(cover, left as u32, top.saturating_sub(cover.height), opacity);
     }
@@ -60,6 +64,7 @@ impl Caption {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_mesh::linear_from_srgb;
 
     #[test]
     fn a_cover_stands_on_the_line_before_the_title() {
@@ -69,6 +74,8 @@ mod tests {
         caption.lay(&mut picture, 1.0);
         let green = |x, y| picture.pixel(x, y).is_some_and(|p| p[1] > 150 && p[0] == 0);
         assert!(green(32, 671) && green(32 + 64, 640) && !green(32, 672) && !green(31, 671));
+        // It is as opaque as it is asked to be, unlike letters.
+        assert!(picture.pixel(64, 660).is_some_and(|p| p[1] > 197));
         let letters = |x| (600..680).any(|y| picture.pixel(x, y).is_some_and(|p| p[0] > 100));
         assert!((0..100).all(|x| !letters(x)) && (100..220).any(letters));
         // A picture of another height has letters of another size.
@@ -81,5 +88,19 @@ mod tests {
         let before = small.clone();
         caption.lay(&mut small, 0.0);
         assert_eq!(small, before);
+    }
+
+    #[test]
+    fn letters_are_read_on_white() {
+        let mut picture = Picture::filled(300, 1440, [255; 4]);
+        Caption::new("I".into(), None).lay(&mut picture, 1.0);
+        // Across the letter, from its halo on one side to that on the other.
+        let row: Vec<u8> = (0..300).filter_map(|x| Some(picture.pixel(x, 1320)?[0])).collect();
+        let is_dark = |value: &u8| *value < 120;
+        let (first, last) = (row.iter().position(is_dark).unwrap(), row.iter().rposition(is_dark).unwrap());
+        let between = &row[first..=last];
+        let light = |value: Option<&u8>| linear_from_srgb(f64::from(*value.unwrap()) / 255.0) + 0.05;
+        let contrast = light(between.iter().max()) / light(between.iter().min());
+        assert!(contrast > 4.5 && last - first < 30, "{contrast} {between:?}");
     }
 }

@@ -31,27 +31,36 @@ impl FrameGuard {
         self.guard.iter_mut().for_each(|guard| guard.set_area(area));
     }
 
-    /// Looks at the frame of `time_secs` and veils it where it would flash.
+    /// Looks at the frame of `time_secs`, of straight alpha, and veils it where it would flash.
     pub fn pass(&mut self, time_secs: f64, picture: &mut Picture) {
         let veil = self.judge(time_secs, picture.rgba.as_chunks().0, [picture.width, picture.height]);
-        if veil != Veil::Clear {
-            let table: [u8; 256] = std::array::from_fn(|value| veil.over(value as u8));
-            for pixel in picture.rgba.as_chunks_mut::<4>().0 {
-                for channel in &mut pixel[..3] {
-                    *channel = table[usize::from(*channel)];
+        match veil {
+            Veil::Clear => {}
+            Veil::Black(_) => {
+                let table: [u8; 256] = std::array::from_fn(|value| veil.over(value as u8));
+                for pixel in picture.rgba.as_chunks_mut::<4>().0 {
+                    for channel in &mut pixel[..3] {
+                        *channel = table[usize::from(*channel)];
+                    }
                 }
+            }
+            // It is seen where the picture is transparent, too.
+            Veil::White(opacity) => {
+                let white = Picture::filled(picture.width, picture.height, [255, 255, 255, opacity]);
+                picture.blend(&white, 0, 0, 1.0);
             }
         }
     }
 
-    /// Judges the frame of `time_secs` by some of its pixels (by all, if it is small); returns the veil that it
-    /// needs.
+    /// Judges the frame of `time_secs` by some of its pixels (by all, if it is small), over black where they are
+    /// translucent; returns the veil that it needs.
     pub fn judge(&mut self, time_secs: f64, pixels: &[[u8; 4]], size: [u32; 2]) -> Veil {
         self.histogram.clear();
         let step = step(pixels.len(), size[0] as usize);
         let [mut column, mut row] = [0, 0];
-        for [r, g, b, _] in pixels.iter().step_by(step) {
-            self.histogram.add([column, row], size, [*r, *g, *b]);
+        for [r, g, b, alpha] in pixels.iter().step_by(step) {
+            let over_black = |channel: u8| ((u16::from(channel) * u16::from(*alpha) + 127) / 255) as u8;
+            self.histogram.add([column, row], size, [*r, *g, *b].map(over_black));
             // Cheaper than a division for each.
             column += step as u32;
             while column >= size[0].max(1) {
@@ -130,6 +139,29 @@ mod tests {
             assert_eq!(seen.most_flashes(), guarded.most_flashes());
             assert!(guarded.damped_frames() > 0);
         }
+    }
+
+    #[test]
+    fn translucent_pictures_are_judged_by_the_light_that_they_bring() {
+        let frames = |shades: [[u8; 4]; 2]| {
+            let mut watched = FrameGuard::new(None);
+            let mut guarded = FrameGuard::new(Some(FlashArea::Screen));
+            let mut seen = FrameGuard::new(None);
+            for frame in 0..120 {
+                let strobe = || Picture::filled(16, 16, shades[frame / 3 % 2]);
+                let (time_secs, mut shown) = (frame as f64 / 30.0, strobe());
+                watched.pass(time_secs, &mut strobe());
+                guarded.pass(time_secs, &mut shown);
+                seen.pass(time_secs, &mut shown);
+            }
+            assert_eq!(seen.most_flashes(), guarded.most_flashes());
+            [watched.most_flashes(), guarded.most_flashes(), guarded.damped_frames()]
+        };
+        // A faint glow is no flash, however white it is by itself.
+        assert_eq!(frames([[255, 255, 255, 2], [0; 4]]), [0; 3]);
+        // White that comes and goes is one, though its color stays.
+        let [watched, guarded, damped] = frames([[255; 4], [255, 255, 255, 0]]);
+        assert!(watched >= 4 && guarded <= 3 && damped > 0, "{watched} {guarded} {damped}");
     }
 
     #[test]

@@ -118,7 +118,7 @@ pub use theatre::{
     first_looks, is_flat, look_named, look_on_stage, reaction,
 };
 #[cfg(feature = "desktop")]
-pub use titles::{COVER, GAP, TITLE, title_opacity};
+pub use titles::{COVER, GAP, TITLE, halo_offsets, halo_opacity, title_opacity};
 pub use watcher::{Aside, Watcher};
 
 /// The default K, in the window and on the command line.

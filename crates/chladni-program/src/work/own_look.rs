@@ -8,7 +8,7 @@ use chladni_mesh::surface::places;
 use chladni_mesh::{Proxy, TriMesh, linear_from_srgb};
 use chladni_view::{Device, Paint, Picture, Skin, Topology, VertexPaint, ViewError, srgb_bytes};
 
-use self::materials::picture_of_materials;
+use self::materials::{picture_of_materials, vertex_colors};
 use super::{Subject, Watcher};
 
 /// How the file says that the shape looks.
@@ -32,10 +32,10 @@ impl OwnLook {
         if let Some((uvs, picture)) = picture_of_materials(name, mesh, watcher) {
             return Some(Self::Image { corner_uvs: uvs.concat(), picture });
         }
-        Some(Self::at_vertices(mesh.appearance.colors.as_deref()?, body))
+        Some(Self::at_vertices(&vertex_colors(mesh)?, body))
     }
 
-    /// The same of a shape as it is worked on. A proxy has no texture: its vertices have the colors that the whole
+    /// The same of a shape as it is worked on. A proxy has no materials: its vertices have the colors that the whole
     /// shape's has there.
     pub fn of_subject(name: &str, subject: &Subject, body: &Body, watcher: &impl Watcher) -> Option<Self> {
         match texture_colors(name, subject, watcher) {
@@ -94,8 +94,13 @@ impl OwnLook {
 /// there; `None` without a proxy or such materials. Warns of what cannot be shown.
 pub fn texture_colors(name: &str, subject: &Subject, watcher: &impl Watcher) -> Option<Vec<[f32; 4]>> {
     let proxy = subject.proxy.as_ref()?;
-    let (uvs, picture) = picture_of_materials(name, proxy.whole(), watcher)?;
-    Some(sampled(proxy, &uvs, &picture))
+    let whole = proxy.whole();
+    if let Some((uvs, picture)) = picture_of_materials(name, whole, watcher) {
+        return Some(sampled(proxy, &uvs, &picture));
+    }
+    // The proxy has the others itself.
+    let colors = vertex_colors(whole).filter(|_| whole.appearance.colors_tint)?;
+    proxy.whole_vertex().iter().map(|vertex| colors.get(*vertex as usize).copied()).collect()
 }
 
 /// The linear-light color of `picture` at each vertex of `proxy`; `uvs` are those of the whole shape's triangles.

@@ -43,7 +43,7 @@ impl Scenery {
         let behind = if is_film(picture) {
             BackFilm::open(picture, LONGEST_LIVE_SIDE).map(|film| Some(film.picture().clone()))
         } else {
-            read(picture, Picture::decode_upright)
+            read(picture, opaque)
         };
         let behind = behind.unwrap_or_else(|why| {
             failures.push(why);
@@ -79,6 +79,18 @@ impl Scenery {
     }
 }
 
+/// A picture that stands as the camera was held, over black where it is translucent.
+fn opaque(bytes: &[u8]) -> Result<Picture, ViewError> {
+    let mut picture = Picture::decode_upright(bytes)?;
+    for [color @ .., alpha] in picture.rgba.as_chunks_mut::<4>().0 {
+        for channel in color {
+            *channel = ((u16::from(*channel) * u16::from(*alpha) + 127) / 255) as u8;
+        }
+        *alpha = 255;
+    }
+    Ok(picture)
+}
+
 fn read<T>(name: &str, decode: fn(&[u8]) -> Result<T, ViewError>) -> Result<Option<T>, Error> {
     if name.is_empty() {
         return Ok(None);
@@ -91,6 +103,16 @@ fn read<T>(name: &str, decode: fn(&[u8]) -> Result<T, ViewError>) -> Result<Opti
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_translucent_picture_stands_over_black() {
+        let folder = tempfile::tempdir().unwrap();
+        let name = folder.path().join("logo.png").to_string_lossy().into_owned();
+        let rgba = vec![255, 0, 255, 0, 200, 100, 50, 128, 10, 20, 30, 255];
+        std::fs::write(&name, Picture { width: 3, height: 1, rgba }.to_png().unwrap()).unwrap();
+        let behind = Scenery::open(&name, "").unwrap().behind.unwrap();
+        assert_eq!(behind.rgba, [0, 0, 0, 255, 100, 50, 25, 255, 10, 20, 30, 255]);
+    }
 
     #[test]
     fn what_is_no_picture_is_told_in_one_line_with_its_name() {

@@ -12,7 +12,7 @@ mod shapes;
 
 use chladni_view::{
     Background, Camera, Canvas, Cell, ColorMap, Device, Figure, ItemBuffers, Lights, Picture, PictureRequest,
-    PictureShape, Rect, Renderer, Samples, Scale, Style, Topology, View, ViewError, render_picture,
+    PictureShape, Rect, Renderer, Samples, Scale, Style, Topology, View, ViewError, Wire, render_picture,
     render_picture_with, render_placed, smooth_normals,
 };
 use shapes::{gpu, on_each_device, sphere};
@@ -186,25 +186,31 @@ fn every_target_format_shows_the_same_colors() {
     buffers.write(&gpu, 0, &positions, &smooth_normals(&positions, &triangles)).unwrap();
     let mut camera = Camera::default();
     camera.fit(positions.iter().copied(), 1.0, 0.9);
+    let plain = Figure::new(&topology, &buffers, 0);
     let cell = Cell {
         viewport: Rect::of_size(64, 64),
         camera,
         lights: Lights::STUDIO,
         background: Background::SLATE,
-        figures: &[Figure::new(&topology, &buffers, 0)],
+        figures: &[plain],
         markers: &[],
     };
+    // Edges so wide that they cover every face: where they are thin or translucent, encodings mix differently.
+    let wire = Wire { color: [120, 60, 200], opacity: 1.0, width_px: 99.0 };
+    let wired = [Figure { wire: Some(wire), ..plain }];
     use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
-    let pictures = [Rgba8Unorm, Bgra8Unorm, Rgba8UnormSrgb, Bgra8UnormSrgb].map(|format| {
-        let canvas = Canvas::with_format(&gpu, 64, 64, format, Samples::Four).unwrap();
-        Renderer::with_format(&gpu, format).draw(&canvas, &[cell]).unwrap();
-        canvas.read(&gpu).unwrap()
-    });
-    for other in &pictures[1..] {
-        // Inside and outside; the resolve of an edge may differ between the encodings.
-        for (x, y) in [(32, 32), (20, 24), (44, 40), (2, 2), (60, 3)] {
-            let (a, b) = (pictures[0].pixel(x, y).unwrap(), other.pixel(x, y).unwrap());
-            assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 3), "{a:?} {b:?}");
+    for cell in [cell, Cell { figures: &wired, ..cell }] {
+        let pictures = [Rgba8Unorm, Bgra8Unorm, Rgba8UnormSrgb, Bgra8UnormSrgb].map(|format| {
+            let canvas = Canvas::with_format(&gpu, 64, 64, format, Samples::Four).unwrap();
+            Renderer::with_format(&gpu, format).draw(&canvas, &[cell]).unwrap();
+            canvas.read(&gpu).unwrap()
+        });
+        for other in &pictures[1..] {
+            // Inside and outside; the resolve of an edge may differ between the encodings.
+            for (x, y) in [(32, 32), (20, 24), (44, 40), (2, 2), (60, 3)] {
+                let (a, b) = (pictures[0].pixel(x, y).unwrap(), other.pixel(x, y).unwrap());
+                assert!(a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 3), "{a:?} {b:?}");
+            }
         }
     }
     let wrong = Canvas::with_format(&gpu, 64, 64, Bgra8Unorm, Samples::Four).unwrap();

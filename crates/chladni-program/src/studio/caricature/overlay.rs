@@ -31,7 +31,8 @@ pub fn mark_place(ui: &Ui, area: egui::Rect, at: egui::Pos2, faces: bool) {
     }
 }
 
-pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
+/// Names the shapes in their cells, in a color that is read on what is behind them.
+pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect], color: Color32) {
     let names: &[&str] = match show {
         Show::Result => return,
         Show::Models => &["Coordinate", "Normal", "Distance", "Original"],
@@ -40,7 +41,6 @@ pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
         Show::Template => &["Result", "Template"],
         Show::Original => &["Original"],
     };
-    let palette = theme::palette(ui);
     for (cell, name) in cells.iter().zip(names) {
         let cell = viewport::to_points(ui, rect, *cell);
         let font = egui::TextStyle::Body.resolve(ui.style());
@@ -49,7 +49,7 @@ pub fn show_names(ui: &Ui, rect: egui::Rect, show: Show, cells: &[Rect]) {
             egui::Align2::LEFT_TOP,
             name,
             font,
-            palette.weak,
+            color,
         );
     }
 }

@@ -5,9 +5,12 @@ use egui::{Color32, Ui, ViewportCommand};
 use super::concert::Concert;
 use super::place::{Change, Place};
 use super::preferences::Screen;
+use super::song_title::show_halo;
 
 /// How long pointer and hint stay after the pointer has moved.
 const LINGER_SECS: f64 = 2.0;
+/// The size of the hint's letters, in points.
+const HINT: f32 = 14.0;
 
 /// Changes made to the window for the stage, to be undone afterwards.
 #[derive(Debug, Default)]
@@ -97,7 +100,8 @@ impl Curtain {
         };
         let hint = hint.map_or_else(by_hand, str::to_owned);
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
-        let text = egui::RichText::new(hint).size(14.0).color(Color32::from_white_alpha(150));
+        show_halo(ui, (at, egui::Align2::CENTER_CENTER), &hint, HINT, 1.0);
+        let text = egui::RichText::new(hint).size(HINT).color(Color32::from_white_alpha(200));
         let place = egui::Rect::from_center_size(at, egui::vec2(ui.max_rect().width(), 20.0));
         // A label is read aloud, too.
         ui.put(place, egui::Label::new(text).selectable(false));

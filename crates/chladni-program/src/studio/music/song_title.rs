@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use chladni_view::Picture;
-use egui::{Align2, Color32, FontId, Rect, TextureHandle, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Pos2, Rect, TextureHandle, Ui, pos2, vec2};
 
 use super::listening::Listening;
-use crate::work::{COVER, Caption, GAP, TITLE, title_opacity};
+use crate::work::{COVER, Caption, GAP, TITLE, halo_offsets, halo_opacity, title_opacity};
 
 /// The song that is heard, and since when.
 #[derive(Default)]
@@ -85,8 +85,17 @@ impl SongTitle {
             ui.painter().image(cover.id(), place, whole, Color32::from_white_alpha((255.0 * opacity) as u8));
             at.x += shown.x + GAP * size;
         }
+        show_halo(ui, (at, Align2::LEFT_BOTTOM), &self.caption.text, size, opacity);
         let color = Color32::from_white_alpha((220.0 * opacity) as u8);
         ui.painter().text(at, Align2::LEFT_BOTTOM, &self.caption.text, FontId::proportional(size), color);
+    }
+}
+
+/// Draws the dark halo of a text in letters of this size, as opaque as the text will be.
+pub fn show_halo(ui: &Ui, (at, anchor): (Pos2, Align2), text: &str, size: f32, opacity: f32) {
+    let color = Color32::from_black_alpha((255.0 * halo_opacity(opacity)) as u8);
+    for [x, y] in halo_offsets(size) {
+        ui.painter().text(at + vec2(x, y), anchor, text, FontId::proportional(size), color);
     }
 }
 
@@ -140,7 +149,8 @@ mod tests {
             let is_text = |shape: &&egui::epaint::ClippedShape| matches!(shape.shape, egui::Shape::Text(_));
             output.shapes.iter().filter(is_text).count()
         };
-        assert_eq!((letters(0.0), letters(1.0)), (0, 1));
+        // Eight times for the halo, and once in white.
+        assert_eq!((letters(0.0), letters(1.0)), (0, 9));
     }
 
     #[test]

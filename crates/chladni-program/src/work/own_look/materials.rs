@@ -12,8 +12,8 @@ use crate::work::{Warning, Watcher};
 const MOST_MATERIALS: usize = 1024;
 
 /// The picture of the materials of `mesh`, which is called `name`, and where the corners of its triangles lie on it, v
-/// upward. `None` where no face has a texture and all have one color, or vertices have colors of their own. Warns of what
-/// cannot be shown.
+/// upward. `None` where no face has a texture and all have one color, or vertices have colors of their own
+/// ([`vertex_colors`]). Warns of what cannot be shown.
 pub fn picture_of_materials(
     name: &str,
     mesh: &TriMesh,
@@ -31,7 +31,7 @@ pub fn picture_of_materials(
     let mut textures = Textures { name, watcher, sizes: HashMap::new(), pictures: HashMap::new() };
     let sizes: Vec<Option<[u32; 2]>> = drawn.iter().map(|one| textures.size(one)).collect();
     if sizes.iter().all(Option::is_none)
-        && (mesh.appearance.colors.is_some() || drawn.iter().all(|one| one.color == drawn[0].color))
+        && (has_vertex_colors(mesh) || drawn.iter().all(|one| one.color == drawn[0].color))
     {
         return None;
     }
@@ -53,6 +53,33 @@ pub fn picture_of_materials(
     }
     let picture = atlas.lay_out(&pictures, &of_triangle, &mut uvs);
     Some((uvs, picture))
+}
+
+/// Whether vertices have colors of their own. White that is multiplied with materials is none.
+fn has_vertex_colors(mesh: &TriMesh) -> bool {
+    let look = &mesh.appearance;
+    let is_white = |&[r, g, b, _]: &[f32; 4]| [r, g, b] == [1.0; 3];
+    look.colors.as_ref().is_some_and(|colors| !(look.colors_tint && colors.iter().all(is_white)))
+}
+
+/// The linear-light colors of the vertices of `mesh`, where they have their own. Where they tint, as in glTF, they are
+/// multiplied with the color of the first triangle's material at each vertex.
+pub fn vertex_colors(mesh: &TriMesh) -> Option<Vec<[f32; 4]>> {
+    let look = &mesh.appearance;
+    let mut colors = look.colors.clone().filter(|_| has_vertex_colors(mesh))?;
+    if look.colors_tint && !look.face_materials.is_empty() {
+        let mut is_tinted = vec![false; colors.len()];
+        for (triangle, material) in mesh.triangles.iter().zip(mesh.triangle_materials()) {
+            let material = material.and_then(|index| look.materials.get(index as usize));
+            let factor = material.map_or([1.0; 4], |material| material.base_color);
+            for vertex in triangle.map(|vertex| vertex as usize) {
+                if !std::mem::replace(&mut is_tinted[vertex], true) {
+                    colors[vertex].iter_mut().zip(factor).for_each(|(channel, factor)| *channel *= factor);
+                }
+            }
+        }
+    }
+    Some(colors)
 }
 
 /// How a material is drawn.
@@ -242,7 +269,26 @@ mod tests {
         assert!(picture_of_materials("ball", &mesh, &aside).is_some());
         mesh.appearance.colors = Some(vec![[1.0; 4]; mesh.positions.len()]);
         assert!(picture_of_materials("ball", &mesh, &aside).is_none());
+        assert_eq!(vertex_colors(&mesh), mesh.appearance.colors);
+        // White that is only a factor, as in glTF, is no color.
+        mesh.appearance.colors_tint = true;
+        assert!(picture_of_materials("ball", &mesh, &aside).is_some() && vertex_colors(&mesh).is_none());
         assert!(aside.warnings().is_empty());
+    }
+
+    #[test]
+    fn vertex_colors_that_tint_are_multiplied_with_materials() {
+        let mut mesh = dressed();
+        mesh.appearance.uvs = None;
+        mesh.appearance.face_materials[0] = None;
+        mesh.appearance.colors = Some(vec![[0.5, 0.5, 0.5, 1.0]; mesh.positions.len()]);
+        mesh.appearance.colors_tint = true;
+        let colors = vertex_colors(&mesh).unwrap();
+        // The first triangle has no material; that of the others is (1, 0.5, 0), of opacity 1/4.
+        for (v, color) in (0..).zip(colors) {
+            let bare = mesh.triangles[0].contains(&v);
+            assert_eq!(color, if bare { [0.5, 0.5, 0.5, 1.0] } else { [0.5, 0.25, 0.0, 0.25] });
+        }
     }
 
     #[test]

@@ -128,7 +128,9 @@ fn corner_fragment(in: CornerSurface, @builtin(front_facing) front: bool) -> @lo
         let d = in.barycentric / max(edge, vec3f(1e-9));
         let near = min(d.x, min(d.y, d.z));
         let line = 1.0 - smoothstep(figure.wire_width.x - 0.5, figure.wire_width.x + 0.5, near);
-        c = mix(c, figure.wire.rgb, figure.wire.a * line);
+        var wire = figure.wire.rgb;
+        if cell.output.x < 0.5 { wire = to_linear(wire); }
+        c = mix(c, wire, figure.wire.a * line);
     }
     return vec4f(c, 1.0) * figure.color.a;
 }

@@ -21,7 +21,7 @@ use chladni_mesh::Orientation;
 use chladni_view::{
     BrushRing, Camera, Cell, Figure, ItemBuffers, PickTree, Rect, Topology, VertexPaint, View, ViewError,
 };
-use egui::Ui;
+use egui::{Color32, Ui};
 
 use super::evaluating::Figures;
 use super::look::Portrayal;
@@ -29,6 +29,7 @@ use super::overlay::{backdrop, show_legend, show_names};
 use super::shot::{Coat, Pose};
 use crate::studio::keys;
 use crate::studio::screen::Screen;
+use crate::studio::theme;
 use crate::studio::viewport::{self, Viewport};
 use crate::work::{Coating, Error, MARKED, OwnLook, OwnPaint, PAINTED, RING, lay_ring, tints};
 
@@ -323,7 +324,8 @@ impl Stage {
         let shown: Vec<(usize, Rect)> = figures.iter().copied().zip(cells.iter().copied()).collect();
         // A brush has its ring on all of them.
         let linked = touch.filter(|_| shown.len() > 1 && brush.is_none() && !response.dragged());
-        if look.ink && brush.is_none() {
+        let is_inked = look.ink && brush.is_none();
+        if is_inked {
             let figures = shown.iter().map(|(figure, cell)| ((*figure, self.changes[*figure]), *cell));
             let (camera, size) = (self.camera, [canvas.width, canvas.height]);
             let scene = Scene { camera, pen: look.pen, size, figures: figures.collect() };
@@ -337,7 +339,10 @@ impl Stage {
         if let Some(touch) = linked {
             self.mark_on_each(ui, rect, &touch, &shown);
         }
-        show_names(ui, rect, look.show, &cells);
+        // Paper has its own color, whatever the theme.
+        let [r, g, b] = look.pen.ink.color;
+        let color = if is_inked { Color32::from_rgb(r, g, b) } else { theme::palette(ui).weak };
+        show_names(ui, rect, look.show, &cells, color);
         Ok(StageResponse { response, presses, figure })
     }
 
@@ -386,7 +391,31 @@ mod tests {
     use chladni_task::Task;
     use chladni_view::Device;
 
+    use super::super::look::Show;
     use super::*;
+
+    #[test]
+    fn names_are_written_in_the_ink_of_a_drawing() {
+        let ball = icosphere(1);
+        let screen = Screen::unseen(&Device::Processor);
+        let mut stage = Stage::new(&screen, &single(&ball.positions), &ball.triangles, None).unwrap();
+        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(64.0, 64.0));
+        let ctx = egui::Context::default();
+        let mut color = |ink| {
+            let look = Portrayal { show: Show::Original, ink, ..Portrayal::default() };
+            let output = ctx.run_ui(egui::RawInput::default(), |ui| {
+                stage.show(ui, rect, look, None).unwrap();
+            });
+            output.shapes.iter().find_map(|clipped| match &clipped.shape {
+                egui::Shape::Text(text) => Some(text.galley.job.sections.first()?.format.color),
+                _ => None,
+            })
+        };
+        let [r, g, b] = Portrayal::default().pen.ink.color;
+        let inked = Some(Color32::from_rgb(r, g, b));
+        assert_eq!(color(true), inked);
+        assert!(color(false).is_some_and(|weak| Some(weak) != inked));
+    }
 
     #[test]
     fn a_brush_at_rest_asks_for_no_more_frames() {
