@@ -77,6 +77,8 @@ function show(body, begin = () => []) {
   let songsHeard;
   try { songsHeard = begin(next); } catch (error) { next.free(); throw error; }
   concert = next;
+  // A show that waits for a song went with the one before.
+  shows.endWait();
   before?.free();
   atFront = undefined;
   allKept();
@@ -217,6 +219,7 @@ export async function openText(name, bytes) {
     // Its own mesh may come.
     if (!coming || coming.name !== needs.body) overtake();
     heard.splice(0, heard.length, ...begin(concert));
+    shows.endWait();
     allKept();
     hear();
   }
@@ -268,6 +271,7 @@ async function playShow() {
 
 /** What a show plays is the user's own from now on. */
 function endShow() {
+  shows.endWait();
   if (!concert?.plays_show()) return;
   concert.stop_show();
   refresh();
@@ -484,10 +488,7 @@ export function leave() {
   listening.stop();
   keepAwake(false);
   // The song for which it waits would be missing when the room is entered again.
-  if (shows.isWaiting()) {
-    endShow();
-    shows.endWait();
-  }
+  if (shows.isWaiting()) endShow();
   if (concert && concert !== atFront) left ??= { clock: shows.clockSecs(performance.now()), position: sound.position() };
   player.passOver();
   visit++;

@@ -108,8 +108,26 @@ export function knobRow(name, title, range) {
   return { slider, output, label: element("label", { className: "knob", title }, name, slider, output) };
 }
 
-/** Puts `children` in place of those of an element. What had the focus has it again: who has the same `data-key`. */
+/** Where a button of the mouse is down, and what waits for it: a control that is replaced before the button comes up gets no
+ * click. The press itself may be the cause, where it leaves a field. */
+let pressed;
+const waiting = new Map();
+
+addEventListener("mousedown", ({ target }) => { pressed = target; }, true);
+addEventListener("click", letGo);
+// Where no click comes, as at the end of a drag.
+for (const end of ["mouseup", "dragend", "contextmenu"]) addEventListener(end, () => setTimeout(letGo), true);
+
+function letGo() {
+  pressed = undefined;
+  for (const [parent, children] of [...waiting]) refill(parent, children);
+}
+
+/** Puts `children` in place of those of an element, once none of these is pressed. What had the focus has it again: who has
+ * the same `data-key`. */
 export function refill(parent, children) {
+  if (pressed && parent.contains(pressed)) return waiting.set(parent, children);
+  waiting.delete(parent);
   const held = parent.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
   parent.replaceChildren(...children);
   if (held) parent.querySelector(`[data-key="${CSS.escape(held)}"]`)?.focus();

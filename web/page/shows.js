@@ -16,8 +16,9 @@ export function know(text, needs) { opened = { text, needs }; }
 export const isWaiting = () => waitsSince !== undefined;
 /** The page's clock without the times in which a show waited. */
 export const clockSecs = (now) => now / 1000 - waitedSecs;
-/** The show waits no more; the time in which it did does not count. */
+/** The show waits no more, if it did; that time does not count. */
 export function endWait() {
+  if (!isWaiting()) return;
   skip((performance.now() - waitsSince) / 1000);
   waitsSince = undefined;
 }

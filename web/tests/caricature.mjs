@@ -101,6 +101,11 @@ export async function laptop() {
   await slide(page, "mu", -1.2);
   await until(page, () => window.chladni.sitting.layers[2].mu === -1.2);
   assert.ok(differing(second, await still(page)) > 20, "what the second layer did grows");
+  await page.click("#mu-value", { clickCount: 3 });
+  await page.keyboard.type("-1.1");
+  // The press ends the number, and the list is drawn anew.
+  await page.click('#layers li:last-child [data-key$=" eye"]');
+  await until(page, () => window.chladni.sitting.layers[2].mu === -1.1 && !window.chladni.sitting.layers[0].enabled);
   await page.setInputFiles("#file", project);
   await until(page, () => window.chladni.sitting.layers.length === 1);
   await acts(page);

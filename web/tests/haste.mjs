@@ -205,6 +205,17 @@ export async function songs() {
   assert.ok(!(await page.evaluate(() => window.chladni.state.played)), "a song of the list is the user's own");
   step("a show keeps its song until another is asked for");
 
+  // A show is ended that waits for its song: what dances does not wait.
+  await isHeldBack(page);
+  await page.click("#play-show");
+  await plays(page);
+  await page.waitForTimeout(500);
+  await page.click("#play-show");
+  await until(page, () => !window.chladni.state.played);
+  const frames = await page.evaluate(() => window.chladni.frames);
+  await until(page, (frames) => window.chladni.frames > frames + 2, frames);
+  step("the picture goes on where a show is ended that waits for its song");
+
   // The room is left while a show waits for its song.
   await isHeldBack(page);
   await page.click("#play-show");

@@ -157,13 +157,19 @@ keys! {
     LEAVE = key Escape, "Leave it as it was";
 }
 
+keys! {
+    /// In the form of a film.
+    filming:
+    LEAVE = key Escape, "Close the form without a film";
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    const ROOMS: [&[Shortcut]; 5] =
-        [start::ALL, caricature::ALL, breeding::ALL, music::ALL, calibrating::ALL];
+    const ROOMS: [&[Shortcut]; 6] =
+        [start::ALL, caricature::ALL, breeding::ALL, music::ALL, calibrating::ALL, filming::ALL];
 
     #[test]
     fn no_key_does_two_things_in_one_place() {

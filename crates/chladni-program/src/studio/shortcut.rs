@@ -117,7 +117,7 @@ fn take(input: &mut InputState, keys: &KeyboardShortcut) -> bool {
 }
 
 /// Whether a question, a choice or a menu stands in front of everything else: it has the keys.
-fn is_asked(ctx: &egui::Context) -> bool {
+pub fn is_asked(ctx: &egui::Context) -> bool {
     let is_below = !ctx.memory(|memory| memory.is_above_modal_layer(egui::LayerId::background()));
     is_below || egui::Popup::is_any_open(ctx)
 }

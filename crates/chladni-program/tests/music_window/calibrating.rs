@@ -58,6 +58,21 @@ fn taps_to_clicks_and_flashes_become_the_lateness_of_the_picture() {
     window.key_press(Key::Escape);
     wait(&mut window, "the window as it was", |w| !is_there(w, "calibrate/tap"));
     wait(&mut window, "the song as before", plays);
+    // A question in front of the clicks has the keys.
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    window.run_steps(2);
+    control(&window, "calibrate").click_accesskit();
+    wait(&mut window, "the clicks before the question", |w| shows(w, "with each click"));
+    ask_to_close(&mut window);
+    assert!(shows(&window, "Save before closing?"));
+    window.key_press(Key::Space);
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(!shows(&window, "Save before closing?") && shows(&window, "0 of "), "they went to the clicks");
+    window.key_press(Key::Escape);
+    wait(&mut window, "the window as before", |w| !is_there(w, "calibrate/tap"));
+    wait(&mut window, "the song after the question", plays);
     // Elsewhere nobody taps: the clicks end, and the song goes on.
     control(&window, "calibrate").click_accesskit();
     wait(&mut window, "the clicks once more", |w| shows(w, "with each click"));

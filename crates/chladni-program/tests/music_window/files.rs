@@ -192,6 +192,22 @@ fn a_room_whose_first_shape_cannot_be_opened_asks_for_another() {
 }
 
 #[test]
+fn a_show_that_is_opened_where_nothing_dances_brings_a_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("six.toml"), "format_version = 1\nseed = 3\nsize = 6\n").unwrap();
+    let [_, song] = ball_and_song(folder.path());
+    let answers = Answers::default();
+    let (chooser, files) = (Box::new(answers.clone()), vec!["sample:nobody".into(), song]);
+    let opening = Opening { folders: folders(folder.path()), chooser, files, ..Opening::default() };
+    let mut window = open(opening, [1000.0, 640.0]);
+    wait(&mut window, "the way out", |w| shows(w, "Nothing dances yet"));
+    answers.add(path("six.toml"));
+    click(&mut window, "open");
+    wait(&mut window, "the show", |w| shows(w, "6 items"));
+}
+
+#[test]
 fn a_show_is_opened_once_it_is_known_what_becomes_of_unsaved_favorites() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);

@@ -278,6 +278,31 @@ fn the_form_of_a_film_that_cannot_be_stays_open() {
 }
 
 #[test]
+fn escape_leaves_a_number_or_a_question_before_the_form() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = ball_and_song(folder.path()).to_vec();
+    let mut window = enter(Opening { folders: folders(folder.path()), files, ..Opening::default() });
+    point_at(&mut window, "dance/3");
+    window.key_press(Key::F);
+    window.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::SpinButton, "Width").focus();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Width").type_text("700");
+    window.run_steps(2);
+    let escape = |window: &mut Window| {
+        window.key_press(Key::Escape);
+        window.run_steps(3);
+        is_there(window, "film-begin")
+    };
+    assert!(escape(&mut window), "the number had the key");
+    ask_to_close(&mut window);
+    assert!(shows(&window, "Save before closing?"));
+    assert!(escape(&mut window) && !shows(&window, "Save before closing?"), "the question had the key");
+    assert!(!escape(&mut window));
+}
+
+#[test]
 fn what_is_on_stage_is_filmed_by_its_key() {
     let folder = tempfile::tempdir().unwrap();
     let files = ball_and_song(folder.path()).to_vec();

@@ -218,6 +218,40 @@ fn a_stroke_that_a_key_ends_is_a_step_of_its_own() {
 }
 
 #[test]
+fn a_stroke_that_ends_outside_the_room_is_a_step_of_its_own() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    person.press(Key::B);
+    let (left, right) = (pos2(580.0, 420.0), pos2(680.0, 420.0));
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    person.0.hover_at(left);
+    person.0.run_steps(1);
+    person.0.event(button(left, true));
+    person.0.hover_at(left + vec2(10.0, 0.0));
+    person.0.run_steps(1);
+    // The room is left without the pointer, whose button is released elsewhere.
+    person.0.get_by_role_and_label(egui::accesskit::Role::Button, "Chladni").click_accesskit();
+    person.0.run_steps(2);
+    person.0.event(button(left + vec2(10.0, 0.0), false));
+    person.0.run_steps(2);
+    driving::control(&person.0, "room/0").click_accesskit();
+    person.0.run_steps(2);
+    let first = painted(&desk, &mut person);
+    assert!(inside(&first) > 3);
+    person.drag(&[right, right + vec2(10.0, 0.0)]);
+    assert!(inside(&painted(&desk, &mut person)) > inside(&first));
+    person.press_with(CTRL, Key::Z);
+    assert_eq!(painted(&desk, &mut person), first);
+}
+
+#[test]
 fn a_soft_brush_leaves_a_soft_edge_and_is_remembered() {
     let desk = Desk::new();
     save_mesh(&finer_lump(), &desk.path("finer.obj")).unwrap();
@@ -369,6 +403,37 @@ fn a_click_that_ends_a_name_saves_it_or_takes_it_back() {
     desk.answers.add(&path);
     rename_and_click(&mut person, "Chin", "save");
     assert_eq!(Project::load(&path).unwrap().layers()[0].1.name, "Chin");
+}
+
+#[test]
+fn what_ends_a_name_by_a_key_or_beside_the_list_has_it() {
+    let desk = Desk::new();
+    let mut person = desk.sit_down(&["shape.obj"]);
+    person.wait_to_see("Layers");
+    person.add_layer("magnify");
+    let rename = |person: &mut Person, name: &str| {
+        person.press(Key::F2);
+        person.0.run_steps(2);
+        person.press_with(CTRL, Key::A);
+        person.0.event(egui::Event::Text(name.into()));
+        person.0.run_steps(2);
+    };
+    let click = |person: &mut Person, tip: &str| {
+        let button = person.0.query_all_by_label_contains(tip).next().unwrap();
+        button.click();
+        person.0.run_steps(3);
+    };
+    let path = desk.path("named.chladni");
+    desk.answers.add(&path);
+    rename(&mut person, "Nose");
+    person.press_with(CTRL, Key::S);
+    assert_eq!(Project::load(&path).unwrap().layers()[0].1.name, "Nose");
+    rename(&mut person, "Chin");
+    click(&mut person, "Duplicate the layer");
+    assert!(person.sees("Layer Chin copy") && !person.sees("Layer Nose"));
+    rename(&mut person, "Ear");
+    click(&mut person, "Delete the layer");
+    assert!(!person.sees("there is no layer") && !person.sees("Layer Ear") && person.sees("Layer Chin"));
 }
 
 /// Layers are added, chosen, bent and hidden without the mouse, and what passes through itself is

@@ -181,6 +181,7 @@ impl CaricatureRoom {
 
     /// Saves the project, asking for a name if it has none or another is wanted; true if it was saved.
     pub(super) fn save(&mut self, ask: bool, shared: &mut Shared<'_>) -> bool {
+        self.end_renaming(shared);
         let Some(session) = &mut self.session else { return true };
         let mut known = session.path.clone().filter(|_| !ask);
         if let Some(path) = known.take_if(|path| is_changed_elsewhere(session, path)) {

@@ -38,6 +38,10 @@ impl CaricatureRoom {
             self.stale |= session.travel(true).is_some();
         }
         if let Some(id) = session.selected {
+            if DUPLICATE.pressed(&ctx) {
+                self.layers.commit(edits);
+                edits.once(Action::Duplicate(id));
+            }
             layer_keys(&ctx, session, id, edits);
             if FURTHEST.pressed(&ctx) {
                 as_far_as_it_goes(session, self.controls.may_fold(), edits, shared);
@@ -70,6 +74,7 @@ impl CaricatureRoom {
 
     fn file_keys(&mut self, ctx: &Context, shared: &mut Shared<'_>) {
         if OPEN.pressed(ctx) {
+            self.end_renaming(shared);
             self.choose_file(shared);
         }
         // The longer chord first: egui matches Ctrl+S inside Ctrl+Shift+S.
@@ -79,6 +84,7 @@ impl CaricatureRoom {
             self.save(false, shared);
         }
         if EXPORT.pressed(ctx) {
+            self.end_renaming(shared);
             self.export();
         }
     }
@@ -152,9 +158,6 @@ fn list_keys(ctx: &Context, session: &mut Session, edits: &mut Edits) -> bool {
 /// The keys that change one layer.
 fn layer_keys(ctx: &Context, session: &Session, id: LayerId, edits: &mut Edits) {
     let Some(layer) = session.project().layer(id) else { return };
-    if DUPLICATE.pressed(ctx) {
-        edits.once(Action::Duplicate(id));
-    }
     if DELETE.pressed(ctx) {
         edits.once(Action::Remove(id));
     }

@@ -174,6 +174,15 @@ impl LayerList {
         self.renaming = Some((id, layer.name.clone()));
     }
 
+    /// Ends the name that is being typed, if one is; it counts unless it is empty.
+    pub fn commit(&mut self, edits: &mut Edits) {
+        if let Some((id, draft)) = self.renaming.take()
+            && !draft.trim().is_empty()
+        {
+            edits.set(id, Property::Name(draft.trim().to_owned()));
+        }
+    }
+
     fn menu(&mut self, ui: &mut Ui, project: &Project, id: LayerId, layer: &Layer, edits: &mut Edits) {
         let place = project.layers().iter().position(|(known, _)| *known == id).unwrap_or(0);
         let top = project.layers().len().saturating_sub(1);
@@ -207,9 +216,12 @@ impl LayerList {
         let (project, harmonics) = (session.project(), session.stack.body().basis.harmonics());
         if let Some(layer) = selected {
             if icon_button(ui, Icon::Trash2, &DELETE.tooltip(ui.ctx())).clicked() {
+                // Its name goes with it.
+                self.renaming.take_if(|(id, _)| *id == layer);
                 edits.once(Action::Remove(layer));
             }
             if icon_button(ui, Icon::Copy, &DUPLICATE.tooltip(ui.ctx())).clicked() {
+                self.commit(edits);
                 edits.once(Action::Duplicate(layer));
             }
         }
@@ -245,10 +257,7 @@ impl LayerList {
         if escape {
             self.renaming = None;
         } else if enter || field.clicked_elsewhere() {
-            if !draft.trim().is_empty() {
-                edits.set(id, Property::Name(draft.trim().to_owned()));
-            }
-            self.renaming = None;
+            self.commit(edits);
         }
     }
 }

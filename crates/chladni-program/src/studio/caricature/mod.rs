@@ -176,6 +176,12 @@ impl Room for CaricatureRoom {
     }
 
     fn show_over(&mut self, shared: &mut Shared<'_>) -> bool {
+        // A drag that a key has taken to another room ends there.
+        if shared.ctx.input(|input| input.pointer.any_released())
+            && let Some(session) = &mut self.session
+        {
+            session.history.finish();
+        }
         // A window that closes waits for it, whichever room is on screen.
         self.export.poll(shared);
         self.keep_copy(shared);
@@ -193,6 +199,7 @@ impl Room for CaricatureRoom {
     }
 
     fn save_all(&mut self, shared: &mut Shared<'_>) -> bool {
+        self.end_renaming(shared);
         !self.has_unsaved_work() || self.save(false, shared)
     }
 
@@ -249,6 +256,13 @@ impl CaricatureRoom {
                 shared.notices.failed(why);
             }
         }
+    }
+
+    /// Gives a layer the name that is being typed, before it is saved or left by a key.
+    fn end_renaming(&mut self, shared: &mut Shared<'_>) {
+        let mut edits = Edits::default();
+        self.layers.commit(&mut edits);
+        self.carry_out(edits.take(), shared);
     }
 
     /// Takes the results of finished jobs.

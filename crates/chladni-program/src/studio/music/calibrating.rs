@@ -10,8 +10,9 @@ use super::MusicRoom;
 use super::listening::Listening;
 use super::preferences::Preferences;
 use crate::studio::author_id::AuthorId;
-use crate::studio::keys::calibrating::{TAP_BY_ENTER, TAP_BY_LETTER, TAP_BY_SPACE};
+use crate::studio::keys::calibrating::{LEAVE, TAP_BY_ENTER, TAP_BY_LETTER, TAP_BY_SPACE};
 use crate::studio::room::Shared;
+use crate::studio::shortcut::is_asked;
 use crate::studio::theme;
 use crate::work::Error;
 
@@ -78,10 +79,13 @@ impl Calibrating {
     }
 
     /// Takes Escape and the keys that tap, so that they do nothing else meanwhile. Once all taps are made, the buttons need
-    /// these keys.
+    /// these keys; so does a question.
     pub fn take_keys(&mut self, ctx: &egui::Context) {
+        if is_asked(ctx) {
+            return;
+        }
         let now_secs = ctx.input(|input| input.time);
-        self.leaves |= ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
+        self.leaves |= LEAVE.pressed(ctx);
         if !self.is_done() {
             (0..ctx.input_mut(taken)).for_each(|_| self.tap(now_secs));
         }

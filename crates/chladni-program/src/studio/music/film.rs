@@ -15,6 +15,7 @@ use super::wish::Then;
 use crate::studio::author_id::AuthorId;
 use crate::studio::file_window::Request;
 use crate::studio::job::{self, Job};
+use crate::studio::keys::filming::LEAVE;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::film::{self, Film, Output};
@@ -125,8 +126,8 @@ impl Filming {
     pub fn show_form(&mut self, ctx: &egui::Context, window: [u32; 2], show_secs: f64) -> Option<Then> {
         let form = self.form.as_mut()?;
         let (mut wanted, mut open) = (None, true);
-        // In an open list, Escape closes that alone.
-        let is_in_list = egui::Popup::is_any_open(ctx);
+        // In an open list or a number that is typed, beneath a question, Escape ends that alone.
+        let leaves = LEAVE.pressed(ctx);
         // Above older messages, below those that it causes itself.
         let dialog =
             egui::Window::new("Film").order(egui::Order::Foreground).collapsible(false).resizable(false);
@@ -135,7 +136,7 @@ impl Filming {
             ui.add_space(theme::GAP);
             wanted = form.choose_kind(ui);
         });
-        if !is_in_list && ctx.input(|input| input.key_pressed(egui::Key::Escape)) || !open {
+        if leaves || !open {
             self.form = None;
             return None;
         }

@@ -44,7 +44,11 @@ impl Room for MusicRoom {
     }
 
     fn shortcuts(&self) -> &'static [Shortcut] {
-        if self.calibrating.is_some() { keys::calibrating::ALL } else { keys::music::ALL }
+        match self.calibrating {
+            Some(_) => keys::calibrating::ALL,
+            None if self.filming.asks() => keys::filming::ALL,
+            None => keys::music::ALL,
+        }
     }
 
     fn show(&mut self, ui: &mut Ui, shared: &mut Shared<'_>) {
@@ -132,6 +136,8 @@ impl Room for MusicRoom {
             self.end_calibrating();
             // The stage stands still there, and its own window is closed.
             self.awake.keep(false);
+            // Nor does the other room fill the stage's screen.
+            self.curtain.follow(&shared.ctx, false, &shared.settings.music.screen, Vec::new);
         }
         // A window that closes waits for it, whichever room is on screen.
         self.filming.poll(shared);
@@ -218,6 +224,10 @@ impl Room for MusicRoom {
             if chladni_mesh::ShapeSource::sample_name(path).is_none() {
                 shared.settings.remember(path);
             }
+        }
+        // A show needs a shape: the first one is tried once more.
+        if self.concert.is_none() && self.loading.is_none() && !self.waiting.is_empty() {
+            self.refused = false;
         }
         self.late_songs.extend(songs);
         self.add_songs(shared);

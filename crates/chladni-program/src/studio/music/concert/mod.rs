@@ -347,6 +347,9 @@ impl Concert {
 
     /// What goes on around the dance goes on as it did before.
     pub fn go_on_as(&mut self, before: Self) {
+        if before.is_judging() {
+            self.judging.want();
+        }
         let is_flat = self.staging.is_flat();
         self.piloted = before.piloted.map(|programme| programme.on_sheet(is_flat));
         (self.outgoing, self.house, self.backcloth) = (before.outgoing, before.house, before.backcloth);

@@ -30,19 +30,25 @@ impl Concert {
     }
 
     /// Has candidates judged where children are wanted; breeds the best once that is done. A choice made meanwhile
-    /// counts: then it begins again. Where nothing is chosen any more there are none.
+    /// counts: then it begins again. Where nothing is chosen any more, or another generation was gone to, there are none.
     pub(super) fn judge(&mut self, ctx: &egui::Context) -> Result<(), Error> {
         if !self.judging.wanted {
             return Ok(());
         }
         let of_now = |(gallery, _): &(Arc<Gallery>, Job<Vec<u16>>)| **gallery == *self.instrument.gallery();
         if !self.judging.running.as_ref().is_some_and(of_now) {
-            let began = self.judging.running.is_some();
-            if began && !self.instrument.gallery().items().iter().any(|item| item.chosen) {
+            let now = self.instrument.gallery();
+            let is_over = |(judged, _): &(Arc<Gallery>, Job<Vec<u16>>)| {
+                // One that was made meanwhile keeps what is chosen.
+                let is_left = judged.current() != now.current()
+                    && judged.generations().len() == now.generations().len();
+                is_left || !now.items().iter().any(|item| item.chosen)
+            };
+            if self.judging.running.as_ref().is_some_and(is_over) {
                 self.judging = Judging::default();
                 return Ok(());
             }
-            let gallery = Arc::new(self.instrument.gallery().clone());
+            let gallery = Arc::new(now.clone());
             let judged = gallery.clone();
             let playing = self.instrument.parameters().playing();
             let moments = self.recent.moments(self.instrument.shape().bands);
