@@ -75,6 +75,18 @@ def test_a_caricature_exaggerates_what_is_different(pebble):
     for method in ("icp", "same"):
         away, toward = (chladni.caricature(basis, template=other, mu=mu, method=method) - V for mu in (-0.5, 0.5))
         assert np.allclose(away, -toward, atol=1e-9) == (method == "same")
+    found = chladni.match(V, F, *other, method="same")
+    assert np.allclose(chladni.caricature(basis, template=other, mu=1, method="same"), found.targets, atol=1e-12)
+    by = [chladni.caricature(basis, template=other, model=m, method="same") for m in ("coordinate", "normal", "distance")]
+    assert min(np.abs(a - b).max() for a, b in zip(by, by[1:] + by[:1])) > 1e-3
+    # A template of ten harmonics has no others, and a sphere one radius.
+    low = chladni.caricature(basis, template=10, mu=1)
+    amplitudes = np.abs(basis.eigenvectors.T @ (basis.mass[:, None] * low))
+    assert amplitudes[10:].max() < 1e-9 < 1e-3 < amplitudes[9].max()
+    round_ = chladni.caricature(basis, template="sphere", mu=1)
+    terms = np.hstack([2 * round_, np.ones((len(V), 1))])
+    center = np.linalg.lstsq(terms, (round_**2).sum(axis=1), rcond=None)[0][:3]
+    assert np.ptp(np.linalg.norm(round_ - center, axis=1)) < 1e-9
     pair = (V * 1.1, F)
     assert (chladni.caricature(basis, template=list(pair)) == chladni.caricature(basis, template=pair)).all()
     templates = [dict(template=bad) for bad in ("x", -3, 61)]

@@ -98,6 +98,29 @@ mod tests {
     }
 
     #[test]
+    fn runs_move_as_one_by_up_to_the_amount_in_either_direction() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut values = vec![0.5_f32; 4000];
+        values.chunks_mut(200).for_each(|part| shift(part, 0.2, -1.0, &mut rng));
+        assert!(values.iter().all(|v| (v - 0.5).abs() <= 0.2 + 1e-6));
+        assert!(values.iter().filter(|v| **v != 0.5).count() > 3900);
+        assert!(values.iter().any(|v| *v > 0.66) && values.iter().any(|v| *v < 0.34));
+        // About 200 runs of about 20.
+        let borders = values.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        assert!((120..300).contains(&borders), "{borders}");
+    }
+
+    #[test]
+    fn half_of_the_runs_leave_zeros_at_zero() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut values = vec![0.0_f32; 40_000];
+        values.chunks_mut(200).for_each(|part| shift(part, 0.2, -1.0, &mut rng));
+        let zeros = values.iter().filter(|v| **v == 0.0).count();
+        assert!((16_000..24_000).contains(&zeros), "{zeros}");
+        assert!(values.iter().any(|v| *v > 0.1) && values.iter().any(|v| *v < -0.1));
+    }
+
+    #[test]
     fn a_value_that_is_no_number_can_be_inherited() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for _ in 0..16 {

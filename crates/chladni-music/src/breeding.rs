@@ -129,7 +129,30 @@ mod tests {
         fn mutants_are_valid_and_near(p in mapping(), amount in 0.0f32..=1.0, seed: u64) {
             let mutant = mutate(&p, amount, &mut ChaCha8Rng::seed_from_u64(seed));
             prop_assert!(mutant.validate().is_ok());
-            prop_assert!(p.transfer.iter().zip(&mutant.transfer).all(|(a, b)| (a - b).abs() <= amount + 1e-6));
+            let near = |(a, b): (&f32, &f32)| (a - b).abs() <= amount + 1e-6;
+            prop_assert!(p.transfer.iter().zip(&mutant.transfer).all(near));
+            prop_assert!(p.amplification.iter().zip(&mutant.amplification).all(near));
+            prop_assert!(near((&p.stereo_mu, &mutant.stereo_mu)));
+            prop_assert_eq!(mutant.gain, p.gain);
+        }
+    }
+
+    #[test]
+    fn every_kind_of_value_mutates_as_far_as_it_may() {
+        let half = vec![0.5; 80];
+        let p =
+            Mapping { transfer: half.clone(), amplification: half, stereo_mu: 0.5, ..Mapping::rest(1, 1) };
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        let mutants: Vec<Mapping> = (0..100).map(|_| mutate(&p, 0.2, &mut rng)).collect();
+        let kinds: [fn(&Mapping) -> &[f32]; 3] = [
+            |mapping| &mapping.transfer,
+            |mapping| &mapping.amplification,
+            |mapping| std::slice::from_ref(&mapping.stereo_mu),
+        ];
+        for of in kinds {
+            let values = || mutants.iter().flat_map(of).copied();
+            let (least, most) = (values().fold(1.0, f32::min), values().fold(0.0, f32::max));
+            assert!(least < 0.34 && most > 0.66, "{least} to {most}");
         }
     }
 

@@ -202,6 +202,14 @@ mod tests {
         assert!(constant.iter().all(|t| (t * 5.0).round() == 1.0));
     }
 
+    #[test]
+    fn values_on_another_number_of_cells_are_linear_between_their_centers() {
+        assert_eq!(resample(&[0.0, 1.0, 2.0, 3.0], 2), [0.5, 2.5]);
+        assert_eq!(resample(&[0.0, 1.0], 4), [0.0, 0.25, 0.75, 1.0]);
+        assert_eq!(resample(&[0.0, 1.0, 5.0], 1), [1.0]);
+        assert_eq!(resample(&[], 2), [0.0, 0.0]);
+    }
+
     proptest! {
         #[test]
         fn resampling_keeps_the_range_and_the_same_count_keeps_all(

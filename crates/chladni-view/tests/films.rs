@@ -156,9 +156,11 @@ fn an_mp4_has_its_frames_its_rate_and_its_sound() {
     write(&path, FilmSettings { audio: Some(audio), ..settings(25, 30) }).unwrap();
     assert_eq!(names(folder.path()), ["clip.mp4", "sound.wav"]);
     let output = Command::new("ffprobe")
-        .args(["-v", "error", "-count_frames", "-show_entries"])
-        .arg("stream=codec_name,width,height,r_frame_rate,nb_read_frames,pix_fmt,duration,color_space")
-        .args(["-of", "default=noprint_wrappers=1"])
+        .args(["-v", "error", "-count_frames", "-of", "default=noprint_wrappers=1", "-show_entries"])
+        .arg(
+            "stream=codec_name,width,height,r_frame_rate,nb_read_frames,pix_fmt,duration,\
+             color_space,color_range",
+        )
         .arg(&path)
         .output();
     let Ok(output) = output else {
@@ -175,9 +177,26 @@ fn an_mp4_has_its_frames_its_rate_and_its_sound() {
         "nb_read_frames=25",
         "pix_fmt=yuv420p",
         "color_space=bt709",
+        "color_range=tv",
         "duration=0.833333",
     ] {
         assert!(text.lines().any(|found| found == line), "{line} in\n{text}");
+    }
+    let decoded = Command::new("ffmpeg")
+        .args(["-v", "error", "-i"])
+        .arg(&path)
+        .args(["-vf", "scale=in_color_matrix=bt709", "-pix_fmt", "rgba", "-f", "rawvideo", "-"])
+        .output()
+        .unwrap();
+    let frames: Vec<&[u8]> = decoded.stdout.chunks(4 * (SIZE.0 * SIZE.1) as usize).collect();
+    assert_eq!(frames.len(), 25);
+    for (i, found) in frames.into_iter().enumerate() {
+        let wanted = frame(i as u32).rgba;
+        assert_eq!(found.len(), wanted.len());
+        let error: u32 = found.iter().zip(&wanted).map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
+        let mean = f64::from(error) / wanted.len() as f64;
+        // The frame before is off by 6, and another range of the colors by 7.
+        assert!(mean < 5.0, "frame {i} is off by {mean} on average");
     }
     // The file starts with its index, so that it plays while it loads.
     let bytes = std::fs::read(&path).unwrap();

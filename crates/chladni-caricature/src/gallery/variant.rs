@@ -202,12 +202,27 @@ mod tests {
                 prop_assert!(own == mother.genes(group) || own == father.genes(group));
                 prop_assert!(descendant.template(templates) < templates);
             }
+            let near = |(a, b): (&f32, &f32)| (a - b).abs() <= amount + 1e-6;
+            let is_near = |group| child.genes(group).iter().zip(mutant.genes(group)).all(near);
+            prop_assert!(Group::ALL.into_iter().all(is_near));
             prop_assert_eq!(&Variant::child(mother, mother, &mut rng), mother);
             let other = Variant::random(parts, templates, &mut rng);
             let kept = mother.keeping_locked(other.clone());
             prop_assert_eq!(kept.genes(group), mother.genes(group));
             let free = Group::ALL[(locked + 1) % 5];
             prop_assert_eq!(kept.genes(free), other.genes(free));
+        }
+    }
+
+    #[test]
+    fn every_group_mutates_that_is_not_locked() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut variant = Variant::random(6, 3, &mut rng);
+        variant.lock(Group::Model, true);
+        let mutant = variant.mutant(0.2, &mut rng);
+        for group in Group::ALL {
+            let stays = mutant.genes(group) == variant.genes(group);
+            assert_eq!(stays, group == Group::Model, "{group:?}");
         }
     }
 }

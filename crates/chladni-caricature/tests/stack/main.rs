@@ -363,6 +363,20 @@ fn mu_zero_exports_the_file_and_mu_one_is_the_template() {
 }
 
 #[test]
+fn half_the_strength_of_a_layer_is_half_its_mu() {
+    let (_, mut stack) = stack();
+    let mut at = |mu, strength| {
+        let mut project = Project::new(ShapeSource::Sample("lump".into()), 64);
+        let layer = Layer { mu, strength, ..Layer::new("magnify", Template::Scaled(0.9)) };
+        project.push(layer).unwrap();
+        stack.evaluate(&project).result.positions.clone()
+    };
+    assert!(largest(&at(-2.0, 0.5), &at(-1.0, 1.0)) < 1e-12);
+    assert!(largest(&at(-2.0, 0.5), &at(-2.0, 1.0)) > 1e-3);
+    assert_eq!(at(-2.0, 0.0), at(0.0, 1.0));
+}
+
+#[test]
 fn terms_and_side_by_side_models_agree_with_the_evaluation() {
     let (_, mut stack) = stack();
     let mut project = project();

@@ -105,6 +105,24 @@ fn covers_are_glued_in_pairs_that_run_opposite_ways_before_and_after_flips() {
     assert!((areas.iter().sum::<f64>() - voronoi.iter().sum::<f64>()).abs() < 1e-12);
 }
 
+#[test]
+fn mixed_voronoi_areas_are_those_of_the_cells() {
+    for (square, area, cotangent, exact) in [
+        // (0, 0), (4, 0) and (1, 3), with the circumcenter (2, 1).
+        ([16.0, 18.0, 10.0], 6.0, [0.5, 1.0 / 3.0, 1.0], [2.25, 1.75, 2.0]),
+        // (0, 0), (4, 0) and (1, 1): obtuse at the last.
+        ([16.0, 10.0, 2.0], 2.0, [-0.5, 1.0, 3.0], [0.5, 0.5, 1.0]),
+    ] {
+        let (found_area, found_cotangent) = intrinsic::cotangents(square.map(f64::sqrt));
+        assert!((found_area - area).abs() < 1e-13);
+        let parts = intrinsic::mixed_voronoi_parts(square, area, cotangent);
+        for i in 0..3 {
+            assert!((found_cotangent[i] - cotangent[i]).abs() < 1e-13);
+            assert!((parts[i] - exact[i]).abs() < 1e-14, "{parts:?}");
+        }
+    }
+}
+
 /// For each vertex a third of the area of its triangles, times `share`.
 fn barycentric_areas(cover: &Cover, vertices: usize, share: f64) -> Vec<f64> {
     let mut mass = vec![0.0; vertices];

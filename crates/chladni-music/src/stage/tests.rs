@@ -80,6 +80,17 @@ fn a_fader_brings_the_next_one_and_goes_back_for_the_one_after() {
 }
 
 #[test]
+fn the_light_is_brightest_on_the_beat_as_far_as_it_is_sure_and_fades_until_the_next() {
+    let mut parameters = Parameters::default();
+    parameters.set(Parameter::LightPulse, 0.5).unwrap();
+    let gain = |count, confidence| react(Beat { count, confidence }, |_| 5, &parameters).light_gain;
+    for (count, confidence, exact) in [(4.0, 1.0, 1.5), (4.5, 1.0, 1.125), (4.0, 0.5, 1.25)] {
+        assert!((gain(count, confidence) - exact).abs() < 1e-6, "beat {count}");
+    }
+    assert!(gain(4.99, 1.0) < 1.001);
+}
+
+#[test]
 fn switched_off_reactions_do_nothing() {
     let mut parameters = Parameters::default();
     parameters.switch(Switch::BeatTurns, false);

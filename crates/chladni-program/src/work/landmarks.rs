@@ -349,15 +349,15 @@ mod tests {
             });
             found.unwrap()
         };
-        let on_template: Vec<SurfacePoint> = (0..mesh.positions.len()).map(corner_of).collect();
-        for vertex in [0, 7, 100] {
-            for (which, other) in [(Which::Shape, sides[1]), (Which::Template, sides[0])] {
-                assert_eq!(
-                    counterpart(which, vertex, &on_template, sides),
-                    other.position(vertex),
-                    "{which:?}"
-                );
-            }
+        // Every vertex of the template belongs to one of the shape, with another number.
+        let n = mesh.positions.len() as u32;
+        let partner = |v: u32| (5 * v + 3) % n;
+        let on_template: Vec<SurfacePoint> = (0..n).map(|v| corner_of(partner(v) as usize)).collect();
+        for v in [0, 7, 100] {
+            let found = counterpart(Which::Shape, v, &on_template, sides);
+            assert_eq!(found, sides[1].position(partner(v)));
+            let found = counterpart(Which::Template, partner(v), &on_template, sides);
+            assert_eq!(found, sides[0].position(v));
         }
         assert_eq!(counterpart(Which::Shape, 9999, &on_template, sides), None);
         assert_eq!(counterpart(Which::Template, 0, &[], sides), None);

@@ -53,6 +53,26 @@ fn commands_give_what_was_recorded() {
 }
 
 #[test]
+fn small_numbers_are_compared_and_rounding_errors_and_times_are_not() {
+    let of = |text: &str| {
+        let mut summary = Summary::default();
+        summary.printed("it", text);
+        summary
+    };
+    let differ = |before: &str, now: &str| !of(before).differences(&of(now)).is_empty();
+    assert!(differ("[0, 0, 0.001]", "[0, 0, 0.00101]"));
+    assert!(differ("[0, 0.001, 0]", "[0, 0, 0.001]"));
+    assert!(!differ("[0, 1e-17, 0.001]", "[0, -3e-17, 0.001]"));
+    assert!(!differ("[1e-17, 0]", "[3e-17, 0]"));
+    assert!(differ("an error of 0.002", "an error of 0.003"));
+    assert!(!differ("8 frames in 0.43 s; residual 1e-11", "8 frames in 0.3 s; residual 2e-11"));
+    assert!(differ("8 frames in 0.43 s", "9 frames in 0.43 s"));
+    let missing = |name: &str, why: &str| format!("chladni: {name}: {why} (os error 2)");
+    assert!(!differ(&missing("a.obj", "No such file"), &missing("a.obj", "The file is not there.")));
+    assert!(differ(&missing("a.obj", "No such file"), &missing("b.obj", "No such file")));
+}
+
+#[test]
 fn every_record_belongs_to_a_command() {
     for name in recorded_names(&records()) {
         assert!(COMMANDS.iter().any(|entry| entry.name == name), "{name} is recorded, but no command");

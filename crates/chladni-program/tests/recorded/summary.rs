@@ -17,10 +17,14 @@ pub struct Summary {
 const GRID: [u32; 2] = [8, 6];
 /// Colors may differ by so much, of 255: edges are smoothed differently by different devices.
 const COLOR_TOLERANCE: f64 = 6.0;
-/// All other numbers by this share, of themselves or of 1.
+/// All other numbers by this share of the larger one.
 const TOLERANCE: f64 = 2e-4;
-/// Samples kept of a long list of numbers.
+/// What is smaller, or has this root mean square, may be rounding errors.
+const NOISE: f64 = 1e-9;
+/// Samples kept of a long list.
 const SAMPLES: usize = 8;
+/// Lines of text that begin like this: times, the machine, and a count that rounding moves by one.
+const VOLATILE_LINES: [&str; 3] = ["seconds ", "no graphics card: ", "strongly stretched "];
 
 /// The names under which something is recorded in `folder`.
 pub fn recorded_names(folder: &Path) -> Vec<String> {
@@ -60,8 +64,9 @@ impl Summary {
             }
             Value::Array(items) => {
                 self.number(&format!("{key}: items"), items.len() as f64);
-                for (i, item) in items.iter().take(SAMPLES).enumerate() {
-                    self.json(&format!("{key}[{i}]"), item);
+                let kept = SAMPLES.min(items.len());
+                for at in (0..kept).map(|i| i * items.len() / kept) {
+                    self.json(&format!("{key}[{at}]"), &items[at]);
                 }
             }
             Value::Number(number) => self.number(key, number.as_f64().unwrap_or(f64::NAN)),
@@ -71,7 +76,7 @@ impl Summary {
 
     /// Words and numbers of each line, the numbers apart.
     fn lines(&mut self, key: &str, text: &str) {
-        for (i, line) in text.lines().enumerate().filter(|(_, line)| !is_volatile(line)) {
+        for (i, line) in text.lines().enumerate().filter_map(|(i, line)| Some((i, lasting(line)?))) {
             let mut words = Vec::new();
             let mut count = 0;
             for word in line.split_whitespace() {
@@ -92,10 +97,16 @@ impl Summary {
         let size = (numbers.iter().map(|x| x * x).sum::<f64>() / numbers.len().max(1) as f64).sqrt();
         self.number(&format!("{key}: count"), numbers.len() as f64);
         self.number(&format!("{key}: root mean square"), size);
-        for i in 0..SAMPLES.min(numbers.len()) {
+        // Zeros and rounding errors say little: from each place on, the next value that is not small beside the others.
+        let is_large = |at: &usize| size > NOISE && numbers[*at].abs() >= 0.5 * size;
+        let Some(first) = (0..numbers.len()).find(is_large) else { return };
+        let rest = numbers.len() - first;
+        for i in 0..SAMPLES.min(rest) {
             // Not in step with rows of a round number.
-            let at = (i * numbers.len() / SAMPLES + 17 * i + 5) % numbers.len();
-            self.number(&format!("{key}[{at}]"), numbers[at]);
+            let from = first + (i * rest / SAMPLES + 17 * i) % rest;
+            if let Some(at) = (from..numbers.len()).chain(first..from).find(is_large) {
+                self.number(&format!("{key}[{at}]"), numbers[at]);
+            }
         }
     }
 
@@ -183,7 +194,7 @@ impl Summary {
     }
 
     /// The entries that differ in `now`, one per line.
-    fn differences(&self, now: &Self) -> Vec<String> {
+    pub fn differences(&self, now: &Self) -> Vec<String> {
         let mut lines = Vec::new();
         for (key, before) in &self.entries {
             match now.entries.get(key) {
@@ -208,29 +219,33 @@ fn span(cell: u32, cells: u32, length: u32) -> std::ops::Range<u32> {
 fn is_alike(key: &str, before: &Value, after: &Value) -> bool {
     match (before.as_f64(), after.as_f64()) {
         (Some(a), Some(b)) => {
-            let tolerance =
-                if key.contains(" of cell ") { COLOR_TOLERANCE } else { TOLERANCE * a.abs().max(1.0) };
-            (a - b).abs() <= tolerance
+            let relative = || TOLERANCE * a.abs().max(b.abs()).max(NOISE);
+            (a - b).abs() <= if key.contains(" of cell ") { COLOR_TOLERANCE } else { relative() }
         }
         _ => before == after,
     }
 }
 
-/// Times and what depends on the machine, such as counts that rounding moves by one.
+/// Fields with times and what depends on the machine, such as counts that rounding moves by one.
 fn is_volatile(name: &str) -> bool {
-    [
-        "seconds",
-        "wrote",
-        "frames in",
-        "drawn by",
-        "certificate",
-        "residual",
-        "orthogonality",
-        "threads",
-        "device",
-        "error",
-        "strongly",
-    ]
-    .iter()
-    .any(|word| name.contains(word))
+    ["seconds", "certificate", "residual", "orthogonality", "threads", "device", "error", "strongly"]
+        .iter()
+        .any(|word| name.contains(word))
+}
+
+/// The beginning of a line of text that is the same on every machine.
+fn lasting(line: &str) -> Option<&str> {
+    if VOLATILE_LINES.iter().any(|start| line.starts_with(start)) || line.contains(" threads are used: ") {
+        return None;
+    }
+    // Up to how long it took, or to the system's own words.
+    let took = line.match_indices(" in ").map(|(at, _)| at).find(|at| begins_with_seconds(&line[at + 4..]));
+    let system = || if line.contains(" (os error ") { line.rfind(": ") } else { None };
+    Some(&line[..took.or_else(system).unwrap_or(line.len())])
+}
+
+/// Whether it is like "0.43 s; residual 6e-11".
+fn begins_with_seconds(text: &str) -> bool {
+    text.split_once(" s")
+        .is_some_and(|(number, rest)| number.parse::<f64>().is_ok() && !rest.starts_with(char::is_alphabetic))
 }

@@ -195,6 +195,37 @@ mod tests {
         Item { terms: vec![term] }
     }
 
+    /// What a file holds of a dance.
+    struct Dance {
+        times_secs: Vec<f32>,
+        weights: Vec<f32>,
+        /// Of each target the three coordinates of every vertex.
+        targets: Vec<Vec<f32>>,
+    }
+
+    impl Dance {
+        fn read(glb: &[u8]) -> Self {
+            let json_bytes = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+            let root: serde_json::Value = serde_json::from_slice(&glb[20..20 + json_bytes]).unwrap();
+            let data = &glb[20 + json_bytes + 8..];
+            let floats = |accessor: &serde_json::Value| -> Vec<f32> {
+                let accessor = &root["accessors"][accessor.as_u64().unwrap() as usize];
+                let view = &root["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
+                let [from, length] =
+                    ["byteOffset", "byteLength"].map(|name| view[name].as_u64().unwrap() as usize);
+                let bytes = data[from..from + length].chunks(4);
+                bytes.map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+            };
+            let sampler = &root["animations"][0]["samplers"][0];
+            let targets = root["meshes"][0]["primitives"][0]["targets"].as_array().unwrap();
+            Self {
+                times_secs: floats(&sampler["input"]),
+                weights: floats(&sampler["output"]),
+                targets: targets.iter().map(|target| floats(&target["POSITION"])).collect(),
+            }
+        }
+    }
+
     #[test]
     fn targets_times_weights_are_the_film() {
         let mut mesh = samples::icosphere(2);
@@ -212,6 +243,19 @@ mod tests {
         assert!(stopped.is_cancelled() && !path.exists());
         let all = write(1000);
         assert!(all.largest_deviation < 1e-6, "{all:?}");
+        let dance = Dance::read(&std::fs::read(&path).unwrap());
+        assert_eq!((dance.times_secs.len(), dance.targets.len()), (20, all.targets));
+        for (f, weights) in dance.weights.chunks(all.targets).enumerate() {
+            assert_eq!(dance.times_secs[f], f as f32 / 10.0);
+            let filmed = body.displacements_in_file(&displacements_f64(&body, &frame(f)).unwrap());
+            for (v, moved) in filmed.iter().enumerate() {
+                for (i, wanted) in moved.iter().enumerate() {
+                    let shares = weights.iter().zip(&dance.targets);
+                    let found: f64 = shares.map(|(w, t)| f64::from(*w) * f64::from(t[3 * v + i])).sum();
+                    assert!((found - wanted).abs() < 1e-3, "frame {f}: {found} for {wanted}");
+                }
+            }
+        }
         let few = write(3);
         assert!(few.targets == 4 && few.largest_deviation > 1e-3, "{few:?}");
         assert!(few.mean_deviation < few.largest_deviation);
