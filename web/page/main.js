@@ -3,7 +3,7 @@ import init, { kind, songs_in_list, without_companions } from "./chladni_web.js"
 import { ask, compiled, giveUp } from "./work.js";
 import { openCard } from "./card.js";
 import { hands } from "./hands.js";
-import { attempt, attemptOf, of, on, report, say } from "./page.js";
+import { attempt, attemptOf, base, of, on, report, say } from "./page.js";
 import { start as draw } from "./picture.js";
 import { notKept, tellCores, threadFiles } from "./threads.js";
 import * as music from "./music.js";
@@ -65,9 +65,12 @@ const takeFile = (file, beside) => attemptOf(file.name, async () => take(file.na
 /** What says what it needs comes before what it needs. */
 const order = ({ name }) => (["text", "project"].includes(kind(name)) ? 0 : 1);
 
+/** The file by the name by which others may ask for it. */
+const composed = (file) => (file.name === base(file.name) ? file : new File([file], base(file.name)));
+
 const open = attempt(async (brought) => {
   if (isFilmed()) throw new Error("A film waits for its pictures: open files once it is done, or stop it.");
-  const files = withoutCompanions(brought);
+  const files = withoutCompanions(brought.map(composed));
   const [songs, lists] = ["song", "list"].map((wanted) => files.filter(({ name }) => kind(name) === wanted));
   const beside = await meshesBesideProjects(files);
   const came = new Set(beside.keys());
@@ -103,7 +106,7 @@ async function meshesBesideProjects(files) {
 /** Songs in the order of the lists that came with them, those of no list behind them; and what the lists name besides. */
 async function inOrderOf(lists, songs) {
   const names = [];
-  for (const list of lists) names.push(...songs_in_list(new Uint8Array(await list.arrayBuffer())));
+  for (const list of lists) names.push(...songs_in_list(new Uint8Array(await list.arrayBuffer())).map(base));
   const place = ({ name }) => (names.includes(name) ? names.indexOf(name) : names.length);
   return { inOrder: songs.toSorted((a, b) => place(a) - place(b)), missing: names.filter((name) => !songs.some((song) => song.name === name)) };
 }

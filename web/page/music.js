@@ -210,7 +210,7 @@ export async function openText(name, bytes) {
   needs.body &&= base(needs.body);
   if (!mayReplace("Open the show", "The show is not open: Save show keeps the dances that are here.")) return;
   const begin = (dancing) => {
-    dancing.open_show(text);
+    needs.others = dancing.open_show(text);
     return songs.findForShow(needs.songs).map((song, i) => song ?? { name: needs.songs[i] });
   };
   if (needs.body?.startsWith("sample:") && needs.body !== state.body) {
@@ -247,10 +247,11 @@ function takeDance(name, text, caution) {
 function isOpen(name, needs) {
   if (lacks) return `${name} was danced by ${needs.body}: drop that mesh, too.`;
   const missing = needs.songs.filter((song) => !songs.find(song));
-  if (missing.length) return `${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.`;
+  const cautions = [needs.caution, needs.others];
+  if (missing.length) return [`${name} is open. It was danced to ${missing.join(", ")}: drop that song, too.`, ...cautions].filter(Boolean).join(" ");
   const behind = [state.looks.picture, state.looks.panorama].filter(Boolean).map(base);
   const unseen = behind.length && `${behind.join(" and ")} cannot be shown behind it: the page has no pictures of one's own.`;
-  return [needs.caution, unseen].filter(Boolean).join(" ") || `${name} is open.`;
+  return [...cautions, unseen].filter(Boolean).join(" ") || `${name} is open.`;
 }
 
 /** Plays the show that was opened, or leaves it to the user. */

@@ -82,8 +82,8 @@ export async function busy(what, work) {
   }
 }
 
-/** A file's name without its folders. */
-export const base = (path) => path.split(/[\\/]/).at(-1);
+/** A file's name without its folders, its accents composed: a Mac may write them apart. */
+export const base = (path) => path.split(/[\\/]/).at(-1).normalize();
 
 /** A shape as people call it. */
 export const label = (name) => name.replace("sample:", "");

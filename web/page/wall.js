@@ -11,6 +11,8 @@ let shown;
 let opening = false;
 /** Others are about to hang there. */
 let stepping = false;
+/** How many surprises there were, in all galleries. */
+let surprises = 0;
 
 /** Does `act`, unless other figures are on their way: a press is meant for those that are seen. */
 const ofSeen = (act) => async (...args) => { if (!stepping) await act(...args); };
@@ -140,5 +142,5 @@ export function listen(caricature) {
   for (const step of ["breed", "back", "others"]) {
     on(`wall-${step}`, ofSeen(() => hangOthers(step)));
   }
-  on("wall-surprise", ofSeen(async () => hang((await busy("a surprise", () => asks("surprise"))).found)));
+  on("wall-surprise", ofSeen(async () => hang((await busy("a surprise", () => asks("surprise", ++surprises))).found)));
 }

@@ -17,8 +17,8 @@ use crate::{PROJECT, solve};
 #[wasm_bindgen]
 pub struct Wall {
     shown: Exhibition,
-    /// Seeds of the gallery that was begun last, and of the next surprise.
-    seeds: [u64; 2],
+    /// The seed of the gallery that was begun last.
+    seed: u64,
 }
 
 /// One caricature of the twelve.
@@ -71,7 +71,7 @@ impl Wall {
             stack.matched(&request).is_some()
         });
         let shown = Exhibition::open(None, &mesh, &mut stack, given, &watcher)?;
-        Ok(Self { shown, seeds: [FIRST_SEED; 2] })
+        Ok(Self { shown, seed: FIRST_SEED })
     }
 
     /// Does a step: `breed`, `back`, or `others`.
@@ -83,8 +83,8 @@ impl Wall {
             "breed" => Step::Breed,
             "back" => Step::Back,
             "others" => {
-                self.seeds[0] += 1;
-                Step::Restart(self.seeds[0])
+                self.seed += 1;
+                Step::Restart(self.seed)
             }
             _ => return Err(JsError::new("there is no such step")),
         };
@@ -138,14 +138,13 @@ impl Wall {
         written(&sitter.portray_one(variant)?.layers)
     }
 
-    /// Those of a random good one, another each time.
+    /// Those of a random good one, another for each `number`: the page counts them, as it opens a gallery anew after each.
     ///
     /// # Errors
     /// Bugs only.
-    pub fn surprise(&mut self) -> Result<String, JsError> {
-        self.seeds[1] += 1;
+    pub fn surprise(&self, number: u32) -> Result<String, JsError> {
         // Far from the seeds of galleries.
-        let (_, portrait) = surprise(self.seeds[1] << 32, &self.shown.sitter)?;
+        let (_, portrait) = surprise(self.seed ^ (u64::from(number) << 32), &self.shown.sitter)?;
         written(&portrait.layers)
     }
 

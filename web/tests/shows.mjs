@@ -126,7 +126,7 @@ export async function flashes() {
 /** A show that is open before its song: dances take turns by what is heard meanwhile, and by all beats once the song comes. */
 export async function withoutSong() {
   const { page, wrong, elsewhere } = await opened({ width: 640, height: 480 }, false);
-  const { meanwhile, after } = await page.evaluate(async () => {
+  const { meanwhile, after, cautions } = await page.evaluate(async () => {
     const { Concert } = await import("./chladni_web.js");
     const body = new Uint8Array(await (await fetch("bodies/plate.body")).arrayBuffer());
     const beats_secs = Array.from({ length: 200 }, (_, i) => i / 2);
@@ -153,10 +153,17 @@ export async function withoutSong() {
     const meanwhile = new Set(play(show, 1, 0, 20)).size;
     know(show, 0);
     const after = show.staged();
+    const done = (action) => `{ at_secs = 0.0, at_beat = 0.0, ${action} }`;
+    const chosen = [0, 1].map((item) => done(`do = "choose", item = ${item}, on = true`));
+    const actions = [...chosen, done('do = "breed"')];
+    const bred = `format_version = 2\nseed = 1\nsize = 6\nactions = [${actions}]\n`;
+    const cautions = [show.harmonics(), 512].map((count) => show.open_show(`harmonics = ${count}\n${bred}`));
     danced.free();
     show.free();
-    return { meanwhile, after };
+    return { meanwhile, after, cautions };
   });
+  assert.ok(!cautions[0]);
+  assert.match(cautions[1], /bred with 512 harmonics/);
   assert.ok(meanwhile > 3, `${meanwhile} dances without the song`);
   assert.equal(after, 5, "after the 2 beats in the show and the 40 since");
   step("a show that is open before its song goes on, and is right once that comes");

@@ -303,12 +303,19 @@ async function gallery(page, shot) {
   await until(page, (count) => window.chladni.sitting.layers.every(({ state }, i) => state === (i < count ? "off" : "acts")), layers.length);
   await page.click("#undo");
   await until(page, (count) => window.chladni.sitting.layers.length === count, layers.length);
-  await page.click("#gallery");
-  await until(page, () => window.chladni.wall);
-  await page.click("#wall-surprise");
-  await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
-  // It looks as it hung there: those that were there are hidden, and come back with it.
-  await until(page, (count) => window.chladni.sitting.layers.every(({ state }, i) => state === (i < count ? "off" : "acts")), layers.length);
+  const surprise = async () => {
+    await page.click("#gallery");
+    await until(page, () => window.chladni.wall);
+    await page.click("#wall-surprise");
+    await until(page, (count) => !window.chladni.wall && window.chladni.sitting.layers.length > count, layers.length);
+    // It looks as it hung there: those that were there are hidden, and come back with it.
+    await until(page, (count) => window.chladni.sitting.layers.every(({ state }, i) => state === (i < count ? "off" : "acts")), layers.length);
+    return page.evaluate((count) => window.chladni.sitting.layers.slice(count).map(({ template, model, mu }) => [template, model, mu]), layers.length);
+  };
+  const surprised = await surprise();
+  await page.click("#undo");
+  await until(page, (count) => window.chladni.sitting.layers.length === count, layers.length);
+  assert.notDeepEqual(await surprise(), surprised, "another surprise each time");
   step(`a gallery of twelve: bred, back, others, one taken as ${taken - layers.length} layers, a favorite, and a surprise; its figures swell`);
 }
 

@@ -144,6 +144,10 @@ export async function caricature() {
   const layer = '\n[[layer]]\nname = "Smooth"\ntemplate = "plain/dent.obj"\n';
   await drop(page, ["twice.chladni", Buffer.from(PROJECT.toString().replace("layer = []\n", "") + layer)]);
   await until(page, () => document.getElementById("status").textContent.startsWith("twice.chladni names two meshes that are both called dent.obj"));
+  // Windows has other slashes, and a Mac may write an accent apart.
+  const source = PROJECT.toString().replace('"dent.obj"', "'D:\\Shapes\\b\u00fcste.obj'");
+  await drop(page, ["bu\u0308ste.obj", MESH], ["bust.chladni", Buffer.from(source)]);
+  await until(page, () => window.chladni.sitting?.shape.endsWith("b\u00fcste.obj") && window.chladni.sitting.solved);
   step("a project waits for its mesh, they may come together, and names say which is which");
   await drop(page, ["broken.wav", Buffer.from("no sound")]);
   await until(page, () => document.getElementById("status").textContent.startsWith("broken.wav: not a sound"));

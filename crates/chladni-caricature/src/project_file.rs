@@ -10,7 +10,7 @@ use chladni_mesh::{MeshError, Orientation};
 use chladni_task::read_file;
 use serde::{Deserialize, Serialize};
 
-use self::paths::{folder_of, relative_text, resolved};
+use self::paths::{relative_text, resolved};
 use crate::layer::DEFAULT_MU;
 use crate::migration::{FORMAT_VERSION, USUAL_VERSION, migrate};
 use crate::project::DEFAULT_HARMONICS;
@@ -135,7 +135,8 @@ fn yes() -> bool {
 }
 
 impl Project {
-    /// Reads the project file at `path`. Paths in it are taken from its folder.
+    /// Reads the project file at `path`. Paths in it are taken from its folder; where `path` is a link, from that
+    /// of the file that it leads to.
     ///
     /// Files of older formats are brought up to date in memory.
     ///
@@ -182,12 +183,11 @@ impl Project {
         if painted > runs::MOST_VALUES {
             return Err(CaricatureError::ProjectFile { path: path.into(), why: TOO_MUCH_PAINTED.into() });
         }
-        let folder = folder_of(path);
         let source = match &self.shape {
-            ShapeSource::File(file) => relative_text(file, &folder).map_err(invalid)?,
+            ShapeSource::File(file) => relative_text(file, path).map_err(invalid)?,
             sample @ ShapeSource::Sample(_) => sample.to_string(),
         };
-        let layers = self.layers().iter().map(|(_, l)| LayerTable::of(l, self, &folder));
+        let layers = self.layers().iter().map(|(_, l)| LayerTable::of(l, self, path));
         let proxy = match &self.resolution {
             Resolution::Usual => None,
             Resolution::Whole => Some(ProxyKey { vertices: 0, fingerprint: None }),
@@ -225,10 +225,9 @@ impl Project {
                 (document.map_err(|e: toml::de::Error| invalid(e.message().to_owned()))?, Some(format))
             }
         };
-        let folder = folder_of(path);
         let shape = document.shape.source.parse().map_err(|e: MeshError| invalid(e.to_string()))?;
         let shape = match shape {
-            ShapeSource::File(file) => ShapeSource::File(resolved(&file, &folder)),
+            ShapeSource::File(file) => ShapeSource::File(resolved(&file, path)),
             sample @ ShapeSource::Sample(_) => sample,
         };
         if document.shape.harmonics == 0 {
@@ -251,7 +250,7 @@ impl Project {
         let mut painted = 0;
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
-            let layer = table.into_layer(&folder).map_err(|e| invalid(format!("{place}: {e}")))?;
+            let layer = table.into_layer(path).map_err(|e| invalid(format!("{place}: {e}")))?;
             painted += painted_values(&layer.region.painted);
             if painted > runs::MOST_VALUES {
                 return Err(invalid(format!("{place}: {TOO_MUCH_PAINTED}")));
@@ -263,9 +262,9 @@ impl Project {
 }
 
 impl LayerTable {
-    fn of(layer: &Layer, project: &Project, folder: &Path) -> Result<Self, CaricatureError> {
+    fn of(layer: &Layer, project: &Project, path: &Path) -> Result<Self, CaricatureError> {
         let template = match &layer.template {
-            Template::File(file) => relative_text(file, folder)?,
+            Template::File(file) => relative_text(file, path)?,
             // Ids are not written: layers get them anew, in order, when the file is read.
             Template::Layer(id) => {
                 let number = project.number(*id).ok_or(CaricatureError::NoLayer(id.0))?;
@@ -297,9 +296,9 @@ impl LayerTable {
         })
     }
 
-    fn into_layer(self, folder: &Path) -> Result<Layer, CaricatureError> {
+    fn into_layer(self, path: &Path) -> Result<Layer, CaricatureError> {
         let template = match self.template.parse()? {
-            Template::File(file) => Template::File(resolved(&file, folder)),
+            Template::File(file) => Template::File(resolved(&file, path)),
             other => other,
         };
         let bad_match = |why: String| CaricatureError::Syntax { what: "match", text: String::new(), why };

@@ -1,6 +1,6 @@
-//! Progress and cancellation of long work, files that are written whole or not at all, files that are read
-//! whole up to a size limit, copies of unsaved work that outlive a crash, other programs that are started, names in
-//! addresses, and numbers of things in words.
+//! Progress and cancellation of long work, files that are written whole or not at all, or by one program at a time,
+//! files that are read whole up to a size limit, copies of unsaved work that outlive a crash, other programs that are
+//! started, names in addresses, and numbers of things in words.
 //!
 //! ```
 //! use chladni_task::Task;
@@ -23,6 +23,7 @@
 
 #![warn(clippy::missing_errors_doc)]
 
+mod alone;
 mod atomic_file;
 mod counted;
 mod other_program;
@@ -31,8 +32,9 @@ mod progress;
 mod read_file;
 mod recovery;
 
+pub use alone::alone;
 pub use atomic_file::{
-    Draft, create_folder, folder_of, persist, private_folder, temporary_beside, write_atomic,
+    Draft, create_folder, folder_of, persist, private_folder, temporary_beside, where_it_leads, write_atomic,
     write_atomic_private, write_atomic_with, write_new,
 };
 pub use counted::counted;

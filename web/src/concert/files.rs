@@ -75,11 +75,13 @@ impl Concert {
 
     /// Goes on where a show ended: its gallery, its knobs, its look, its time and what was heard until then. What it was
     /// danced on, and what is heard from now on, is up to the page ([`needs_of_text`]), which numbers songs as the show does.
+    /// Gives a warning where its dances are others with the harmonics here.
     ///
     /// # Errors
     /// Text that is not a show, and a show that cannot be danced here.
-    pub fn open_show(&mut self, text: &str) -> Result<(), JsError> {
+    pub fn open_show(&mut self, text: &str) -> Result<Option<String>, JsError> {
         let show = Show::from_text(text)?;
+        let caution = show.caution_on(self.harmonics());
         self.instrument = show.replay(self.instrument.shape().clone())?;
         let at_secs = show.ends_secs();
         (self.programme, self.script, self.before_sand, self.live) = (None, None, None, None);
@@ -90,7 +92,8 @@ impl Concert {
         self.viewpoint = show.viewpoint;
         self.looks = show.looks.unwrap_or_default();
         // Its songs are not known yet, and the count begins without their beats.
-        Ok(self.count_beats()?)
+        self.count_beats()?;
+        Ok(caution)
     }
 
     /// A dance as the text of a preset file.

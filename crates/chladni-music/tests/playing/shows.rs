@@ -41,6 +41,16 @@ fn what_was_kept_before_anything_resonated_does_not_resonate() {
 }
 
 #[test]
+fn a_show_that_breeds_says_that_children_are_others_with_other_harmonics() {
+    let text = "format_version = 2\nharmonics = 64\nseed = 5\nsize = 6\n";
+    let breeds = "actions = [{ at_secs = 1.0, at_beat = 0.0, do = \"breed\" }]\n";
+    let bred = Show::from_text(&format!("{text}{breeds}")).unwrap();
+    assert_eq!(bred.caution_on(64), None);
+    assert!(bred.caution_on(96).unwrap().contains("64 harmonics; with 96"));
+    assert_eq!(Show::from_text(text).unwrap().caution_on(96), None);
+}
+
+#[test]
 fn a_session_of_version_1_opens_as_a_show_with_the_knobs_of_then() {
     let text = "format_version = 1\nsong = \"old.ogg\"\nseed = 5\nsize = 6\n[[actions]]\nat_secs = 0.5\n\
                 at_beat = 1.0\ndo = \"set\"\nparameter = \"gain\"\nvalue = 2.5\n";

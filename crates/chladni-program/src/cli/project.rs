@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::{DEFAULT_HARMONICS, Layer, Painted, Project, Resolution, ShapeSource, Template};
 use chladni_harmonics::{Laplacian, Operator};
 use chladni_mesh::Orientation;
+use chladni_task::alone;
 use serde::Serialize;
 
 use super::Terminal;
@@ -154,8 +155,7 @@ impl AddLayer {
         let painted = self.region.painted(&shape, &subject, terminal)?;
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;
-        check_unchanged(&self.project, &before)?;
-        project.save(&self.project).map_err(Error::unsaved)?;
+        save_over(&before, &project, &self.project)?;
         let layers = project.layers().len();
         let noun = if layers == 1 { "layer" } else { "layers" };
         terminal.result(format_args!("{} has {layers} {noun}", self.project.display()))
@@ -174,6 +174,14 @@ fn save_new(project: &Project, path: &Path) -> Result<(), Error> {
 /// The refusal of a place where a file is: hours of painting may be in it.
 fn exists_already(path: &Path) -> Error {
     Error::input(format_args!("{}: exists already", path.display()))
+}
+
+/// Saves `project` at `path` in the place of the one that was `read` there.
+fn save_over(read: &Project, project: &Project, path: &Path) -> Result<(), Error> {
+    alone(path, || {
+        check_unchanged(path, read)?;
+        project.save(path).map_err(Error::unsaved)
+    })
 }
 
 /// Checks that the file at `path` still holds the project that was `read`: a window may have saved its work meanwhile.
@@ -322,5 +330,28 @@ mod tests {
         assert!(why.contains("p.chladni") && why.contains("changed meanwhile"), "{why}");
         assert!(save_new(&read, &path).unwrap_err().to_string().contains("exists already"));
         assert_eq!(Project::load(&path).unwrap().harmonics, 9);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn of_commands_that_change_one_project_at_once_no_work_is_lost() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.chladni");
+        save_new(&Project::new(ShapeSource::Sample("bell".into()), 8), &path).unwrap();
+        let read = Project::load(&path).unwrap();
+        let start = std::sync::Barrier::new(4);
+        let add = |number: usize| {
+            let mut project = read.clone();
+            let name = format!("layer {number}");
+            project.push(Layer::new(name, Template::Ellipsoid)).unwrap();
+            start.wait();
+            save_over(&read, &project, &path).is_ok()
+        };
+        let saved: Vec<bool> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..4).map(|number| scope.spawn(move || add(number))).collect();
+            threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        let layers = Project::load(&path).unwrap().layers().len();
+        assert_eq!((saved.iter().filter(|saved| **saved).count(), layers), (1, 1));
     }
 }

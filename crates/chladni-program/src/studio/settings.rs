@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use chladni_sound::LONGEST_CROSSFADE_SECS;
-use chladni_task::{read_file, read_text_file};
+use chladni_task::{alone, read_file, read_text_file};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
@@ -100,32 +100,41 @@ impl Settings {
         chladni_task::write_atomic(path, self.to_text()?.as_bytes())
     }
 
-    /// Writes to `path` what was changed since `before`; all else stays as another window may have written it there. A file
-    /// that cannot be read is [set aside](Self::set_aside); returns where.
+    /// Writes to `path` what was changed since `before`; all else stays as another window, or a newer version, may have
+    /// written it there. A file that cannot be read is [set aside](Self::set_aside); returns where.
     ///
     /// # Errors
     /// Those of [`save`](Self::save) and [`set_aside`](Self::set_aside).
     pub fn save_beside(&self, before: &Self, path: &Path) -> io::Result<Option<PathBuf>> {
-        match path.exists().then(|| Self::load(path)) {
-            Some(Ok(others)) => self.over(before, &others)?.save(path).map(|()| None),
-            Some(Err(_)) => {
-                let aside = Self::set_aside(path)?;
-                self.save(path).map(|()| Some(aside))
+        alone(path, || {
+            if !path.exists() {
+                return self.save(path).map(|()| None);
             }
-            None => self.save(path).map(|()| None),
-        }
+            if Self::load(path).is_err() {
+                let aside = Self::set_aside(path)?;
+                return self.save(path).map(|()| Some(aside));
+            }
+            let there: toml::Table = read_text_file(path, LARGEST)?.parse().map_err(io::Error::other)?;
+            let merged = toml::to_string_pretty(&self.over(before, there)?).map_err(io::Error::other)?;
+            chladni_task::write_atomic(path, merged.as_bytes()).map(|()| None)
+        })
     }
 
-    /// What was changed here since `before`, and all else as in `others`: preferences that another window wrote meanwhile.
+    /// What was changed here since `before`, and all else as `there`, in a file that another window may have written
+    /// meanwhile: a newer version has keys in it that are not known here.
     ///
     /// # Errors
     /// A value that the file cannot hold.
-    pub fn over(&self, before: &Self, others: &Self) -> io::Result<Self> {
-        let table = |settings: &Self| toml::Table::try_from(settings).map_err(io::Error::other);
-        let mut merged = table(others)?;
-        change(&mut merged, &table(before)?, table(self)?);
-        let merged: Self = merged.try_into().map_err(io::Error::other)?;
-        Ok(merged.bounded())
+    fn over(&self, before: &Self, mut there: toml::Table) -> io::Result<toml::Table> {
+        change(&mut there, &before.table()?, self.table()?);
+        let merged: Self = there.clone().try_into().map_err(io::Error::other)?;
+        change(&mut there, &merged.table()?, merged.bounded().table()?);
+        Ok(there)
+    }
+
+    /// As a file holds it: numbers have no more digits than a person would write.
+    fn table(&self) -> io::Result<toml::Table> {
+        self.to_text()?.parse::<toml::Table>().map_err(io::Error::other)
     }
 
     /// Puts `path` first among the recent files.
@@ -194,6 +203,10 @@ fn changed_list(there: &[Value], before: &[Value], mut now: Vec<Value>) -> Vec<V
 mod tests {
     use super::*;
 
+    fn over(now: &Settings, before: &Settings, others: &Settings) -> Settings {
+        now.over(before, others.table().unwrap()).unwrap().try_into().unwrap()
+    }
+
     #[test]
     fn a_window_writes_only_what_was_changed_in_it() {
         let before = Settings::default();
@@ -202,17 +215,17 @@ mod tests {
         one.music.volume = 0.25;
         other.harmonics = 128;
         other.music.live_gain_db = 6.0;
-        let both = other.over(&before, &one).unwrap();
+        let both = over(&other, &before, &one);
         assert_eq!((both.zoom, both.music.volume), (1.5, 0.25));
         assert_eq!((both.harmonics, both.music.live_gain_db), (128, 6.0));
         // What is changed back is changed; what is taken away goes.
-        let again = before.over(&one, &both).unwrap();
+        let again = over(&before, &one, &both);
         assert_eq!(
             (again.zoom, again.music.volume, again.harmonics),
             (before.zoom, before.music.volume, 128)
         );
         one.remember(Path::new("/a.chladni"));
-        assert_eq!(before.over(&one, &one).unwrap(), before);
+        assert_eq!(over(&before, &one, &one), before);
     }
 
     #[test]
@@ -227,18 +240,19 @@ mod tests {
         // One adds 4 and removes 1, the other adds 5 and removes 2.
         let one = with(&["/10.0.0.4", "/10.0.0.2", "/10.0.0.3"]);
         let other = with(&["/10.0.0.5", "/10.0.0.1", "/10.0.0.3"]);
-        assert_eq!(other.over(&before, &one).unwrap(), with(&["/10.0.0.4", "/10.0.0.5", "/10.0.0.3"]));
+        assert_eq!(over(&other, &before, &one), with(&["/10.0.0.4", "/10.0.0.5", "/10.0.0.3"]));
         // A file that is opened again comes first.
         let again = with(&["/10.0.0.3", "/10.0.0.1", "/10.0.0.2"]);
-        let both = again.over(&before, &with(&["/10.0.0.9", "/10.0.0.1", "/10.0.0.2", "/10.0.0.3"]));
+        let meanwhile = with(&["/10.0.0.9", "/10.0.0.1", "/10.0.0.2", "/10.0.0.3"]);
+        let both = over(&again, &before, &meanwhile);
         let expected = with(&["/10.0.0.9", "/10.0.0.3", "/10.0.0.1", "/10.0.0.2"]);
-        assert_eq!(both.unwrap().recent, expected.recent);
+        assert_eq!(both.recent, expected.recent);
         // What stands for one value is taken as a whole.
         let mut wider = before.clone();
         wider.music.projection.trim = [0.25, 0.5, 0.75];
         let mut narrower = before.clone();
         narrower.music.projection.trim = [0.125; 3];
-        let merged = wider.over(&before, &narrower).unwrap();
+        let merged = over(&wider, &before, &narrower);
         assert_eq!(merged.music.projection, wider.music.projection);
     }
 
@@ -254,6 +268,47 @@ mod tests {
         assert_eq!(Settings::load(&path).unwrap(), settings);
         assert_eq!(before.save_beside(&settings, &path).unwrap(), None);
         assert_eq!(Settings::load(&path).unwrap(), before);
+    }
+
+    #[test]
+    fn preferences_of_a_newer_version_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        let text =
+            "invented = 1\nzoom = 9.0\n[music]\nvolume = 0.5\nof_later = [\"a\"]\n[later]\nkey = true\n";
+        std::fs::write(&path, text).unwrap();
+        let before = Settings::load(&path).unwrap();
+        let mut settings = before.clone();
+        settings.music.volume = 0.1;
+        assert_eq!(settings.save_beside(&before, &path).unwrap(), None);
+        let kept: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
+        assert_eq!(kept["invented"].as_integer(), Some(1));
+        assert_eq!(kept["later"]["key"].as_bool(), Some(true));
+        assert_eq!(kept["music"]["of_later"][0].as_str(), Some("a"));
+        assert_eq!((kept["zoom"].as_float(), kept["music"]["volume"].as_float()), (Some(3.0), Some(0.1)));
+        assert_eq!(Settings::load(&path).unwrap(), settings);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn windows_that_write_at_once_keep_what_each_has_changed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("settings.toml");
+        let before = Settings::default();
+        before.save(&path).unwrap();
+        let start = std::sync::Barrier::new(4);
+        let write = |number: usize| {
+            let mut settings = before.clone();
+            settings.remember(Path::new(&format!("/{number}.chladni")));
+            start.wait();
+            settings.save_beside(&before, &path).unwrap();
+        };
+        std::thread::scope(|scope| {
+            for number in 0..4 {
+                scope.spawn(move || write(number));
+            }
+        });
+        assert_eq!(Settings::load(&path).unwrap().recent.len(), 4);
     }
 
     #[test]

@@ -52,9 +52,11 @@ pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option
     if ShapeSource::sample_name(named).is_some() {
         return Ok((named.to_owned(), None));
     }
-    let beside = folder.zip(named.file_name()).map(|(folder, name)| folder.join(name));
-    let below = folder.map(|folder| folder.join(named));
-    let places = [below, Some(named.to_owned()), beside];
+    let in_folder = |name: &Path| folder.map(|folder| folder.join(name));
+    let beside = named.file_name().and_then(|name| in_folder(Path::new(name)));
+    // Elsewhere, a path from Windows is one name.
+    let of_windows = file.path.rsplit(['/', '\\']).next().and_then(|name| in_folder(Path::new(name)));
+    let places = [in_folder(named), Some(named.to_owned()), beside, of_windows];
     let Some(found) = places.into_iter().flatten().find(|path| path.is_file()) else {
         return Err(Error::Input(format!(
             "{}: the file of this show is not there, nor beside the show",
@@ -134,6 +136,8 @@ mod tests {
         assert!(warning.unwrap().to_string().contains("not the file"));
         let far = refer(&song, Some(new.path()));
         assert_eq!(resolve(&far, Some(new.path())).unwrap(), (song, None));
+        let of_windows = FileRef { path: r"D:\Songs\a.wav".into(), blake3: None };
+        assert_eq!(resolve(&of_windows, Some(new.path())).unwrap(), (moved, None));
         let sample = refer(Path::new("sample:octopus"), None);
         assert_eq!(resolve(&sample, None).unwrap(), ("sample:octopus".into(), None));
     }

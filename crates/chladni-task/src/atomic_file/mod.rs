@@ -134,7 +134,7 @@ impl Seek for Draft<'_> {
 }
 
 /// The final target of the links at `path`; `path` itself if it is not a link or the links form a loop.
-fn where_it_leads(path: &Path) -> PathBuf {
+pub fn where_it_leads(path: &Path) -> PathBuf {
     let mut end = path.to_owned();
     for _ in 0..40 {
         match std::fs::read_link(&end) {

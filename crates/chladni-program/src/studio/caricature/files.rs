@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use chladni_caricature::{Action, Layer, Project, Recovered, Resolution, ShapeSource, Template};
 use chladni_mesh::surface::vec3::single;
+use chladni_task::alone;
 use chladni_view::{Camera, View};
 use egui::Context;
 
@@ -183,17 +184,24 @@ impl CaricatureRoom {
     pub(super) fn save(&mut self, ask: bool, shared: &mut Shared<'_>) -> bool {
         self.end_renaming(shared);
         let Some(session) = &mut self.session else { return true };
-        let mut known = session.path.clone().filter(|_| !ask);
-        if let Some(path) = known.take_if(|path| is_changed_elsewhere(session, path)) {
-            // The dialog asks before it replaces a file.
-            let why = "another program has changed it. To replace that, choose it again.";
-            shared.notices.warn(format!("{}: {why}", path.display()));
+        let mut saved = None;
+        if let Some(path) = session.path.clone().filter(|_| !ask) {
+            saved = save_unchanged(session, &path).map(|done| (path.clone(), done));
+            if saved.is_none() {
+                // The dialog asks before it replaces a file.
+                let why = "another program has changed it. To replace that, choose it again.";
+                shared.notices.warn(format!("{}: {why}", path.display()));
+            }
         }
-        let suggested = session.beside(PROJECT);
         let kinds: &[FileKind<'_>] = &[("Chladni project", &[PROJECT])];
-        let chosen = known.or_else(|| ask_where_to_save(shared.chooser, kinds, &[PROJECT], &suggested));
-        let Some(path) = chosen else { return false };
-        match save_to(session, &path) {
+        let saved = saved.or_else(|| {
+            let suggested = session.beside(PROJECT);
+            let path = ask_where_to_save(shared.chooser, kinds, &[PROJECT], &suggested)?;
+            let done = alone(&path, || save_to(session, &path));
+            Some((path, done))
+        });
+        let Some((path, done)) = saved else { return false };
+        match done {
             Ok(()) => {
                 shared.settings.remember(&path);
                 shared.notices.done(format!("Saved {}", path.display()));
@@ -327,6 +335,16 @@ fn known_original(recovered: &Recovered) -> Option<String> {
     let original = recovered.original.as_deref()?;
     let written = original.metadata().ok()?.modified().ok()?;
     if written <= recovered.modified? { file_hash(original) } else { None }
+}
+
+/// Writes the project to `path`, where its own file is; `None` where another program has changed that.
+fn save_unchanged(session: &mut Session, path: &Path) -> Option<Result<(), Error>> {
+    alone(path, || {
+        if is_changed_elsewhere(session, path) {
+            return None;
+        }
+        Some(save_to(session, path))
+    })
 }
 
 /// Writes the project to `path`, whole or not at all.

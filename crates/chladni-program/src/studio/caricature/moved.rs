@@ -75,9 +75,11 @@ fn found(project: &Project, meshes: &[PathBuf]) -> Vec<Found> {
     found
 }
 
-/// How many of the last components of two paths are the same.
+/// How many of the last components of two paths are the same. A project may have come from Windows.
 fn common(a: &Path, b: &Path) -> usize {
-    a.components().rev().zip(b.components().rev()).take_while(|(a, b)| a == b).count()
+    let [a, b] = [a, b].map(|path| path.as_os_str().as_encoded_bytes());
+    let is_between = |byte: &u8| matches!(byte, b'/' | b'\\');
+    a.rsplit(is_between).zip(b.rsplit(is_between)).take_while(|(a, b)| a == b).count()
 }
 
 #[cfg(test)]
@@ -108,6 +110,14 @@ mod tests {
         assert_eq!(moved.len(), 2);
         assert_eq!(found.files(), [at("elsewhere/head.ply"), at("elsewhere/mean.ply"), at("kept.ply")]);
         assert_eq!(meshes, [at("elsewhere/kept.ply"), at("more.ply")]);
+    }
+
+    #[test]
+    fn paths_have_names_in_common_whatever_stands_between_them() {
+        let common = |a: &str, b: &str| common(Path::new(a), Path::new(b));
+        assert_eq!(common(r"/home/D:\Shapes\anna\head.ply", "/new/anna/head.ply"), 2);
+        assert_eq!(common("/old/anna/head.ply", "/new/anna/head.ply"), 2);
+        assert_eq!(common("/old/head.ply", "/old/ahead.ply"), 0);
     }
 
     #[test]

@@ -214,6 +214,13 @@ impl MusicRoom {
                     Ok(mut concert) => {
                         // Another shape goes on in the same film, by the same autopilot, on a stage as black as it is.
                         if let Some(before) = self.concert.take() {
+                            let count = concert.instrument().shape().eigenvalues.len();
+                            // A show that has waited for the shape takes the place of what was bred.
+                            if self.coming.is_none()
+                                && let Some(caution) = Show::of(before.instrument()).caution_on(count)
+                            {
+                                shared.notices.warn(caution);
+                            }
                             concert.go_on_as(before);
                         }
                         self.concert = Some(concert);

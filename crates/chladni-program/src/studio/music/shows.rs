@@ -224,6 +224,9 @@ impl MusicRoom {
         if let Err(why) = concert.replay(show) {
             return shared.notices.error(format!("{}: {why}", path.display()));
         }
+        if let Some(caution) = show.caution_on(concert.instrument().shape().eigenvalues.len()) {
+            shared.notices.warn(format!("{}: {caution}", path.display()));
+        }
         // What was begun with the show before: items and songs of this one may have the same numbers.
         (self.taken, self.renewing) = (Taken::default(), None);
         self.filming.forget_song();
