@@ -8,6 +8,7 @@ use chladni_match::{MatchSettings, Method};
 use chladni_mesh::Orientation;
 use serde::{Deserialize, Serialize};
 
+use crate::runs::MOST_VALUES;
 use crate::{
     CaricatureError, Layer, LayerId, Model, PaintEdit, Resolution, ScaleCurve, ShapeSource, Smoothing,
     Surface, Template,
@@ -232,8 +233,8 @@ impl Project {
     /// Applies `action`. Painting needs the `surface` of the shape. On an error nothing has changed.
     ///
     /// # Errors
-    /// A missing layer, a number out of range, painting without a `surface` or on another one, or a template that is
-    /// the result of a layer not below the one that uses it.
+    /// A missing layer, a number out of range, painting without a `surface` or on another one, a template that is
+    /// the result of a layer not below the one that uses it, or more painted values than a file may hold.
     pub fn apply(&mut self, action: &Action, surface: Option<&Surface>) -> Result<(), CaricatureError> {
         let mut changed = self.clone();
         changed.act(action, surface)?;
@@ -241,8 +242,22 @@ impl Project {
             let of = self.layer(of).map_or_else(|| of.0.to_string(), |below| below.name.clone());
             return Err(CaricatureError::NotBelow { layer: layer.name.clone(), of });
         }
+        // Work that could not be saved is not begun.
+        let stored = changed.stored_values();
+        if stored > MOST_VALUES && stored > self.stored_values() {
+            return Err(CaricatureError::Range {
+                what: "the number of painted values of all layers",
+                value: stored as f64,
+                range: "2²⁶ (67,108,864) or less to be saved: clear a painted region, or delete a layer",
+            });
+        }
         *self = changed;
         Ok(())
+    }
+
+    /// How many painted values its file holds.
+    pub(crate) fn stored_values(&self) -> usize {
+        self.layers.iter().map(|(_, layer)| layer.region.painted.stored_values()).sum()
     }
 
     /// The first layer whose template is the result of one that is not below it, and that one.

@@ -110,14 +110,6 @@ impl Default for RegionTable {
 
 const TOO_MUCH_PAINTED: &str = "the layers have more painted values than are read";
 
-/// How many values a file holds of this region.
-fn painted_values(painted: &Painted) -> usize {
-    match painted {
-        Painted::Everywhere | Painted::Spheres(_) => 0,
-        Painted::Vertices(values) => values.len(),
-    }
-}
-
 fn default_harmonics() -> usize {
     DEFAULT_HARMONICS
 }
@@ -178,9 +170,7 @@ impl Project {
         let invalid =
             |why: CaricatureError| CaricatureError::ProjectFile { path: path.into(), why: why.to_string() };
         // A file that does not open again would lose the work.
-        let painted =
-            self.layers().iter().map(|(_, layer)| painted_values(&layer.region.painted)).sum::<usize>();
-        if painted > runs::MOST_VALUES {
+        if self.stored_values() > runs::MOST_VALUES {
             return Err(CaricatureError::ProjectFile { path: path.into(), why: TOO_MUCH_PAINTED.into() });
         }
         let source = match &self.shape {
@@ -251,7 +241,7 @@ impl Project {
         for (i, table) in document.layers.into_iter().enumerate() {
             let place = format!("layer {} ({})", i + 1, table.name);
             let layer = table.into_layer(path).map_err(|e| invalid(format!("{place}: {e}")))?;
-            painted += painted_values(&layer.region.painted);
+            painted += layer.region.painted.stored_values();
             if painted > runs::MOST_VALUES {
                 return Err(invalid(format!("{place}: {TOO_MUCH_PAINTED}")));
             }

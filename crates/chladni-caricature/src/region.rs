@@ -46,6 +46,14 @@ impl Painted {
         }
         Self::Vertices(Arc::from(painted))
     }
+
+    /// How many values a file holds of it.
+    pub(crate) fn stored_values(&self) -> usize {
+        match self {
+            Self::Everywhere | Self::Spheres(_) => 0,
+            Self::Vertices(values) => values.len(),
+        }
+    }
 }
 
 /// A ball in the coordinates of the shape's file.

@@ -7,8 +7,8 @@ use serde::{Deserialize, Deserializer, Serializer};
 
 use crate::CaricatureError;
 
-/// More values than the layers of any mesh that fits in memory with its harmonics; a longer text is refused
-/// before anything is allocated for it.
+/// The most values of a text, and of all layers of a project: 256 MiB, since a few bytes may stand for any number.
+/// A longer text is refused before anything is allocated for it.
 pub(crate) const MOST_VALUES: usize = 1 << 26;
 
 /// `values` as text. Every value is read back bit for bit.
@@ -40,7 +40,7 @@ pub(crate) fn from_text(text: &str) -> Result<Arc<[f32]>, CaricatureError> {
             return Err(bad(run, "values lie between 0 and 1"));
         }
         if count > MOST_VALUES - values.len() {
-            return Err(bad(run, "more vertices than any shape has"));
+            return Err(bad(run, "more painted values than are read"));
         }
         values.resize(values.len() + count, value);
     }

@@ -1,12 +1,14 @@
 //! The plane in which a shape comes closest to its own mirror image.
 
+use std::collections::HashMap;
+
 use chladni_task::{Cancelled, Task};
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use rayon::prelude::*;
 
 use crate::eigen::symmetric_eigen;
 use crate::surface::vec3::{Vec3, add, dot, length, scaled, sub, unit};
-use crate::surface::{Bounds, closest_on_triangle, corners, doubled_area_normal, mixed};
+use crate::surface::{Bounds, BoxTree, closest_on_triangle, corners, doubled_area_normal, mixed};
 use crate::{Rows, vertex_triangles};
 
 /// The plane {p : normal · p = offset}, and how far the shape is from being symmetric in it.
@@ -51,6 +53,8 @@ const FINAL_JUDGES: usize = 6000;
 const DIRECTIONS: usize = 64;
 /// Candidates that are refined.
 const FINALISTS: usize = 6;
+/// Around a vertex of more triangles the nearest is searched for in a tree.
+const FEW_TRIANGLES: usize = 64;
 
 /// A surface ready to be compared with its mirror images.
 pub struct MirrorSearch<'a> {
@@ -58,6 +62,8 @@ pub struct MirrorSearch<'a> {
     triangles: &'a [[u32; 3]],
     tree: ImmutableKdTree<f64, 3>,
     around: Rows,
+    /// Of each vertex with more than [`FEW_TRIANGLES`], these by their directions from it.
+    fans: HashMap<usize, BoxTree>,
     diagonal: f64,
 }
 
@@ -80,7 +86,9 @@ impl<'a> MirrorSearch<'a> {
         }
         let tree = ImmutableKdTree::<f64, 3>::new_from_slice(positions).ok()?;
         let around = vertex_triangles(positions.len(), triangles);
-        Some(Self { positions, triangles, tree, around, diagonal: diagonal.max(f64::MIN_POSITIVE) })
+        let many = (0..positions.len()).filter(|v| around.row(*v).len() > FEW_TRIANGLES);
+        let fans = many.map(|v| (v, fan(positions, triangles, v, around.row(v)))).collect();
+        Some(Self { positions, triangles, tree, around, fans, diagonal: diagonal.max(f64::MIN_POSITIVE) })
     }
 
     /// The plane in which the shape comes closest to its mirror image, whichever way it stands. A shape
@@ -95,27 +103,26 @@ impl<'a> MirrorSearch<'a> {
     pub fn best(&self, hints: &[[f64; 3]], task: &Task) -> Result<Option<MirrorPlane>, Cancelled> {
         let few = self.judges(JUDGES);
         let centroid = self.centroid();
-        let plane = |normal: Vec3| {
+        let plane = |normal: Vec3| -> Result<MirrorPlane, Cancelled> {
             let normal = scaled(unit(normal), largest_component(normal).signum());
             let plane = MirrorPlane { normal, offset: dot(normal, centroid), misfit: 1.0 };
-            MirrorPlane { misfit: self.misfit(&plane, &few), ..plane }
+            Ok(MirrorPlane { misfit: self.misfit(&plane, &few, task)?, ..plane })
         };
         let axes = symmetric_eigen(self.covariance(centroid)).1;
         let coordinates = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let normals = coordinates.into_iter().chain(axes).chain(half_sphere()).chain(hints.iter().copied());
         let normals: Vec<Vec3> = normals.filter(|n| length(*n) > 1e-6).collect();
-        let mut candidates: Vec<MirrorPlane> = normals.into_par_iter().map(plane).collect();
+        let mut candidates: Vec<MirrorPlane> =
+            normals.into_par_iter().map(plane).collect::<Result<_, Cancelled>>()?;
         candidates.sort_by(|a, b| preference(a).total_cmp(&preference(b)));
         let mut best: Option<MirrorPlane> = None;
         for plane in candidates.into_iter().take(FINALISTS) {
-            task.check()?;
-            let refined = self.refine(plane, &few);
+            let refined = self.refine(plane, &few, task)?;
             if best.is_none_or(|b| preference(&refined) < preference(&b)) {
                 best = Some(refined);
             }
         }
-        task.check()?;
-        Ok(best.map(|best| self.refine(best, &self.judges(FINAL_JUDGES))))
+        best.map(|best| self.refine(best, &self.judges(FINAL_JUDGES), task)).transpose()
     }
 
     /// Where `plane` takes each vertex: the nearest point of the surface.
@@ -158,36 +165,52 @@ impl<'a> MirrorSearch<'a> {
     /// The nearest point among the triangles around the nearest vertex, and its squared distance.
     fn closest(&self, p: Vec3) -> (f64, OnSurface) {
         let v = self.tree.query(&p).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize;
-        let offset = sub(p, self.positions[v]);
-        let mut best = (dot(offset, offset), ([v as u32; 3], [1.0, 0.0, 0.0]));
-        for &t in self.around.row(v) {
+        let from_vertex = sub(p, self.positions[v]);
+        let reach = dot(from_vertex, from_vertex);
+        let (mut best, mut nearest) = ((reach, ([v as u32; 3], [1.0, 0.0, 0.0])), 0);
+        let mut compare = |t: u32| {
             let triangle = self.triangles[t as usize];
             let at = corners(self.positions, &triangle);
             let (_, weights) = closest_on_triangle(p, &at);
             let offset = sub(p, mixed(at, weights));
             let distance = dot(offset, offset);
-            if distance < best.0 {
-                best = (distance, (triangle, weights));
+            // Of several as near, it is the first, in whatever order they are compared.
+            if distance < best.0 || distance == best.0 && t < nearest {
+                (best, nearest) = ((distance, (triangle, weights)), t);
             }
+            best.0
+        };
+        let row = self.around.row(v);
+        if let Some(fan) = self.fans.get(&v) {
+            let toward = unit(from_vertex);
+            // The sine of the angle to a direction, by the square of the chord; from 90° on, the vertex is nearest.
+            let nearness = |directions: &Bounds| match directions.distance_squared(toward) {
+                chord if chord < 2.0 => reach * (chord - 0.25 * chord * chord),
+                _ => reach,
+            };
+            fan.search(reach, nearness, |slot, _| compare(row[fan.order()[slot] as usize]));
+        } else {
+            row.iter().for_each(|t| _ = compare(*t));
         }
         best
     }
 
     /// The best nine tenths of `vertices` with the points that their mirror images come to lie on.
-    fn matches(&self, plane: &MirrorPlane, vertices: &[usize]) -> Vec<Pair> {
-        let pair = |v: &usize| {
+    fn matches(&self, plane: &MirrorPlane, vertices: &[usize], task: &Task) -> Result<Vec<Pair>, Cancelled> {
+        let pair = |v: &usize| -> Result<Pair, Cancelled> {
+            task.check()?;
             let p = self.positions[*v];
             let (distance, (triangle, weights)) = self.closest(plane.image(p));
-            (distance, p, mixed(corners(self.positions, &triangle), weights))
+            Ok((distance, p, mixed(corners(self.positions, &triangle), weights)))
         };
-        let mut matches: Vec<Pair> = vertices.par_iter().map(pair).collect();
+        let mut matches: Vec<Pair> = vertices.par_iter().map(pair).collect::<Result<_, Cancelled>>()?;
         matches.sort_by(|a, b| a.0.total_cmp(&b.0));
         matches.truncate((vertices.len() * 9).div_ceil(10));
-        matches
+        Ok(matches)
     }
 
-    fn misfit(&self, plane: &MirrorPlane, vertices: &[usize]) -> f64 {
-        self.distance(&self.matches(plane, vertices))
+    fn misfit(&self, plane: &MirrorPlane, vertices: &[usize], task: &Task) -> Result<f64, Cancelled> {
+        Ok(self.distance(&self.matches(plane, vertices, task)?))
     }
 
     /// Root mean square, as a share of the diagonal.
@@ -199,8 +222,8 @@ impl<'a> MirrorSearch<'a> {
     /// Iterated closest points over reflections: with p matched to q, the best normal is the
     /// eigenvector of least eigenvalue of Σ (p qᵀ + q pᵀ), centered, and the plane passes through
     /// the middle of the two centroids.
-    fn refine(&self, plane: MirrorPlane, vertices: &[usize]) -> MirrorPlane {
-        let mut matches = self.matches(&plane, vertices);
+    fn refine(&self, plane: MirrorPlane, vertices: &[usize], task: &Task) -> Result<MirrorPlane, Cancelled> {
+        let mut matches = self.matches(&plane, vertices, task)?;
         let mut best = MirrorPlane { misfit: self.distance(&matches), ..plane };
         for _ in 0..20 {
             let share = 1.0 / matches.len().max(1) as f64;
@@ -218,15 +241,35 @@ impl<'a> MirrorSearch<'a> {
             let normal = scaled(normal, largest_component(normal).signum());
             let middle = scaled(add(center_p, center_q), 0.5);
             let mut next = MirrorPlane { normal, offset: dot(normal, middle), misfit: 0.0 };
-            let closer = self.matches(&next, vertices);
+            let closer = self.matches(&next, vertices, task)?;
             next.misfit = self.distance(&closer);
             if next.misfit >= best.misfit * (1.0 - 1e-6) {
                 break;
             }
             (best, matches) = (next, closer);
         }
-        best
+        Ok(best)
     }
+}
+
+/// A tree of the triangles in `row`, all of which `vertex` belongs to, by their directions from it: each lies
+/// within the cone over an arc of the unit sphere.
+fn fan(positions: &[Vec3], triangles: &[[u32; 3]], vertex: usize, row: &[u32]) -> BoxTree {
+    let directions = |item: u32| {
+        let triangle = triangles[row[item as usize] as usize];
+        let sides = triangle.map(|corner| sub(positions[corner as usize], positions[vertex]));
+        let ends = Bounds::of(sides.into_iter().filter(|side| length(*side) > 0.0).map(unit));
+        let half_chord = 0.5 * ends.diagonal();
+        // The arc leaves the box of its ends by no more than its height; rounding may add to that.
+        let height = 1.0 - (1.0 - half_chord * half_chord).max(0.0).sqrt() + 1e-9;
+        Bounds { low: ends.low.map(|c| c - height), high: ends.high.map(|c| c + height) }
+    };
+    let center = |item: u32| {
+        let Bounds { low, high } = directions(item);
+        scaled(add(low, high), 0.5)
+    };
+    let centers: Vec<Vec3> = (0..row.len() as u32).map(center).collect();
+    BoxTree::new(&centers, directions)
 }
 
 fn largest_component(v: Vec3) -> f64 {
@@ -283,7 +326,8 @@ mod tests {
         for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             let offset = dot(axis, search.centroid());
             let across = MirrorPlane { normal: axis, offset, misfit: 0.0 };
-            assert!(search.misfit(&across, &search.judges(JUDGES)) > 10.0 * found.misfit);
+            let misfit = search.misfit(&across, &search.judges(JUDGES), &task).unwrap();
+            assert!(misfit > 10.0 * found.misfit);
         }
         // The image of a vertex lies where the plane takes it.
         let images = search.image(&found);
@@ -317,6 +361,31 @@ mod tests {
         let search = MirrorSearch::of(&positions, &triangles).unwrap();
         let found = search.best(&[], &Task::new()).unwrap().unwrap();
         assert!(found.misfit > 0.02, "{found:?}");
+    }
+
+    #[test]
+    fn around_a_vertex_of_many_triangles_the_nearest_is_found_without_trying_all() {
+        let sides = 400_u32;
+        let around = (0..sides).map(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(sides)).sin_cos();
+            [0.2 * cos, cos, sin]
+        });
+        let positions: Vec<Vec3> = [[0.3, 0.0, 0.0], [-0.3, 0.0, 0.0]].into_iter().chain(around).collect();
+        let edges = (0..sides).map(|i| (i + 2, (i + 1) % sides + 2));
+        let triangles: Vec<[u32; 3]> = edges.flat_map(|(a, b)| [[0, a, b], [1, b, a], [0, 0, a]]).collect();
+        let search = MirrorSearch::of(&positions, &triangles).unwrap();
+        let all = MirrorSearch { fans: HashMap::new(), ..MirrorSearch::of(&positions, &triangles).unwrap() };
+        assert_eq!(search.fans.len(), 2);
+        for p in half_sphere().flat_map(|d| [0.02, 0.3, 0.5, 2.0].map(|r| scaled(d, r))) {
+            assert_eq!(search.closest(p), all.closest(p), "{p:?}");
+        }
+        assert_eq!(search.closest(positions[0]), all.closest(positions[0]));
+
+        let (task, judges) = (Task::new(), search.judges(JUDGES));
+        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: 0.0, misfit: 1.0 };
+        assert!(search.refine(plane, &judges, &task).is_ok());
+        task.cancel();
+        assert!(search.refine(plane, &judges, &task).is_err());
     }
 
     #[test]

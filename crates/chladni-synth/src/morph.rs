@@ -54,6 +54,8 @@ struct Motion {
     harmonic: Option<u32>,
     direction: [f32; 3],
     series: Vec<f32>,
+    /// The sum of the squares of `series`.
+    squares: f64,
     energy: f64,
 }
 
@@ -86,7 +88,11 @@ impl Movement {
     /// strongest directions of single harmonics; directions that move in proportion are combined into one
     /// displacement. If `most` does not limit their number, they reproduce the movement exactly (up to
     /// rounding).
-    pub fn morphs(&self, most: usize) -> Morphs {
+    ///
+    /// # Errors
+    /// The first error of `check`, which is called before each direction is compared with those before it: of a
+    /// long movement they are many.
+    pub fn morphs<E>(&self, most: usize, mut check: impl FnMut() -> Result<(), E>) -> Result<Morphs, E> {
         let mut motions: Vec<Motion> =
             self.tracks.iter().enumerate().flat_map(|(i, track)| track.motions(i, self.frames)).collect();
         motions.sort_by(|a, b| b.energy.total_cmp(&a.energy));
@@ -94,9 +100,9 @@ impl Movement {
         motions.retain(|motion| motion.energy > least);
         let mut kept: Vec<Vec<(Motion, f32)>> = Vec::new();
         for motion in motions {
+            check()?;
             let mut leaders = kept.iter().enumerate();
-            let leader =
-                leaders.find_map(|(i, group)| Some((i, proportion(&group[0].0.series, &motion.series)?)));
+            let leader = leaders.find_map(|(i, group)| Some((i, group[0].0.proportion(&motion)?)));
             match leader {
                 Some((i, ratio)) => kept[i].push((motion, ratio)),
                 None if kept.len() < most => kept.push(vec![(motion, 1.0)]),
@@ -111,7 +117,7 @@ impl Movement {
             series.iter().enumerate().for_each(|(f, w)| weights[f * count + j] = w / largest);
             self.morph(group, largest)
         });
-        Morphs { morphs: morphs.collect(), weights }
+        Ok(Morphs { morphs: morphs.collect(), weights })
     }
 
     fn morph(&self, group: &[(Motion, f32)], largest: f32) -> Morph {
@@ -139,6 +145,14 @@ impl Movement {
             term
         });
         Morph { item: Item { terms: items.collect() }, harmonic: group[0].0.harmonic, terms }
+    }
+}
+
+impl Motion {
+    /// How many times this motion `other` is, if it is a multiple of it.
+    fn proportion(&self, other: &Self) -> Option<f32> {
+        let (aa, ab, bb) = (self.squares, dot(&self.series, &other.series), other.squares);
+        (ab * ab >= (1.0 - SAME) * aa * bb && aa > 0.0).then(|| (ab / aa) as f32)
     }
 }
 
@@ -200,12 +214,16 @@ impl Track {
             series
         };
         let energy = |series: &[f32]| mask * series.iter().map(|x| f64::from(x * x)).sum::<f64>();
+        let motion = |harmonic, direction, series: Vec<f32>, energy| {
+            let squares = dot(&series, &series);
+            Motion { track, harmonic, direction, series, squares, energy }
+        };
         let mut motions = Vec::new();
         for (k, series) in (0..).zip(self.coefficients.chunks(self.channels)) {
             if self.channels == 1 {
                 let series = padded(&series[0]);
                 let energy = energy(&series);
-                motions.push(Motion { track, harmonic: Some(k), direction: [0.0; 3], series, energy });
+                motions.push(motion(Some(k), [0.0; 3], series, energy));
                 continue;
             }
             let at = |f: usize| -> [f32; 3] { [0, 1, 2].map(|i| series[i].get(f).copied().unwrap_or(0.0)) };
@@ -218,7 +236,7 @@ impl Track {
                 let along = |c: [f32; 3]| (0..3).map(|i| c[i] * direction[i]).sum::<f32>();
                 let series: Vec<f32> = (0..frames).map(|f| along(at(f))).collect();
                 let energy = energy(&series);
-                motions.push(Motion { track, harmonic: Some(k), direction, series, energy });
+                motions.push(motion(Some(k), direction, series, energy));
             }
         }
         let series = padded(&self.residual_gain);
@@ -228,7 +246,7 @@ impl Track {
             None => 0.0,
         };
         let energy = size * energy(&series);
-        motions.push(Motion { track, harmonic: None, direction: [0.0; 3], series, energy });
+        motions.push(motion(None, [0.0; 3], series, energy));
         motions
     }
 }
@@ -237,17 +255,19 @@ fn mean_square(values: &[f32]) -> f64 {
     values.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// b / a if b is a multiple of a.
-fn proportion(a: &[f32], b: &[f32]) -> Option<f32> {
-    let dot =
-        |x: &[f32], y: &[f32]| -> f64 { x.iter().zip(y).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum() };
-    let (aa, ab, bb) = (dot(a, a), dot(a, b), dot(b, b));
-    (ab * ab >= (1.0 - SAME) * aa * bb && aa > 0.0).then(|| (ab / aa) as f32)
+fn dot(x: &[f32], y: &[f32]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::convert::Infallible;
+
     use super::*;
+
+    fn separated(movement: &Movement, most: usize) -> Morphs {
+        movement.morphs(most, || Ok::<(), Infallible>(())).unwrap()
+    }
 
     fn frame(at: f32, mask: &Arc<[f32]>, residual: &Arc<[[f32; 3]]>) -> Item {
         let swing = (3.0 * at).sin();
@@ -291,7 +311,7 @@ mod tests {
         let frames: Vec<Item> = (0..40).map(|f| frame(f as f32 / 10.0, &mask, &residual)).collect();
         let mut movement = Movement::default();
         frames.iter().for_each(|item| movement.push(item));
-        let all = movement.morphs(usize::MAX);
+        let all = separated(&movement, usize::MAX);
         // Harmonic 1 along one direction together with the normal motion of harmonic 3; harmonic 2 together
         // with the residual.
         assert_eq!(all.morphs.len(), 2);
@@ -306,15 +326,23 @@ mod tests {
             let (wanted, found) = (flat(&[(item, 1.0)], &mask), flat(&sum, &mask));
             assert!(wanted.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-4), "{wanted:?} {found:?}");
         }
-        let one = movement.morphs(1);
+        let one = separated(&movement, 1);
         assert_eq!(one.morphs.len(), 1);
         assert_eq!(one.morphs[0].harmonic, all.morphs[0].harmonic);
+        // Harmonics 1 and 2, the residual, and the normal motion of harmonic 3: each can be the last.
+        let mut left = 4;
+        let counted = movement.morphs(1, || {
+            left -= 1;
+            if left > 0 { Ok(()) } else { Err("stopped") }
+        });
+        assert_eq!(counted.unwrap_err(), "stopped");
+        assert_eq!(left, 0);
     }
 
     #[test]
     fn nothing_that_moves_is_no_morph() {
         let mut movement = Movement::default();
-        assert!(movement.morphs(8).morphs.is_empty());
+        assert!(separated(&movement, 8).morphs.is_empty());
         movement.push(&Item::default());
         let still = Term {
             coefficients: Coefficients::Normal(vec![0.0; 5]),
@@ -324,7 +352,7 @@ mod tests {
         };
         movement.push(&Item { terms: vec![still] });
         assert_eq!(movement.frames(), 2);
-        let morphs = movement.morphs(8);
+        let morphs = separated(&movement, 8);
         assert!(morphs.morphs.is_empty() && morphs.weights.is_empty());
     }
 }

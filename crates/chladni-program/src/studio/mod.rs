@@ -9,6 +9,7 @@ mod card;
 mod caricature;
 mod choose;
 mod closing;
+mod copying;
 mod device;
 mod effort;
 mod error;

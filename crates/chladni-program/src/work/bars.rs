@@ -1,5 +1,7 @@
 //! Beats and bars, as corrected by hand and as the director takes them.
 
+use std::ops::Range;
+
 use chladni_music::{BarLine, BeatReading, TappedBeats};
 use chladni_sound::{Bar, Beats, ENERGY_RATE_HZ, Section};
 
@@ -46,6 +48,11 @@ fn in_bars_of(tapped: TappedBeats, found: &Beats) -> (Vec<Bar>, Vec<Section>) {
 
 /// The bars of a song, as a director gets them.
 pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
+    bar_lines_among(beats, 0..beats.bars.len())
+}
+
+/// Those of the bars with these numbers; the others cost nothing.
+pub fn bar_lines_among(beats: &Beats, numbers: Range<usize>) -> impl Iterator<Item = BarLine> {
     let bars = &beats.bars;
     // The last bar goes on as the one before it: its beats are those that were found, whatever the tempo is read as.
     let last_beat_secs = match bars.as_slice() {
@@ -53,12 +60,13 @@ pub fn bar_lines(beats: &Beats) -> impl Iterator<Item = BarLine> {
         _ if beats.tempo_bpm > 0.0 => 60.0 / beats.tempo_bpm,
         _ => 0.5,
     };
-    bars.iter().enumerate().map(move |(i, bar)| {
+    bars.iter().enumerate().take(numbers.end).skip(numbers.start).map(move |(i, bar)| {
         let next = bars.get(i + 1).map(|next| next.at_secs - bar.at_secs);
         let secs = next.unwrap_or(f64::from(bar.beats) * last_beat_secs);
         let middle = ((bar.at_secs + 0.5 * secs) * ENERGY_RATE_HZ).round().max(0.0) as usize;
         let energy = beats.energy.get(middle).or(beats.energy.last()).copied().unwrap_or(0.5);
-        let begins_section = beats.sections.iter().any(|section| section.at_secs == bar.at_secs);
+        let before = beats.sections.partition_point(|section| section.at_secs < bar.at_secs);
+        let begins_section = beats.sections.get(before).is_some_and(|next| next.at_secs == bar.at_secs);
         BarLine { at_secs: bar.at_secs, secs, energy, begins_section }
     })
 }
@@ -99,5 +107,20 @@ mod tests {
         let begins = read.sections.iter().map(|section| section.at_secs);
         assert!(begins.zip([2.75, 22.75]).all(|(begin, expected)| (begin - expected).abs() < 1e-9));
         assert_eq!(bar_lines(&read).filter(|bar| bar.begins_section).count(), 2);
+    }
+
+    #[test]
+    fn some_bars_are_as_they_are_among_all() {
+        let bars = (0..9).map(|n| Bar { at_secs: 2.0 * f64::from(n), beats: 4 }).collect();
+        let sections = [0.0, 6.0, 14.0].map(|at_secs| Section { at_secs, name: 'A', energy: 0.5 }).into();
+        let energy = (0..200).map(|n| n as f32 / 200.0).collect();
+        let beats = Beats { tempo_bpm: 120.0, bars, sections, energy, ..Beats::default() };
+        let all: Vec<BarLine> = bar_lines(&beats).collect();
+        let begins: Vec<bool> = all.iter().map(|bar| bar.begins_section).collect();
+        assert_eq!(begins, [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|n| [0, 3, 7].contains(&n)));
+        for numbers in [0..0, 0..1, 2..5, 7..9, 8..20, 12..20] {
+            let some: Vec<BarLine> = bar_lines_among(&beats, numbers.clone()).collect();
+            assert_eq!(some, all[numbers.start.min(9)..numbers.end.min(9)], "{numbers:?}");
+        }
     }
 }

@@ -1,11 +1,23 @@
 //! The files that a show needs: named by path and hash, and found again.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
 
 use chladni_music::{FileRef, Looks};
 
 use super::{Error, Warning};
 use chladni_mesh::ShapeSource;
+
+/// The length of a file, and when it was changed.
+type Stamp = (u64, SystemTime);
+
+/// Files whose content was hashed, with the stamps that they had.
+static KNOWN: Mutex<BTreeMap<PathBuf, (Stamp, String)>> = Mutex::new(BTreeMap::new());
+
+/// A file that was changed no longer ago may change again without another stamp.
+const SETTLED: Duration = Duration::from_secs(2);
 
 /// How a show in `folder` names `path`: relative if it lies below the folder, else absolute. A sample by its
 /// name.
@@ -13,7 +25,7 @@ pub fn refer(path: &Path, folder: Option<&Path>) -> FileRef {
     if ShapeSource::sample_name(path).is_some() {
         return FileRef { path: path.to_string_lossy().into_owned(), blake3: None };
     }
-    FileRef { path: place(path, folder), blake3: file_hash(path) }
+    FileRef { path: place(path, folder), blake3: known_hash(path) }
 }
 
 /// Whether the file at `path` is not found again as `named`: a show is text, which not every name of a file is.
@@ -63,7 +75,7 @@ pub fn resolve(file: &FileRef, folder: Option<&Path>) -> Result<(PathBuf, Option
             file.path
         )));
     };
-    let other = file.blake3.is_some() && file_hash(&found) != file.blake3;
+    let other = file.blake3.is_some() && known_hash(&found) != file.blake3;
     let warning = other.then(|| Warning::of(found.display(), "is not the file that the show was made with"));
     Ok((found, warning))
 }
@@ -115,9 +127,57 @@ pub fn file_hash(path: &Path) -> Option<String> {
     Some(hasher.finalize().to_hex().to_string())
 }
 
+/// The same; a file that has not been changed since it was hashed last is not read again: a show may name many long songs.
+pub fn known_hash(path: &Path) -> Option<String> {
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let stamp = stamp_of(path);
+    if let Some((before, hash)) = known().get(path)
+        && stamp == Some(*before)
+    {
+        return Some(hash.clone());
+    }
+    let hash = file_hash(path)?;
+    let settled = |(_, changed): &Stamp| changed.elapsed().is_ok_and(|age| age > SETTLED);
+    if let Some(stamp) = stamp.filter(settled)
+        && stamp_of(path) == Some(stamp)
+    {
+        known().insert(path.to_owned(), (stamp, hash.clone()));
+    }
+    Some(hash)
+}
+
+fn stamp_of(path: &Path) -> Option<Stamp> {
+    let about = std::fs::metadata(path).ok()?;
+    Some((about.len(), about.modified().ok()?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_is_read_again_only_where_it_may_have_changed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("song.wav");
+        let hash_of = |content: &[u8], age_secs: u64| {
+            std::fs::write(&path, content).unwrap();
+            let changed = SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000_000 - age_secs);
+            std::fs::File::options().write(true).open(&path).unwrap().set_modified(changed).unwrap();
+            known_hash(&path)
+        };
+        let first = hash_of(b"la", 0);
+        assert!(first.is_some() && first == file_hash(&path));
+        assert_eq!(hash_of(b"lu", 0), first, "of the same length and time");
+        assert!(hash_of(b"lu", 10) != first && hash_of(b"la", 20) == first);
+        assert_ne!(hash_of(b"lala", 20), first);
+        // What was just written may be written again at what looks like the same time.
+        for content in [b"do", b"re"] {
+            std::fs::write(&path, content).unwrap();
+            assert_eq!(known_hash(&path), file_hash(&path));
+        }
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!(known_hash(&path), None);
+    }
 
     #[test]
     fn files_are_found_again_where_the_show_has_moved_with_them() {

@@ -292,8 +292,10 @@ impl Side {
         cell: Rect,
     ) -> Option<(usize, u32)> {
         let distance = |vertex: u32| {
-            let ([px, py], visible) = self.pixel(vertex, cell)?;
-            visible.then(|| (px - x).hypot(py - y)).filter(|d| *d <= grip_px)
+            let ([px, py], _) = self.camera.project(self.position(vertex)?, cell)?;
+            let d = (px - x).hypot(py - y);
+            // Whether anything hides it is found last: that takes long where landmarks are many.
+            (d <= grip_px && self.pixel(vertex, cell)?.1).then_some(d)
         };
         let all = landmarks.iter().map(|landmark| which.end(landmark)).enumerate();
         let near = all.filter_map(|(i, vertex)| Some((i, vertex, distance(vertex)?)));

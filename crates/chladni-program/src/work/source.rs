@@ -137,13 +137,37 @@ pub fn song(
 /// # Errors
 /// As [`song`] does, but [`Error::Input`] for a song that is too long.
 pub fn long_song(name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<Song, Error> {
-    let options = SongOptions { max_bytes: most_bytes(available_memory()), ..SongOptions::default() };
+    long_song_within(usize::MAX, name, watcher)
+}
+
+/// The same of a song of a film, whose samples may take no more than the bytes `left` by the other songs.
+///
+/// # Errors
+/// As [`long_song`] does.
+pub fn long_song_within(left: usize, name: impl AsRef<Path>, watcher: &impl Watcher) -> Result<Song, Error> {
+    let most = most_bytes(available_memory());
+    let options = SongOptions { max_bytes: most.min(left), ..SongOptions::default() };
     match read_song(name.as_ref(), &options, watcher) {
+        Err(Error::Sound(SoundError::TooLong { .. })) if left < most => Err(Error::Input(format!(
+            "{}: the songs of this film take more memory than is free; free some, or make films of parts of it \
+             (--start, --duration)",
+            name.as_ref().display()
+        ))),
         Err(Error::Sound(error @ SoundError::TooLong { .. })) => {
             Err(Error::Input(format!("{error}; free some memory, or cut it into several files")))
         }
         read => read,
     }
+}
+
+/// How much the samples of all songs of a film may take where this much memory is `free`:
+/// together with its sound, which is as long as they are unless its seconds are known, three quarters of it.
+pub fn most_bytes_of_all(free: Option<u64>, film_secs: Option<f64>) -> usize {
+    const SOUND_BYTES_PER_SEC: f64 = 8.0 * 48_000.0;
+    let Some(free) = free else { return usize::MAX };
+    let both = free / 4 * 3;
+    let songs = film_secs.map_or(both / 2, |secs| both.saturating_sub((secs * SOUND_BYTES_PER_SEC) as u64));
+    SongOptions::default().max_bytes.max(usize::try_from(songs).unwrap_or(usize::MAX))
 }
 
 /// How much the samples of one long song may take where this much memory is `free`: a film has them twice, and needs more
@@ -213,6 +237,27 @@ mod tests {
         let usual = SongOptions::default().max_bytes;
         assert_eq!([None, Some(1 << 30)].map(most_bytes), [usual; 2]);
         assert_eq!([12, 1000].map(|gib: u64| most_bytes(Some(gib << 30)) as u64), [3 << 30, MOST_BYTES]);
+    }
+
+    #[test]
+    fn the_songs_of_a_film_share_the_memory_with_its_sound() {
+        let gib =
+            |free: u64, film_secs| most_bytes_of_all(Some(free << 30), film_secs) as f64 / (1 << 30) as f64;
+        assert_eq!(most_bytes_of_all(None, None), usize::MAX);
+        assert_eq!(
+            [gib(16, None), gib(16, Some(0.0)), gib(16, Some(1e9)), gib(1, None)],
+            [6.0, 12.0, 1.0, 1.0]
+        );
+        let hours = gib(16, Some(10_800.0));
+        assert!(hours > 8.0 && hours < 8.3, "{hours}");
+
+        let (folder, task) = (tempfile::tempdir().unwrap(), Task::new());
+        let path = folder.path().join("a.wav");
+        let song = Song { rate_hz: 8_000, left: vec![0.5; 8_000], right: vec![0.5; 8_000] };
+        chladni_sound::write_wav(&path, &song, chladni_sound::WavSample::Float32).unwrap();
+        assert_eq!(long_song_within(1 << 20, &path, &Aside::new(&task)).unwrap().frames(), 8_000);
+        let refused = long_song_within(1 << 10, &path, &Aside::new(&task)).map(drop).unwrap_err().to_string();
+        assert!(refused.contains("a.wav") && refused.contains("--start"), "{refused}");
     }
 
     #[test]

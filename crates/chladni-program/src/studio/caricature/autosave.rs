@@ -3,21 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 use chladni_caricature::{CaricatureError, History, Project, Recovered, Recovery};
 
+use crate::studio::copying::{INTERVAL_SECS, LONGEST_SECS, pause_secs};
 use crate::work::Error;
 
-/// The least time between two copies.
-const INTERVAL_SECS: f64 = 2.0;
-
-/// The recovery copy of this window. The disk is only touched on a thread of its own, which
-/// writes all orders before it ends.
+/// The recovery copy of this window. The disk is only touched on a thread of its own, which does all orders before it
+/// ends; of copies that wait, the last alone is written.
 pub struct Autosave {
     orders: Option<Sender<Order>>,
-    reports: Receiver<Result<(), CaricatureError>>,
+    reports: Receiver<Report>,
     thread: Option<JoinHandle<()>>,
-    interval_secs: f64,
+    /// The least and the most time between two copies.
+    between_secs: [f64; 2],
+    /// How long the last copy took to write.
+    took_secs: f64,
     /// The project in the copy; `None` where there is no copy.
     kept: Option<Project>,
     last_secs: f64,
@@ -33,14 +35,20 @@ enum Order {
     Finish,
 }
 
+/// A copy that was written, or why not.
+struct Report {
+    kept: Result<(), CaricatureError>,
+    took_secs: f64,
+}
+
 impl Autosave {
     /// Copies go to `folder`; fails where it cannot be written.
     pub fn start(folder: &Path) -> Result<Self, Error> {
-        Self::every(INTERVAL_SECS, folder)
+        Self::every([INTERVAL_SECS, LONGEST_SECS], folder)
     }
 
-    /// The same, with another time between two copies.
-    fn every(interval_secs: f64, folder: &Path) -> Result<Self, Error> {
+    /// The same, with other least and most times between two copies.
+    fn every(between_secs: [f64; 2], folder: &Path) -> Result<Self, Error> {
         let recovery = Recovery::start(folder, std::process::id())?;
         let ((orders, inbox), (report, reports)) = (channel(), channel());
         let thread = std::thread::Builder::new()
@@ -49,7 +57,8 @@ impl Autosave {
             .map_err(|error| Error::other(format!("no thread to keep copies on: {error}")))?;
         let last_secs = f64::NEG_INFINITY;
         let (orders, thread) = (Some(orders), Some(thread));
-        Ok(Self { orders, reports, thread, interval_secs, kept: None, last_secs, failure: None })
+        let (took_secs, kept, failure) = (0.0, None, None);
+        Ok(Self { orders, reports, thread, between_secs, took_secs, kept, last_secs, failure })
     }
 
     /// Keeps the project where it has unsaved changes that no copy holds yet, or drops the copy
@@ -61,7 +70,7 @@ impl Autosave {
             if self.kept.take().is_some() {
                 self.order(Order::Clear);
             }
-        } else if self.is_behind(history) && now_secs - self.last_secs >= self.interval_secs {
+        } else if self.is_behind(history) && now_secs - self.last_secs >= self.interval_secs() {
             let project = history.project().clone();
             self.order(Order::Keep(Box::new(project.clone()), path.map(Path::to_owned)));
             (self.kept, self.last_secs) = (Some(project), now_secs);
@@ -69,11 +78,18 @@ impl Autosave {
         news
     }
 
+    /// The time between two copies.
+    fn interval_secs(&self) -> f64 {
+        let [least, most] = self.between_secs;
+        pause_secs(self.took_secs).clamp(least, most)
+    }
+
     /// A new error, if there is one.
     fn news(&mut self) -> Option<String> {
         let mut news = None;
         for report in self.reports.try_iter() {
-            let failure = report.err().map(|why| format!("No recovery copy could be kept: {why}"));
+            self.took_secs = report.took_secs;
+            let failure = report.kept.err().map(|why| format!("No recovery copy could be kept: {why}"));
             if failure.is_some() && failure != self.failure {
                 news.clone_from(&failure);
             }
@@ -90,7 +106,7 @@ impl Autosave {
 
     /// Seconds until [`tick`](Self::tick) has something to keep; `None` where it has nothing.
     pub fn due_secs(&self, history: &History, now_secs: f64) -> Option<f64> {
-        self.is_behind(history).then(|| (self.last_secs + self.interval_secs - now_secs).max(0.0))
+        self.is_behind(history).then(|| (self.last_secs + self.interval_secs() - now_secs).max(0.0))
     }
 
     /// The next [`tick`](Self::tick) keeps all changes, however soon.
@@ -136,22 +152,34 @@ impl Drop for Autosave {
     }
 }
 
-fn work(recovery: Recovery, inbox: &Receiver<Order>, report: &Sender<Result<(), CaricatureError>>) {
+fn work(recovery: Recovery, inbox: &Receiver<Order>, reports: &Sender<Report>) {
     let mut whole = true;
-    while let Ok(order) = inbox.recv() {
-        match order {
-            Order::Keep(project, path) => {
-                let kept = recovery.keep(&project, path.as_deref());
-                whole = kept.is_ok();
-                // The window may have gone meanwhile.
-                let _ = report.send(kept);
+    while let Ok(first) = inbox.recv() {
+        let mut waiting = std::iter::once(first).chain(inbox.try_iter()).peekable();
+        while let Some(order) = waiting.next() {
+            match order {
+                // On a slow disk the next copy takes its place, or none is needed any longer.
+                Order::Keep(..) if replaces_a_copy(waiting.peek()) => {}
+                Order::Keep(project, path) => {
+                    let began = Instant::now();
+                    let kept = recovery.keep(&project, path.as_deref());
+                    whole = kept.is_ok();
+                    let took_secs = began.elapsed().as_secs_f64();
+                    // The window may have gone meanwhile.
+                    let _ = reports.send(Report { kept, took_secs });
+                }
+                Order::Clear => recovery.clear(),
+                Order::Discard(recovered) if whole => recovered.discard(),
+                Order::Discard(_) => {}
+                Order::Finish => return recovery.finish(),
             }
-            Order::Clear => recovery.clear(),
-            Order::Discard(recovered) if whole => recovered.discard(),
-            Order::Discard(_) => {}
-            Order::Finish => return recovery.finish(),
         }
     }
+}
+
+/// Whether the copy ordered before `next` need not be written. One that is to be discarded needs it.
+fn replaces_a_copy(next: Option<&Order>) -> bool {
+    matches!(next, Some(Order::Keep(..) | Order::Clear | Order::Finish))
 }
 
 #[cfg(test)]
@@ -159,8 +187,6 @@ mod crash_tests;
 
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
-
     use chladni_caricature::{Action, Layer, ShapeSource, Template};
     use chladni_testdata::HANGS;
 
@@ -271,8 +297,31 @@ mod tests {
             }
             autosave.tick(&history, None, now);
             since_secs = since_secs.filter(|_| autosave.is_behind(&history));
-            assert!(since_secs.is_none_or(|since| now - since < 5.0), "at {now} s");
+            // Longer where the disk is slow.
+            let most_secs = autosave.interval_secs() + 3.0;
+            assert!(since_secs.is_none_or(|since| now - since < most_secs), "at {now} s");
         }
+    }
+
+    #[test]
+    fn of_copies_that_wait_for_a_slow_disk_the_last_alone_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let ((orders, inbox), (report, reports)) = (channel(), channel());
+        for harmonics in [8, 9, 10] {
+            let project = Project::new(ShapeSource::Sample("head".into()), harmonics);
+            orders.send(Order::Keep(Box::new(project), None)).unwrap();
+        }
+        drop(orders);
+        work(Recovery::start(folder.path(), std::process::id()).unwrap(), &inbox, &report);
+        assert_eq!(reports.try_iter().count(), 1);
+        assert_eq!(found(folder.path())[0].project.harmonics, 10);
+
+        let mut autosave = Autosave::start(folder.path()).unwrap();
+        let mut interval_secs = |took_secs: f64| {
+            autosave.took_secs = took_secs;
+            autosave.interval_secs()
+        };
+        assert!(interval_secs(0.0) < 2.1 && interval_secs(1.0) > 19.0 && interval_secs(1e3) < 61.0);
     }
 
     #[test]

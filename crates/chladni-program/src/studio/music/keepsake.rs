@@ -14,16 +14,11 @@ use super::listening::Listening;
 use super::shows::the_show;
 use crate::studio::age::changed_ago;
 use crate::studio::author_id::AuthorId;
+use crate::studio::copying::pause_secs;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::unread;
 
-/// The least time between two copies.
-const INTERVAL_SECS: f64 = 2.0;
-/// Where a copy takes long to write, no more than this share of the time goes to that.
-const WRITING: f64 = 0.05;
-/// On the slowest disk no copy waits longer for that.
-const LONGEST_SECS: f64 = 60.0;
 /// A long show takes time to put together, too: it waits a second longer for so many actions.
 const ACTIONS_PER_SEC: f64 = 20_000.0;
 /// A copy lacks no more than this of a show in which sound goes on and nothing else is done.
@@ -40,7 +35,7 @@ struct Written {
 
 /// How long after a copy that took so long to write the next one of a show with so many actions may be due.
 fn interval_secs(took_secs: f64, actions: usize) -> f64 {
-    (took_secs / WRITING).clamp(INTERVAL_SECS, LONGEST_SECS) + actions as f64 / ACTIONS_PER_SEC
+    pause_secs(took_secs) + actions as f64 / ACTIONS_PER_SEC
 }
 
 /// What a copy has of a show that goes on. Where any of it is another by now, a new copy is due.
@@ -302,6 +297,7 @@ fn changed(path: &Path) -> Option<SystemTime> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::studio::copying::{INTERVAL_SECS, LONGEST_SECS};
     use chladni_music::Parameters;
 
     #[test]

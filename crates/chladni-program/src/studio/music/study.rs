@@ -12,7 +12,7 @@ use chladni_view::Picture;
 use egui::{Context, TextureHandle};
 
 use crate::studio::pictures::upload;
-use crate::work::{Error, KnownSong, cover_of};
+use crate::work::{Error, KnownSong, cover_of, known_hash};
 
 /// A finding about a song.
 pub enum Learned {
@@ -79,12 +79,15 @@ impl Study {
                 Ok(known) => tell(Learned::Song(known)),
                 Err(why) => return tell(Learned::Nothing(Some(why.to_string()))),
             }
-            if known {
-                return;
+            if !known {
+                match track_beats(&song, &worker) {
+                    Ok(beats) => tell(Learned::Beats(beats)),
+                    Err(why) => tell(Learned::Nothing(Some(why.to_string()))),
+                }
             }
-            match track_beats(&song, &worker) {
-                Ok(beats) => tell(Learned::Beats(beats)),
-                Err(why) => tell(Learned::Nothing(Some(why.to_string()))),
+            // A show names it by its hash: saving need not wait until it is read for that.
+            if !worker.is_cancelled() {
+                known_hash(&path);
             }
         });
         Self { number, task, findings, thread: Some(thread) }

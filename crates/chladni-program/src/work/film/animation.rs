@@ -74,7 +74,7 @@ impl Animation {
         most: usize,
         task: &Task,
     ) -> Result<Approximation, Error> {
-        let found = self.movement.morphs(most);
+        let found = self.movement.morphs(most, || task.check())?;
         if found.morphs.is_empty() {
             let path = path.display();
             return Err(Error::Input(format!(

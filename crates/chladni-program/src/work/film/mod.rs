@@ -147,7 +147,8 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     } else if output.film.is_some() || output.pipe.is_some() {
         prepared.film(&wanted, range.clone(), &scenery, &mut seconds, watcher)?
     } else {
-        prepared.rehearse(range.clone(), animation.as_mut(), &mut seconds, watcher)?
+        let recording = output.coefficients.is_some();
+        prepared.rehearse(range.clone(), animation.as_mut(), recording, &mut seconds, watcher)?
     };
     let approximation = prepared.save_beside(output, &done, animation.as_ref(), watcher)?;
     for message in &done.warnings {

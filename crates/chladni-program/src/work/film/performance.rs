@@ -225,13 +225,15 @@ impl Performance {
         Ok((shot, items))
     }
 
-    /// Plays without drawing, for the coefficients; `each` is called with the form and items of each of `frames`.
+    /// Plays without drawing; `each` is called with the form and items of each of `frames`. The coefficients are kept
+    /// where `recording` is wanted.
     ///
     /// # Errors
     /// Cancelled; a sound or a dance that fails; the first error that `each` gives.
     pub fn rehearse(
         &mut self,
         frames: Range<u64>,
+        recording: bool,
         seconds: &mut Seconds,
         task: &Task,
         mut each: impl FnMut(Form, &[Item]) -> Result<(), Error>,
@@ -246,7 +248,9 @@ impl Performance {
             items.truncate(count);
             let form = self.instrument.parameters().form;
             each(form, &items)?;
-            done.recording.push(time_secs, form, items.first().unwrap_or(&Item::default()));
+            if recording {
+                done.recording.push(time_secs, form, items.first().unwrap_or(&Item::default()));
+            }
             stage.advance(1);
         }
         Ok(done)

@@ -165,7 +165,7 @@ impl Prepared {
         })
     }
 
-    /// Dances `range` without drawing it.
+    /// Dances `range` without drawing it, into the `animation` and, where `recording` is wanted, the coefficients.
     ///
     /// # Errors
     /// Cancelled; a sound or a dance that fails; more than one dance where they go into an animation.
@@ -173,11 +173,12 @@ impl Prepared {
         &mut self,
         range: Range<u64>,
         mut animation: Option<&mut Animation>,
+        recording: bool,
         seconds: &mut Seconds,
         watcher: &impl Watcher,
     ) -> Result<Done, Error> {
         watcher.watch("dancing", |task| {
-            self.performance.rehearse(range, seconds, task, |form, items| {
+            self.performance.rehearse(range, recording, seconds, task, |form, items| {
                 match (&mut animation, items) {
                     (Some(_), [_, _, ..]) => {
                         return Err(Error::input(ONE_DANCE));

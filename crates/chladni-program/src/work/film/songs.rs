@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use chladni_harmonics::available_memory;
 use chladni_music::{BeatReading, ClockTrack, Stretch};
 use chladni_sound::{Beats, SEAM_SECS, Song, StereoResampler, crossfade_gain, track_beats};
 
@@ -31,7 +32,7 @@ impl Songs {
     /// of `clock` while it was followed.
     ///
     /// # Errors
-    /// The first song that cannot be read, with its name.
+    /// The first song that cannot be read, with its name, and the first for which there is no memory beside the others.
     pub fn open(
         names: &[(String, BeatReading)],
         mut heard: Vec<Stretch>,
@@ -58,10 +59,13 @@ impl Songs {
             stretch.at_secs - 0.5 * stretch.crossfade_secs < end_secs && *over_secs > start_secs
         });
         let numbers: Vec<usize> = reached.filter_map(|(stretch, _)| stretch.song).collect();
+        let film_secs = show_secs.map(|show_secs| end_secs.min(show_secs) - start_secs);
+        let mut left_bytes = source::most_bytes_of_all(available_memory(), film_secs);
         let mut songs = Vec::new();
         for (number, (name, _)) in names.iter().enumerate() {
             let song = if numbers.contains(&number) {
-                let song = Arc::new(source::long_song(name, watcher)?);
+                let song = Arc::new(source::long_song_within(left_bytes, name, watcher)?);
+                left_bytes = left_bytes.saturating_sub(8 * song.frames());
                 Some(KnownSong::new(song)?)
             } else {
                 None

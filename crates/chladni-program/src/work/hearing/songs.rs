@@ -3,7 +3,7 @@
 use chladni_music::{BarLine, Beat, Director, Framing, Stretch};
 
 use super::{Hearing, SongDirector};
-use crate::work::bars::bar_lines;
+use crate::work::bars::{bar_lines, bar_lines_among};
 
 /// Fewer beats than this are not made up for by a whole one: counts are rounded.
 pub(super) const ROUNDED_BEATS: f64 = 1e-6;
@@ -49,12 +49,13 @@ impl Hearing {
         let stretch = self.stretch_at(to_secs).map(|(stretch, _)| stretch);
         let Some(stretch) = stretch.filter(|stretch| stretch.playing) else { return Vec::new() };
         let beats = stretch.song.and_then(|song| self.songs.get(&song)?.beats.as_ref());
+        let Some(beats) = beats else { return Vec::new() };
         // A bar with which the stretch begins has begun with it.
         let from_secs = from_secs.max(stretch.at_secs - 1e-9);
         let later_secs = stretch.at_secs - stretch.song_secs;
-        let bars = beats.into_iter().flat_map(bar_lines);
-        let bars = bars.map(|bar| BarLine { at_secs: bar.at_secs + later_secs, ..bar });
-        bars.filter(|bar| bar.at_secs > from_secs && bar.at_secs <= to_secs).collect()
+        let begun = |by_secs: f64| beats.bars.partition_point(|bar| bar.at_secs + later_secs <= by_secs);
+        let bars = bar_lines_among(beats, begun(from_secs)..begun(to_secs));
+        bars.map(|bar| BarLine { at_secs: bar.at_secs + later_secs, ..bar }).collect()
     }
 
     fn beat_of_song(&self, stretch: Stretch, song_secs: f64) -> Beat {

@@ -6,6 +6,9 @@ use egui::{Color32, RichText, Ui};
 use crate::studio::theme;
 use crate::work::landmarks::Side;
 
+/// No more landmarks than this are numbered: a ray is cast for each in every frame, and they would cover each other.
+const MOST_NUMBERS: usize = 300;
+
 pub(super) fn cell_of(ui: &Ui, area: egui::Rect, whole: egui::Rect) -> Rect {
     let scale = ui.pixels_per_point();
     let offset = (area.min - whole.min) * scale;
@@ -18,7 +21,7 @@ pub(super) fn cell_of(ui: &Ui, area: egui::Rect, whole: egui::Rect) -> Rect {
 pub(super) fn numbers(ui: &Ui, side: &Side, ends: &[(usize, u32)], area: egui::Rect, whole: egui::Rect) {
     let cell = cell_of(ui, area, whole);
     let painter = ui.painter_at(area);
-    for (index, vertex) in ends {
+    for (index, vertex) in ends.iter().take(MOST_NUMBERS) {
         let Some(([x, y], true)) = side.pixel(*vertex, cell) else { continue };
         let at = whole.min + egui::vec2(x, y) / ui.pixels_per_point() + egui::vec2(9.0, -9.0);
         let font = egui::TextStyle::Button.resolve(ui.style());

@@ -1,5 +1,7 @@
 //! The list of landmarks in the match panel, and their text file.
 
+use std::ops::Range;
+
 use chladni_caricature::{LayerId, Property};
 use chladni_match::{MatchSettings, load_landmarks, write_landmarks};
 use egui::{RichText, Ui};
@@ -16,6 +18,9 @@ use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::Error;
 use crate::work::outputs::check_apart;
+
+/// A list of no more landmarks is laid out whole, so that the keyboard reaches all of them.
+const SHORT: usize = 200;
 
 /// Draws the landmarks of `layer`; `picking` is toggled by its button.
 pub fn show_list(
@@ -53,7 +58,10 @@ pub fn show_list(
     let mut removed = None;
     // As in the text file: not those of a proxy.
     let numbered = session.subject.numbered_in_file(&settings.landmarks);
-    for (index, landmark) in numbered.iter().enumerate() {
+    let step = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+    let seen = in_sight(numbered.len(), ui.clip_rect().y_range(), ui.cursor().top(), step);
+    ui.add_space(seen.start as f32 * step);
+    for (index, landmark) in numbered.iter().enumerate().take(seen.end).skip(seen.start) {
         ui.horizontal(|ui| {
             let (dot, _) = ui.allocate_exact_size(egui::vec2(12.0, 16.0), egui::Sense::hover());
             ui.painter().circle_filled(dot.center(), 5.0, color(index));
@@ -71,11 +79,23 @@ pub fn show_list(
             });
         });
     }
+    ui.add_space((numbered.len() - seen.end) as f32 * step);
     if let Some(index) = removed {
         let mut settings = settings.clone();
         settings.landmarks.remove(index);
         edits.set(layer, Property::Matching(settings));
     }
+}
+
+/// The rows in sight of a list that begins at `top` and has one every `step` points.
+fn in_sight(rows: usize, sight: egui::Rangef, top: f32, step: f32) -> Range<usize> {
+    if rows <= SHORT {
+        return 0..rows;
+    }
+    // Above the first row, the casts give 0.
+    let first = (((sight.min - top) / step) as usize).min(rows);
+    let end = ((sight.max - top) / step).ceil() as usize;
+    first..end.clamp(first, rows)
 }
 
 fn load(session: &Session, shared: &mut Shared<'_>) -> Option<Vec<chladni_match::Landmark>> {
@@ -98,5 +118,21 @@ fn save(session: &Session, settings: &MatchSettings, shared: &mut Shared<'_>) {
     match chladni_task::write_atomic(&path, text.as_bytes()) {
         Ok(()) => shared.notices.done(format!("Saved {}", path.display())),
         Err(error) => shared.notices.error(format!("{}: {error}", path.display())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_long_list_only_the_rows_in_sight_are_laid_out() {
+        let sight = |rows: usize, top: f32| in_sight(rows, egui::Rangef::new(100.0, 200.0), top, 20.0);
+        assert_eq!(sight(SHORT, -1e6), 0..SHORT);
+        assert_eq!(sight(1_000_000, 100.0), 0..5);
+        assert_eq!(sight(1_000_000, 150.0), 0..3);
+        assert_eq!(sight(1_000_000, -910.0), 50..56);
+        assert_eq!(sight(1_000_000, 300.0), 0..0);
+        assert_eq!(sight(300, -1e6), 300..300);
     }
 }

@@ -1,0 +1,13 @@
+//! How often copies against a crash are written.
+
+/// The least time between two copies.
+pub const INTERVAL_SECS: f64 = 2.0;
+/// Where a copy takes long to write, no more than this share of the time goes to that.
+const WRITING: f64 = 0.05;
+/// On the slowest disk no copy waits longer for that.
+pub const LONGEST_SECS: f64 = 60.0;
+
+/// How long after a copy that took so long to write the next one may be due.
+pub fn pause_secs(took_secs: f64) -> f64 {
+    (took_secs / WRITING).clamp(INTERVAL_SECS, LONGEST_SECS)
+}
