@@ -57,7 +57,8 @@ const room = {
     wall.swell(now);
     const inInk = isInInk();
     if (inInk !== wasInInk) { wasInInk = inInk; ink.again(); sitting.redraw(); }
-    return inInk ? ink.inked(sitting, of("tones").checked, now, width, height) : sitting.frame(width, height);
+    if (inInk) return ink.inked(sitting, of("tones").checked, now, width, height);
+    return sitting.frame(width, height, scale(width));
   },
   pixels: () => sitting.pixels(),
   drawing: () => (isInInk() ? ink.newest() : undefined),

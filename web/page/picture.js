@@ -31,8 +31,8 @@ const rooms = new Set();
 const watching = new Set();
 let across = 1;
 
-/** Pixels of the picture for each of the page, as it is now. */
-export const scale = () => across / Math.max(1, picture.clientWidth);
+/** Pixels of the picture for each of the page: of the one that is shown, or of one that is `width` wide. */
+export const scale = (width = across) => width / Math.max(1, picture.clientWidth);
 
 /** Shows a room from now on: its `name` is that of the picture, `frame(now, width, height)` draws, true where it did, `pixels()` says where, and `drawn`
  * is called after. A room that `rests` changes by hand alone; one that may flash has a `judge` of the card's pictures.

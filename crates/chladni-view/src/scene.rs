@@ -139,6 +139,13 @@ pub struct Marker {
     pub color: [u8; 4],
 }
 
+impl Marker {
+    /// The same for a picture with `by` times as many pixels in each direction.
+    pub fn scaled(self, by: f32) -> Self {
+        Self { radius_px: by * self.radius_px, ..self }
+    }
+}
+
 /// One picture within the canvas.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell<'a> {

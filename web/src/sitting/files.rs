@@ -145,17 +145,17 @@ impl Sitting {
         Ok(self.stage.png(width, height)?)
     }
 
-    /// Draws it in `width` × `height` pixels, if anything has changed; whether it was drawn.
+    /// Draws it in `width` × `height` pixels, `scale` for each of the page, if anything has changed; whether it was drawn.
     ///
     /// # Errors
     /// A picture without pixels or too large, and bugs.
-    pub fn frame(&mut self, width: u32, height: u32) -> Result<bool, JsError> {
+    pub fn frame(&mut self, width: u32, height: u32, scale: f32) -> Result<bool, JsError> {
         if !self.stage.awaits(width, height)? {
             return Ok(false);
         }
         let (area, own) = (self.stage.area(), self.matching().landmarks);
         match (&mut self.landmarks, &mut self.hanging) {
-            (Some(landmarks), _) => self.stage.draw_others(&landmarks.placed(area, &own))?,
+            (Some(landmarks), _) => self.stage.draw_others(&landmarks.placed(area, &own, scale))?,
             (_, Some(hanging)) => self.stage.draw_others(&hanging.placed(area))?,
             _ => self.stage.draw()?,
         }

@@ -63,17 +63,18 @@ impl Landmarks {
         }
     }
 
-    /// Both shapes with their landmarks.
-    pub fn placed(&mut self, area: Rect, landmarks: &[Landmark]) -> Vec<Placed<'_>> {
+    /// Both shapes with their landmarks, in a picture with `scale` pixels for each of the page.
+    pub fn placed(&mut self, area: Rect, landmarks: &[Landmark], scale: f32) -> Vec<Placed<'_>> {
         let cells = halves(area);
         self.sides.iter_mut().zip(cells).for_each(|(side, cell)| side.fit(cell.aspect()));
         let placed = |(which, viewport)| {
             let side = self.side(which);
+            let dots = side.dots(&self.picks.ends(which, landmarks));
             Placed {
                 viewport,
                 camera: side.camera,
                 figures: vec![side.figure(Material::CLAY)],
-                markers: side.dots(&self.picks.ends(which, landmarks)),
+                markers: dots.into_iter().map(|dot| dot.scaled(scale)).collect(),
             }
         };
         BOTH.into_iter().zip(cells).map(placed).collect()

@@ -15,7 +15,7 @@ use super::ink::InkOptions;
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
 use crate::work::outputs::check_size;
-use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, dots, settled};
+use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, settled};
 
 /// Where the viewer of a picture stands, and how large the picture is.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -175,10 +175,7 @@ fn panel_of(
     match panel {
         Panel::Before => vec![Portrayed::plain(original)],
         Panel::After => vec![Portrayed::plain(result)],
-        Panel::Rest => {
-            let dots = dots(original.iter().map(|p| p.map(|c| c as f32)));
-            vec![Portrayed { dots, ..Portrayed::plain(result) }]
-        }
+        Panel::Rest => vec![Portrayed { rest: single(original), ..Portrayed::plain(result) }],
         Panel::Ghost => {
             // A layer that is off has no template.
             let difference = evaluation.layers.last().and_then(|layer| layer.difference.as_ref());

@@ -4,11 +4,11 @@
 use chladni_caricature::MAX_MU;
 use chladni_mesh::surface::vec3::single;
 use chladni_view::{
-    Camera, ColorMap, Device, Marker, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style,
-    layout, render_placed,
+    Camera, ColorMap, Device, Picture, PictureRequest, PictureShape, Rect, Renderer, Scale, Style, layout,
+    render_placed,
 };
 
-use crate::work::{Error, OwnLook};
+use crate::work::{Error, OwnLook, dots};
 
 /// Which panels a picture has; without either, the shape before and after.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -70,7 +70,8 @@ pub struct Portrayed {
     pub positions: Vec<[f32; 3]>,
     /// A share from 0 to 1 of each vertex, drawn as a heat map.
     pub shares: Option<Vec<f32>>,
-    pub dots: Vec<Marker>,
+    /// The shape at rest, of which dots are drawn.
+    pub rest: Vec<[f32; 3]>,
     /// Where its vertices lie on the template.
     pub ghost: Option<Vec<[f32; 3]>>,
 }
@@ -83,7 +84,7 @@ impl Portrayed {
 
     /// The same in single precision.
     pub fn of(positions: Vec<[f32; 3]>) -> Self {
-        Self { positions, shares: None, dots: Vec::new(), ghost: None }
+        Self { positions, shares: None, rest: Vec::new(), ghost: None }
     }
 }
 
@@ -128,13 +129,14 @@ pub fn draw(
         // A heat map takes the place of the shape's own colors.
         let own = own.filter(|_| panel.shares.is_none());
         let scale = Scale { map: ColorMap::Viridis, low: 0.0, high: 1.0 };
+        let dots = dots(panel.rest.iter().copied(), cell);
         let shape = PictureShape {
             positions: &panel.positions,
             triangles,
             values: panel.shares.as_deref().map(|shares| (shares, scale)),
             colors: own.and(colors.as_deref()),
             image: own.and_then(OwnLook::image),
-            markers: &panel.dots,
+            markers: &dots,
             ghost: panel.ghost.as_deref(),
             ..PictureShape::default()
         };

@@ -1,7 +1,8 @@
 //! A 3D view inside the window: drawn by chladni-view, shown as a texture, steered as in Blender.
 
 use chladni_view::{
-    Camera, Canvas, Cell, Device, Finish, Picture, Rect, Renderer, Samples, Surroundings, View, ViewError,
+    Camera, Canvas, Cell, Device, Finish, Marker, Picture, Rect, Renderer, Samples, Surroundings, View,
+    ViewError,
 };
 use egui::emath::GuiRounding;
 use egui::{EventFilter, Key, Modifiers, Role};
@@ -121,7 +122,8 @@ impl Viewport {
         Ok(())
     }
 
-    /// Shows the cells that `scene` arranges on a canvas of the given pixels, filling `rect`.
+    /// Shows the cells that `scene` arranges on a canvas of the given pixels, filling `rect`. The radii of their markers
+    /// are points.
     ///
     /// `scene` runs only when something has changed since the last frame (the window's theme, too), or when what was
     /// drawn quickly while it moved has come to rest.
@@ -185,7 +187,13 @@ impl Viewport {
         self.fit(scaled(shown.width).max(1), scaled(shown.height).max(1), quality.samples)?;
         let Some((canvas, shown_as)) = &mut self.canvas else { return Ok(false) };
         let mut cells = scene(shown);
-        for cell in &mut cells {
+        let scale = ui.pixels_per_point() * quality.percent as f32 / 100.0;
+        let markers: Vec<Vec<Marker>> = cells
+            .iter()
+            .map(|cell| cell.markers.iter().map(|marker| marker.scaled(scale)).collect())
+            .collect();
+        for (cell, markers) in cells.iter_mut().zip(&markers) {
+            cell.markers = markers;
             let r = cell.viewport;
             let (x, y) = (scaled(r.x), scaled(r.y));
             let end = |start, length, limit: u32| scaled(start + length).clamp(1, limit);
@@ -342,6 +350,33 @@ pub fn navigate_by(ui: &egui::Ui, response: &egui::Response, camera: &mut Camera
 #[cfg(test)]
 mod tests {
     use super::*;
+    use chladni_view::{Background, Lights};
+
+    #[test]
+    fn a_marker_is_as_large_at_any_scale_of_the_window() {
+        let marker = [Marker { position: [0.0; 3], radius_px: 6.0, color: [255, 0, 0, 255] }];
+        let red = [1.0, 2.0].map(|scale| {
+            let mut viewport = Viewport::new(&Screen::unseen(&Device::Processor));
+            let ctx = egui::Context::default();
+            ctx.options_mut(|options| options.zoom_factor = scale);
+            let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+                let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(64.0, 64.0));
+                let cell = |viewport| Cell {
+                    viewport,
+                    camera: Camera::default(),
+                    lights: Lights::STUDIO,
+                    background: Background::SLATE,
+                    figures: &[],
+                    markers: &marker,
+                };
+                viewport.draw(ui, rect, |shown| vec![cell(shown)]).unwrap();
+            });
+            let pixels = viewport.canvas().unwrap().pixels().unwrap().to_vec();
+            let red = pixels.as_chunks::<4>().0.iter().filter(|[r, g, ..]| *r > 200 && *g < 100).count();
+            red as f32 / (pixels.len() / 4) as f32
+        });
+        assert!(red[0] > 0.005 && (red[1] / red[0] - 1.0).abs() < 0.2, "{red:?}");
+    }
 
     #[test]
     fn a_picture_that_rests_is_drawn_again_where_the_theme_changes() {

@@ -302,7 +302,7 @@ impl Side {
         near.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(i, vertex, _)| (i, vertex))
     }
 
-    /// Landmarks as the renderer draws them.
+    /// Landmarks as the renderer draws them. Their radii are points of the window, or pixels of the page.
     pub fn dots(&self, ends: &[(usize, u32)]) -> Vec<Marker> {
         let dot = |(index, vertex): &(usize, u32)| {
             let [r, g, b] = color(*index);

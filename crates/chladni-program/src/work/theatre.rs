@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use chladni_harmonics::Body;
-use chladni_mesh::Orientation;
+use chladni_mesh::{Orientation, symmetric_eigen};
 use chladni_music::{
     Beat, Class, Dancer, Framing, Instrument, Parameter, Parameters, Reaction, Switch, Viewpoint, react,
 };
@@ -34,11 +34,19 @@ pub const FIRST_VIEW: Viewpoint = Viewpoint { yaw_rad: 0.0, pitch_rad: 0.14, dis
 
 /// The most dots that stand for a shape: more would be a black area.
 const DOTS: usize = 2500;
+/// The radius of a dot, as a share of its cell's shorter side: 1.2 pixels of 720.
+const DOT: f32 = 1.2 / 720.0;
+/// The rim of a smaller dot would leave nothing black.
+const LEAST_DOT_PX: f32 = 0.7;
 
-/// Some of `positions` as black dots.
-pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>) -> Vec<Marker> {
-    let step = positions.len().div_ceil(DOTS).max(1);
-    let dot = |position| Marker { position, radius_px: 1.2, color: [0, 0, 0, 255] };
+/// Some of `positions` as black dots, which cover the same share of a cell of any size.
+pub fn dots(positions: impl ExactSizeIterator<Item = [f32; 3]>, cell: Rect) -> Vec<Marker> {
+    let wanted_px = DOT * cell.width.min(cell.height) as f32;
+    let radius_px = wanted_px.max(LEAST_DOT_PX);
+    // Fewer, where they cannot be as small as wanted.
+    let most = (DOTS as f32 * (wanted_px / radius_px).powi(2)) as usize;
+    let step = positions.len().div_ceil(most.max(1)).max(1);
+    let dot = |position| Marker { position, radius_px, color: [0, 0, 0, 255] };
     positions.step_by(step).map(dot).collect()
 }
 
@@ -83,11 +91,11 @@ pub fn along(body: &Body, dancer: &Dancer) -> Vec<f32> {
     harmonic.iter().map(|h| ((h - low) / (high - low).max(1e-12)) as f32).collect()
 }
 
-/// Whether all of `positions` lie in a plane of two axes, or nearly.
+/// Whether all of `positions` lie in a plane, however it is tilted, or nearly.
 pub fn is_flat(positions: &[[f32; 3]]) -> bool {
-    let mut sides: [f32; 3] = std::array::from_fn(|axis| {
-        let all = positions.iter().map(|p| p[axis]);
-        all.clone().fold(f32::NEG_INFINITY, f32::max) - all.fold(f32::INFINITY, f32::min)
+    let mut sides = principal_axes(positions).map(|axis| {
+        let [low, high] = ends(positions, axis);
+        high - low
     });
     sides.sort_by(f32::total_cmp);
     sides[0] < SHEET * sides[1]
@@ -285,6 +293,20 @@ fn component(p: &[f32; 3], axis: [f32; 3]) -> f32 {
     (0..3).map(|i| p[i] * axis[i]).sum()
 }
 
+/// The principal axes of points, of which each has the same weight.
+fn principal_axes(points: &[[f32; 3]]) -> [[f32; 3]; 3] {
+    let count = points.len().max(1) as f64;
+    let mean: [f64; 3] = std::array::from_fn(|i| points.iter().map(|p| f64::from(p[i])).sum::<f64>() / count);
+    let mut covariance = [[0.0; 3]; 3];
+    for p in points {
+        let d: [f64; 3] = std::array::from_fn(|i| f64::from(p[i]) - mean[i]);
+        for i in 0..3 {
+            (0..3).for_each(|j| covariance[i][j] += d[i] * d[j]);
+        }
+    }
+    symmetric_eigen(covariance).1.map(|axis| axis.map(|c| c as f32))
+}
+
 /// From where to where points reach along an axis.
 fn ends(points: &[[f32; 3]], axis: [f32; 3]) -> [f32; 2] {
     let all = points.iter().map(|p| component(p, axis)).filter(|c| c.is_finite());
@@ -362,13 +384,33 @@ mod tests {
     }
 
     #[test]
-    fn plates_are_flat_and_bodies_are_not() {
-        let flat = |name: &str| {
+    fn plates_are_flat_however_tilted_and_bodies_are_not() {
+        let tilted = |name: &str, degrees: f32| {
             let mesh = chladni_mesh::samples::sample(name).unwrap();
-            is_flat(&single(&mesh.positions))
+            let (s, c) = degrees.to_radians().sin_cos();
+            let turn = |[x, y, z]: [f32; 3]| [x, c * y - s * z, s * y + c * z];
+            is_flat(&single(&mesh.positions).into_iter().map(turn).collect::<Vec<_>>())
         };
-        assert!(flat("plate") && flat("disc"));
-        assert!(!["octopus", "ring", "drum", "bell", "cat", "head"].into_iter().any(flat));
-        assert!(!is_flat(&[]));
+        for degrees in [0.0, 1.3, 5.0, 40.0, 90.0] {
+            assert!(tilted("plate", degrees) && tilted("disc", degrees), "{degrees}°");
+        }
+        for body in ["octopus", "ring", "drum", "bell", "cat", "head"] {
+            assert!(!tilted(body, 0.0) && !tilted(body, 30.0), "{body}");
+        }
+        // Neither nothing nor a line.
+        assert!(!is_flat(&[]) && !is_flat(&[[0.0; 3], [0.0, 1.0, 0.0], [0.0, 3.0, 0.0]]));
+    }
+
+    #[test]
+    fn dots_cover_the_same_share_of_a_cell_of_any_size() {
+        let share = |side: u32| {
+            let dots = dots((0..10_000).map(|i| [i as f32, 0.0, 0.0]), Rect::of_size(2 * side, side));
+            assert!(dots.iter().all(|dot| dot.radius_px >= LEAST_DOT_PX));
+            dots.iter().map(|dot| dot.radius_px.powi(2)).sum::<f32>() / (side as f32).powi(2)
+        };
+        for side in [60, 240, 480, 2160] {
+            assert!((share(side) / share(720) - 1.0).abs() < 0.15, "{side}");
+        }
+        assert_eq!(dots([[0.0; 3]].into_iter(), Rect::default()).len(), 1);
     }
 }

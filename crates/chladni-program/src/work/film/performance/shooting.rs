@@ -215,8 +215,9 @@ impl Performance {
             ..staged.figure(&deformed.topology, &buffers, item, wardrobe)
         };
         let figures: Vec<Figure<'_>> = (0..count).map(figure).collect();
+        let cell = staged.viewports.first().copied().unwrap_or(area);
         let dots = match self.shows_rest {
-            true => dots(self.model.rest_positions().iter().copied()),
+            true => dots(self.model.rest_positions().iter().copied(), cell),
             false => Vec::new(),
         };
         let mut cells = staged.cells(&figures);
