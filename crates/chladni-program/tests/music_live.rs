@@ -58,7 +58,7 @@ impl Evening {
     fn save_show(&mut self) -> (PathBuf, Show) {
         let path = self._folder.path().join("set.toml");
         self.answers.add(&path);
-        self.window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
+        self.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
         wait(&mut self.window, "the show", |_| path.exists());
         let show = Show::load(&path).unwrap();
         (path, show)
