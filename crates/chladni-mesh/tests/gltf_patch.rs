@@ -293,7 +293,8 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
     std::fs::write(folder.path().join("leaf.avif"), b"\0\0\0\x1cftypavifnot really").unwrap();
     std::fs::write(folder.path().join("old.dds"), b"DDS something").unwrap();
     root["images"] = json!([{ "uri": "wood.png" }, { "uri": "missing.png" }, { "uri": "skin", "mimeType": "image/webp" },
-        { "uri": "skin" }, { "uri": "rare", "mimeType": "image/rare" }, { "uri": "leaf.avif" }, { "uri": "./old%2Edds" }]);
+        { "uri": "skin" }, { "uri": "rare", "mimeType": "image/rare" }, { "uri": "leaf.avif" },
+        { "uri": "./old%2Edds" }]);
     let all = root["buffers"][0]["byteLength"].clone();
     root["buffers"] =
         json!([{ "byteLength": 48, "uri": "first.bin" }, { "byteLength": all, "uri": "all.bin" }]);

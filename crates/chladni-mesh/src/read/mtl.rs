@@ -175,8 +175,8 @@ fn without_comment_apart(text: &str) -> &str {
     text[..comment.unwrap_or(text.len())].trim_end()
 }
 
-/// The file's name, which may hold blanks, in a texture statement of an OBJ's material library: `rest` is all after the keyword,
-/// and may begin with options such as `-s 1 1 1`.
+/// The file's name, which may hold blanks, in a texture statement of an OBJ's material library: `rest` is all after the
+/// keyword, and may begin with options such as `-s 1 1 1`.
 pub fn picture_name(rest: &str) -> &str {
     let mut rest = rest.trim();
     while rest.starts_with('-') {

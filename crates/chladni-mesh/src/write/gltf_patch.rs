@@ -27,9 +27,9 @@ fn unwritable(reason: impl Into<String>) -> MeshError {
 
 /// The glTF file at `source`, which `mesh` was read from, as GLB with one more morph target, at weight 0, for each of
 /// `targets`. Morph targets, skins, custom normals, materials, cameras, lights, animations and whatever else the file has
-/// stay as they are; buffers and pictures beside it come into the GLB, which goes on naming a picture that is not there or of an
-/// unknown kind ([`pictures_beside`](crate::pictures_beside) lists those). Normals of the new targets turn the file's own as the
-/// surface turns; where it has none, the targets have none.
+/// stay as they are; buffers and pictures beside it come into the GLB, which goes on naming a picture that is not there or
+/// of an unknown kind ([`pictures_beside`](crate::pictures_beside) lists those). Normals of the new targets turn the file's
+/// own as the surface turns; where it has none, the targets have none.
 ///
 /// # Errors
 /// [`MeshError::Unwritable`] where the file is no longer what `mesh` was read from, holds compressed meshes, places a mesh

@@ -291,8 +291,8 @@ pub fn left_pictures(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warni
     ))
 }
 
-/// The picture that a statement of an OBJ's material names, if it is one that names any, with `/` between the parts: the name
-/// may hold blanks, or be the last word, after options that are not known.
+/// The picture that a statement of an OBJ's material names, if it is one that names any, with `/` between the parts: the
+/// name may hold blanks, or be the last word, after options that are not known.
 fn other_picture(statement: &str) -> Option<[String; 2]> {
     let (keyword, rest) = statement.split_once(char::is_whitespace)?;
     let is_picture =

@@ -111,8 +111,8 @@ fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
 impl Sculpture {
     /// Writes it in the format of the ending: GLB holds the original with one morph target per layer, other
     /// formats the result itself. Where the shape comes from a glTF file, all else in that file stays in the GLB; a warning
-    /// says where that is not possible, where a GLB or an OBJ lacks pictures, and where an STL is too coarse. A canceled `task`
-    /// writes nothing.
+    /// says where that is not possible, where a GLB or an OBJ lacks pictures, and where an STL is too coarse. A canceled
+    /// `task` writes nothing.
     ///
     /// # Errors
     /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name; a canceled task.
