@@ -4,7 +4,9 @@
 
 use std::path::Path;
 
-use chladni_mesh::{Format, Mended, MorphTarget, TriMesh, add_morph_targets, load_mesh, read_mesh};
+use chladni_mesh::{
+    Format, Mended, MorphTarget, TriMesh, add_morph_targets, load_mesh, pictures_beside, read_mesh,
+};
 use serde_json::{Value, json};
 
 /// A binary buffer in the making.
@@ -288,8 +290,11 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
     std::fs::write(folder.path().join("wood.png"), picture).unwrap();
     std::fs::write(folder.path().join("skin"), b"RIFF\x08\0\0\0WEBPnot really").unwrap();
     std::fs::write(folder.path().join("rare"), b"something").unwrap();
+    std::fs::write(folder.path().join("leaf.avif"), b"\0\0\0\x1cftypavifnot really").unwrap();
+    std::fs::write(folder.path().join("old.dds"), b"DDS something").unwrap();
     root["images"] = json!([{ "uri": "wood.png" }, { "uri": "missing.png" }, { "uri": "skin", "mimeType": "image/webp" },
-        { "uri": "skin" }, { "uri": "rare", "mimeType": "image/rare" }]);
+        { "uri": "skin" }, { "uri": "rare", "mimeType": "image/rare" }, { "uri": "leaf.avif" },
+        { "uri": "./old%2Edds" }]);
     let all = root["buffers"][0]["byteLength"].clone();
     root["buffers"] =
         json!([{ "byteLength": 48, "uri": "first.bin" }, { "byteLength": all, "uri": "all.bin" }]);
@@ -305,8 +310,10 @@ fn files_beside_come_into_the_glb_and_what_cannot_be_kept_is_refused() {
     assert_eq!(read_mesh(&bytes, Format::Glb).unwrap().mesh, mesh);
     assert_eq!(now.0["buffers"].as_array().unwrap().len(), 1);
     assert_eq!(now.0["images"][1], json!({ "uri": "missing.png" }));
-    let kinds: Vec<_> = (0..5).map(|i| now.0["images"][i]["mimeType"].as_str().unwrap_or_default()).collect();
-    assert_eq!(kinds, ["image/png", "", "image/webp", "image/webp", "image/rare"]);
+    let kinds: Vec<_> = (0..7).map(|i| now.0["images"][i]["mimeType"].as_str().unwrap_or_default()).collect();
+    assert_eq!(kinds, ["image/png", "", "image/webp", "image/webp", "image/rare", "image/avif", ""]);
+    assert_eq!(pictures_beside(root.to_string().as_bytes()).len(), 7);
+    assert_eq!(pictures_beside(&bytes), ["missing.png", "old.dds"]);
     let view = &now.0["bufferViews"][now.0["images"][0]["bufferView"].as_u64().unwrap() as usize];
     let start = view["byteOffset"].as_u64().unwrap() as usize;
     assert_eq!(&now.1[start..start + picture.len()], picture);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::beside::Beside;
+use super::beside::{Beside, plain_uri};
 use super::draft::{Draft, coordinate, vertex_index};
 use super::gltf_buffers::Buffers;
 use super::gltf_chunks::json_and_binary;
@@ -116,6 +116,16 @@ pub(crate) fn read_placed(
     let mut loaded = draft.finish(format)?;
     loaded.stored_positions = stored;
     Ok((loaded, placed))
+}
+
+/// The names of the picture files beside it that a glTF file names, those of maps that are not read among them; none where
+/// `bytes` are no glTF file.
+pub fn pictures_beside(bytes: &[u8]) -> Vec<String> {
+    let format = if bytes.starts_with(b"glTF") { Format::Glb } else { Format::Gltf };
+    let Ok((json, _)) = json_and_binary(bytes, format) else { return Vec::new() };
+    let Ok(root) = serde_json::from_slice::<Root>(json) else { return Vec::new() };
+    let uris = root.images.iter().filter_map(|image| image.uri.as_deref());
+    uris.filter(|uri| !uri.starts_with("data:")).map(|uri| plain_uri(uri).into_owned()).collect()
 }
 
 /// How much of a file is left out.

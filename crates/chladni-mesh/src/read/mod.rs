@@ -19,6 +19,9 @@ mod text;
 use std::fmt;
 use std::path::Path;
 
+pub use gltf::pictures_beside;
+pub use mtl::picture_name;
+
 use chladni_task::{counted, read_file};
 
 use beside::{Beside, read_within};

@@ -154,9 +154,9 @@ fn statement(
         b"map_Kd" => {
             // A number sign may be of the name.
             let bare = without_comment_apart(whole);
-            let found = [whole, bare, rest].into_iter().find(|text| picture(without_options(text)).1.is_ok());
+            let found = [whole, bare, rest].into_iter().find(|text| picture(picture_name(text)).1.is_ok());
             let text = found.unwrap_or(bare).trim();
-            let name = without_options(text);
+            let name = picture_name(text);
             material.texture_options = text[..text.len() - name.len()].trim_end().to_owned();
             let (name, found) = picture(name);
             let bytes = found.clone().unwrap_or_default();
@@ -175,9 +175,9 @@ fn without_comment_apart(text: &str) -> &str {
     text[..comment.unwrap_or(text.len())].trim_end()
 }
 
-/// The end of a texture statement: its file name, which may hold blanks, after options such as
-/// `-s 1 1 1`.
-fn without_options(rest: &str) -> &str {
+/// The file's name, which may hold blanks, in a texture statement of an OBJ's material library: `rest` is all after the
+/// keyword, and may begin with options such as `-s 1 1 1`.
+pub fn picture_name(rest: &str) -> &str {
     let mut rest = rest.trim();
     while rest.starts_with('-') {
         let skip = |text: &str| {
@@ -210,9 +210,9 @@ mod tests {
 
     #[test]
     fn options_before_a_name_with_blanks() {
-        assert_eq!(without_options("fuze uv.jpg"), "fuze uv.jpg");
-        assert_eq!(without_options("-s 1 1 1 -clamp on a b.png"), "a b.png");
-        assert_eq!(without_options("-s 1"), "1");
-        assert_eq!(without_options("-"), "");
+        assert_eq!(picture_name("fuze uv.jpg"), "fuze uv.jpg");
+        assert_eq!(picture_name("-s 1 1 1 -clamp on a b.png"), "a b.png");
+        assert_eq!(picture_name("-s 1"), "1");
+        assert_eq!(picture_name("-"), "");
     }
 }

@@ -27,8 +27,9 @@ fn unwritable(reason: impl Into<String>) -> MeshError {
 
 /// The glTF file at `source`, which `mesh` was read from, as GLB with one more morph target, at weight 0, for each of
 /// `targets`. Morph targets, skins, custom normals, materials, cameras, lights, animations and whatever else the file has
-/// stay as they are; buffers and pictures beside it come into the GLB. Normals of the new targets turn the file's own as the
-/// surface turns; where it has none, the targets have none.
+/// stay as they are; buffers and pictures beside it come into the GLB, which goes on naming a picture that is not there or
+/// of an unknown kind ([`pictures_beside`](crate::pictures_beside) lists those). Normals of the new targets turn the file's
+/// own as the surface turns; where it has none, the targets have none.
 ///
 /// # Errors
 /// [`MeshError::Unwritable`] where the file is no longer what `mesh` was read from, holds compressed meshes, places a mesh
@@ -124,6 +125,7 @@ fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
         [0x89, b'P', b'N', b'G', ..] => Some("image/png"),
         [0xff, 0xd8, 0xff, ..] => Some("image/jpeg"),
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => Some("image/webp"),
+        [_, _, _, _, b'f', b't', b'y', b'p', b'a', b'v', b'i', b'f', ..] => Some("image/avif"),
         [0xab, b'K', b'T', b'X', b' ', b'2', b'0', ..] => Some("image/ktx2"),
         _ => None,
     }

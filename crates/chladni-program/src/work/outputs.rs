@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf, is_separator};
 
 use chladni_caricature::Template;
-use chladni_mesh::{Format, Material, ShapeSource, Texture, TriMesh, check_glb, far_center};
+use chladni_mesh::{
+    Format, Material, ShapeSource, Texture, TriMesh, check_glb, far_center, picture_name, pictures_beside,
+};
 use chladni_task::{folder_of, read_file};
 use chladni_view::film::frame_path;
 use chladni_view::{FilmFormat, ViewError, ffmpeg_is_there};
@@ -194,12 +196,16 @@ pub fn check_no_texture(path: &Path, shape: &Path, mesh: &TriMesh) -> Result<(),
     let names = |material: &Material| {
         let color = material.base_color_texture.iter().filter(|texture| is_file(texture));
         let color = color.map(|texture| texture.name.clone());
-        // Other maps of an OBJ's material end in their file, too.
-        let others =
-            material.other_statements.iter().filter_map(|statement| statement.split(' ').next_back());
-        color.chain(others.map(str::to_owned)).collect::<Vec<_>>()
+        let others = material.other_statements.iter().filter_map(|statement| other_picture(statement));
+        color.chain(others.flatten()).collect::<Vec<_>>()
     };
-    for name in mesh.appearance.materials.iter().flat_map(names) {
+    // The mesh knows only the pictures of colors of a glTF file.
+    let of_gltf = if is_gltf(shape) && path.is_file() {
+        read_file(shape, u64::MAX).map(|bytes| pictures_beside(&bytes)).unwrap_or_default()
+    } else {
+        Vec::new()
+    };
+    for name in mesh.appearance.materials.iter().flat_map(names).chain(of_gltf) {
         check_apart(path, &[&beside(&name)])?;
     }
     Ok(())
@@ -273,26 +279,42 @@ pub fn rounded_in_stl(mesh: &TriMesh) -> Option<Warning> {
 /// A warning where pictures beside `source` that the materials of its `mesh` name, such as bump maps, are not beside the OBJ
 /// at `path`: only pictures of colors are brought there.
 pub fn left_pictures(source: &Path, mesh: &TriMesh, path: &Path) -> Option<Warning> {
-    let left = |statement: &String| {
-        let (keyword, rest) = statement.split_once(' ')?;
-        let is_picture =
-            keyword.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&keyword);
-        let name = rest.split(' ').next_back()?.replace('\\', "/");
-        let is_left = || folder_of(source).join(&name).is_file() && !folder_of(path).join(&name).is_file();
-        (is_picture && is_left()).then_some(name)
-    };
+    let is_left =
+        |name: &String| folder_of(source).join(name).is_file() && !folder_of(path).join(name).is_file();
+    let left = |statement: &String| other_picture(statement)?.into_iter().find(is_left);
     let statements = mesh.appearance.materials.iter().flat_map(|material| &material.other_statements);
-    let names: BTreeSet<String> = statements.filter_map(left).collect();
-    let first = names.first()?;
-    let more = match names.len() {
-        1 => String::new(),
-        count => format!(" and {} more", count - 1),
-    };
+    let named = listed(&statements.filter_map(left).collect())?;
     let source = source.display();
     Some(Warning::of(
         path.display(),
-        format_args!("its materials name {first}{more}, which it lacks: copy what lies beside {source}"),
+        format_args!("its materials name {named}, which it lacks: copy what lies beside {source}"),
     ))
+}
+
+/// The picture that a statement of an OBJ's material names, if it is one that names any, with `/` between the parts: the
+/// name may hold blanks, or be the last word, after options that are not known.
+fn other_picture(statement: &str) -> Option<[String; 2]> {
+    let (keyword, rest) = statement.split_once(char::is_whitespace)?;
+    let is_picture =
+        keyword.starts_with("map_") || ["bump", "norm", "disp", "decal", "refl"].contains(&keyword);
+    let names = [picture_name(rest), rest.split_whitespace().next_back()?];
+    is_picture.then(|| names.map(|name| name.replace('\\', "/")))
+}
+
+/// A warning where `glb`, made of the glTF file `source`, names pictures that it does not hold: they are not there, or of an
+/// unknown kind.
+pub fn pictures_apart(source: &Path, glb: &[u8]) -> Option<Warning> {
+    let named = listed(&pictures_beside(glb).into_iter().collect())?;
+    Some(Warning::of(source.display(), format_args!("names {named}, which the GLB does not hold")))
+}
+
+/// The first of `names`, and how many there are besides; `None` where there are none.
+fn listed(names: &BTreeSet<String>) -> Option<String> {
+    let first = names.first()?;
+    Some(match names.len() {
+        1 => first.clone(),
+        count => format!("{first} and {} more", count - 1),
+    })
 }
 
 /// Whether a file's name is one of glTF.
@@ -371,6 +393,36 @@ mod tests {
         let many = 20_000_000;
         assert!(refused("out.glb", "scan.ply", many) && !refused("out.glb", "scan.ply", 2));
         assert!(!refused("out.ply", "scan.ply", many) && !refused("out.glb", "scan.glb", many));
+    }
+
+    #[test]
+    fn pictures_that_a_shape_names_are_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = |name: &str| folder.path().join(name);
+        for name in ["my bump.png", "rough.png", "other.png"] {
+            std::fs::write(place(name), "").unwrap();
+        }
+        let replaces =
+            |name: &str, shape, mesh: &TriMesh| check_no_texture(&place(name), &place(shape), mesh).is_err();
+        let mut mesh = chladni_mesh::samples::icosphere(0);
+        let mut material = Material::named("skin");
+        let statements = ["map_Bump -bm 0.5 my bump.png", "refl\t-type sphere rough.png", "Ns other.png"];
+        material.other_statements = statements.map(str::to_owned).to_vec();
+        mesh.appearance.materials = vec![material];
+        for (name, is_named) in [("my bump.png", true), ("rough.png", true), ("other.png", false)] {
+            assert_eq!(replaces(name, "blank.obj", &mesh), is_named, "{name}");
+        }
+        let left = left_pictures(&place("blank.obj"), &mesh, &place("out/blank.obj")).unwrap().to_string();
+        assert!(left.contains("name my bump.png and 1 more"), "{left}");
+
+        mesh.appearance.materials.clear();
+        let gltf = r#"{"images":[{"uri":"my%20bump.png"},{"uri":"./rough.png"}]}"#;
+        std::fs::write(place("m.gltf"), gltf).unwrap();
+        for (name, is_named) in [("my bump.png", true), ("rough.png", true), ("other.png", false)] {
+            assert_eq!(replaces(name, "m.gltf", &mesh), is_named, "{name}");
+        }
+        let apart = pictures_apart(Path::new("m.gltf"), gltf.as_bytes()).unwrap().to_string();
+        assert_eq!(apart, "m.gltf: names my bump.png and 1 more, which the GLB does not hold");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Folders and playlists: the songs that a path stands for if it is not a song itself.
 
 use std::borrow::Cow;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 use super::Error;
@@ -18,7 +19,7 @@ const MOST_BYTES: u64 = 4 << 20;
 pub struct Songs {
     /// In order: that of the list, or of the names within each folder.
     pub songs: Vec<PathBuf>,
-    /// The files left out, in words.
+    /// The files and folders left out, in words.
     pub warning: Option<String>,
 }
 
@@ -35,7 +36,13 @@ pub fn songs_of(path: &Path) -> Result<Songs, Error> {
     let unread = |why: std::io::Error| Error::Input(format!("{}: {why}", path.display()));
     let mut found = Songs::default();
     if path.is_dir() {
-        walk(path, 0, &mut found.songs).map_err(unread)?;
+        let mut walk = Walk::default();
+        walk.folder(path, 0).map_err(unread)?;
+        found.warning = walk.first_left.map(|first| match walk.left {
+            1 => format!("{}: a folder is left out, {first}", path.display()),
+            count => format!("{}: {count} folders are left out, such as {first}", path.display()),
+        });
+        found.songs = walk.songs;
     } else {
         let bytes = chladni_task::read_file(path, MOST_BYTES).map_err(unread)?;
         let folder = path.parent().unwrap_or(Path::new("."));
@@ -50,33 +57,55 @@ pub fn songs_of(path: &Path) -> Result<Songs, Error> {
     }
     if found.songs.len() > MOST_SONGS {
         found.songs.truncate(MOST_SONGS);
-        found.warning = Some(format!("{}: only the first {MOST_SONGS} songs are taken", path.display()));
+        let before = found.warning.map_or_else(|| path.display().to_string() + ":", |warning| warning + ";");
+        found.warning = Some(format!("{before} only the first {MOST_SONGS} songs are taken"));
     }
     if found.songs.is_empty() {
-        return Err(Error::Input(format!("{}: has no songs", path.display())));
+        let why = found.warning.unwrap_or_else(|| format!("{}: has no songs", path.display()));
+        return Err(Error::Input(why));
     }
     Ok(found)
 }
 
-fn walk(folder: &Path, depth: usize, songs: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    let mut entries: Vec<_> = std::fs::read_dir(folder)?.filter_map(Result::ok).collect();
-    entries.sort_by_cached_key(|entry| entry.file_name().to_string_lossy().to_lowercase());
-    for entry in entries {
-        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
-        let Ok(kind) = entry.file_type() else { continue };
-        let path = entry.path();
-        // A link to a folder may lead around in a circle.
-        if kind.is_dir() && !is_hidden && depth < DEEPEST {
-            // A folder within that may not be read is left out.
-            let _ = walk(&path, depth + 1, songs);
-        } else if !kind.is_dir() && !is_hidden && formats::kind(&path) == Kind::Song {
-            songs.push(path);
+/// The songs that are found in a folder and those within it.
+#[derive(Default)]
+struct Walk {
+    songs: Vec<PathBuf>,
+    /// How many folders are left out, and the first of them, with why.
+    left: usize,
+    first_left: Option<String>,
+}
+
+impl Walk {
+    fn folder(&mut self, folder: &Path, depth: usize) -> std::io::Result<()> {
+        let mut entries: Vec<_> = std::fs::read_dir(folder)?.filter_map(Result::ok).collect();
+        entries.sort_by_cached_key(|entry| entry.file_name().to_string_lossy().to_lowercase());
+        for entry in entries {
+            let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+            let Ok(kind) = entry.file_type() else { continue };
+            let path = entry.path();
+            // A link to a folder may lead around in a circle.
+            if kind.is_dir() && !is_hidden {
+                if depth >= DEEPEST {
+                    self.leave(&path, format_args!("more than {DEEPEST} folders deep"));
+                } else if let Err(why) = self.folder(&path, depth + 1) {
+                    self.leave(&path, why);
+                }
+            } else if !kind.is_dir() && !is_hidden && formats::kind(&path) == Kind::Song {
+                self.songs.push(path);
+            }
+            if self.songs.len() > MOST_SONGS {
+                break;
+            }
         }
-        if songs.len() > MOST_SONGS {
-            break;
-        }
+        Ok(())
     }
-    Ok(())
+
+    /// Leaves out a folder within.
+    fn leave(&mut self, folder: &Path, why: impl Display) {
+        self.left += 1;
+        self.first_left.get_or_insert_with(|| format!("{}: {why}", folder.display()));
+    }
 }
 
 /// UTF-8, as `.m3u8` is, or else Latin-1, as old lists are.
@@ -142,6 +171,34 @@ mod tests {
         assert!(songs_of(&folder.path().join("nowhere")).is_err());
         let empty = tempfile::tempdir().unwrap();
         assert!(songs_of(empty.path()).unwrap_err().to_string().contains("no songs"));
+    }
+
+    #[test]
+    fn folders_that_are_left_out_are_mentioned() {
+        let folder = tempfile::tempdir().unwrap();
+        let deep = folder.path().join("1/2/3/4/5/6/7/8/9");
+        std::fs::create_dir_all(&deep).unwrap();
+        std::fs::write(deep.join("deep.mp3"), b"").unwrap();
+        let why = songs_of(folder.path()).unwrap_err().to_string();
+        assert!(why.contains("a folder is left out") && why.contains("8 folders deep"), "{why}");
+        std::fs::write(deep.with_file_name("there.mp3"), b"").unwrap();
+        std::fs::create_dir(deep.with_file_name("10")).unwrap();
+        let found = songs_of(folder.path()).unwrap();
+        assert_eq!(names(&found, folder.path()), ["1/2/3/4/5/6/7/8/there.mp3"]);
+        assert!(found.warning.unwrap().contains("2 folders are left out, such as"));
+    }
+
+    #[test]
+    fn a_long_list_says_what_it_lacks_too() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.mp3"), b"").unwrap();
+        let list = folder.path().join("set.m3u");
+        std::fs::write(&list, "gone.mp3\n".to_owned() + &"a.mp3\n".repeat(MOST_SONGS)).unwrap();
+        let warned = || songs_of(&list).unwrap().warning.unwrap();
+        assert!(warned().ends_with("gone.mp3 is not there"), "{}", warned());
+        std::fs::write(&list, "gone.mp3\n".to_owned() + &"a.mp3\n".repeat(MOST_SONGS + 1)).unwrap();
+        let both = "gone.mp3 is not there; only the first 5000 songs are taken";
+        assert!(warned().ends_with(both), "{}", warned());
     }
 
     #[test]

@@ -12,7 +12,7 @@ use chladni_mesh::{
 };
 use chladni_task::{Task, write_atomic};
 
-use super::outputs::{LEFT_OF_GLTF, is_gltf, left_pictures, rounded_in_stl};
+use super::outputs::{LEFT_OF_GLTF, is_gltf, left_pictures, pictures_apart, rounded_in_stl};
 use super::{Error, Subject, Warning, Watcher, matched};
 
 /// The result of a project on its shape. Later edits of the project do not change it.
@@ -111,8 +111,8 @@ fn reach(mesh: &TriMesh) -> [[f64; 3]; 2] {
 impl Sculpture {
     /// Writes it in the format of the ending: GLB holds the original with one morph target per layer, other
     /// formats the result itself. Where the shape comes from a glTF file, all else in that file stays in the GLB; a warning
-    /// says where that is not possible, and where an OBJ lacks pictures or an STL is too coarse. A canceled `task` writes
-    /// nothing.
+    /// says where that is not possible, where a GLB or an OBJ lacks pictures, and where an STL is too coarse. A canceled
+    /// `task` writes nothing.
     ///
     /// # Errors
     /// [`Error::Unsaved`] or [`Error::Unwritten`], with the file's name; a canceled task.
@@ -201,7 +201,10 @@ impl Sculpture {
                 None => add_morph_targets(source, whole, &targets),
             };
             match added {
-                Ok(bytes) => return Ok((bytes, None)),
+                Ok(bytes) => {
+                    let apart = pictures_apart(source, &bytes);
+                    return Ok((bytes, apart));
+                }
                 Err(why) => {
                     warning = Some(Warning::of(source.display(), format_args!("{why}: {LEFT_OF_GLTF}")));
                 }

@@ -1,13 +1,16 @@
 //! Opening and saving project files without losing work.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 
-use chladni_caricature::{Action, Layer, Project, Recovered, Resolution, ShapeSource, Template};
+use chladni_caricature::{
+    Action, CaricatureError, Layer, Project, Recovered, Resolution, ShapeSource, Template,
+};
 use chladni_mesh::surface::vec3::single;
-use chladni_task::alone;
+use chladni_task::{alone, write_atomic};
 use chladni_view::{Camera, View};
 use egui::Context;
 
@@ -324,10 +327,12 @@ fn sample(name: &str, shared: &mut Shared<'_>) -> Candidate {
     Candidate::new(project)
 }
 
-/// Whether the file at `path` is not the one that was read or written here last. Where it is gone there is nothing to lose.
-fn is_changed_elsewhere(session: &Session, path: &Path) -> bool {
+/// Whether the file at `path` is not the one of the hash `known`, which was read or written here last. Where it is gone
+/// there is nothing to lose; one that cannot be read may be anything.
+fn is_changed_elsewhere(path: &Path, known: Option<&str>) -> bool {
+    let is_gone = path.metadata().is_err_and(|why| why.kind() == ErrorKind::NotFound);
     let now = file_hash(path);
-    now.is_some() && now != session.on_disk
+    !is_gone && (now.is_none() || now.as_deref() != known)
 }
 
 /// The hash of the file of a recovered project; none where that was written after the copy, as by another program.
@@ -340,7 +345,7 @@ fn known_original(recovered: &Recovered) -> Option<String> {
 /// Writes the project to `path`, where its own file is; `None` where another program has changed that.
 fn save_unchanged(session: &mut Session, path: &Path) -> Option<Result<(), Error>> {
     alone(path, || {
-        if is_changed_elsewhere(session, path) {
+        if is_changed_elsewhere(path, session.on_disk.as_deref()) {
             return None;
         }
         Some(save_to(session, path))
@@ -349,8 +354,12 @@ fn save_unchanged(session: &mut Session, path: &Path) -> Option<Result<(), Error
 
 /// Writes the project to `path`, whole or not at all.
 fn save_to(session: &mut Session, path: &Path) -> Result<(), Error> {
-    session.project().save(path).map_err(Error::unsaved)?;
-    (session.path, session.on_disk) = (Some(PathBuf::from(path)), file_hash(path));
+    let text = session.project().to_text(path, None).map_err(Error::unsaved)?;
+    let failed = |source| Error::unsaved(CaricatureError::Io { path: path.to_owned(), source });
+    write_atomic(path, text.as_bytes()).map_err(failed)?;
+    // The file's own hash could be that of what another program has written since.
+    let written = blake3::hash(text.as_bytes()).to_hex().to_string();
+    (session.path, session.on_disk) = (Some(PathBuf::from(path)), Some(written));
     session.history.mark_saved();
     Ok(())
 }
@@ -358,6 +367,21 @@ fn save_to(session: &mut Session, path: &Path) -> Result<(), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_cannot_be_read_counts_as_changed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.chladni");
+        assert!(!is_changed_elsewhere(&path, Some("0")) && !is_changed_elsewhere(&path, None), "gone");
+        std::fs::write(&path, "a project").unwrap();
+        let known = file_hash(&path);
+        assert_eq!(known, Some(blake3::hash(b"a project").to_hex().to_string()));
+        assert!(!is_changed_elsewhere(&path, known.as_deref()) && is_changed_elsewhere(&path, Some("0")));
+        // No content of a folder is read, whoever asks.
+        for known in [None, Some("0")] {
+            assert!(is_changed_elsewhere(folder.path(), known));
+        }
+    }
 
     #[test]
     fn a_file_that_was_written_after_the_recovery_copy_is_not_known() {

@@ -117,6 +117,11 @@ impl Keepsake {
             self.release_adopted();
         }
         (self.copy, self.writing) = (Some(copy), None);
+        self.news(failure)
+    }
+
+    /// Remembers how the last copy ended; returns a failure that was not reported yet.
+    fn news(&mut self, failure: Option<String>) -> Option<String> {
         let is_news = failure.is_some() && failure != self.failure;
         self.failure.clone_from(&failure);
         failure.filter(|_| is_news)
@@ -127,15 +132,26 @@ impl Keepsake {
         self.adopted.take().iter().for_each(|old| RecoveryCopy::discard(old));
     }
 
-    /// Writes `show`, of which it then has `kept`, on a thread.
-    fn write(&mut self, show: Show, kept: Kept) {
+    /// Writes `show`, of which it then has `kept`, on a thread, which `spawn` starts; returns a new error, if there is one.
+    fn write(
+        &mut self,
+        show: Show,
+        kept: Kept,
+        spawn: impl FnOnce(Work) -> std::io::Result<()>,
+    ) -> Option<String> {
         let copy = match self.copy.take() {
             Some(Ok(copy)) => copy,
-            // Where it cannot be, that was reported once.
-            none => return self.copy = none,
+            none => {
+                // Where it cannot be, that was reported once.
+                self.copy = none;
+                return None;
+            }
         };
+        // A thread that cannot start would take the copy with it.
+        let (give, given) = channel::<RecoveryCopy>();
         let (done, written) = channel();
         let work = move || {
+            let Ok(copy) = given.recv() else { return };
             let began = Instant::now();
             let text = show.to_text().map_err(|why| why.to_string());
             let saved = text.and_then(|text| copy.keep(text.as_bytes()).map_err(|why| why.to_string()));
@@ -143,11 +159,27 @@ impl Keepsake {
             // If nobody waits any longer, the window is gone, and the copy stays.
             let _ = done.send(Written { copy, failure: saved.err(), took_secs });
         };
-        match std::thread::Builder::new().name("show copy".into()).spawn(work) {
-            Ok(_) => self.writing = Some((written, kept)),
-            Err(_) => self.copy = Some(Err(())),
+        match spawn(Box::new(work)) {
+            Ok(()) => {
+                // A thread that ended already is noticed when its result is asked for.
+                let _ = give.send(copy);
+                self.writing = Some((written, kept));
+                None
+            }
+            Err(why) => {
+                self.copy = Some(Ok(copy));
+                self.news(Some(why.to_string()))
+            }
         }
     }
+}
+
+/// What a thread does that writes a copy.
+type Work = Box<dyn FnOnce() + Send>;
+
+/// Starts a thread that writes a copy.
+fn in_background(work: Work) -> std::io::Result<()> {
+    std::thread::Builder::new().name("show copy".into()).spawn(work).map(drop)
 }
 
 impl MusicRoom {
@@ -197,7 +229,9 @@ impl MusicRoom {
         // Where no copy can be kept, the show need not be put together, either.
         if let Some(Ok(_)) = self.keepsake.copy {
             let show = the_show(concert, listening, &self.names, shared, unread);
-            self.keepsake.write(show, now);
+            if let Some(why) = self.keepsake.write(show, now, in_background) {
+                shared.notices.warn(format!("No copy of the show could be kept: {why}"));
+            }
         }
     }
 
@@ -304,8 +338,23 @@ mod tests {
     fn a_copy_that_cannot_be_is_not_tried_again() {
         let mut keepsake = Keepsake { copy: Some(Err(())), ..Keepsake::default() };
         let show = Show::from_text("format_version = 1\nseed = 5\nsize = 6\n").unwrap();
-        keepsake.write(show, Kept::default());
+        assert_eq!(keepsake.write(show, Kept::default(), in_background), None);
         assert!(matches!(keepsake.copy, Some(Err(()))) && keepsake.writing.is_none());
+    }
+
+    #[test]
+    fn a_copy_whose_thread_cannot_start_is_tried_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let copy = RecoveryCopy::start(folder.path(), NAMES.0, NAMES.1, std::process::id()).unwrap();
+        let path = copy.path().to_owned();
+        let mut keepsake = Keepsake { copy: Some(Ok(copy)), ..Keepsake::default() };
+        let show = || Show::from_text("format_version = 1\nseed = 5\nsize = 6\n").unwrap();
+        let mut refused =
+            || keepsake.write(show(), Kept::default(), |_| Err(std::io::Error::other("no more threads")));
+        assert_eq!([refused(), refused()], [Some("no more threads".to_owned()), None], "said once");
+        assert!(matches!(keepsake.copy, Some(Ok(_))) && keepsake.writing.is_none());
+        assert_eq!(keepsake.write(show(), Kept::default(), in_background), None);
+        assert!(keepsake.settle(true).is_none() && keepsake.kept.is_some() && path.exists());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The shelf: favorites of this show, and the dances that are kept in files for the next.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use chladni_music::{Action, Instrument, ItemId, Mapping, Preset, repertoire};
@@ -54,12 +55,11 @@ impl Shelf {
             Ok(built_in) => self.built_in = built_in,
             Err(why) => notices.warn(why.to_string()),
         }
-        // A folder that is not there yet holds nothing.
-        let Some(Ok(entries)) = self.folder.as_deref().map(std::fs::read_dir) else { return };
-        let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-        paths.retain(|path| !is_hidden(path) && path.extension().is_some_and(|ending| ending == "toml"));
-        paths.sort();
-        paths.truncate(MOST);
+        let Some(folder) = self.folder.as_deref() else { return };
+        let (paths, warning) = files_in(folder);
+        if let Some(why) = warning {
+            notices.warn(format!("{}: {why}", folder.display()));
+        }
         for path in paths {
             match Preset::load(&path) {
                 Ok(preset) => self.kept.push((path, preset)),
@@ -186,6 +186,22 @@ impl Shelf {
     }
 }
 
+/// The presets' files in `folder`, by name, and a warning where these are not all.
+fn files_in(folder: &Path) -> (Vec<PathBuf>, Option<String>) {
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        // A folder that is not there yet holds nothing.
+        Err(why) if why.kind() == ErrorKind::NotFound => return (Vec::new(), None),
+        Err(why) => return (Vec::new(), Some(why.to_string())),
+    };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.retain(|path| !is_hidden(path) && path.extension().is_some_and(|ending| ending == "toml"));
+    paths.sort();
+    let too_many = paths.len() > MOST;
+    paths.truncate(MOST);
+    (paths, too_many.then(|| format!("only the first {MOST} dances of the shelf are shown")))
+}
+
 /// A file name for `name` that no file has yet.
 fn free_path(folder: &Path, name: &str) -> PathBuf {
     let plain: String =
@@ -273,4 +289,25 @@ fn thumbnail(ui: &mut Ui, mapping: &Mapping) {
     );
     let accent = theme::palette(ui).accent;
     curve::line(ui.painter(), lower, &mapping.amplification, (-1.0, 1.0), Stroke::new(1.2, accent));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shelf_that_is_not_read_whole_says_so() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(files_in(&folder.path().join("not yet")), (Vec::new(), None));
+        let write = |name: String| std::fs::write(folder.path().join(name), "").unwrap();
+        (0..MOST).for_each(|i| write(format!("{i:04}.toml")));
+        write(".0000.toml".to_owned());
+        let (paths, warning) = files_in(folder.path());
+        assert_eq!((paths.len(), warning), (MOST, None));
+        write("last.toml".to_owned());
+        let (paths, warning) = files_in(folder.path());
+        assert!(paths.len() == MOST && warning.unwrap().contains("only the first 2000"));
+        let (paths, warning) = files_in(&folder.path().join("last.toml"));
+        assert!(paths.is_empty() && warning.is_some(), "no folder");
+    }
 }

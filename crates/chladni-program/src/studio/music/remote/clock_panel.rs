@@ -71,19 +71,42 @@ impl Remote {
             theme::warning(ui, why.to_string());
         }
         let outputs = self.midi.as_ref().map(Midi::devices).unwrap_or_default().outputs;
-        // A device that is missing now is still listed, so that it can be changed.
-        let gone = preferences.clock_out.clone().filter(|device| !outputs.contains(device));
-        let choices: Vec<String> = outputs.into_iter().chain(gone).collect();
+        let choices = choices(outputs, preferences.clock_out.clone());
         if choices.is_empty() {
             return;
         }
         ui.label("MIDI clock to");
         theme::group(ui, "MIDI clock to", |ui| {
             ui.selectable_value(&mut preferences.clock_out, None, "Nobody");
-            for device in choices {
-                let name = device.clone();
-                ui.selectable_value(&mut preferences.clock_out, Some(device), name);
+            for (device, label) in choices {
+                ui.selectable_value(&mut preferences.clock_out, Some(device), label);
             }
         });
+        if let Some(Err(why)) = &self.clock_out {
+            theme::warning(ui, why.to_string());
+        }
+    }
+}
+
+/// The devices that a clock can be sent to, each with its label. The one that is `chosen` is listed even where it is missing
+/// now, so that it can be changed.
+fn choices(outputs: Vec<String>, chosen: Option<String>) -> Vec<(String, String)> {
+    let gone = chosen.filter(|device| !outputs.contains(device));
+    let gone = gone.map(|device| (device.clone(), format!("{device} (not connected)")));
+    outputs.into_iter().map(|device| (device.clone(), device)).chain(gone).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_was_unplugged_is_listed_as_not_connected() {
+        let pair = |device: &str, label: &str| (device.to_owned(), label.to_owned());
+        let drums = || vec!["drums".to_owned()];
+        assert_eq!(choices(drums(), Some("drums".to_owned())), [pair("drums", "drums")]);
+        let listed = choices(drums(), Some("synth".to_owned()));
+        assert_eq!(listed, [pair("drums", "drums"), pair("synth", "synth (not connected)")]);
+        assert!(choices(Vec::new(), None).is_empty());
     }
 }

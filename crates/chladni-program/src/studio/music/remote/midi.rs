@@ -24,7 +24,7 @@ const CLIENT: &str = "chladni";
 pub struct Devices {
     /// Those that are listened to, by name.
     pub names: Vec<String>,
-    /// Those that are there but cannot be listened to, and why: another program may have them.
+    /// Those that are there but cannot be listened to, or sent to, and why: another program may have them.
     pub refused: Vec<String>,
     /// Those that can be sent to.
     pub outputs: Vec<String>,
@@ -91,9 +91,9 @@ impl Outputs {
         }
     }
 
-    /// Opens the wanted ports that exist; returns all that exist. Opening and closing may take long, and those who send do
-    /// not wait for it.
-    fn look(&self) -> Result<Vec<String>, Error> {
+    /// Opens the wanted ports that exist; returns all that exist, and those that refuse, and why. Opening and closing may
+    /// take long, and those who send do not wait for it.
+    fn look(&self) -> Result<(Vec<String>, Vec<String>), Error> {
         let output = || MidiOutput::new(CLIENT).map_err(Error::other);
         let looking = output()?;
         let ports: Vec<_> = looking
@@ -111,15 +111,20 @@ impl Outputs {
         missing.retain(|name| !known.open.contains_key(name));
         drop(known);
         drop(gone);
+        let mut refused = Vec::new();
         for (name, node, port) in &ports {
-            if missing.contains(name)
-                && let Ok(connection) = output()?.connect(port, CLIENT)
-            {
-                missing.remove(name);
-                lock(&self.0).open.insert(name.clone(), (*node, connection));
+            if !missing.contains(name) {
+                continue;
+            }
+            match output()?.connect(port, CLIENT) {
+                Ok(connection) => {
+                    missing.remove(name);
+                    lock(&self.0).open.insert(name.clone(), (*node, connection));
+                }
+                Err(why) => refused.push(format!("{name} cannot be sent to: {why}")),
             }
         }
-        Ok(ports.into_iter().map(|(name, ..)| name).collect())
+        Ok((ports.into_iter().map(|(name, ..)| name).collect(), refused))
     }
 }
 
@@ -178,7 +183,8 @@ impl Midi {
                 let mut names: Vec<String> = open.values().map(|input| input.name.clone()).collect();
                 names.sort();
                 let failure = there.as_ref().err().map(ToString::to_string);
-                let (refused, outputs) = there.unwrap_or_default();
+                let (mut refused, (outputs, unsent)) = there.unwrap_or_default();
+                refused.extend(unsent);
                 *lock(&seen) = Devices { names, refused, outputs, failure };
                 std::thread::sleep(LOOK);
             }

@@ -48,7 +48,7 @@ pub struct Remote {
     beats_to: Option<String>,
     /// That address as it is being typed.
     beats_typed: Option<String>,
-    clock_out: Option<ClockSender>,
+    clock_out: Option<Result<ClockSender, Error>>,
 }
 
 /// Input since the last frame.
@@ -151,11 +151,18 @@ impl Remote {
         if let Some(Ok(out)) = &mut self.beat_out {
             out.tell(now, ctx);
         }
-        if self.clock_out.is_none() && preferences.clock_out.is_some() {
-            let outputs = self.midi.as_ref().map(|midi| midi.outputs().clone());
-            self.clock_out = outputs.and_then(|outputs| ClockSender::start(outputs).ok());
+        if preferences.clock_out.is_none() && matches!(self.clock_out, Some(Err(_))) {
+            // It is tried again for the next device that is chosen.
+            self.clock_out = None;
         }
-        if let Some(out) = &self.clock_out {
+        if self.clock_out.is_none()
+            && preferences.clock_out.is_some()
+            && let Some(midi) = &self.midi
+        {
+            let sender = ClockSender::start(midi.outputs().clone());
+            self.clock_out = Some(sender.map_err(|why| Error::other(why).of("MIDI clock")));
+        }
+        if let Some(Ok(out)) = &self.clock_out {
             out.tell(preferences.clock_out.as_deref(), now);
         }
     }
