@@ -119,7 +119,8 @@ impl Dancer {
         steep.sort_by_key(|(k, _)| *k);
         let probes = Probes::new(body, &displacement, &normals, &steep);
         let sides = Sides::of(body, classes, stands);
-        let slowest = basis.eigenvalues.get(symmetry::first_waving(basis)).copied().unwrap_or(1.0);
+        let first = symmetry::first_waving(&basis.eigenvalues);
+        let slowest = basis.eigenvalues.get(first).copied().unwrap_or(1.0);
         Ok(Self {
             eigenvalues: basis.eigenvalues.clone(),
             swing: Swing::of(body, classes, &sides),
@@ -207,7 +208,7 @@ const BROAD: usize = 24;
 /// The position that the harmonics of the longest waves, each at full strength, move farthest.
 fn liveliest(body: &Body, spectrum: &[[f64; 3]], runs: &[Range<usize>]) -> [f32; 3] {
     let basis = &*body.basis;
-    let first = symmetry::first_waving(basis);
+    let first = symmetry::first_waving(&basis.eigenvalues);
     let mut moved = vec![0.0f64; basis.vertices()];
     // By whole unisons: the choice of harmonics within one is arbitrary.
     for run in runs.iter().filter(|run| (first..first + BROAD).contains(&run.start)) {

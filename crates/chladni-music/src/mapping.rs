@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::symmetry::first_waving;
 use crate::{Class, MusicError};
 
 /// Finer harmonics have lines too close for a figure of sand.
@@ -39,12 +40,16 @@ impl Mapping {
     }
 
     /// The direct mapping for a shape: t_ini read at ω/2, so that the song drives the lower quarter of the
-    /// harmonics; the lower a harmonic, the more it is amplified.
+    /// harmonics; the lower a harmonic, the more it is amplified. Constant harmonics, of which a shape has one for
+    /// each of its pieces, count as one.
     pub fn direct(eigenvalues: &[f64], bands: usize) -> Self {
         let k_count = eigenvalues.len().max(1);
+        let constant = first_waving(eigenvalues).max(1);
+        // A quarter of fewer than five would be the constant one alone.
+        let count = (k_count + 1).saturating_sub(constant).max(5);
         let amplification = (0..k_count)
             .map(|k| {
-                let x = (4.0 * k as f32 / k_count as f32).min(1.0);
+                let x = (4.0 * (k + 1).saturating_sub(constant) as f32 / count as f32).min(1.0);
                 (1.0 - x) * (1.0 - x)
             })
             .collect();
@@ -55,12 +60,14 @@ impl Mapping {
 
     /// The mapping for sand. Going from the lowest band to the highest, it picks finer and finer harmonics in even
     /// steps, all equally amplified, so that a higher tone draws a finer figure. It uses only harmonics that answer
-    /// to the middle (S) of the sound, except the three coarsest, which draw hardly any figure, and those whose lines
-    /// are too close to tell apart.
-    pub fn figures(classes: &[Class], bands: usize) -> Self {
+    /// to the middle (S) of the sound, except constant ones and the three coarsest others, which draw hardly any
+    /// figure, and those whose lines are too close to tell apart.
+    pub fn figures(eigenvalues: &[f64], classes: &[Class], bands: usize) -> Self {
         let (bands, top) = (bands.max(1), (classes.len().max(2) - 1) as f32);
         let answering = |k: &usize| classes[*k] != Class::Antisymmetric;
-        let answering: Vec<usize> = (1..classes.len().min(MOST_FIGURES)).filter(answering).skip(3).collect();
+        let first = first_waving(eigenvalues).max(1);
+        let end = classes.len().min(first - 1 + MOST_FIGURES);
+        let answering: Vec<usize> = (first..end).filter(answering).skip(3).collect();
         let transfer = (0..bands)
             .map(|b| answering.get(b * answering.len() / bands).map_or(1.0, |k| *k as f32 / top))
             .collect();
@@ -169,7 +176,7 @@ fn resample(values: &[f32], count: usize) -> Vec<f32> {
 pub fn direct_transfer(eigenvalues: &[f64], bands: usize, alpha: f64, reversed: bool) -> Vec<f32> {
     let Some(&largest) = eigenvalues.last() else { return vec![0.0; bands] };
     let top = (eigenvalues.len() - 1).max(1) as f64;
-    let first = eigenvalues.partition_point(|&l| l <= 1e-9 * largest).min(eigenvalues.len() - 1);
+    let first = first_waving(eigenvalues).min(eigenvalues.len() - 1);
     (0..bands)
         .map(|b| {
             let omega = alpha * (b + 1) as f64 / bands as f64;
@@ -200,6 +207,36 @@ mod tests {
         assert!(t.iter().zip(&reversed).all(|(t, r)| (t + r - 1.0).abs() < 1e-6));
         let constant = direct_transfer(&eigenvalues, 8, 0.0, false);
         assert!(constant.iter().all(|t| (t * 5.0).round() == 1.0));
+    }
+
+    #[test]
+    fn the_direct_mapping_amplifies_what_it_drives_on_shapes_of_few_harmonics_or_many_pieces() {
+        let weyl = |pieces: usize, k_count: usize| -> Vec<f64> {
+            (0..k_count).map(|k| (k + 1).saturating_sub(pieces) as f64).collect()
+        };
+        for (pieces, k_count) in [(1, 2), (1, 3), (1, 4), (2, 4), (3, 4), (4, 16), (128, 512), (500, 512)] {
+            let mapping = Mapping::direct(&weyl(pieces, k_count), 128);
+            mapping.validate().unwrap();
+            assert!(mapping.loudness() > 0.0, "{pieces} pieces, K = {k_count}");
+        }
+        // A sphere's first three waves are of one frequency.
+        assert!(Mapping::direct(&[0.0, 2.0, 2.0, 2.0], 128).loudness() > 0.0);
+        // On a shape in one piece, the lower quarter.
+        for k_count in [1, 5, 7, 8, 162, 256] {
+            let quarter = (0..k_count).map(|k| (1.0 - (4.0 * k as f32 / k_count as f32).min(1.0)).powi(2));
+            let mapping = Mapping::direct(&weyl(1, k_count), 128);
+            assert_eq!(mapping.amplification, quarter.collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn figures_of_a_shape_in_pieces_are_no_constant_harmonics() {
+        let classes = [Class::Symmetric; 512];
+        let eigenvalues: Vec<f64> = (0..512).map(|k| f64::from((k - 127i32).max(0))).collect();
+        let targets = Mapping::figures(&eigenvalues, &classes, 128).targets(128, 512);
+        assert_eq!((targets[0], targets[127]), (131, 222));
+        // All are constant: there is a mapping, although it moves nothing.
+        Mapping::figures(&[0.0; 8], &classes[..8], 128).validate().unwrap();
     }
 
     #[test]

@@ -67,10 +67,11 @@ pub struct Tray {
 impl Tray {
     /// The tray of a body.
     pub fn new(body: &Body) -> Self {
+        let eigenvalues = &body.basis.eigenvalues;
         Self {
             ground: Ground::new(&body.positions, &body.triangles),
             triangles: body.triangles.clone(),
-            slowest: body.basis.eigenvalues.get(first_waving(&body.basis)).copied().unwrap_or(1.0),
+            slowest: eigenvalues.get(first_waving(eigenvalues)).copied().unwrap_or(1.0),
             basis: Arc::clone(&body.basis),
             box_diagonal: box_diagonal(&body.positions),
         }

@@ -24,9 +24,9 @@ pub fn without_sand(before: &Parameters) -> Vec<Action> {
 }
 
 /// [`SAND_MODE`], and a dance on stage in which a higher tone draws a finer figure, for a shape whose harmonics
-/// have `classes`. It takes the place of the gallery's first item.
-pub fn experiment(classes: &[Class], bands: usize) -> Vec<Action> {
-    let mapping = Mapping::figures(classes, bands);
+/// have these eigenvalues, ascending, and classes. It takes the place of the gallery's first item.
+pub fn experiment(eigenvalues: &[f64], classes: &[Class], bands: usize) -> Vec<Action> {
+    let mapping = Mapping::figures(eigenvalues, classes, bands);
     let dance = [Action::Load { item: 0, name: "figures".into(), mapping }, Action::Perform { item: 0 }];
     SAND_MODE.into_iter().chain(dance).collect()
 }

@@ -30,7 +30,7 @@ impl Swing {
     pub fn of(body: &Body, classes: &[Class], sides: &Sides) -> Self {
         let basis = &*body.basis;
         let count = basis.harmonics();
-        let first = symmetry::first_waving(basis);
+        let first = symmetry::first_waving(&basis.eigenvalues);
         let weights: Vec<f64> = (sides.left.iter().zip(&*sides.right).zip(&basis.mass))
             .map(|((l, r), a)| a * f64::from(l - r))
             .collect();

@@ -178,11 +178,12 @@ fn a_higher_tone_draws_a_finer_figure_that_the_middle_can_sound() {
     use chladni_music::{Class, Mapping};
     let classes: Vec<Class> =
         (0..300).map(|k| [Class::Symmetric, Class::Antisymmetric, Class::Undecided][k % 3]).collect();
-    let mapping = Mapping::figures(&classes, 128);
+    let eigenvalues: Vec<f64> = (0..300).map(f64::from).collect();
+    let mapping = Mapping::figures(&eigenvalues, &classes, 128);
     mapping.validate().unwrap();
     let targets = mapping.targets(128, 300);
     assert!(targets.is_sorted() && targets[0] > 3 && targets[127] > 85 && targets[127] < 96, "{targets:?}");
     assert!(targets.iter().all(|k| classes[*k as usize] != Class::Antisymmetric));
     // Shapes of few harmonics have a mapping, too.
-    (0..6).for_each(|k| Mapping::figures(&classes[..k], 128).validate().unwrap());
+    (0..6).for_each(|k| Mapping::figures(&eigenvalues[..k], &classes[..k], 128).validate().unwrap());
 }

@@ -69,7 +69,8 @@ impl Concert {
         let actions = match (on, self.before_sand.take()) {
             (true, before) => {
                 self.before_sand = before.or_else(|| Some(self.instrument.parameters().clone()));
-                experiment(&self.ensemble.dancer().classes, self.instrument.shape().bands)
+                let dancer = self.ensemble.dancer();
+                experiment(&dancer.eigenvalues, &dancer.classes, self.instrument.shape().bands)
             }
             (false, before) => {
                 let mut actions = without_sand(&before.unwrap_or_default());

@@ -69,7 +69,7 @@ pub(super) fn unmirrored(
     settings: &SymmetrySettings,
     task: &Task,
 ) -> Result<Vec<Rotation>, MusicError> {
-    let first = first_waving(&body.basis);
+    let first = first_waving(&body.basis.eigenvalues);
     repeated(&body.basis, settings.cluster_gap)
         .into_par_iter()
         .filter(|group| group.start >= first && group.len() > 1)
@@ -93,7 +93,7 @@ const LONGEST_RUN: usize = 24;
 /// Ranges of harmonics whose neighboring eigenvalues have a relative difference below `gap`. The constant
 /// harmonics of a shape with several components form such a range. Ranges that are too long are divided.
 pub(crate) fn repeated(basis: &Basis, gap: f64) -> Vec<Range<usize>> {
-    let constant = first_waving(basis);
+    let constant = first_waving(&basis.eigenvalues);
     let lambda = &basis.eigenvalues;
     let joins = |k: usize| k < constant || (k > constant && lambda[k] - lambda[k - 1] < gap * lambda[k]);
     let mut groups: Vec<Range<usize>> = Vec::new();

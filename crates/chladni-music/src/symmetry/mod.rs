@@ -196,7 +196,7 @@ fn mirror(
 }
 
 /// Index of the first harmonic that is not constant on a component.
-pub(crate) fn first_waving(basis: &Basis) -> usize {
-    let largest = basis.eigenvalues.last().copied().unwrap_or(0.0);
-    basis.eigenvalues.partition_point(|&l| l <= 1e-9 * largest)
+pub(crate) fn first_waving(eigenvalues: &[f64]) -> usize {
+    let largest = eigenvalues.last().copied().unwrap_or(0.0);
+    eigenvalues.partition_point(|&l| l <= 1e-9 * largest)
 }

@@ -48,7 +48,7 @@ impl Extrema {
     /// For each harmonic, (pairs with H_i ≈ H_j minus pairs with H_i ≈ −H_j) / pairs. The harmonics of a
     /// repeated eigenvalue vote together, where H_i is the row of their values at i.
     pub(super) fn vote(&self, basis: &Basis, settings: &SymmetrySettings) -> Vec<f64> {
-        let first = first_waving(basis);
+        let first = first_waving(&basis.eigenvalues);
         let mut scores = vec![1.0; first];
         for group in repeated(basis, settings.cluster_gap).into_iter().filter(|group| group.start >= first) {
             let norm = |f: &dyn Fn(&[f64]) -> f64| {
@@ -89,7 +89,7 @@ impl Tone<'_> {
 
 /// The first n_k non-constant harmonics, and further ones that repeat the eigenvalue of the last.
 fn tones<'a>(basis: &'a Basis, settings: &SymmetrySettings) -> Vec<Tone<'a>> {
-    let first = first_waving(basis);
+    let first = first_waving(&basis.eigenvalues);
     let last = first + settings.signature_harmonics.min(255);
     repeated(basis, settings.cluster_gap)
         .into_iter()

@@ -158,7 +158,7 @@ mod tests {
         let dancer = Arc::new(Dancer::new(&body, &symmetry.classes, &Orientation::Y_UP).unwrap());
         let shape = GalleryShape { eigenvalues: dancer.eigenvalues.clone(), bands: 128 };
         let mut instrument = Instrument::new(1, 6, shape).unwrap();
-        for action in experiment(&dancer.classes, 128) {
+        for action in experiment(&dancer.eigenvalues, &dancer.classes, 128) {
             instrument.apply(Moment::default(), action).unwrap();
         }
         instrument

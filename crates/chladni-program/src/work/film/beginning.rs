@@ -55,6 +55,7 @@ impl Beginning {
         let is_chosen =
             self.show.is_some() || self.preset.is_some() || self.seed.is_some() || self.gallery.is_some();
         let sand = self.sand.unwrap_or(on_sheet && self.show.is_none() && self.preset.is_none());
+        let draws_figures = sand && !is_chosen;
         let (mut instrument, script) = match self.show {
             Some(mut show) => {
                 if self.keeps_look {
@@ -66,13 +67,20 @@ impl Beginning {
             None => {
                 let mut instrument =
                     Instrument::new(self.seed.unwrap_or(1), self.gallery.unwrap_or(6), shape)?;
-                let dance = put_on_stage(dancer, bands, self.preset, self.seed, self.gallery);
-                apply(&mut instrument, dance)?;
+                // Figures that came after another dance would fade in.
+                if !draws_figures {
+                    let dance = put_on_stage(dancer, bands, self.preset, self.seed, self.gallery);
+                    apply(&mut instrument, dance)?;
+                }
                 (instrument, Vec::new())
             }
         };
         if sand {
-            let dance = if is_chosen { SAND_MODE.to_vec() } else { experiment(&dancer.classes, bands) };
+            let dance = if draws_figures {
+                experiment(&dancer.eigenvalues, &dancer.classes, bands)
+            } else {
+                SAND_MODE.to_vec()
+            };
             apply(&mut instrument, dance)?;
         }
         apply(&mut instrument, self.changes)?;
@@ -125,4 +133,32 @@ fn apply(instrument: &mut Instrument, actions: Vec<Action>) -> Result<(), Error>
         instrument.apply(Moment::default(), action)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use chladni_harmonics::{BasisSettings, Body};
+    use chladni_mesh::{Orientation, samples};
+    use chladni_music::Symmetry;
+    use chladni_task::Task;
+
+    use super::*;
+
+    #[test]
+    fn figures_of_sand_are_alone_on_stage_from_the_first_moment_on() {
+        let mesh = samples::sample("plate").unwrap();
+        let body = Body::build(&mesh, &BasisSettings::new(24), &Task::new()).unwrap();
+        let symmetry = Symmetry::of(&body, &Task::new()).unwrap();
+        let body = symmetry.rotated(&body);
+        let dancer = Dancer::new(&body, &symmetry.classes, &Orientation::Y_UP).unwrap();
+        let on_stage = |beginning: Beginning| {
+            let (instrument, _) = beginning.begin(&dancer, true).unwrap();
+            let scene = instrument.scene(0.0).unwrap();
+            assert_eq!(scene.from, scene.to);
+            instrument.item(scene.to).unwrap().name.clone()
+        };
+        assert_eq!(on_stage(Beginning::default()), "figures");
+        assert_eq!(on_stage(Beginning { sand: Some(false), ..Beginning::default() }), "direct");
+        assert_ne!(on_stage(Beginning { seed: Some(3), ..Beginning::default() }), "figures");
+    }
 }

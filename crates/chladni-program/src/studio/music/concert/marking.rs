@@ -69,7 +69,8 @@ impl Concert {
     /// Actions that set this body up for Chladni's experiment.
     pub fn experiment(&self) -> Vec<Action> {
         let bands = self.instrument.parameters().get(Parameter::Bands).round() as usize;
-        experiment(&self.ensemble.dancer().classes, bands)
+        let dancer = self.ensemble.dancer();
+        experiment(&dancer.eigenvalues, &dancer.classes, bands)
     }
 
     /// The action that brings the dance after or before the one on stage: of the gallery as it is now where the beat steps
