@@ -1,5 +1,5 @@
 // Whether a graphics card draws, and its picture, which lies under that of the processor.
-import { close_card, open_card } from "./chladni_web.js";
+import { card_lost, close_card, open_card } from "./chladni_web.js";
 import { of, say } from "./page.js";
 
 /** Pixels of the small picture in which flashes are looked for. */
@@ -70,8 +70,8 @@ export async function openCard() {
   tell();
 }
 
-/** Why the card that draws is to be asked no more, if so. */
-export const whyGone = () => canvas && gone;
+/** Why the card that draws is to be asked no more, if so. A picture that rests asks it for nothing, and has to know, too. */
+export const whyGone = () => canvas && (gone ??= card_lost());
 
 /** The canvas that the card draws into, if it does. */
 export const card = () => canvas;

@@ -1,5 +1,6 @@
 // What lies over a gallery's picture: a button for each item, so that pointer, keys and screen readers reach it.
 import { small } from "./mapping.js";
+import { setText } from "./page.js";
 
 const made = [];
 /** Those of the room that is shown. */
@@ -50,13 +51,13 @@ export function drawCells(parent, cells, items, width, height, choices) {
     if (box.dataset.at !== at) box.style.cssText = box.dataset.at = at;
     box.className = ["cell", chosen && "chosen", choices.isNamed && "named"].filter(Boolean).join(" ");
     curves.show(choices.curves?.(item));
-    choose.textContent = text;
+    setText(choose, text);
     choose.disabled = idle;
     choose.setAttribute("aria-pressed", chosen);
     choose.setAttribute("aria-label", name || choices.name(item));
     choose.title = choices.titled ? name : "";
     stage.hidden = !choices.perform;
-    stage.textContent = choices.performs ?? "";
+    setText(stage, choices.performs ?? "");
     if (choices.says) stage.setAttribute("aria-label", choices.says(item));
     vary.hidden = !choices.vary;
     vary.setAttribute("aria-label", `Vary ${item + 1}`);
@@ -64,7 +65,7 @@ export function drawCells(parent, cells, items, width, height, choices) {
     lock.setAttribute("aria-pressed", locked);
     lock.setAttribute("aria-label", `Lock ${item + 1}`);
     favor.hidden = !choices.favor;
-    favor.textContent = favorite ? "★" : "☆";
+    setText(favor, favorite ? "★" : "☆");
     favor.setAttribute("aria-pressed", favorite);
     favor.setAttribute("aria-label", `Favorite ${item + 1}`);
   });

@@ -33,7 +33,7 @@ async function first(kind, configs) {
 
 export class EncodedFilm {
   /** A film of `width` × `height` pixels, of so many pictures a second, with sound of `soundRate`, if any. It is silent where
-   * the browser encodes no sound: `isSilent` says so. */
+   * the browser encodes no sound, or none that a file can hold: `isSilent` says so in the end. */
   static async open(width, height, rate, soundRate) {
     const bitrate = Math.round(PIXEL_BITS * width * height * rate);
     const pictures = await first(VideoEncoder, PICTURES.map((codec) => (
@@ -115,12 +115,15 @@ export class EncodedFilm {
     let soundRate = 1;
     if (this.soundAs) {
       soundRate = this.sounds.codec === "opus" ? OPUS_RATE : this.soundAs.sampleRate;
-      frame.with_sound(this.sounds.codec, bytesOf(this.soundAs.description), soundRate);
+      // Pictures without sound are better than none.
+      try { frame.with_sound(this.sounds.codec, bytesOf(this.soundAs.description), soundRate); } catch { this.soundAs = undefined; }
     }
-    for (const { data, isSound, micros, isKey } of this.pieces) {
-      if (!isSound || this.soundAs) frame.add(isSound, data.length, isSound ? Math.round((micros * soundRate) / 1e6) : 1, isKey);
+    this.isSilent = !this.soundAs;
+    const pieces = this.pieces.filter(({ isSound }) => !isSound || this.soundAs);
+    for (const { data, isSound, micros, isKey } of pieces) {
+      frame.add(isSound, data.length, isSound ? Math.round((micros * soundRate) / 1e6) : 1, isKey);
     }
-    const film = new Blob([frame.head(), ...this.pieces.map(({ data }) => data)], { type: "video/mp4" });
+    const film = new Blob([frame.head(), ...pieces.map(({ data }) => data)], { type: "video/mp4" });
     frame.free();
     return film;
   }

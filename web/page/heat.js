@@ -3,6 +3,8 @@ import { color_maps, quantities } from "./chladni_web.js";
 import { attempt, of } from "./page.js";
 
 const [NONE, OWN] = [0, 1];
+/** The number of the harmonics among what is shown: browsers may translate its name. */
+let harmonicQuantity;
 
 const css = ([r, g, b]) => `rgb(${r} ${g} ${b})`;
 const tick = (value) => Number(value.toPrecision(3)).toString().replace("-", "−");
@@ -24,7 +26,7 @@ function drawLegend(legend) {
 /** Shows what a sitting's state says. */
 export function drawHeat({ heat, own_look, solved, harmonics }) {
   of("heat").value = heat.quantity;
-  const isHarmonic = of("heat").selectedOptions[0]?.text === "A harmonic";
+  const isHarmonic = Number(heat.quantity) === harmonicQuantity;
   of("heat").options[OWN].hidden = !own_look;
   of("heat").disabled = !solved;
   of("heat-row").hidden = !heat.legend;
@@ -38,7 +40,9 @@ export function drawHeat({ heat, own_look, solved, harmonics }) {
 
 /** `show(quantity, harmonic, map)` shows something else. */
 export function listen(show) {
-  of("heat").append(...JSON.parse(quantities()).map((name, i) => new Option(i === NONE ? "Its material" : name, i)));
+  const names = JSON.parse(quantities());
+  harmonicQuantity = names.indexOf("A harmonic");
+  of("heat").append(...names.map((name, i) => new Option(i === NONE ? "Its material" : name, i)));
   of("color-map").append(...JSON.parse(color_maps()).map((name) => new Option(name, name)));
   const changed = attempt(() => show(Number(of("heat").value), Math.round(Number(of("harmonic").value)) || 0, of("color-map").value));
   for (const id of ["heat", "harmonic", "color-map"]) of(id).addEventListener("change", changed);

@@ -461,6 +461,8 @@ function refresh() {
 /** Goes in: what danced there goes on, or the octopus dances. */
 async function playAloud() {
   if (!(await sound.play())) say("No sound device answers: the song runs on silently.", true);
+  // The tune that was cancelled, or lost with its worker, comes once somebody wants to hear it.
+  if (!songs.current() && !works("song")) await know(busy("Our own tune", (tell) => ask({ work: "decode", name: songs.TUNE }, tell, "song")));
 }
 
 export async function enter() {

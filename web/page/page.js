@@ -8,11 +8,15 @@ export const hasModifier = (event) => event.ctrlKey || event.metaKey || event.al
 /** How long an error can be read. */
 const ERROR_SECS = 20;
 
-/** What workers do now, in words. */
+/** What workers do now, in words, and how far they are. */
 const working = new Map();
+const shares = new Map();
 /** What went wrong last, and the time until which it can be read. */
 let failed;
 let saying;
+/** What is said from then on, once the page's module has stopped in the middle of its work. */
+const STOPPED = "The page has stopped (no memory, or a bug): open it again. What was not saved is lost.";
+let hasStopped = false;
 
 /** Says something in the line at the top, for so long; nothing leaves an error there, and what workers do. */
 export function say(text, bad = false, secs = 8) {
@@ -22,8 +26,9 @@ export function say(text, bad = false, secs = 8) {
 }
 
 function write(text, secs) {
-  of("status").textContent = text;
-  of("status").classList.toggle("bad", !!failed);
+  // What is said already is not read aloud again.
+  setText(of("status"), hasStopped ? STOPPED : text);
+  of("status").classList.toggle("bad", hasStopped || !!failed);
   clearTimeout(saying);
   if (text) saying = setTimeout(settle, 1000 * secs);
 }
@@ -36,18 +41,32 @@ function settle(news) {
   write(text, news ? 20 : failed ? left : 600);
 }
 
+/** The page's module has stopped, so that nothing is to be asked of it any more. */
+export const isStopped = () => hasStopped;
+
+/** Whether it has stopped by this error, or earlier; says so. */
+export function stops(error) {
+  if (error instanceof WebAssembly.RuntimeError && !hasStopped) {
+    hasStopped = true;
+    settle();
+  }
+  return hasStopped;
+}
+
+addEventListener("error", ({ error }) => { stops(error); });
+
 /** Does it, and says what went wrong. */
 export const attempt = (act) => async (...args) => {
   try { await act(...args); } catch (error) {
     // Whoever asked wants something else by now.
-    if (error.name !== "ObsoleteError") say(error.message ?? String(error), true);
+    if (!stops(error) && error.name !== "ObsoleteError") say(error.message ?? String(error), true);
   }
 };
 
 /** An error that says which file it is of. */
 export function ofFile(name, error) {
   const why = error.message ?? String(error);
-  if (["AbortError", "ObsoleteError"].includes(error.name) || why.includes(name)) return error;
+  if (stops(error) || ["AbortError", "ObsoleteError"].includes(error.name) || why.includes(name)) return error;
   // A folder has no content that could be read, either.
   return new Error(error.name === "NotFoundError" ? `${name} cannot be read: it was moved or deleted, or is a folder.` : `${name}: ${why}`);
 }
@@ -67,19 +86,29 @@ export async function busy(what, work) {
   const tell = (kind, text) => {
     if (kind === "warning") return remarks.push(text);
     if (kind === "said") return remarks.unshift(text);
+    // Not in the line that is read aloud.
+    if (kind === "progress") return showShare(job, text);
     working.set(job, `${what}: ${text}…`);
+    showShare(job);
     settle();
   };
   working.set(job, `${what}…`);
   of("cancel").hidden = false;
   try { return await work(tell); } finally {
     working.delete(job);
+    showShare(job);
     of("cancel").hidden = working.size === 0;
     if (!working.size) {
       settle(remarks.join(" "));
       remarks = [];
     }
   }
+}
+
+/** Shows how far a job is, or that it is not known. */
+function showShare(job, text) {
+  if (text) shares.set(job, text); else shares.delete(job);
+  of("progress").textContent = [...shares.values()].join(" · ");
 }
 
 /** A file's name without its folders, its accents composed: a Mac may write them apart. */
@@ -93,6 +122,11 @@ export const on = (id, act) => of(id).addEventListener("click", attempt(act));
 export const capitalized = (name) => name[0].toUpperCase() + name.slice(1);
 
 export const options = (names, value) => names.map((name) => new Option(capitalized(name), value(name)));
+
+/** Writes a text where it is another than before, so that what a browser has translated stays. */
+export function setText(place, text) {
+  if (place.dataset.text !== String(text)) place.textContent = place.dataset.text = text;
+}
 
 /** A new element with these properties and children. */
 export function element(tag, properties, ...children) {

@@ -1,6 +1,6 @@
 // The picture that both rooms draw into, in as many pixels as this machine draws in time.
 import { card, loseCard, smallPicture, whyGone } from "./card.js";
-import { of, report, say } from "./page.js";
+import { isStopped, of, report, say, stops } from "./page.js";
 
 const picture = of("picture");
 /** Of what the processor draws; where the graphics card does, the picture lets its canvas through. */
@@ -64,7 +64,7 @@ export function start(moduleMemory) {
 
 function draw(now) {
   requestAnimationFrame(draw);
-  if (!room || held) return;
+  if (!room || held || isStopped()) return;
   const resting = room.rests && !isStirred(now);
   const pixelsFor = resting ? finest() : detail;
   const [width, height] = [picture.clientWidth, picture.clientHeight].map((side) => Math.max(16, Math.round(side * pixelsFor)));
@@ -86,6 +86,7 @@ function drawAt(now, width, height, takes) {
     if (whyGone()) throw new Error(whyGone());
     drawn = room.frame(now, width, height);
   } catch (error) {
+    if (stops(error)) return false;
     const why = error.message ?? String(error);
     say(card() ? `The graphics card is gone (${why}): the processor draws.` : why, true);
     if (card()) withoutCard();

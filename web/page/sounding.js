@@ -1,7 +1,7 @@
 // What is heard now: its spectrum, its tempo, and corrections of its beat by hand.
 import * as drawn from "./drawn.js";
 import * as listening from "./listening.js";
-import { of, on } from "./page.js";
+import { of, on, setText } from "./page.js";
 import { floats } from "./picture.js";
 import * as songs from "./songs.js";
 
@@ -63,7 +63,7 @@ export function show(concert) {
   paint(canvas, concert);
   const bpm = concert.tempo_bpm();
   const text = bpm > 0 ? `${Math.round(bpm)}\u00a0BPM, ${Math.round(100 * concert.beat_confidence())}\u00a0%\u00a0sure` : "waiting for a beat";
-  if (of("tempo").textContent !== text) of("tempo").textContent = text;
+  setText(of("tempo"), text);
 }
 
 /** Corrects the beat: `halve_beat`, `double_beat`, or `tap_beat`, which only the beat of a microphone takes. */

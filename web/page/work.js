@@ -1,4 +1,5 @@
 // Asks a worker. There may be several, each of which does one thing at a time; what is asked can be given up.
+import { BUILD } from "./built.js";
 import { compile, cores, shared } from "./threads.js";
 
 /** The module, compiled once for the page and all workers of one thread. */
@@ -20,7 +21,7 @@ const waiting = new Map();
 let next = 0;
 
 /** A worker has ended by itself, which says nothing of what it was asked for. */
-const stoppedBy = (why) => Object.assign(new Error(`The work stopped: ${why ?? "not enough memory?"}`), { name: "StoppedError" });
+const stoppedBy = (why) => Object.assign(new Error(`The work stopped: ${why || "not enough memory?"}`), { name: "StoppedError" });
 
 /** A worker, or a thread of it. */
 function open(file, name) {
@@ -38,7 +39,8 @@ function open(file, name) {
     else if (data.kind === "failed") { waiting.delete(data.id); asked.reject(new Error(data.text)); }
     else asked.report(data.kind, data.text);
   };
-  worker.onerror = (event) => stopped(event.message);
+  // Only an error of its code has a message.
+  worker.onerror = (event) => stopped(event.message ?? "a part of the page could not be fetched.");
   return worker;
 }
 
@@ -46,11 +48,11 @@ function open(file, name) {
 async function begin(name, group) {
   const [worker] = group;
   const together = cores > 1 && !ALONE.includes(name) && await shared();
-  if (!together) return worker.postMessage({ start: { module_or_path: await compiled, threads: 1 } });
+  if (!together) return worker.postMessage({ start: { module_or_path: await compiled, threads: 1, build: BUILD } });
   // It was given up meanwhile.
   if (workers.get(name) !== group) return undefined;
   const start = { module_or_path: together.module, memory: together.memory, thread_stack_size: STACK };
-  worker.postMessage({ start: { ...start, threads: cores } });
+  worker.postMessage({ start: { ...start, threads: cores, build: BUILD } });
   while (group.length < cores) group.push(open("thread.js", name));
   for (const thread of group.slice(1)) thread.postMessage(start);
   return undefined;
@@ -84,7 +86,7 @@ export function giveUp(why = new DOMException("Cancelled", "AbortError"), names 
   }
 }
 
-/** `report` gets ("step" or "warning", text). `bytes` are given away. Workers of other names work beside each other. */
+/** `report` gets ("step", "progress" or "warning", text). `bytes` are given away. Workers of other names work beside each other. */
 export function ask(request, report = () => {}, name = "work") {
   const [worker] = workers.get(name) ?? start(name);
   const id = next++;

@@ -1,5 +1,6 @@
 // The slow part beside the page: shapes are solved and matched and songs decoded here. Whoever wants it to stop ends
 // the worker.
+import { BUILD } from "./built.js";
 
 /** The module: that of one thread, or the one whose threads (thread.js) share its memory. */
 let engine;
@@ -9,7 +10,9 @@ let memory;
 let began;
 const ready = new Promise((done) => { began = done; });
 
-async function begin({ threads, ...start }) {
+async function begin({ threads, build, ...start }) {
+  // A page that was opened before a release gets the workers of the next one, which its module does not fit.
+  if (build !== BUILD) throw new Error("there is a newer version of the page. Save your work, then open it again.");
   engine = await import(threads > 1 ? "./chladni_threads.js" : "./chladni_web.js");
   const own = await engine.default(start);
   memory = start.memory ?? own.memory;

@@ -45,7 +45,7 @@ pub use gallery::Wall;
 pub use ink::Inker;
 pub use prepare::prepare;
 #[cfg(feature = "page")]
-pub use screen::{close_card, open_card};
+pub use screen::{card_lost, close_card, open_card};
 #[cfg(feature = "page")]
 pub use sitting::{Sitting, color_maps, head_sliders, quantities};
 use wasm_bindgen::prelude::*;

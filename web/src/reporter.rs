@@ -17,7 +17,7 @@ pub fn shape(name: &str, bytes: Option<&[u8]>, watcher: &impl Watcher) -> Result
 }
 
 /// Reports the work to the page, as `report("step", "solving …")`, warnings as `report("warning", …)`, and how far
-/// the work is as `report("progress", "solving …, 40 %")`.
+/// a step is as `report("progress", "solving, 40 %")`.
 pub struct Reporter<'a> {
     task: Task,
     report: &'a Function,
@@ -27,7 +27,6 @@ pub struct Reporter<'a> {
 #[derive(Default)]
 struct Told {
     report: Option<Function>,
-    label: String,
     line: String,
 }
 
@@ -57,7 +56,7 @@ fn tell(report: &Function, kind: &str, text: &str) {
 fn progress(now: &Progress) {
     let Some(share) = now.fraction() else { return };
     TOLD.with_borrow_mut(|told| {
-        let line = format!("{} ({}, {:.0} %)", told.label, now.stage, 100.0 * share);
+        let line = format!("{}, {:.0} %", now.stage, 100.0 * share);
         if line != told.line
             && let Some(report) = &told.report
         {
@@ -82,7 +81,8 @@ impl Watcher for Reporter<'_> {
     }
 
     fn watch<T>(&self, label: &str, part: impl FnOnce(&Task) -> T) -> T {
-        TOLD.with_borrow_mut(|told| label.clone_into(&mut told.label));
+        // The page forgets how far the step before was.
+        TOLD.with_borrow_mut(|told| told.line.clear());
         self.tell("step", label);
         part(&self.task)
     }

@@ -51,6 +51,13 @@ pub async fn open_card(picture: HtmlCanvasElement, by_webgl: bool) -> Result<Str
     Ok(description)
 }
 
+/// Why the card of the page can draw no more, once it is lost: also while nothing is drawn.
+#[wasm_bindgen]
+pub fn card_lost() -> Option<String> {
+    let lost = CARD.with_borrow(|card| card.as_ref().and_then(|card| card.gpu.check().err()));
+    lost.map(|error| error.to_string())
+}
+
 /// No graphics card draws from now on: the page has lost it.
 #[wasm_bindgen]
 pub fn close_card() {

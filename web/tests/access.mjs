@@ -105,6 +105,20 @@ export async function fullScreen() {
   await page.context().close();
 }
 
+/** What a browser has translated stays, though pictures go on. */
+export async function translated() {
+  const { page, wrong } = await opened({ width: 1280, height: 800 }, false);
+  await page.click("#enter");
+  await until(page, () => window.chladni.state.body === "sample:octopus" && document.querySelectorAll(".cell").length === 12);
+  await page.evaluate(() => { document.querySelector(".cell .stage").textContent = "舞台"; });
+  const { frames } = await page.evaluate(() => window.chladni);
+  await until(page, (before) => window.chladni.frames > before + 2, frames);
+  assert.equal(await page.textContent(".cell .stage"), "舞台");
+  step("what a browser has translated stays");
+  assert.deepEqual(wrong, []);
+  await page.context().close();
+}
+
 /** The picture changes no more, though time passes. */
 async function stands(page) {
   await still(page);

@@ -217,7 +217,7 @@ async function loses({ flags, draw, prepare }) {
     assert.deepEqual((await page.evaluate(() => window.chladni.state)).dances, dances);
     await page.context().close();
     await losesAtFront(within, draw, prepare);
-    if (draw === "webgl") await losesStill(within, draw, prepare);
+    await losesStill(within, draw, prepare);
     step(`${draw}: where the graphics card is lost, the processor goes on`);
   } finally { await within.close(); }
 }

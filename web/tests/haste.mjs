@@ -1,9 +1,11 @@
 // Somebody is faster than the page: what was asked for last is what happens, and what comes late does not undo it.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
 import { head, song, torus } from "../browser.mjs";
 import { acts } from "./caricature.mjs";
-import { address, browser, downloaded, drop, opened, step, until } from "./driver.mjs";
+import { address, browser, downloaded, drop, folder, opened, step, until } from "./driver.mjs";
 import { comesLate, holdBack, holdsBack, isHeldBack, release } from "./held.mjs";
 
 const LAPTOP = { width: 1280, height: 800 };
@@ -400,6 +402,22 @@ export async function beginnings() {
   step("without waiting for the plate there is the octopus, and a song");
 }
 
+/** The tune whose worker stopped is decoded again once it is to be heard. */
+export async function lostTune() {
+  const context = await browser.newContext({ viewport: LAPTOP });
+  const page = await context.newPage();
+  await page.addInitScript(holdsBack);
+  await page.addInitScript(() => { window.breaks = "decode sample:tune"; });
+  await page.goto(address);
+  await says(page, "it broke");
+  await page.evaluate(() => { window.breaks = undefined; });
+  await page.click("#enter");
+  await until(page, () => window.chladni.sound.isHeard && document.getElementById("play").textContent === "Pause");
+  assert.equal(await songNow(page), "Our own tune");
+  await context.close();
+  step("the tune that was lost comes when it is to be heard");
+}
+
 /** A slow network, and a broken one: what cannot be done yet says so, and the reason of a failure stays. */
 export async function slowly() {
   const context = await browser.newContext({ viewport: LAPTOP, serviceWorkers: "block" });
@@ -434,6 +452,12 @@ export async function slowly() {
   await page.goto(`${address}?anew`);
   await until(page, () => document.getElementById("loading").textContent.startsWith("Chladni could not be loaded"));
   assert.ok(await rests("enter"));
+  await page.unrouteAll();
+  await page.route(/\/wall\.js/, (route) => route.abort());
+  await page.goto(`${address}?again`);
+  await until(page, () => document.getElementById("loading").textContent === "A part of the page did not come: open it again.");
+  await page.goto(pathToFileURL(join(folder, "index.html")).href);
+  await until(page, () => document.getElementById("loading").textContent.startsWith("This page needs a file server"));
   await context.close();
   step("a slow network is waited for, and a broken one is called so");
 }

@@ -349,8 +349,12 @@ export async function laptop() {
 
   await drop(page, ["large.obj", torus(240, 160)]);
   await until(page, () => /large.obj/.test(document.getElementById("status").textContent) && !document.getElementById("cancel").hidden);
+  // Each percent is seen, and not read aloud.
+  await until(page, () => /\d %$/.test(document.getElementById("progress").textContent));
+  assert.doesNotMatch(await page.textContent("#status"), /large\.obj[^·]*%/);
   await page.click("#cancel");
   await until(page, () => document.getElementById("cancel").hidden);
+  assert.equal(await page.textContent("#progress"), "");
   assert.equal((await state(page)).body, "torus.obj");
   await moves(page, "the shape that was there before");
   step("the solve of a mesh is cancelled, and the dance goes on");

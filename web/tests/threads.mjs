@@ -54,6 +54,24 @@ async function startsAgain(page) {
   assert.deepEqual(ends, ["StoppedError", false, "solved"]);
 }
 
+/** A worker of another build than the page says so, and does nothing. */
+async function tellsOfRelease(page) {
+  const why = await page.evaluate(async (mesh) => {
+    const { ask } = await import("./work.js");
+    const { Worker } = window;
+    window.Worker = class extends Worker {
+      postMessage(message, given) {
+        super.postMessage(message.start ? { start: { ...message.start, build: "another" } } : message, given);
+      }
+    };
+    const bytes = new TextEncoder().encode(mesh);
+    const asked = ask({ work: "solve", name: "torus.obj", bytes, harmonics: 10, laplacian: "delaunay" }, undefined, "trial");
+    window.Worker = Worker;
+    return asked.then(() => "solved", ({ message }) => message);
+  }, mesh);
+  assert.match(why, /newer version of the page/);
+}
+
 /** A module that could not be fetched once is fetched again. */
 async function fetchesAgain(page) {
   const comes = await page.evaluate(async () => {
@@ -73,6 +91,7 @@ export async function threads() {
   const plain = await opened(VIEWPORT, false);
   assert.ok(!await isolated(plain.page));
   await startsAgain(plain.page);
+  await tellsOfRelease(plain.page);
   const all = await cores(plain.page);
   const built = existsSync(join(folder, "chladni_threads_bg.wasm"));
   if (!built || all < 2) {

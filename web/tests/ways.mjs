@@ -154,3 +154,25 @@ export async function caricature() {
   assert.deepEqual([wrong, elsewhere], [[], []]);
   await page.context().close();
 }
+
+/** Once the module has stopped in the middle of a picture nothing more is drawn, and only that is said. */
+export async function stopped() {
+  const { page, wrong } = await opened({ width: 1000, height: 700 }, false);
+  await page.evaluate(async () => {
+    const { Concert } = await import("./chladni_web.js");
+    const { frame } = Concert.prototype;
+    Concert.prototype.frame = () => {
+      Concert.prototype.frame = frame;
+      throw new WebAssembly.RuntimeError("unreachable");
+    };
+  });
+  await until(page, () => document.getElementById("status").textContent.startsWith("The page has stopped"));
+  const { frames } = await page.evaluate(() => window.chladni);
+  await drop(page, ["letter.pdf", Buffer.from("%PDF")]);
+  await page.waitForTimeout(1000);
+  assert.equal(await page.evaluate(() => window.chladni.frames), frames);
+  assert.match(await page.textContent("#status"), /^The page has stopped/);
+  step("a page whose module has stopped says so");
+  assert.deepEqual(wrong, []);
+  await page.context().close();
+}
