@@ -6,12 +6,12 @@ use std::str::FromStr;
 use chladni_caricature::{
     GALLERY_SIZE, Group, Layer, Portrait as Drawn, Sitter, Variant, VariantGallery, surprise,
 };
-use chladni_task::{Task, counted, write_atomic};
+use chladni_task::{Task, counted};
 use chladni_view::Camera;
 
 use super::Terminal;
 use super::sheet::{self, Portrayed};
-use crate::work::{Error, Lettering, Watcher};
+use crate::work::{Error, Lettering, Watcher, write_file};
 
 /// Which caricatures of the gallery.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -121,7 +121,7 @@ impl GalleryOptions {
         }
         let png = picture.to_png()?;
         terminal.task().check()?;
-        write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+        write_file(path, &png)
     }
 
     /// The gallery after all that was chosen.

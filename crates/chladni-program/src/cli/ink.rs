@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use chladni_task::write_atomic;
 use chladni_view::ink::{Drawing, Ink};
 use chladni_view::{Camera, Rect};
 
 use crate::work::formats::ends_in;
 use crate::work::outputs::check_endings;
-use crate::work::{Error, Inked, Pen};
+use crate::work::{Error, Inked, Pen, write_file};
 
 /// How a drawing in ink is made. Each of these asks for one, and so does a picture that ends in .svg.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -111,7 +110,7 @@ impl InkOptions {
         }
         let bytes =
             if is_svg(path) { drawing.to_svg().into_bytes() } else { drawing.to_picture().to_png()? };
-        write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))
+        write_file(path, &bytes)
     }
 }
 

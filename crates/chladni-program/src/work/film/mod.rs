@@ -17,7 +17,10 @@ use chladni_music::{BeatReading, ClockTrack, Show, Stretch, Viewpoint};
 use chladni_view::Look;
 
 use super::outputs::is_same_file;
-use super::{Error, Scenery, Stance, Warning, Watcher, first_looks, look_named, opening_looks, opening_view};
+use super::{
+    Error, Scenery, Stance, Warning, Watcher, first_looks, look_named, make_folder, opening_looks,
+    opening_view,
+};
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
@@ -135,7 +138,7 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let range = output.range(frames)?;
     // Only now: a mesh or song that cannot be read leaves no empty folder behind.
     if let Some(folder) = output.folder() {
-        chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
+        make_folder(folder)?;
     }
     let mut animation = output
         .animation

@@ -23,7 +23,7 @@ use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::{earlier_frames, left_of_gltf, odd_sides};
 use crate::work::{
-    Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, texture_colors,
+    Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, make_folder, texture_colors,
 };
 
 /// Said of a dance that becomes a GLB: as detail turns, the whole shape's displacements are no sums of targets.
@@ -226,7 +226,7 @@ impl Prepared {
 
 /// Each item of the gallery as a preset.
 fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
-    chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
+    make_folder(folder)?;
     for (i, item) in instrument.gallery().items().iter().enumerate() {
         let preset = instrument.preset(item, instrument.tags(item.id));
         preset.save(&preset_in(folder, i)).map_err(Error::unsaved)?;
