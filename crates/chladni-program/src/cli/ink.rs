@@ -5,6 +5,7 @@ use std::path::Path;
 use chladni_view::ink::{Drawing, Ink};
 use chladni_view::{Camera, Rect};
 
+use super::number::number;
 use crate::work::formats::ends_in;
 use crate::work::outputs::check_endings;
 use crate::work::{Error, Inked, Pen, write_file};
@@ -38,8 +39,7 @@ pub struct InkOptions {
 }
 
 fn within(text: &str, high: f64) -> Result<f64, Error> {
-    let parsed = text.parse().ok().filter(|x| (0.0..=high).contains(x));
-    parsed.ok_or_else(|| Error::input(format!("must be a number from 0 to {high}")))
+    number(text, |x| (0.0..=high).contains(x), format_args!("a number from 0 to {high}"))
 }
 
 fn detail(text: &str) -> Result<f64, Error> {

@@ -10,6 +10,7 @@ use chladni_view::{
 
 use super::Terminal;
 use super::ink::InkOptions;
+use super::number::number;
 use crate::work::outputs::{earlier_frames, odd_sides};
 use crate::work::{Error, Inked, OwnLook, Sculpture, Watcher};
 
@@ -27,8 +28,7 @@ pub struct TurntableOptions {
 }
 
 fn secs(text: &str) -> Result<f64, Error> {
-    let parsed = text.parse().ok().filter(|x| (0.1..=120.0).contains(x));
-    parsed.ok_or_else(|| Error::input("must be a number of seconds from 0.1 to 120"))
+    number(text, |x| (0.1..=120.0).contains(x), "a number of seconds from 0.1 to 120")
 }
 
 const FRAMES_A_SECOND: u32 = 25;
