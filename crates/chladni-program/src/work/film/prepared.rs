@@ -97,21 +97,15 @@ impl Prepared {
             }
             performance.color(own);
         }
-        if wanted.output.allow_flashes {
-            performance.allow_flashes();
-        }
-        if wanted.output.flash_fields {
-            performance.judge_fields();
-        }
+        performance.flashes_allowed = wanted.output.allow_flashes;
+        performance.fields_judged = wanted.output.flash_fields;
+        performance.shows_rest = wanted.output.shows_rest;
         if wanted.autopilot {
             // Each song has its own dances, in every film of it.
             performance.pilot(keeps_look, held, songs.draw())?;
         }
         if wanted.output.titles {
-            performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), start_secs));
-        }
-        if wanted.output.shows_rest {
-            performance.show_rest();
+            performance.titles = Titles::of(&wanted.songs, songs.stretches(), start_secs);
         }
         let mut mesh = subject.mesh.clone();
         if wanted.output.animation.is_some()
