@@ -362,7 +362,7 @@ impl Dance {
             }
         }
         let (looks, warnings) = resolve_looks(looks, folder);
-        warnings.into_iter().for_each(|warning| terminal.warn(warning));
+        terminal.warn_each(warnings);
         looks
     }
 

@@ -174,7 +174,7 @@ impl LayerOptions {
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
             let (landmarks, warning) = subject.renumbered(load_landmarks(path)?)?;
-            warning.into_iter().for_each(|warning| terminal.warn(warning));
+            terminal.warn_each(warning);
             matching.landmarks = landmarks;
         }
         Ok(matching)

@@ -47,8 +47,8 @@ impl TurntableOptions {
     ) -> Result<(), Error> {
         let rate = FrameRate::per_second(FRAMES_A_SECOND);
         let frames = rate.frames_in(self.turn_secs);
-        earlier_frames(path, frames).into_iter().for_each(|warning| terminal.warn(warning));
-        odd_sides(path, [width, height]).into_iter().for_each(|warning| terminal.warn(warning));
+        terminal.warn_each(earlier_frames(path, frames));
+        terminal.warn_each(odd_sides(path, [width, height]));
         let film = Film::create(path, FilmSettings { width, height, rate, frames, first: 0, audio: None })?;
         let positions = single(&sculpture.evaluation.result.positions);
         let triangles = &sculpture.body.triangles;

@@ -54,7 +54,7 @@ impl Prepared {
             watcher.warn(Warning::of(&wanted.body, ONLY_THE_PROXY));
         }
         if let (Some(path), Some(file)) = (&wanted.output.animation, cast.shape_file()) {
-            left_of_gltf(file, path).into_iter().for_each(|warning| watcher.warn(warning));
+            watcher.warn_each(left_of_gltf(file, path));
         }
         // The orientation decides which half hears the left channel, so it is needed even without pictures.
         let stands = cast.stands(wanted.stance, watcher)?;
@@ -142,11 +142,10 @@ impl Prepared {
             audio: sound.as_ref().map(|file| file.path().to_owned()),
         };
         if let Some(folder) = output.folder().filter(|_| output.piece.is_none()) {
-            earlier_frames(folder, range.end).into_iter().for_each(|warning| watcher.warn(warning));
+            watcher.warn_each(earlier_frames(folder, range.end));
         }
         if let Some(file) = film.filter(|_| !output.is_folder) {
-            let size = [output.width, output.height];
-            odd_sides(file, size).into_iter().for_each(|warning| watcher.warn(warning));
+            watcher.warn_each(odd_sides(file, [output.width, output.height]));
         }
         let film = match film.zip(format) {
             Some((path, format)) => Reel::create_as(format, path, settings)?,
