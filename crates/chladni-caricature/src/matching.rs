@@ -88,11 +88,13 @@ fn on_operator_vertices(body: &Body, points: &[Vec3]) -> Result<Vec<Vec3>, Caric
 impl MatchRequest {
     /// The match that `layer` needs; `None` where its template is made from its own shape.
     pub fn of(layer: &Layer) -> Option<Self> {
-        let template = layer.template.clone();
+        Self::with(layer.template.clone(), layer.matching.clone())
+    }
+
+    /// The match with `template` that a layer with these settings needs, as in [`of`](Self::of).
+    pub fn with(template: Template, matching: MatchSettings) -> Option<Self> {
         match template {
-            Template::File(_) | Template::Sample(_) => {
-                Some(Self { template, matching: layer.matching.clone() })
-            }
+            Template::File(_) | Template::Sample(_) => Some(Self { template, matching }),
             Template::Ellipsoid | Template::Sphere | Template::Given(_) => {
                 Some(Self { template, matching: MatchSettings::default() })
             }

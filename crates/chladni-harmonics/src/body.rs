@@ -75,6 +75,17 @@ impl Body {
         self.operator_vertex.iter().map(of).collect()
     }
 
+    /// Values of the file's vertices on the operator vertices: of welded ones the last, `none` where there is none.
+    pub fn on_operator_vertices<T: Clone>(&self, of_file: impl IntoIterator<Item = T>, none: T) -> Vec<T> {
+        let mut own = vec![none; self.positions.len()];
+        for (value, vertex) in of_file.into_iter().zip(&self.operator_vertex) {
+            if let Some(own) = vertex.and_then(|v| own.get_mut(v as usize)) {
+                *own = value;
+            }
+        }
+        own
+    }
+
     /// The rest positions of the file plus `displacements` of the operator vertices (N, working frame), as
     /// n positions in file units. Where a displacement is zero, the result equals the file's coordinates bit for bit.
     ///

@@ -141,7 +141,7 @@ fn by_ranks(of: &RanksReport) -> String {
         Some(program) => format!("counted by {program}"),
         None => format!("in {} searches, the last of which found none that was missing", of.searches),
     };
-    format!(" by SLEPc on {} rank{}, {how}", of.ranks, if of.ranks == 1 { "" } else { "s" })
+    format!(" by SLEPc on {}, {how}", counted(of.ranks, "rank", "ranks"))
 }
 
 /// Whether `path` is the name of a folder, which ends with a separator.

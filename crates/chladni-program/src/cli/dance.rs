@@ -281,7 +281,11 @@ impl Dance {
                 "an MP4 is black where it would be transparent; --frames is not",
             ));
         }
-        let to = file.map_or_else(Output::nowhere, Output::to);
+        let to = match (file, &self.frames) {
+            (Some(file), _) => Output::to(file),
+            (None, Some(folder)) => Output::frames(folder.clone()),
+            (None, None) => Output::nowhere(),
+        };
         if self.targets.is_some() && to.animation.is_none() {
             return Err(Error::input("--targets is for a dance that is written as .glb"));
         }
@@ -289,10 +293,7 @@ impl Dance {
             piece: self.piece.clone(),
             resume: self.resume,
             pipe,
-            film: to.film.or_else(|| self.frames.clone()),
-            animation: to.animation,
             targets: self.targets.unwrap_or(film::TARGETS),
-            is_folder: self.frames.is_some(),
             coefficients: self.coefficients.clone(),
             presets: self.presets.clone(),
             shows_rest: self.rest,
@@ -305,6 +306,7 @@ impl Dance {
             allow_flashes: self.allow_flashes,
             flash_fields: self.flash_fields,
             titles: self.titles,
+            ..to
         })
     }
 
@@ -360,7 +362,7 @@ impl Dance {
             }
         }
         let (looks, warnings) = resolve_looks(looks, folder);
-        warnings.into_iter().for_each(|warning| terminal.warn(warning));
+        terminal.warn_each(warnings);
         looks
     }
 

@@ -14,7 +14,7 @@ use super::sheet::SheetOptions;
 use crate::work::film::{self, Beginning, Film, Output};
 use crate::work::outputs::check_folders;
 use crate::work::source::{self, TUNE};
-use crate::work::{Error, Watcher, body, make};
+use crate::work::{Error, Watcher, body, make, make_folder};
 
 /// Make a caricature and a dancing clip from the samples.
 #[derive(clap::Args)]
@@ -40,7 +40,7 @@ impl Demo {
     pub fn run(self, terminal: &Terminal) -> Result<(), Error> {
         let folder = &self.output;
         check_folders(folder)?;
-        chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
+        make_folder(folder)?;
         caricature(folder, terminal)?;
         dance(folder, &CLIP, terminal)?;
         if ffmpeg_is_there() {

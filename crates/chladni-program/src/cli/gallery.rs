@@ -6,12 +6,13 @@ use std::str::FromStr;
 use chladni_caricature::{
     GALLERY_SIZE, Group, Layer, Portrait as Drawn, Sitter, Variant, VariantGallery, surprise,
 };
-use chladni_task::{Task, counted, write_atomic};
+use chladni_task::{Task, counted};
 use chladni_view::Camera;
 
 use super::Terminal;
+use super::number::number;
 use super::sheet::{self, Portrayed};
-use crate::work::{Error, Lettering, Watcher};
+use crate::work::{Error, Lettering, Watcher, write_file};
 
 /// Which caricatures of the gallery.
 #[derive(clap::Args, Clone, Debug, Default)]
@@ -36,7 +37,7 @@ pub struct GalleryOptions {
     )]
     lock: Vec<Group>,
     /// Write this one as a mesh (-o out.glb) in place of the sheet.
-    #[arg(long, value_name = "N", requires = "gallery", value_parser = number)]
+    #[arg(long, value_name = "N", requires = "gallery", value_parser = of_sheet)]
     variant: Option<usize>,
     /// Write a random good one as a mesh.
     #[arg(long, requires = "gallery", conflicts_with_all = ["variant", "choose"])]
@@ -51,13 +52,12 @@ impl FromStr for Chosen {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self, Error> {
-        text.split(',').map(|one| number(one.trim())).collect::<Result<_, _>>().map(Self)
+        text.split(',').map(|one| of_sheet(one.trim())).collect::<Result<_, _>>().map(Self)
     }
 }
 
-fn number(text: &str) -> Result<usize, Error> {
-    let parsed = text.parse().ok().filter(|n| (1..=GALLERY_SIZE).contains(n));
-    parsed.ok_or_else(|| Error::input(format!("must be a number from 1 to {GALLERY_SIZE}")))
+fn of_sheet(text: &str) -> Result<usize, Error> {
+    number(text, |n| (1..=GALLERY_SIZE).contains(n), format_args!("a number from 1 to {GALLERY_SIZE}"))
 }
 
 impl GalleryOptions {
@@ -121,7 +121,7 @@ impl GalleryOptions {
         }
         let png = picture.to_png()?;
         terminal.task().check()?;
-        write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+        write_file(path, &png)
     }
 
     /// The gallery after all that was chosen.

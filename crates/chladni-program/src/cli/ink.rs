@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use chladni_task::write_atomic;
 use chladni_view::ink::{Drawing, Ink};
 use chladni_view::{Camera, Rect};
 
+use super::number::number;
 use crate::work::formats::ends_in;
 use crate::work::outputs::check_endings;
-use crate::work::{Error, Inked, Pen};
+use crate::work::{Error, Inked, Pen, write_file};
 
 /// How a drawing in ink is made. Each of these asks for one, and so does a picture that ends in .svg.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -39,8 +39,7 @@ pub struct InkOptions {
 }
 
 fn within(text: &str, high: f64) -> Result<f64, Error> {
-    let parsed = text.parse().ok().filter(|x| (0.0..=high).contains(x));
-    parsed.ok_or_else(|| Error::input(format!("must be a number from 0 to {high}")))
+    number(text, |x| (0.0..=high).contains(x), format_args!("a number from 0 to {high}"))
 }
 
 fn detail(text: &str) -> Result<f64, Error> {
@@ -111,7 +110,7 @@ impl InkOptions {
         }
         let bytes =
             if is_svg(path) { drawing.to_svg().into_bytes() } else { drawing.to_picture().to_png()? };
-        write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))
+        write_file(path, &bytes)
     }
 }
 

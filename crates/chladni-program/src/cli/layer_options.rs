@@ -10,6 +10,7 @@ use chladni_harmonics::Laplacian;
 use chladni_match::{MatchSettings, Method, Scaling, load_landmarks};
 
 use super::Terminal;
+use super::number::number;
 use crate::work::{Error, Subject, Watcher};
 
 /// How a layer exaggerates.
@@ -69,8 +70,8 @@ pub fn scaling(rigid: bool) -> Scaling {
 
 /// Reads a seed. Project files are TOML, whose whole numbers end at 2⁶³ − 1.
 fn seed(text: &str) -> Result<u64, Error> {
-    let number = text.parse::<u64>().ok().filter(|seed| i64::try_from(*seed).is_ok());
-    number.ok_or_else(|| Error::input(format_args!("must be a whole number from 0 to {}", i64::MAX)))
+    let fits = |seed: &u64| i64::try_from(*seed).is_ok();
+    number(text, fits, format_args!("a whole number from 0 to {}", i64::MAX))
 }
 
 fn cutoff(text: &str) -> Result<f64, Error> {
@@ -173,7 +174,7 @@ impl LayerOptions {
         matching.method = self.matching.unwrap_or(matching.method);
         if let Some(path) = &self.landmarks {
             let (landmarks, warning) = subject.renumbered(load_landmarks(path)?)?;
-            warning.into_iter().for_each(|warning| terminal.warn(warning));
+            terminal.warn_each(warning);
             matching.landmarks = landmarks;
         }
         Ok(matching)

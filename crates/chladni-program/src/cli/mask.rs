@@ -42,8 +42,7 @@ impl MaskCommand {
         let (shape, subject, painted) =
             if is_project(&self.shape) { self.of_project(terminal)? } else { self.of_mesh(terminal)? };
         let masked = mask::write(&self.output, &painted, &subject, self.as_colors)?;
-        let lost = shape.file().and_then(|shape| left_of_gltf(shape, &self.output));
-        lost.into_iter().for_each(|lost| terminal.warn(lost));
+        terminal.warn_each(shape.file().and_then(|shape| left_of_gltf(shape, &self.output)));
         terminal.result(format_args!("{} of {} vertices", masked.inside, masked.vertices))?;
         terminal.wrote(&self.output)
     }

@@ -21,7 +21,7 @@ use serde::Serialize;
 use super::Terminal;
 use super::layer_options::{check_landmarks, scaling};
 use crate::work::outputs::{check_arrays, check_no_texture, check_picture};
-use crate::work::{Error, Stance, Warning, Watcher, place_colors, source};
+use crate::work::{Error, Stance, Warning, Watcher, place_colors, source, write_file};
 
 /// Find the point of a template that belongs to each vertex of a shape, and say how good it is.
 #[derive(clap::Args)]
@@ -243,7 +243,7 @@ fn draw(
     let from = Camera::on(stands, View::ThreeQuarter);
     let request = PictureRequest { shapes: &shapes, width: 1600, height: 500, from, style: Style::default() };
     let png = render_picture(&device, &request).and_then(|picture| picture.to_png())?;
-    chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+    write_file(path, &png)
 }
 
 fn lines(report: &MatchReport, seconds: f64) -> Vec<String> {

@@ -70,7 +70,7 @@ impl Mean {
         }
         let result = TriMesh { positions: mean.positions(), ..shape };
         save_mesh(&result, &self.output).map_err(Error::unsaved)?;
-        left_by(first, &result, &self.output).into_iter().for_each(|lost| terminal.warn(lost));
+        terminal.warn_each(left_by(first, &result, &self.output));
         terminal.wrote(&self.output)
     }
 }

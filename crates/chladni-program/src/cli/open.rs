@@ -7,6 +7,7 @@ use chladni_view::film::{FilmFormat, RawFormat};
 use super::Terminal;
 use super::choice::one_of;
 use super::frames::Size;
+use super::number::number;
 use crate::window::{self, Live, SetOutput, SetTarget, Until};
 use crate::work::outputs::{check_apart, check_ffmpeg, check_file};
 use crate::work::{Error, Watcher};
@@ -43,8 +44,7 @@ pub struct Open {
 }
 
 fn seconds(text: &str) -> Result<f64, Error> {
-    let secs = text.parse().ok().filter(|secs: &f64| secs.is_finite() && *secs > 0.0);
-    secs.ok_or_else(|| Error::input("must be a number of seconds above 0"))
+    number(text, |secs: &f64| secs.is_finite() && *secs > 0.0, "a number of seconds above 0")
 }
 
 impl Open {

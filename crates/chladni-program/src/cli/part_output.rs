@@ -10,7 +10,7 @@ use chladni_view::{Camera, PictureRequest, PictureShape, Style, View, render_pic
 
 use super::Terminal;
 use crate::work::outputs::{check_arrays, check_picture};
-use crate::work::{Error, Stance};
+use crate::work::{Error, Stance, write_file};
 
 /// What to make of the parts.
 #[derive(clap::Args)]
@@ -76,5 +76,5 @@ pub fn draw(
     let from = Camera::on(stands, View::ThreeQuarter);
     let request = PictureRequest { shapes: &shapes, width: 1000, height: 600, from, style: Style::default() };
     let png = render_picture(&terminal.device()?, &request).and_then(|picture| picture.to_png())?;
-    chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+    write_file(path, &png)
 }

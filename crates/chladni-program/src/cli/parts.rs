@@ -7,6 +7,7 @@ use chladni_harmonics::npz::write_npz;
 use chladni_mesh::{ShapeSource, TriMesh};
 use serde::Serialize;
 
+use super::number::number;
 use super::part_output::{COLORS, Colored, PartOutput, draw};
 use super::resolution::ResolutionOptions;
 use super::{Terminal, limbs};
@@ -30,8 +31,7 @@ pub struct Parts {
 
 /// A level of [`Limbs`](chladni_caricature::Limbs).
 pub fn level(text: &str) -> Result<f64, Error> {
-    let parsed = text.parse().ok().filter(|x| (0.0..=1.0).contains(x));
-    parsed.ok_or_else(|| Error::input("must be a number from 0 to 1"))
+    number(text, |x| (0.0..=1.0).contains(x), "a number from 0 to 1")
 }
 
 /// A part as it is printed.

@@ -5,7 +5,6 @@ use std::path::Path;
 use chladni_caricature::{Action, Evaluation, LayerId, Model, Painted, Project, Property, Stack};
 use chladni_mesh::surface::vec3::single;
 use chladni_mesh::{Orientation, TriMesh};
-use chladni_task::write_atomic;
 use chladni_view::{
     Camera, Device, Picture, PictureRequest, PictureShape, Rect, Style, framing, render_picture,
 };
@@ -15,7 +14,7 @@ use super::ink::InkOptions;
 use super::sheet::{self, Panel, Portrayed, SheetOptions};
 use super::stance::StanceOptions;
 use crate::work::outputs::check_size;
-use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, settled};
+use crate::work::{Error, Inked, Made, OwnLook, Sculpture, Stance, Watcher, settled, write_file};
 
 /// Where the viewer of a picture stands, and how large the picture is.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
@@ -119,7 +118,7 @@ pub fn render(
         None => before_and_after(&made.sculpture, own, from, size, &device)?,
     };
     let png = picture.to_png()?;
-    write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+    write_file(path, &png)
 }
 
 /// The shape before and after, and where they go.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use chladni_caricature::{DEFAULT_HARMONICS, Layer, Painted, Project, Resolution, ShapeSource, Template};
 use chladni_harmonics::{Laplacian, Operator};
 use chladni_mesh::Orientation;
-use chladni_task::alone;
+use chladni_task::{alone, counted};
 use serde::Serialize;
 
 use super::Terminal;
@@ -156,9 +156,8 @@ impl AddLayer {
         let layer = self.layer.layer(&name, self.template, painted, &project, &subject, terminal)?;
         project.push(layer)?;
         save_over(&before, &project, &self.project)?;
-        let layers = project.layers().len();
-        let noun = if layers == 1 { "layer" } else { "layers" };
-        terminal.result(format_args!("{} has {layers} {noun}", self.project.display()))
+        let layers = counted(project.layers().len(), "layer", "layers");
+        terminal.result(format_args!("{} has {layers}", self.project.display()))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use chladni_caricature::{ProxyKey, Resolution};
 
+use super::number::number;
 use crate::work::Error;
 
 /// How finely a shape is worked on.
@@ -39,6 +40,5 @@ impl ResolutionOptions {
 }
 
 fn vertices(text: &str) -> Result<usize, Error> {
-    let number = text.parse().ok().filter(|n| *n == 0 || *n >= ProxyKey::FEWEST);
-    number.ok_or_else(|| Error::input(format_args!("must be 0, or {} or more", ProxyKey::FEWEST)))
+    number(text, |n| *n == 0 || *n >= ProxyKey::FEWEST, format_args!("0, or {} or more", ProxyKey::FEWEST))
 }

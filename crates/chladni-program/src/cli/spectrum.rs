@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::Terminal;
 use crate::work::outputs::check_picture;
-use crate::work::{Error, Warning, Watcher, source};
+use crate::work::{Error, Warning, Watcher, source, write_file};
 
 /// Show the middle and side spectra of a song over time.
 #[derive(Args)]
@@ -97,7 +97,7 @@ impl Spectrum {
         };
         terminal.watch("spectrum", |task| moments.analyze(&mut analyzer, task, keep))?;
         let picture = picture::spectrogram(&frames).map_err(Error::other)?;
-        chladni_task::write_atomic(path, &picture).map_err(|error| Error::unwritten(path, error))?;
+        write_file(path, &picture)?;
         terminal.wrote(path)
     }
 

@@ -17,7 +17,7 @@ use super::Terminal;
 use crate::work::body::{self, laplacian};
 use crate::work::dancer::classes;
 use crate::work::outputs::{check_no_texture, check_picture};
-use crate::work::{Error, Stance, Watcher, figure_markers, source};
+use crate::work::{Error, Stance, Watcher, figure_markers, source, write_file};
 
 /// Tell symmetric from antisymmetric harmonics.
 #[derive(clap::Args)]
@@ -179,5 +179,5 @@ fn draw(
     let placed: Vec<_> = cells.into_iter().map(|cell| (cell, camera)).collect();
     let picture = render_placed(&mut Renderer::new(device), &request, &placed)?;
     let png = picture.to_png()?;
-    chladni_task::write_atomic(path, &png).map_err(|error| Error::unwritten(path, error))
+    write_file(path, &png)
 }

@@ -79,7 +79,7 @@ impl TransferCommand {
         let moved = moved.map(|(x, r)| std::array::from_fn(|i| x[i] + self.amount * (r[i] - x[i])));
         let result = TriMesh { positions: moved.collect(), ..target };
         save_mesh(&result, &self.output).map_err(Error::unsaved)?;
-        left_by(&self.target, &result, &self.output).into_iter().for_each(|lost| terminal.warn(lost));
+        terminal.warn_each(left_by(&self.target, &result, &self.output));
         let trusted = 100.0 * found.confidence.iter().sum::<f64>() / (found.confidence.len().max(1) as f64);
         terminal.result(format_args!("mean confidence {trusted:.0} %"))?;
         terminal.wrote(&self.output)

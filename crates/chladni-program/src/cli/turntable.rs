@@ -10,6 +10,7 @@ use chladni_view::{
 
 use super::Terminal;
 use super::ink::InkOptions;
+use super::number::number;
 use crate::work::outputs::{earlier_frames, odd_sides};
 use crate::work::{Error, Inked, OwnLook, Sculpture, Watcher};
 
@@ -27,8 +28,7 @@ pub struct TurntableOptions {
 }
 
 fn secs(text: &str) -> Result<f64, Error> {
-    let parsed = text.parse().ok().filter(|x| (0.1..=120.0).contains(x));
-    parsed.ok_or_else(|| Error::input("must be a number of seconds from 0.1 to 120"))
+    number(text, |x| (0.1..=120.0).contains(x), "a number of seconds from 0.1 to 120")
 }
 
 const FRAMES_A_SECOND: u32 = 25;
@@ -47,8 +47,8 @@ impl TurntableOptions {
     ) -> Result<(), Error> {
         let rate = FrameRate::per_second(FRAMES_A_SECOND);
         let frames = rate.frames_in(self.turn_secs);
-        earlier_frames(path, frames).into_iter().for_each(|warning| terminal.warn(warning));
-        odd_sides(path, [width, height]).into_iter().for_each(|warning| terminal.warn(warning));
+        terminal.warn_each(earlier_frames(path, frames));
+        terminal.warn_each(odd_sides(path, [width, height]));
         let film = Film::create(path, FilmSettings { width, height, rate, frames, first: 0, audio: None })?;
         let positions = single(&sculpture.evaluation.result.positions);
         let triangles = &sculpture.body.triangles;

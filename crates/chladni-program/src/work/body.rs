@@ -47,7 +47,7 @@ pub fn build(
             warning => Warning::of(name, warning),
         });
     }
-    many_pieces(name, &body.basis).into_iter().for_each(|warning| watcher.warn(warning));
+    watcher.warn_each(many_pieces(name, &body.basis));
     Ok((body, report))
 }
 

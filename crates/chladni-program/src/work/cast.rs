@@ -68,7 +68,7 @@ impl Cast {
     }
 
     /// How its project says that it stands.
-    pub fn kept_stance(&self) -> Option<Orientation> {
+    fn kept_stance(&self) -> Option<Orientation> {
         self.project.as_ref()?.stands
     }
 

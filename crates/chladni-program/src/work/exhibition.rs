@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use chladni_caricature::{
-    Action, Layer, MatchRequest, Portrait, Project, Property, Sitter, Stack, Template, VariantGallery,
+    Action, Layer, Portrait, Project, Property, Sitter, Stack, Template, VariantGallery,
 };
 use chladni_match::MatchSettings;
 use chladni_mesh::TriMesh;
@@ -41,8 +41,8 @@ impl Exhibition {
     /// The template of the topmost layer that is compared with a mesh.
     pub fn template_of(project: &Project) -> Option<(Template, MatchSettings)> {
         let mut layers = project.layers().iter().rev();
-        let layer = layers.find(|(_, layer)| layer.template.is_mesh())?;
-        MatchRequest::of(&layer.1).map(|request| (request.template, request.matching))
+        let (_, layer) = layers.find(|(_, layer)| layer.template.is_mesh())?;
+        Some((layer.template.clone(), layer.matching.clone()))
     }
 
     /// The gallery of a shape, as [`sitter()`] prepares it: with the generations and favorites of the one `before`, where

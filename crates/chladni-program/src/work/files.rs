@@ -7,6 +7,7 @@ use std::time::{Duration, SystemTime};
 
 use chladni_music::{FileRef, Looks};
 
+use super::source::from_anywhere;
 use super::{Error, Warning};
 use chladni_mesh::ShapeSource;
 
@@ -46,13 +47,7 @@ fn place(path: &Path, folder: Option<&Path>) -> String {
 
 /// How a copy of a show names a file: its whole path, without reading it.
 pub fn unread(path: &Path) -> FileRef {
-    let is_sample = ShapeSource::sample_name(path).is_some();
-    let whole = if is_sample {
-        path.to_owned()
-    } else {
-        std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
-    };
-    FileRef { path: whole.to_string_lossy().into_owned(), blake3: None }
+    FileRef { path: from_anywhere(path).to_string_lossy().into_owned(), blake3: None }
 }
 
 /// The path of a file that a show in `folder` names, and a warning if it has changed since.

@@ -132,13 +132,8 @@ pub fn coating(quantity: Quantity, harmonic: usize, map: ColorMap, seen: &Seen<'
             Coating::Region(region(&mask)?)
         }
         Quantity::Confidence => {
-            let mut values = vec![0.0; body.positions.len()];
-            for (vertex, confidence) in body.operator_vertex.iter().zip(&seen.matched()?.confidence) {
-                if let Some(value) = vertex.and_then(|v| values.get_mut(v as usize)) {
-                    *value = *confidence as f32;
-                }
-            }
-            Coating::Values(values, unit)
+            let confidence = seen.matched()?.confidence.iter().map(|confidence| *confidence as f32);
+            Coating::Values(body.on_operator_vertices(confidence, 0.0), unit)
         }
         Quantity::Folds => Coating::Marks(marked(&body.triangles, seen.folds, body.positions.len())),
         Quantity::Crossings => Coating::Marks(marked(&body.triangles, seen.crossings, body.positions.len())),

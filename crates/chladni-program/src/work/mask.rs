@@ -49,7 +49,7 @@ pub fn read(path: &Path, channel: Option<&str>, subject: &Subject) -> Result<Pai
         }
         None => of_array(path, vertices, read_numbers(path, channel.unwrap_or(MASK), vertices))?,
     };
-    painted(values, subject.whole(), subject).map_err(|why| refused(path, why))
+    painted(values, subject).map_err(|why| refused(path, why))
 }
 
 /// χ01 from the `bytes` of a file called `name`, as [`read`] finds it without a channel. Files that it names are not there.
@@ -62,7 +62,7 @@ pub fn read_in(name: &Path, bytes: &[u8], subject: &Subject) -> Result<Painted, 
         Some(format) => of_mesh(name, &read_named_mesh(name, bytes, &nothing_beside)?, format, None)?,
         None => of_array(name, vertices, numbers_in(bytes, MASK, vertices))?,
     };
-    painted(values, subject.whole(), subject).map_err(|why| refused(name, why))
+    painted(values, subject).map_err(|why| refused(name, why))
 }
 
 /// A channel of a mesh whose file's name says `format`.
@@ -98,11 +98,12 @@ pub fn own(channel: &str, subject: &Subject, format: Format) -> Result<Painted, 
     let mesh = subject.whole();
     let values = mesh.channel(channel, format);
     let values = values.ok_or_else(|| Error::input(no_channel(mesh, Some(channel))))?;
-    painted(values, mesh, subject).map_err(|why| Error::input(format_args!("{channel}: {why}")))
+    painted(values, subject).map_err(|why| Error::input(format_args!("{channel}: {why}")))
 }
 
-/// `values` at the vertices of the `whole` shape, on those that are worked on.
-fn painted(values: Vec<f64>, whole: &TriMesh, subject: &Subject) -> Result<Painted, Error> {
+/// `values` at the vertices of the whole shape, on those that are worked on.
+fn painted(values: Vec<f64>, subject: &Subject) -> Result<Painted, Error> {
+    let whole = subject.whole();
     let vertices = whole.positions.len();
     if values.len() != vertices {
         let found = values.len();
@@ -311,9 +312,7 @@ mod tests {
         let task = Task::new();
         let subject = Subject::of_mesh(mesh, &mut project, &Aside::new(&task)).unwrap();
         let values = (0..2 * n).map(|v| if v < n { 0.0 } else { 1.0 }).collect();
-        let Painted::Vertices(painted) = painted(values, subject.whole(), &subject).unwrap() else {
-            panic!()
-        };
+        let Painted::Vertices(painted) = painted(values, &subject).unwrap() else { panic!() };
         assert!(subject.proxy.is_some() && painted.iter().all(|x| *x == 1.0));
     }
 
@@ -328,7 +327,7 @@ mod tests {
         let missed = (0..n).find(|v| !kept.contains(&(*v as u32))).unwrap();
         let of = |inside: Option<usize>| {
             let values = (0..n).map(|v| f64::from(u8::from(inside == Some(v)))).collect();
-            painted(values, subject.whole(), &subject)
+            painted(values, &subject)
         };
         let why = of(Some(missed)).unwrap_err().to_string();
         assert!(why.contains("--proxy"), "{why}");

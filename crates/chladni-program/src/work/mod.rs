@@ -67,6 +67,7 @@ mod theatre;
 mod titles;
 mod tuning;
 mod watcher;
+mod writing;
 
 pub use back_film::FILMS;
 pub use bars::{bar_lines, read_beats};
@@ -120,6 +121,7 @@ pub use theatre::{
 #[cfg(feature = "desktop")]
 pub use titles::{COVER, GAP, TITLE, halo_offsets, halo_opacity, title_opacity};
 pub use watcher::{Aside, Watcher};
+pub use writing::{make_folder, write_file};
 
 /// The default K, in the window and on the command line.
 pub const HARMONICS: usize = 512;

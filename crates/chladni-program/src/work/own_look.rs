@@ -62,13 +62,8 @@ impl OwnLook {
 
     /// The `colors` of a file's vertices.
     fn at_vertices(colors: &[[f32; 4]], body: &Body) -> Self {
-        let mut bytes = vec![[255; 4]; body.positions.len()];
-        for (color, vertex) in colors.iter().zip(&body.operator_vertex) {
-            if let Some(at) = vertex.and_then(|vertex| bytes.get_mut(vertex as usize)) {
-                *at = srgb_bytes(*color);
-            }
-        }
-        Self::Colors(bytes)
+        let bytes = colors.iter().map(|color| srgb_bytes(*color));
+        Self::Colors(body.on_operator_vertices(bytes, [255; 4]))
     }
 
     /// The `triangles` of a shape of so many vertices on a device, with their places in its image where it has one.

@@ -34,14 +34,9 @@ impl Parts {
 
     /// Those of a head, from the part of each vertex of its file.
     pub fn of_head(part: &[u8], body: &Body) -> Self {
-        let mut own = vec![0; body.positions.len()];
-        for (part, vertex) in part.iter().zip(&body.operator_vertex) {
-            if let Some(own) = vertex.and_then(|v| own.get_mut(v as usize)) {
-                *own = u32::from(*part);
-            }
-        }
+        let part = body.on_operator_vertices(part.iter().map(|part| u32::from(*part)), 0);
         let names: Vec<String> = HEAD_PARTS.iter().map(ToString::to_string).collect();
-        Self { part: own, twins: vec![None; names.len()], names, level: None }
+        Self { part, twins: vec![None; names.len()], names, level: None }
     }
 
     /// The limbs at `level`.

@@ -39,10 +39,9 @@ pub fn sitter(
         None => limbs(mesh, stack, watcher)?,
     };
     for (template, matching) in &templates {
-        let request = MatchRequest { template: template.clone(), matching: matching.clone() };
-        let own = !template.is_mesh()
-            && !matches!(template, Template::Ellipsoid | Template::Sphere | Template::Given(_));
-        if own || stack.matched(&request).is_some() {
+        // Templates that are made from the shape itself need no match.
+        let Some(request) = MatchRequest::with(template.clone(), matching.clone()) else { continue };
+        if stack.matched(&request).is_some() {
             continue;
         }
         let body = stack.body().clone();

@@ -14,6 +14,11 @@ pub trait Watcher {
     /// Work continues, but not quite as asked.
     fn warn(&self, warning: Warning);
 
+    /// The same of each of `warnings`.
+    fn warn_each(&self, warnings: impl IntoIterator<Item = Warning>) {
+        warnings.into_iter().for_each(|warning| self.warn(warning));
+    }
+
     /// Does a `part` of the work that may take long and is called `label`.
     fn watch<T>(&self, _label: &str, part: impl FnOnce(&Task) -> T) -> T {
         part(self.task())

@@ -10,7 +10,7 @@ use chladni_mesh::{Format, ShapeSource};
 use super::{Caricature, made_on, one};
 use crate::cli::Terminal;
 use crate::work::outputs::{check_apart, check_folders, is_one_place, mesh_format};
-use crate::work::{Error, Warning, Watcher, is_hidden};
+use crate::work::{Error, Warning, Watcher, is_hidden, make_folder};
 
 impl Caricature {
     /// Every mesh of `batch`, or the piece of it that is asked for. One that fails does not stop the others.
@@ -29,7 +29,7 @@ impl Caricature {
         folders.clone().try_for_each(|folder| check_folders(folder))?;
         let from = made_on(&mut project, terminal)?;
         for folder in folders {
-            chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
+            make_folder(folder)?;
         }
         let (mut failed, mut kept, mut is_of_input) = (0, 0, true);
         for (shape, (output, render)) in shapes.iter().zip(planned) {

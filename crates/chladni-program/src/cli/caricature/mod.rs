@@ -180,6 +180,16 @@ impl Caricature {
         Pictures { path, turntable, portrait, sheet, ink }
     }
 
+    /// The project that the arguments ask for, without layers.
+    fn bare_project(&self, shape: &Path) -> Result<Project, Error> {
+        let mut project =
+            Project::new(ShapeSource::named(shape), self.harmonics.unwrap_or(DEFAULT_HARMONICS));
+        project.laplacian = laplacian(self.paper);
+        project.keep_triangles = self.keep_triangles;
+        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
+        Ok(project)
+    }
+
     fn single(&self, terminal: &Terminal) -> Result<(), Error> {
         let (Some(shape), Some(template)) = (&self.shape, &self.template) else {
             return Err(Error::input("a shape and a template are needed"));
@@ -189,14 +199,9 @@ impl Caricature {
             return Err(Error::input("the number of harmonics must be 1 or more"));
         }
         check_template(template, terminal)?;
-        let source = ShapeSource::named(shape);
-        let name = source.to_string();
-        let mut project = Project::new(source, self.harmonics.unwrap_or(DEFAULT_HARMONICS));
-        project.laplacian = laplacian(self.paper);
-        project.keep_triangles = self.keep_triangles;
-        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
+        let mut project = self.bare_project(shape)?;
         let subject = Subject::of(&mut project, terminal)?;
-        let painted = self.region.painted(&name, &subject, terminal)?;
+        let painted = self.region.painted(&project.shape.to_string(), &subject, terminal)?;
         let layer =
             self.layer.layer("caricature", template.clone(), painted, &project, &subject, terminal)?;
         project.push(layer)?;
@@ -228,19 +233,15 @@ impl Caricature {
             check_picture(output)?;
         }
         self.template.iter().try_for_each(|template| check_template(template, terminal))?;
-        let (harmonics, laplacian) = (self.harmonics.unwrap_or(DEFAULT_HARMONICS), laplacian(self.paper));
-        let source = ShapeSource::named(shape);
-        let name = source.to_string();
-        let mut project = Project::new(source, harmonics);
-        (project.laplacian, project.keep_triangles) = (laplacian, self.keep_triangles);
-        project.resolution = self.resolution.or_all(self.layer.needs_all_vertices())?;
+        let mut project = self.bare_project(shape)?;
+        let name = project.shape.to_string();
         let subject = Subject::of(&mut project, terminal)?;
         let mesh = &subject.mesh;
         let whole = (&project.shape, &**subject.whole());
         check_textures(&[output.as_path()], whole, self.template.iter())?;
         // Without targets: the layers are yet to be chosen.
         check_fits(output, whole, 0)?;
-        let (body, _) = body::build(&name, mesh, harmonics, laplacian, terminal)?;
+        let (body, _) = body::build(&name, mesh, project.harmonics, project.laplacian, terminal)?;
         let body = Arc::new(body);
         let mut stack = Stack::new(body.clone())?;
         let given = match &self.template {

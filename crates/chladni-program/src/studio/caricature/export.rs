@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use chladni_caricature::{LayerState, Template};
 use chladni_mesh::Format;
-use chladni_task::write_atomic;
 use chladni_view::{Background, FilmFormat, FilmSettings, FrameRate, ffmpeg_is_there};
 use egui::{DragValue, RichText, Ui};
 
@@ -18,7 +17,7 @@ use crate::studio::job::{self, Job};
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::outputs::{check_apart, check_size, check_textures, odd_sides};
-use crate::work::{Error, Warning};
+use crate::work::{Error, Warning, write_file};
 
 /// The most frames a second that are offered.
 const MOST_FPS: u32 = 60;
@@ -208,15 +207,14 @@ impl CaricatureRoom {
                 let png = shot.picture(width, height).and_then(|picture| Ok(picture.to_png()?));
                 let png = png.map_err(|error| error.of(path.display()))?;
                 task.check()?;
-                write_atomic(&path, &png).map_err(|error| Error::unwritten(&path, error))?;
+                write_file(&path, &png)?;
                 Ok((path, None))
             }),
             (What::Drawing, Ok(shot)) => Job::start(label, &shared.ctx, move |task| {
                 spares_textures(&path)?;
                 let drawing = shot.drawing(width, height).map_err(|error| error.of(path.display()))?;
                 task.check()?;
-                write_atomic(&path, drawing.to_svg().as_bytes())
-                    .map_err(|error| Error::unwritten(&path, error))?;
+                write_file(&path, drawing.to_svg().as_bytes())?;
                 Ok((path, None))
             }),
             (What::Mp4 | What::Gif, Ok(shot)) => {

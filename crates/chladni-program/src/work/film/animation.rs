@@ -6,12 +6,12 @@ use chladni_harmonics::Body;
 use chladni_mesh::{MeshError, MorphAnimation, MorphTarget, TriMesh, write_animated_glb};
 use chladni_music::Form;
 use chladni_synth::{Item, Morph, Movement, displacements_f64};
-use chladni_task::{Task, write_atomic};
+use chladni_task::Task;
 use chladni_view::FrameRate;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::work::Error;
+use crate::work::{Error, write_file};
 
 /// At most this many frames are compared with the film.
 const JUDGED_FRAMES: u64 = 48;
@@ -103,7 +103,7 @@ impl Animation {
             error => Error::unwritten(path, error),
         })?;
         task.check()?;
-        write_atomic(path, &bytes).map_err(|error| Error::unwritten(path, error))?;
+        write_file(path, &bytes)?;
         Ok(approximation)
     }
 

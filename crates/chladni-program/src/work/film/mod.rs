@@ -17,7 +17,11 @@ use chladni_music::{BeatReading, ClockTrack, Show, Stretch, Viewpoint};
 use chladni_view::Look;
 
 use super::outputs::is_same_file;
-use super::{Error, Scenery, Stance, Warning, Watcher, first_looks, look_named, opening_looks, opening_view};
+use super::source::check_stretch;
+use super::{
+    Error, Scenery, Stance, Warning, Watcher, first_looks, look_named, make_folder, opening_looks,
+    opening_view,
+};
 use animation::Animation;
 pub use animation::Approximation;
 pub use beginning::Beginning;
@@ -72,13 +76,18 @@ pub struct Film {
 impl Film {
     /// `body` dances to all of `song` as `beginning` says, with its opening look.
     pub fn new(body: String, song: String, beginning: Beginning, output: Output) -> Self {
+        Self::of(body, vec![(song, BeatReading::default())], beginning, output)
+    }
+
+    /// The same to `songs`.
+    fn of(body: String, songs: Vec<(String, BeatReading)>, beginning: Beginning, output: Output) -> Self {
         Self {
             look: look_named(&opening_looks(&body)).0,
             viewpoint: opening_view(&body),
             picture: String::new(),
             panorama: String::new(),
             body,
-            songs: vec![(song, BeatReading::default())],
+            songs,
             stance: Stance::default(),
             harmonics: None,
             paper: false,
@@ -97,26 +106,15 @@ impl Film {
     /// The film of a show, whose body and songs were found.
     pub fn of_show(show: Show, body: String, songs: Vec<(String, BeatReading)>, output: Output) -> Self {
         let looks = show.looks.clone().unwrap_or_else(first_looks);
-        let (heard, clock) = (show.heard.clone(), show.clock.clone());
         Self {
-            body,
-            songs,
-            stance: Stance::default(),
-            paper: false,
-            harmonics: None,
-            heard,
-            clock,
+            heard: show.heard.clone(),
+            clock: show.clock.clone(),
             show_secs: show.duration_secs,
             look: look_named(&looks).0,
             picture: looks.picture,
             panorama: looks.panorama,
             viewpoint: show.viewpoint,
-            autopilot: false,
-            start_secs: 0.0,
-            duration_secs: None,
-            output,
-            beginning: Beginning { show: Some(Box::new(show)), ..Beginning::default() },
-            read_from: None,
+            ..Self::of(body, songs, Beginning { show: Some(Box::new(show)), ..Beginning::default() }, output)
         }
     }
 }
@@ -135,7 +133,7 @@ pub fn make(mut wanted: Film, watcher: &impl Watcher) -> Result<Report, Error> {
     let range = output.range(frames)?;
     // Only now: a mesh or song that cannot be read leaves no empty folder behind.
     if let Some(folder) = output.folder() {
-        chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
+        make_folder(folder)?;
     }
     let mut animation = output
         .animation
@@ -203,13 +201,7 @@ impl Film {
         let named = songs.chain([&self.body, &self.picture, &self.panorama]).map(Path::new);
         let inputs: Vec<&Path> = named.chain(self.read_from.as_deref()).collect();
         self.output.check_apart(&inputs)?;
-        let times = [Some(self.start_secs), self.duration_secs.map(|d| d.max(-1.0))];
-        if times.iter().flatten().any(|secs| !(secs.is_finite() && *secs >= 0.0))
-            || self.duration_secs == Some(0.0)
-        {
-            return Err(Error::input("start must not be negative and the duration must be positive"));
-        }
-        Ok(())
+        check_stretch(self.start_secs, self.duration_secs)
     }
 }
 

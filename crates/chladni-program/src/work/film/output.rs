@@ -25,6 +25,8 @@ const MOST_TARGETS: usize = 1024;
 pub struct Output {
     /// The film's file or folder; none is drawn without.
     pub film: Option<PathBuf>,
+    /// It is a folder of pictures, with the sound beside them.
+    pub is_folder: bool,
     /// Only these frames are made, exactly those of the whole film; an MP4 of them has no sound.
     pub piece: Option<Piece>,
     /// Frames that are in the folder already stay as they are.
@@ -35,8 +37,6 @@ pub struct Output {
     pub animation: Option<PathBuf>,
     /// The largest number of morph targets.
     pub targets: usize,
-    /// It is a folder of pictures, with the sound beside them.
-    pub is_folder: bool,
     /// Where the coefficients of every frame go.
     pub coefficients: Option<PathBuf>,
     /// Where the mapping of each item of the gallery goes, as presets.
@@ -83,10 +83,10 @@ impl Output {
     pub fn nowhere() -> Self {
         Self {
             film: None,
+            is_folder: false,
             piece: None,
             resume: false,
             pipe: None,
-            is_folder: false,
             animation: None,
             targets: TARGETS,
             coefficients: None,

@@ -63,10 +63,14 @@ pub struct Performance {
     triangles: Vec<[u32; 3]>,
     start_secs: f64,
     rate: FrameRate,
-    flashes_allowed: bool,
-    fields_judged: bool,
-    shows_rest: bool,
-    titles: Titles,
+    /// More than three a second.
+    pub flashes_allowed: bool,
+    /// Flashes are counted in any field of view of 10°, too.
+    pub fields_judged: bool,
+    /// The shape at rest is shown, too, as dots.
+    pub shows_rest: bool,
+    /// Songs are named as they begin.
+    pub titles: Titles,
     programme: Option<Programme>,
 }
 
@@ -120,19 +124,9 @@ impl Performance {
         &self.instrument
     }
 
-    /// Shows the shape at rest, too, as dots.
-    pub fn show_rest(&mut self) {
-        self.shows_rest = true;
-    }
-
     /// The body has these colors of its own.
     pub fn color(&mut self, own: Option<OwnLook>) {
         self.staging.color(own);
-    }
-
-    /// Songs are named as they begin.
-    pub fn name_songs(&mut self, titles: Titles) {
-        self.titles = titles;
     }
 
     /// Dances and strength change with the music, and looks unless the film's own is kept; another `draw`, other ones.
@@ -150,14 +144,6 @@ impl Performance {
         self.hearing.tune(0.0, self.instrument.parameters());
         self.programme = Some(programme);
         Ok(())
-    }
-
-    pub fn allow_flashes(&mut self) {
-        self.flashes_allowed = true;
-    }
-
-    pub fn judge_fields(&mut self) {
-        self.fields_judged = true;
     }
 
     /// Replays actions and sound in order, up to a time of the show.

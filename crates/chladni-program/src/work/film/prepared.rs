@@ -23,7 +23,7 @@ use crate::work::body::laplacian;
 use crate::work::dancer::{Dancing, classes};
 use crate::work::outputs::{earlier_frames, left_of_gltf, odd_sides};
 use crate::work::{
-    Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, texture_colors,
+    Cast, Error, HARMONICS, Hearing, OwnLook, Scenery, Warning, Watcher, is_flat, make_folder, texture_colors,
 };
 
 /// Said of a dance that becomes a GLB: as detail turns, the whole shape's displacements are no sums of targets.
@@ -54,7 +54,7 @@ impl Prepared {
             watcher.warn(Warning::of(&wanted.body, ONLY_THE_PROXY));
         }
         if let (Some(path), Some(file)) = (&wanted.output.animation, cast.shape_file()) {
-            left_of_gltf(file, path).into_iter().for_each(|warning| watcher.warn(warning));
+            watcher.warn_each(left_of_gltf(file, path));
         }
         // The orientation decides which half hears the left channel, so it is needed even without pictures.
         let stands = cast.stands(wanted.stance, watcher)?;
@@ -97,21 +97,15 @@ impl Prepared {
             }
             performance.color(own);
         }
-        if wanted.output.allow_flashes {
-            performance.allow_flashes();
-        }
-        if wanted.output.flash_fields {
-            performance.judge_fields();
-        }
+        performance.flashes_allowed = wanted.output.allow_flashes;
+        performance.fields_judged = wanted.output.flash_fields;
+        performance.shows_rest = wanted.output.shows_rest;
         if wanted.autopilot {
             // Each song has its own dances, in every film of it.
             performance.pilot(keeps_look, held, songs.draw())?;
         }
         if wanted.output.titles {
-            performance.name_songs(Titles::of(&wanted.songs, songs.stretches(), start_secs));
-        }
-        if wanted.output.shows_rest {
-            performance.show_rest();
+            performance.titles = Titles::of(&wanted.songs, songs.stretches(), start_secs);
         }
         let mut mesh = subject.mesh.clone();
         if wanted.output.animation.is_some()
@@ -148,11 +142,10 @@ impl Prepared {
             audio: sound.as_ref().map(|file| file.path().to_owned()),
         };
         if let Some(folder) = output.folder().filter(|_| output.piece.is_none()) {
-            earlier_frames(folder, range.end).into_iter().for_each(|warning| watcher.warn(warning));
+            watcher.warn_each(earlier_frames(folder, range.end));
         }
         if let Some(file) = film.filter(|_| !output.is_folder) {
-            let size = [output.width, output.height];
-            odd_sides(file, size).into_iter().for_each(|warning| watcher.warn(warning));
+            watcher.warn_each(odd_sides(file, [output.width, output.height]));
         }
         let film = match film.zip(format) {
             Some((path, format)) => Reel::create_as(format, path, settings)?,
@@ -226,7 +219,7 @@ impl Prepared {
 
 /// Each item of the gallery as a preset.
 fn save_presets(folder: &Path, instrument: &Instrument) -> Result<(), Error> {
-    chladni_task::create_folder(folder).map_err(|error| Error::unwritten(folder, error))?;
+    make_folder(folder)?;
     for (i, item) in instrument.gallery().items().iter().enumerate() {
         let preset = instrument.preset(item, instrument.tags(item.id));
         preset.save(&preset_in(folder, i)).map_err(Error::unsaved)?;

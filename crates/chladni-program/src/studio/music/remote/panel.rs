@@ -13,8 +13,7 @@ use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
 use crate::studio::theme;
-use crate::work::Error;
-use crate::work::knobs;
+use crate::work::{Error, knobs, write_file};
 
 /// The port that is offered first: TouchOSC's.
 const USUAL_PORT: u16 = 8000;
@@ -61,7 +60,7 @@ impl Remote {
     /// Writes all bindings into a file.
     pub fn export(&self, path: &Path) -> Result<(), Error> {
         let text = self.bindings.to_text()?;
-        chladni_task::write_atomic(path, text.as_bytes()).map_err(|why| Error::unwritten(path, why))
+        write_file(path, text.as_bytes())
     }
 
     /// Adds the bindings of a file; returns how many it has.
