@@ -83,7 +83,9 @@ pub use deformed::Deformed;
 pub use ear::{BeatCount, Ear};
 pub use error::{Error, Warning};
 pub use exhibition::{Exhibition, FIRST_SEED, Step, hung};
-pub use files::{file_hash, is_hidden, is_lost, known_hash, placed, refer, refer_looks, resolve, resolve_looks, unread};
+pub use files::{
+    file_hash, is_hidden, is_lost, known_hash, placed, refer, refer_looks, resolve, resolve_looks, unread,
+};
 pub use frame_guard::FrameGuard;
 pub use furthest::{MAY_FOLD, furthest_mu};
 pub use health::{HealthRow, digits, health_rows, is_sound, laplacian_row};
