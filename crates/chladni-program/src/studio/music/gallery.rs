@@ -6,7 +6,7 @@ use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui,
 use super::curve;
 use super::lineage;
 use super::view::View;
-use super::wish::{Then, Wish};
+use super::wish::{A_LITTLE, Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{DRAW, FAVORITE, LOCK, MUTATE, STAGE};
@@ -129,7 +129,7 @@ fn marks(
     };
     button(Icon::Star, favorite, FAVORITE, Wish::Do(Action::Favorite { item: index, on: !favorite }));
     button(Icon::Lock, item.locked, LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
-    button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: 0.2 }));
+    button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: A_LITTLE }));
     button(Icon::Spline, false, DRAW, Wish::Show(View::CloseUp(index)));
     button(Icon::Presentation, false, STAGE, Wish::Do(Action::PerformGallery { first: index }));
 }
@@ -150,7 +150,7 @@ fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut 
         entry(ui, Icon::Star, name, Wish::Do(Action::Favorite { item, on: !favorite }));
         let name = if shown.locked { "Unlock" } else { "Lock in its place" };
         entry(ui, Icon::Lock, name, Wish::Do(Action::Lock { item, on: !shown.locked }));
-        entry(ui, Icon::Dices, "Change a little", Wish::Do(Action::Mutate { item, amount: 0.2 }));
+        entry(ui, Icon::Dices, "Change a little", Wish::Do(Action::Mutate { item, amount: A_LITTLE }));
         ui.separator();
         entry(ui, Icon::BookmarkPlus, "Keep on the shelf …", Wish::Keep(shown.id));
         entry(ui, Icon::Save, "Save as a file …", Wish::Choose(Then::SavePreset(shown.id)));

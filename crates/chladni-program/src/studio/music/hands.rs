@@ -10,7 +10,7 @@ use super::listening::Listening;
 use super::look;
 use super::remote::NUDGE_SECS;
 use super::shelf::Shelf;
-use super::wish::Wish;
+use super::wish::{A_LITTLE, Wish};
 use crate::studio::room::Shared;
 use crate::work::OWN_COLORS;
 
@@ -310,7 +310,7 @@ fn choose_look(target: Target, which: &Which, concert: &mut Concert, shared: &mu
 }
 
 /// The wish for a dance of the gallery; `None` if there is no such dance, or the target is not about dances.
-fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
+pub(super) fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
     let items = concert.instrument().gallery().items();
     let item = match which {
         Which::Number(number) => (*number as usize).checked_sub(1)?,
@@ -323,7 +323,7 @@ fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
         Target::Choose => Action::Choose { item, on: !marks.chosen },
         Target::Favorite => Action::Favorite { item, on: !marks.favorite },
         Target::Lock => Action::Lock { item, on: !marks.locked },
-        Target::Mutate => Action::Mutate { item, amount: 0.2 },
+        Target::Mutate => Action::Mutate { item, amount: A_LITTLE },
         Target::Stage => Action::PerformGallery { first: item },
         Target::Cue => Action::CueUp { item },
         _ => return None,

@@ -60,7 +60,7 @@ impl Room for MusicRoom {
         self.poll(shared);
         self.follow_dialog(shared);
         self.leaning.notice(&shared.ctx);
-        let mut wishes = self.keys(&shared.ctx);
+        let mut wishes = self.keys(shared);
         // A control that is touched later is meant for something else.
         if self.hides_the_window() || self.drawers.open != Drawer::Remote {
             self.drawers.remote.stop_learning();
