@@ -17,7 +17,7 @@ pub use self::beat_out::Now;
 use self::clock_out::ClockSender;
 pub use self::clock_panel::NUDGE_SECS;
 use self::leader::Leader;
-use self::midi::Midi;
+use self::midi::{Devices, Midi};
 use self::osc::{From, Osc};
 use super::preferences::Preferences;
 use crate::work::Error;
@@ -25,10 +25,8 @@ use crate::work::Error;
 /// Devices, port and bindings.
 #[derive(Default)]
 pub struct Remote {
-    started: bool,
-    midi: Option<Midi>,
-    /// Why nothing looks for MIDI devices.
-    midi_failure: Option<String>,
+    /// Looks for MIDI devices, once it was started; or why nothing does.
+    midi: Option<std::io::Result<Midi>>,
     /// Whose MIDI clock is followed.
     leader: Leader,
     osc: Option<Result<Osc, Error>>,
@@ -79,13 +77,9 @@ impl Remote {
         parameters: &Parameters,
         standing: Standing<'_>,
     ) -> Asked {
-        if !self.started {
-            self.started = true;
+        if self.midi.is_none() {
             self.bindings = Bindings::new(preferences.bindings.clone());
-            match Midi::start() {
-                Ok(midi) => self.midi = Some(midi),
-                Err(why) => self.midi_failure = Some(why.to_string()),
-            }
+            self.midi = Some(Midi::start());
         }
         let from =
             if preferences.osc_network { From::Network(preferences.osc_allowed.clone()) } else { From::Here };
@@ -100,7 +94,7 @@ impl Remote {
             self.osc = self.port.clone().map(listen);
         }
         let mut cues = Vec::new();
-        let said = self.midi.iter().flat_map(Midi::clock);
+        let said = self.midi.iter().flatten().flat_map(Midi::clock);
         let own = preferences.clock_out.as_deref();
         let said = said.filter(|said| self.leader.follows(said, own));
         let mut clock: Vec<_> = said.map(|said| (said.message, said.came)).collect();
@@ -108,7 +102,7 @@ impl Remote {
         if forgets {
             self.bindings.forget_hands();
         }
-        let touched: Vec<Touch> = self.midi.iter().flat_map(Midi::touches).collect();
+        let touched: Vec<Touch> = self.midi.iter().flatten().flat_map(Midi::touches).collect();
         for touch in touched.into_iter().filter(|_| !forgets) {
             self.touch(&touch, parameters, standing, &mut cues);
         }
@@ -132,7 +126,7 @@ impl Remote {
         if preferences.bindings != self.bindings.list() {
             preferences.bindings = self.bindings.list().to_vec();
         }
-        if let Some(midi) = &self.midi {
+        if let Some(Ok(midi)) = &self.midi {
             let outputs = midi.outputs();
             for (device, message) in self.bindings.feedback(standing, &|device| outputs.opens(device)) {
                 outputs.send(&device, &message);
@@ -157,13 +151,22 @@ impl Remote {
         }
         if self.clock_out.is_none()
             && preferences.clock_out.is_some()
-            && let Some(midi) = &self.midi
+            && let Some(Ok(midi)) = &self.midi
         {
             let sender = ClockSender::start(midi.outputs().clone());
             self.clock_out = Some(sender.map_err(|why| Error::other(why).of("MIDI clock")));
         }
         if let Some(Ok(out)) = &self.clock_out {
             out.tell(preferences.clock_out.as_deref(), now);
+        }
+    }
+
+    /// The MIDI devices, or why there are none.
+    fn midi_devices(&self) -> Devices {
+        match &self.midi {
+            Some(Ok(midi)) => midi.devices(),
+            Some(Err(why)) => Devices { failure: Some(why.to_string()), ..Devices::default() },
+            None => Devices::default(),
         }
     }
 
