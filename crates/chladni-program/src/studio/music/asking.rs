@@ -98,7 +98,7 @@ impl MusicRoom {
             Then::SavePreset(item) => self.save_preset(item, first, shared)?,
             Then::SaveShow | Then::SaveShowFirst => {
                 if let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) {
-                    write_show(first, concert, listening, &self.names, shared)?;
+                    write_show(first, concert, listening, &self.body, shared)?;
                 }
                 if then == Then::SaveShowFirst {
                     self.replace(shared);

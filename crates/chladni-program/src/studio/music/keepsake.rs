@@ -212,7 +212,7 @@ impl MusicRoom {
             }
             return;
         }
-        let now = Kept::of(concert, listening, &self.names.dancing, shared.settings.music.looks());
+        let now = Kept::of(concert, listening, &self.body, shared.settings.music.looks());
         // The last copy of all has the last moment, too.
         if !at_once && keepsake.kept.as_ref() == Some(&now) {
             return;
@@ -228,7 +228,7 @@ impl MusicRoom {
         }
         // Where no copy can be kept, the show need not be put together, either.
         if let Some(Ok(_)) = self.keepsake.copy {
-            let show = the_show(concert, listening, &self.names, shared, unread);
+            let show = the_show(concert, listening, &self.body, shared, unread);
             if let Some(why) = self.keepsake.write(show, now, in_background) {
                 shared.notices.warn(format!("No copy of the show could be kept: {why}"));
             }

@@ -214,8 +214,8 @@ impl Room for MusicRoom {
                             .warn(format!("{other}: one shape dances at a time, and {first} is opened"));
                         continue;
                     }
-                    if let Some((show, _)) = self.coming.take() {
-                        let show = show.display();
+                    if let Some(coming) = self.coming.take() {
+                        let show = coming.path.display();
                         shared.notices.warn(format!("{show} was not opened: another shape was chosen."));
                     }
                     self.load(path.clone(), shared);
@@ -323,7 +323,7 @@ impl MusicRoom {
             if self.concert.is_some() { egui::Color32::TRANSPARENT } else { ui.visuals().panel_fill };
         let backdrop = egui::Frame::new().fill(ground);
         egui::CentralPanel::default().frame(backdrop).show(ui, |ui| {
-            if let Some(loading) = &self.loading {
+            if let Some((_, loading)) = &self.loading {
                 job::show_progress(ui, loading);
             }
             let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
@@ -364,13 +364,13 @@ impl MusicRoom {
         shared: &mut Shared<'_>,
     ) -> Result<(), Error> {
         if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
-            let show = the_show(concert, listening, &self.names, shared, unread);
+            let show = the_show(concert, listening, &self.body, shared, unread);
             let look = concert.instrument().look().unwrap_or_default().to_owned();
             let on_stage = OnStage { place: concert.place_in_turn(), look };
             let scene = Scene {
                 songs: songs_of(&show),
                 show,
-                body: self.names.dancing.to_string_lossy().into_owned(),
+                body: self.body.to_string_lossy().into_owned(),
                 song: listening.song_number(),
                 // A close-up behind the stage is not seen.
                 view: if self.hides_the_window() { View::Gallery } else { concert.view() },

@@ -13,7 +13,7 @@ use super::listening::{Listening, ShowSong};
 use super::recorder::Recorder;
 use super::view::View;
 use super::wish::Then;
-use super::{MusicRoom, Names};
+use super::{Coming, MusicRoom};
 use crate::studio::choose::ask_where_to_save;
 use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
@@ -167,7 +167,7 @@ impl MusicRoom {
             shared.notices.warn("The recording was ended, so that the show can name it.");
         }
         let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
-        let saved = write_show(&path, concert, listening, &self.names, shared);
+        let saved = write_show(&path, concert, listening, &self.body, shared);
         saved.map_err(|why| shared.notices.failed(why)).is_ok()
     }
 
@@ -183,7 +183,7 @@ impl MusicRoom {
                 warning.into_iter().for_each(|warning| shared.notices.warn(warning));
                 let dances = concert.instrument().shape().eigenvalues.len();
                 let wanted = show.harmonics.map_or(dances, |harmonics| harmonics.min(MOST_HARMONICS));
-                if self.names.dancing == body && dances == wanted {
+                if self.body == body && dances == wanted {
                     return self.go_on_with(&path, &show, shared);
                 }
                 if show.harmonics.is_some_and(|harmonics| harmonics > MOST_HARMONICS) {
@@ -191,8 +191,8 @@ impl MusicRoom {
                         format!("{}: more harmonics than dance live; films have all.", path.display());
                     shared.notices.warn(message);
                 }
-                self.coming_since = concert.instrument().log().len();
-                self.coming = Some((path, show));
+                let since = concert.instrument().log().len();
+                self.coming = Some(Coming { path, show, since });
                 self.load(body, shared);
             }
             // On another shape, a new copy would take the place of the one that names this.
@@ -209,8 +209,8 @@ impl MusicRoom {
     /// Continues the show that has waited for its shape, unless work that was done meanwhile is in its way: then it is asked
     /// about.
     pub(super) fn go_on_with_coming(&mut self, shared: &mut Shared<'_>) {
-        let Some((path, show)) = self.coming.take() else { return };
-        if self.concert.as_ref().is_some_and(|concert| concert.has_unsaved_work_since(self.coming_since)) {
+        let Some(Coming { path, show, since }) = self.coming.take() else { return };
+        if self.concert.as_ref().is_some_and(|concert| concert.has_unsaved_work_since(since)) {
             self.replacing = Some((path, show));
         } else {
             self.go_on_with(&path, &show, shared);
@@ -316,7 +316,7 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
 pub fn the_show(
     concert: &Concert,
     listening: &Listening,
-    names: &Names,
+    body: &Path,
     shared: &Shared<'_>,
     refer: impl Fn(&Path) -> FileRef,
 ) -> Show {
@@ -338,7 +338,7 @@ pub fn the_show(
         }
     }
     Show {
-        body: Some(refer(&names.dancing)),
+        body: Some(refer(body)),
         looks: Some(shared.settings.music.looks()),
         viewpoint: concert.viewpoint(),
         songs,
@@ -359,11 +359,11 @@ pub fn write_show(
     path: &Path,
     concert: &mut Concert,
     listening: &Listening,
-    names: &Names,
+    body: &Path,
     shared: &mut Shared<'_>,
 ) -> Result<(), Error> {
     let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
-    let mut show = the_show(concert, listening, names, shared, |file| {
+    let mut show = the_show(concert, listening, body, shared, |file| {
         let named = refer(file, path.parent());
         if is_lost(file, &named) {
             *lost.borrow_mut() = Some(file.to_owned());
