@@ -10,7 +10,7 @@ use super::curtain::Curtain;
 use super::drawer::Drawer;
 use super::film::{OnStage, Scene};
 use super::listening::Listening;
-use super::shows::{songs_of, songs_of_list, the_show};
+use super::shows::{songs_of, songs_of_list};
 use super::view::View;
 use super::wish::{Then, Wish};
 use super::{meters, show_bar, transport};
@@ -363,8 +363,9 @@ impl MusicRoom {
         is_folder: bool,
         shared: &mut Shared<'_>,
     ) -> Result<(), Error> {
-        if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
-            let show = the_show(concert, listening, &self.body, shared, unread);
+        if let (Some(concert), Some(listening), Some(show)) =
+            (&self.concert, &self.listening, self.the_show(shared, unread))
+        {
             let look = concert.instrument().look().unwrap_or_default().to_owned();
             let on_stage = OnStage { place: concert.place_in_turn(), look };
             let scene = Scene {

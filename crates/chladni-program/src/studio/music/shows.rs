@@ -166,9 +166,67 @@ impl MusicRoom {
         if self.end_recording(shared) {
             shared.notices.warn("The recording was ended, so that the show can name it.");
         }
-        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
-        let saved = write_show(&path, concert, listening, &self.body, shared);
+        let saved = self.write_show(&path, shared);
         saved.map_err(|why| shared.notices.failed(why)).is_ok()
+    }
+
+    /// The show so far, whose files are named by `refer`.
+    pub(super) fn the_show(&self, shared: &Shared<'_>, refer: impl Fn(&Path) -> FileRef) -> Option<Show> {
+        let (concert, listening) = (self.concert.as_ref()?, self.listening.as_ref()?);
+        let (heard, songs) = listening.heard();
+        let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path)) };
+        let mut songs: Vec<SongRef> = songs.iter().map(song).collect();
+        // What came in live is heard again from the recordings of the set.
+        let mut heard = heard;
+        let being_written = concert.outgoing.recorder.as_ref().and_then(Recorder::set);
+        let written = concert.outgoing.recorded.iter().map(|set| (set, true));
+        for (set, is_written) in written.chain(being_written.iter().map(|set| (set, false))) {
+            let (song, begins, duration_secs) = (songs.len(), &set.begins, set.duration_secs);
+            let again = heard_again(&heard, Recording { song, begins, duration_secs });
+            if again != heard {
+                let file = refer(&set.path);
+                // While a recording is being written, an older file may still lie at its path: its hash must not go into
+                // the show.
+                songs.push(SongRef::of(if is_written { file } else { FileRef { blake3: None, ..file } }));
+                heard = again;
+            }
+        }
+        Some(Show {
+            body: Some(refer(&self.body)),
+            looks: Some(shared.settings.music.looks()),
+            viewpoint: concert.viewpoint(),
+            songs,
+            heard,
+            clock: listening.clock().clone(),
+            duration_secs: Some(listening.at_secs()),
+            ..Show::of(concert.instrument())
+        })
+    }
+
+    /// Saves the show, and warns of a file that it names and cannot find again.
+    pub(super) fn write_show(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
+        let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
+        let show = self.the_show(shared, |file| {
+            let named = refer(file, path.parent());
+            if is_lost(file, &named) {
+                *lost.borrow_mut() = Some(file.to_owned());
+            }
+            named
+        });
+        let Some(mut show) = show else { return Ok(()) };
+        show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
+        show.save(path).map_err(Error::unsaved)?;
+        match lost.into_inner() {
+            Some(file) => shared.notices.warn(format_args!(
+                "Saved {}, which will not find {}: its name is not valid Unicode. Rename it, and its name in \
+                 the show",
+                path.display(),
+                file.display()
+            )),
+            None => shared.notices.done(format!("Saved {}", path.display())),
+        }
+        self.concert.iter_mut().for_each(Concert::mark_saved);
+        Ok(())
     }
 
     /// Opens a show's shape first where another one dances.
@@ -312,74 +370,7 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     Ok(became)
 }
 
-/// The show so far, whose files are named by `refer`.
-pub fn the_show(
-    concert: &Concert,
-    listening: &Listening,
-    body: &Path,
-    shared: &Shared<'_>,
-    refer: impl Fn(&Path) -> FileRef,
-) -> Show {
-    let (heard, songs) = listening.heard();
-    let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path)) };
-    let mut songs: Vec<SongRef> = songs.iter().map(song).collect();
-    // What came in live is heard again from the recordings of the set.
-    let mut heard = heard;
-    let being_written = concert.outgoing.recorder.as_ref().and_then(Recorder::set);
-    let written = concert.outgoing.recorded.iter().map(|set| (set, true));
-    for (set, is_written) in written.chain(being_written.iter().map(|set| (set, false))) {
-        let (song, begins, duration_secs) = (songs.len(), &set.begins, set.duration_secs);
-        let again = heard_again(&heard, Recording { song, begins, duration_secs });
-        if again != heard {
-            let file = refer(&set.path);
-            // While a recording is being written, an older file may still lie at its path: its hash must not go into the show.
-            songs.push(SongRef::of(if is_written { file } else { FileRef { blake3: None, ..file } }));
-            heard = again;
-        }
-    }
-    Show {
-        body: Some(refer(body)),
-        looks: Some(shared.settings.music.looks()),
-        viewpoint: concert.viewpoint(),
-        songs,
-        heard,
-        clock: listening.clock().clone(),
-        duration_secs: Some(listening.at_secs()),
-        ..Show::of(concert.instrument())
-    }
-}
-
 /// The songs of a show as the command line calls them.
 pub fn songs_of(show: &Show) -> Vec<(String, BeatReading)> {
     show.songs.iter().map(|song| (song.path.clone(), song.reading)).collect()
-}
-
-/// Saves the show, and warns of a file that it names and cannot find again.
-pub fn write_show(
-    path: &Path,
-    concert: &mut Concert,
-    listening: &Listening,
-    body: &Path,
-    shared: &mut Shared<'_>,
-) -> Result<(), Error> {
-    let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
-    let mut show = the_show(concert, listening, body, shared, |file| {
-        let named = refer(file, path.parent());
-        if is_lost(file, &named) {
-            *lost.borrow_mut() = Some(file.to_owned());
-        }
-        named
-    });
-    show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
-    show.save(path).map_err(Error::unsaved)?;
-    match lost.into_inner() {
-        Some(file) => shared.notices.warn(format_args!(
-            "Saved {}, which will not find {}: its name is not valid Unicode. Rename it, and its name in the show",
-            path.display(),
-            file.display()
-        )),
-        None => shared.notices.done(format!("Saved {}", path.display())),
-    }
-    concert.mark_saved();
-    Ok(())
 }
