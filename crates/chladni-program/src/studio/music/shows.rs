@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use chladni_music::{
-    Action, BeatReading, FileRef, ItemId, Moment, Preset, Recording, Show, SongRef, heard_again,
+    Action, BeatReading, FileRef, GalleryItem, ItemId, Moment, Preset, Recording, Show, SongRef, heard_again,
 };
 
 use super::concert::Concert;
@@ -350,9 +350,8 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     concert.end_piloting()?;
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
-    let loved = |id| instrument.favorites().iter().any(|favorite| favorite.id == id);
-    let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
-    let item = free.unwrap_or(items.len().saturating_sub(1));
+    let free = |item: &GalleryItem| !item.chosen && !item.locked && !instrument.is_favorite(item.id);
+    let item = items.iter().rposition(free).unwrap_or(items.len().saturating_sub(1));
     let (caution, before) = (preset.caution(), instrument.parameters().clone());
     let on_stage = concert.on_stage();
     concert.look_at(View::Gallery);

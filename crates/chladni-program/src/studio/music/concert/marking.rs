@@ -62,7 +62,7 @@ impl Concert {
     /// The marks of an item.
     pub fn marks(&self, item: usize) -> Marks {
         let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
-        let favorite = self.instrument.favorites().iter().any(|favorite| favorite.id == item.id);
+        let favorite = self.instrument.is_favorite(item.id);
         Marks { chosen: item.chosen, favorite, locked: item.locked }
     }
 
