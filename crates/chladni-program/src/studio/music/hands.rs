@@ -270,12 +270,11 @@ impl MusicRoom {
 
 /// Calls a shot of the camera; false where there is none of that name or number.
 fn call_shot(which: &Which, listening: &mut Listening) -> bool {
-    let shot = pick(&SHOTS, listening.called_shot(), which);
+    let now = listening.called_shot();
+    let shot = pick(&SHOTS, now, which);
     // The camera chooses again where its shot is called once more, or where it is asked to.
-    let same = shot.is_some() && shot == listening.called_shot();
-    let auto = matches!(which, Which::Name(name) if name == "auto");
-    listening.call_shot(shot.filter(|_| !same && !auto));
-    shot.is_some() || auto
+    listening.call_shot(shot.filter(|_| shot != now));
+    shot.is_some() || matches!(which, Which::Name(name) if name == "auto")
 }
 
 /// Makes the autopilot's look the show's own, where there is one: a hand changes what is seen. At once, as another request of

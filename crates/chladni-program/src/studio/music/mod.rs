@@ -116,6 +116,7 @@ pub struct MusicRoom {
     /// The action that begins another gallery, while it waits for the same answer.
     renewing: Option<Action>,
     coming: Option<Coming>,
+    /// The ears or the first shape could not be had: it is not tried again by itself.
     refused: bool,
     /// The preset of the shelf that a controller took last.
     preset: Option<usize>,
@@ -125,7 +126,7 @@ pub struct MusicRoom {
     /// The number of the pass in which the room was shown last.
     pass: u64,
     /// The time of the last frame, by the window's clock.
-    recorded_secs: f64,
+    last_secs: f64,
     salvage: Salvage,
 }
 
@@ -167,7 +168,7 @@ impl MusicRoom {
             match Listening::start(&shared.ctx, music.volume, music.output_device.clone()) {
                 Ok(mut listening) => {
                     listening.set_song_fade_secs(music.song_fade_secs);
-                    listening.show_ahead(1e-3 * f64::from(music.late_ms()));
+                    listening.show_ahead(music.late_secs());
                     listening.set_input(music.input());
                     match self.live.take() {
                         Some(Live::Named(name)) => listening.listen_to_named(&name, &shared.ctx),

@@ -156,7 +156,7 @@ impl MusicRoom {
             return;
         };
         // Its last pictures may be lost; the time is that of the last one.
-        recorder.finish(self.recorded_secs);
+        recorder.finish(self.last_secs);
         recorder.wait();
     }
 }

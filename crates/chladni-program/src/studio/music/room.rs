@@ -82,7 +82,7 @@ impl Room for MusicRoom {
         for wish in wishes {
             self.fulfil(wish, shared);
         }
-        self.recorded_secs = shared.ctx.input(|input| input.time);
+        self.last_secs = shared.ctx.input(|input| input.time);
         self.salvage.follow(shared);
         self.begin_output(shared);
         self.follow_recording(shared);
@@ -116,7 +116,7 @@ impl Room for MusicRoom {
 
     fn left_out(&self) -> Option<u64> {
         let recorder = self.concert.as_ref()?.outgoing.recorder.as_ref()?;
-        Some(recorder.progress(self.recorded_secs).1)
+        Some(recorder.progress(self.last_secs).1)
     }
 
     fn hides_the_window(&self) -> bool {

@@ -51,7 +51,7 @@ pub struct Listening {
     ctx: Context,
     /// Beats have become known that were unknown when some action was logged.
     beats_changed: bool,
-    /// Live sound is heard through the ear below.
+    /// The ear below hears: live input, or a song until it is read.
     by_ear: bool,
     /// The beats of the song are known.
     had_beats: bool,

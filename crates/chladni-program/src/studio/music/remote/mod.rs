@@ -18,7 +18,7 @@ use self::clock_out::ClockSender;
 pub use self::clock_panel::NUDGE_SECS;
 use self::leader::Leader;
 use self::midi::{Devices, Midi};
-use self::osc::{From, Osc};
+use self::osc::{Osc, Senders};
 use super::preferences::Preferences;
 use crate::work::Error;
 
@@ -31,7 +31,7 @@ pub struct Remote {
     leader: Leader,
     osc: Option<Result<Osc, Error>>,
     /// The port that `osc` was opened for.
-    port: Option<(u16, From)>,
+    port: Option<(u16, Senders)>,
     bindings: Bindings,
     /// The number of the choice or dance that is being learned; 0 is none.
     number: u32,
@@ -81,8 +81,11 @@ impl Remote {
             self.bindings = Bindings::new(preferences.bindings.clone());
             self.midi = Some(Midi::start());
         }
-        let from =
-            if preferences.osc_network { From::Network(preferences.osc_allowed.clone()) } else { From::Here };
+        let from = if preferences.osc_network {
+            Senders::Network(preferences.osc_allowed.clone())
+        } else {
+            Senders::Here
+        };
         let port = preferences.osc_port.map(|port| (port, from));
         if self.port != port {
             self.port = port;
