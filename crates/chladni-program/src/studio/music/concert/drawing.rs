@@ -5,12 +5,12 @@ use chladni_music::{Framing, Switch, Veil};
 use chladni_view::{Device, Figure, Rect, Topology};
 use egui::Ui;
 
-use super::super::coarse;
 use super::super::outgoing::Over;
 use super::super::projection::Projection;
-use super::super::stillness::StillPicture;
 use super::Concert;
+use super::coarse;
 use super::frame::Frame;
+use super::stillness::StillPicture;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{Error, Staging};

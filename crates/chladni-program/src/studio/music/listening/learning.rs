@@ -5,7 +5,7 @@ use std::path::Path;
 use chladni_music::BeatReading;
 use chladni_sound::PlayerStatus;
 
-use super::super::study::{Learned, Study};
+use super::study::{Learned, Study};
 use super::{Listening, ShowSong};
 use crate::studio::pictures::upload;
 use crate::work::read_beats;

@@ -7,6 +7,7 @@ mod learning;
 mod live;
 mod outer;
 mod playlist;
+mod study;
 mod wanted;
 
 pub use ear::Loudness;
@@ -27,9 +28,9 @@ use chladni_sound::{
 use egui::Context;
 use live::Live;
 use outer::Outer;
+use study::{SongCover, Study};
 use wanted::Wanted;
 
-use super::study::{SongCover, Study};
 use crate::work::{BeatCount, Ear, Error, Heard, Hearing, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a

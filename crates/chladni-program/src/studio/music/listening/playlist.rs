@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use chladni_sound::Repeat;
 
-use super::super::study::SongCover;
+use super::study::SongCover;
 use super::{Listening, ShowSong};
 
 impl Listening {
