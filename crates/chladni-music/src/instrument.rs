@@ -141,6 +141,11 @@ impl Instrument {
         &self.favorites
     }
 
+    /// Whether an item is one of them.
+    pub fn is_favorite(&self, id: ItemId) -> bool {
+        self.favorites.iter().any(|known| known.id == id)
+    }
+
     /// All knobs and switches.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters

@@ -77,7 +77,6 @@ impl Concert {
     pub fn state(&self) -> Result<String, JsError> {
         let instrument = &self.instrument;
         let gallery = instrument.gallery();
-        let is_favorite = |id| instrument.favorites().iter().any(|known| known.id == id);
         let beat = self.beat_at(self.clock.at_secs());
         let state = State {
             body: &self.name,
@@ -87,7 +86,7 @@ impl Concert {
                 .map(|item| Dance {
                     name: &item.name,
                     chosen: item.chosen,
-                    favorite: is_favorite(item.id),
+                    favorite: instrument.is_favorite(item.id),
                     locked: item.locked,
                     gain: item.genome.gain,
                     stereo_mu: item.genome.stereo_mu,

@@ -7,7 +7,6 @@ use chladni_task::counted;
 
 use super::MusicRoom;
 use super::lineage;
-use super::shows::write_show;
 use super::wish::Then;
 use crate::studio::choose::{FileKind, with_ending};
 use crate::studio::file_window::Request;
@@ -97,9 +96,7 @@ impl MusicRoom {
             Then::Record => self.record_to(first, None, shared)?,
             Then::SavePreset(item) => self.save_preset(item, first, shared)?,
             Then::SaveShow | Then::SaveShowFirst => {
-                if let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) {
-                    write_show(first, concert, listening, &self.names, shared)?;
-                }
+                self.write_show(first, shared)?;
                 if then == Then::SaveShowFirst {
                     self.replace(shared);
                 }

@@ -244,7 +244,7 @@ impl MusicRoom {
             Some(Choice::Use) => {
                 if let Ok(latency) = calibrating.taps.latency() {
                     shared.settings.music.set_late_ms((1e3 * latency.secs).round() as i32);
-                    listening.show_ahead(1e-3 * f64::from(shared.settings.music.late_ms()));
+                    listening.show_ahead(shared.settings.music.late_secs());
                 }
             }
         }

@@ -143,7 +143,7 @@ fn header(
     if edit.changed() {
         wishes.push(Wish::Do(Action::Rename { item: index, name }));
     }
-    let favorite = instrument.favorites().iter().any(|known| known.id == item.id);
+    let favorite = instrument.is_favorite(item.id);
     let star = egui::Button::selectable(favorite, text(ui, Icon::Star, "Favorite"));
     if button(ui, star, "favorite", "Favorite", FAVORITE.tooltip(ui.ctx())) {
         wishes.push(Wish::Do(Action::Favorite { item: index, on: !favorite }));

@@ -82,14 +82,13 @@ impl Curtain {
             ui.ctx().set_cursor_icon(egui::CursorIcon::None);
             return;
         }
-        let hint = match concert.is_piloted() {
-            true if concert.is_held() => {
-                Some("H goes on · arrow keys show another dance · Escape leaves the stage")
+        let hint = match concert.instrument().favorites().len() {
+            _ if concert.is_held() => {
+                "H goes on · arrow keys show another dance · Escape leaves the stage".to_owned()
             }
-            true => Some("H holds this dance · arrow keys show another · Escape leaves the stage"),
-            false => None,
-        };
-        let by_hand = || match concert.instrument().favorites().len() {
+            _ if concert.is_piloted() => {
+                "H holds this dance · arrow keys show another · Escape leaves the stage".to_owned()
+            }
             _ if concert.instrument().steps_through_gallery() => {
                 "Escape leaves the stage · arrow keys show another dance · F11 full screen".to_owned()
             }
@@ -98,7 +97,6 @@ impl Curtain {
                 "Escape leaves the stage · arrow keys show another of {count} favorites · F11 full screen"
             ),
         };
-        let hint = hint.map_or_else(by_hand, str::to_owned);
         let at = ui.max_rect().center_bottom() - egui::vec2(0.0, 24.0);
         show_halo(ui, (at, egui::Align2::CENTER_CENTER), &hint, HINT, 1.0);
         let text = egui::RichText::new(hint).size(HINT).color(Color32::from_white_alpha(200));

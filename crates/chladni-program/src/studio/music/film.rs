@@ -257,8 +257,7 @@ impl Form {
             }
         }
         if let Some((_, name)) = self.song.as_ref().filter(|_| self.what == What::AsItIs) {
-            let weak = theme::palette(ui).weak;
-            ui.label(RichText::new(format!("Song: {name}")).color(weak).small());
+            theme::weak(ui, format!("Song: {name}"));
         }
         ui.label(RichText::new("Size").strong());
         theme::group(ui, "Size", |ui| {
@@ -316,7 +315,7 @@ impl Form {
     fn choose_kind(&self, ui: &mut Ui) -> Option<Then> {
         if !self.has_ffmpeg {
             let why = "There is no ffmpeg here, so no MP4: PNG frames and WAV have the sound without it.";
-            ui.label(RichText::new(why).color(theme::palette(ui).weak).small());
+            theme::weak(ui, why);
         }
         let mut wanted = None;
         ui.horizontal(|ui| {

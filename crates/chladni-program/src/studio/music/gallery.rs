@@ -6,7 +6,7 @@ use egui::{Align2, Color32, FontId, Rect, Response, RichText, Sense, Stroke, Ui,
 use super::curve;
 use super::lineage;
 use super::view::View;
-use super::wish::{Then, Wish};
+use super::wish::{A_LITTLE, Then, Wish};
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::keys::music::{DRAW, FAVORITE, LOCK, MUTATE, STAGE};
@@ -58,8 +58,8 @@ pub fn overlay(
         if response.double_clicked() {
             wishes.push(Wish::Do(Action::PerformGallery { first: index }));
         }
-        menu(&response, instrument, index, wishes);
-        marks(ui, *cell, instrument, index, is_marked, wishes);
+        menu(&response, instrument, (index, item), wishes);
+        marks(ui, *cell, instrument, (index, item), is_marked, wishes);
     }
     (hovered, focused)
 }
@@ -91,12 +91,11 @@ fn marks(
     ui: &mut Ui,
     cell: Rect,
     instrument: &Instrument,
-    index: usize,
+    (index, item): (usize, &GalleryItem),
     marked: bool,
     wishes: &mut Vec<Wish>,
 ) {
-    let Some(item) = instrument.gallery().items().get(index) else { return };
-    let favorite = instrument.favorites().iter().any(|known| known.id == item.id);
+    let favorite = instrument.is_favorite(item.id);
     let row = Rect::from_min_size(cell.left_top() + vec2(EDGE - 3.0, 5.0), vec2(cell.width() - 60.0, 22.0));
     if !marked {
         let mut at = row.left_top() + vec2(3.0, 3.0);
@@ -129,14 +128,18 @@ fn marks(
     };
     button(Icon::Star, favorite, FAVORITE, Wish::Do(Action::Favorite { item: index, on: !favorite }));
     button(Icon::Lock, item.locked, LOCK, Wish::Do(Action::Lock { item: index, on: !item.locked }));
-    button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: 0.2 }));
+    button(Icon::Dices, false, MUTATE, Wish::Do(Action::Mutate { item: index, amount: A_LITTLE }));
     button(Icon::Spline, false, DRAW, Wish::Show(View::CloseUp(index)));
     button(Icon::Presentation, false, STAGE, Wish::Do(Action::PerformGallery { first: index }));
 }
 
-fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut Vec<Wish>) {
-    let Some(shown) = instrument.gallery().items().get(item) else { return };
-    let favorite = instrument.favorites().iter().any(|known| known.id == shown.id);
+fn menu(
+    response: &Response,
+    instrument: &Instrument,
+    (index, item): (usize, &GalleryItem),
+    wishes: &mut Vec<Wish>,
+) {
+    let favorite = instrument.is_favorite(item.id);
     response.context_menu(|ui| {
         let mut entry = |ui: &mut Ui, mark: Icon, name: &str, wish: Wish| {
             if ui.button(icon::label(mark, name)).clicked() {
@@ -144,18 +147,18 @@ fn menu(response: &Response, instrument: &Instrument, item: usize, wishes: &mut 
                 ui.close();
             }
         };
-        entry(ui, Icon::Presentation, "Put on stage", Wish::Do(Action::PerformGallery { first: item }));
-        entry(ui, Icon::Spline, "Name and draw …", Wish::Show(View::CloseUp(item)));
+        entry(ui, Icon::Presentation, "Put on stage", Wish::Do(Action::PerformGallery { first: index }));
+        entry(ui, Icon::Spline, "Name and draw …", Wish::Show(View::CloseUp(index)));
         let name = if favorite { "No favorite any more" } else { "Favorite" };
-        entry(ui, Icon::Star, name, Wish::Do(Action::Favorite { item, on: !favorite }));
-        let name = if shown.locked { "Unlock" } else { "Lock in its place" };
-        entry(ui, Icon::Lock, name, Wish::Do(Action::Lock { item, on: !shown.locked }));
-        entry(ui, Icon::Dices, "Change a little", Wish::Do(Action::Mutate { item, amount: 0.2 }));
+        entry(ui, Icon::Star, name, Wish::Do(Action::Favorite { item: index, on: !favorite }));
+        let name = if item.locked { "Unlock" } else { "Lock in its place" };
+        entry(ui, Icon::Lock, name, Wish::Do(Action::Lock { item: index, on: !item.locked }));
+        entry(ui, Icon::Dices, "Change a little", Wish::Do(Action::Mutate { item: index, amount: A_LITTLE }));
         ui.separator();
-        entry(ui, Icon::BookmarkPlus, "Keep on the shelf …", Wish::Keep(shown.id));
-        entry(ui, Icon::Save, "Save as a file …", Wish::Choose(Then::SavePreset(shown.id)));
+        entry(ui, Icon::BookmarkPlus, "Keep on the shelf …", Wish::Keep(item.id));
+        entry(ui, Icon::Save, "Save as a file …", Wish::Choose(Then::SavePreset(item.id)));
         ui.separator();
-        lineage::menu(ui, &icon::label(Icon::GitFork, "Lineage"), instrument, shown, wishes);
+        lineage::menu(ui, &icon::label(Icon::GitFork, "Lineage"), instrument, item, wishes);
     });
 }
 

@@ -10,7 +10,7 @@ use super::listening::Listening;
 use super::look;
 use super::remote::NUDGE_SECS;
 use super::shelf::Shelf;
-use super::wish::Wish;
+use super::wish::{A_LITTLE, Wish};
 use crate::studio::room::Shared;
 use crate::work::OWN_COLORS;
 
@@ -270,12 +270,11 @@ impl MusicRoom {
 
 /// Calls a shot of the camera; false where there is none of that name or number.
 fn call_shot(which: &Which, listening: &mut Listening) -> bool {
-    let shot = pick(&SHOTS, listening.called_shot(), which);
+    let now = listening.called_shot();
+    let shot = pick(&SHOTS, now, which);
     // The camera chooses again where its shot is called once more, or where it is asked to.
-    let same = shot.is_some() && shot == listening.called_shot();
-    let auto = matches!(which, Which::Name(name) if name == "auto");
-    listening.call_shot(shot.filter(|_| !same && !auto));
-    shot.is_some() || auto
+    listening.call_shot(shot.filter(|_| shot != now));
+    shot.is_some() || matches!(which, Which::Name(name) if name == "auto")
 }
 
 /// Makes the autopilot's look the show's own, where there is one: a hand changes what is seen. At once, as another request of
@@ -310,7 +309,7 @@ fn choose_look(target: Target, which: &Which, concert: &mut Concert, shared: &mu
 }
 
 /// The wish for a dance of the gallery; `None` if there is no such dance, or the target is not about dances.
-fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
+pub(super) fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
     let items = concert.instrument().gallery().items();
     let item = match which {
         Which::Number(number) => (*number as usize).checked_sub(1)?,
@@ -323,7 +322,7 @@ fn dance(target: Target, which: &Which, concert: &Concert) -> Option<Wish> {
         Target::Choose => Action::Choose { item, on: !marks.chosen },
         Target::Favorite => Action::Favorite { item, on: !marks.favorite },
         Target::Lock => Action::Lock { item, on: !marks.locked },
-        Target::Mutate => Action::Mutate { item, amount: 0.2 },
+        Target::Mutate => Action::Mutate { item, amount: A_LITTLE },
         Target::Stage => Action::PerformGallery { first: item },
         Target::Cue => Action::CueUp { item },
         _ => return None,

@@ -11,7 +11,6 @@ use egui::RichText;
 use super::MusicRoom;
 use super::concert::Concert;
 use super::listening::Listening;
-use super::shows::the_show;
 use crate::studio::age::changed_ago;
 use crate::studio::author_id::AuthorId;
 use crate::studio::copying::pause_secs;
@@ -212,7 +211,7 @@ impl MusicRoom {
             }
             return;
         }
-        let now = Kept::of(concert, listening, &self.names.dancing, shared.settings.music.looks());
+        let now = Kept::of(concert, listening, &self.body, shared.settings.music.looks());
         // The last copy of all has the last moment, too.
         if !at_once && keepsake.kept.as_ref() == Some(&now) {
             return;
@@ -227,11 +226,11 @@ impl MusicRoom {
             }));
         }
         // Where no copy can be kept, the show need not be put together, either.
-        if let Some(Ok(_)) = self.keepsake.copy {
-            let show = the_show(concert, listening, &self.names, shared, unread);
-            if let Some(why) = self.keepsake.write(show, now, in_background) {
-                shared.notices.warn(format!("No copy of the show could be kept: {why}"));
-            }
+        if matches!(self.keepsake.copy, Some(Ok(_)))
+            && let Some(show) = self.the_show(shared, unread)
+            && let Some(why) = self.keepsake.write(show, now, in_background)
+        {
+            shared.notices.warn(format!("No copy of the show could be kept: {why}"));
         }
     }
 

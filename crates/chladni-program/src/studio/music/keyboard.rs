@@ -1,12 +1,11 @@
 //! Keys and controllers of this room.
 
-use chladni_music::{Action, Cue, Target, preceding};
+use chladni_music::{Action, Cue, Target, Which, preceding};
 
 use super::MusicRoom;
-use super::hands::Stand;
-use super::listening::Listening;
+use super::hands::{Stand, dance};
 use super::look;
-use super::remote::{Asked, NUDGE_SECS, Now};
+use super::remote::{Asked, Now};
 use super::view::View;
 use super::wish::{Then, Wish};
 use crate::studio::keys::music::{
@@ -22,6 +21,29 @@ use crate::work::look_on_stage;
 /// To the left, to the right, above, below.
 const MARKS: [Shortcut; 4] = [MARK_LEFT, MARK_RIGHT, MARK_ABOVE, MARK_BELOW];
 
+/// Keys of the sound, done at once: a tap counts when it is pressed.
+const HEARING: [(Shortcut, Target); 9] = [
+    (PLAY, Target::PlayPause),
+    (TAP, Target::Tap),
+    (NEXT_SONG, Target::NextSong),
+    (PREVIOUS_SONG, Target::PreviousSong),
+    (HALVE, Target::Halve),
+    (DOUBLE, Target::Double),
+    (LOCK_BEAT, Target::HoldTempo),
+    (NUDGE_BACK, Target::NudgeLater),
+    (NUDGE_ON, Target::NudgeSooner),
+];
+
+/// Keys of the dance that is marked.
+const MARKED: [(Shortcut, Target); 6] = [
+    (CHOOSE, Target::Choose),
+    (FAVORITE, Target::Favorite),
+    (LOCK, Target::Lock),
+    (MUTATE, Target::Mutate),
+    (STAGE, Target::Stage),
+    (NEXT_UP, Target::Cue),
+];
+
 /// What keys do as controllers do it, wherever the dance is.
 const PRESSES: [(Shortcut, Target); 5] = [
     (RECORD, Target::Record),
@@ -33,32 +55,28 @@ const PRESSES: [(Shortcut, Target); 5] = [
 
 impl MusicRoom {
     /// The wishes of the keys.
-    pub(super) fn keys(&mut self, ctx: &egui::Context) -> Vec<Wish> {
+    pub(super) fn keys(&mut self, shared: &mut Shared<'_>) -> Vec<Wish> {
         let mut wishes = Vec::new();
-        if self.concert.is_none() && OPEN.pressed(ctx) {
+        if self.concert.is_none() && OPEN.pressed(&shared.ctx) {
             wishes.push(Wish::Choose(Then::Open));
         }
-        let (Some(concert), Some(listening)) = (&self.concert, &mut self.listening) else { return wishes };
+        if self.concert.is_none() || self.listening.is_none() {
+            return wishes;
+        }
         if let Some(calibrating) = &mut self.calibrating {
-            calibrating.take_keys(ctx);
+            calibrating.take_keys(&shared.ctx);
             return wishes;
         }
         if self.filming.asks() {
             return wishes;
         }
-        type Hearing = fn(&mut Listening);
-        let hearing: [(Shortcut, Hearing); 9] = [
-            (PLAY, Listening::toggle),
-            (TAP, Listening::tap),
-            (NEXT_SONG, Listening::next_song),
-            (PREVIOUS_SONG, Listening::previous_song),
-            (HALVE, Listening::halve),
-            (DOUBLE, Listening::double),
-            (LOCK_BEAT, |listening| listening.lock(!listening.is_locked())),
-            (NUDGE_BACK, |listening| listening.nudge(-NUDGE_SECS)),
-            (NUDGE_ON, |listening| listening.nudge(NUDGE_SECS)),
-        ];
-        hearing.iter().filter(|(key, _)| key.pressed(ctx)).for_each(|(_, act)| act(listening));
+        for (key, target) in HEARING {
+            if key.pressed(&shared.ctx) {
+                self.ask(target, &Which::Press, shared, &mut wishes);
+            }
+        }
+        let Some(concert) = &self.concert else { return wishes };
+        let ctx = &shared.ctx;
         let when = |wishes: &mut Vec<Wish>, shortcut: Shortcut, wish: Wish| {
             if shortcut.pressed(ctx) {
                 wishes.push(wish);
@@ -102,14 +120,12 @@ impl MusicRoom {
             when(&mut wishes, SHOW, Wish::Do(Action::PerformFavorites { first: 0 }));
         }
         if let Some(item) = concert.marked() {
-            let marks = concert.marks(item);
-            when(&mut wishes, CHOOSE, Wish::Do(Action::Choose { item, on: !marks.chosen }));
-            when(&mut wishes, FAVORITE, Wish::Do(Action::Favorite { item, on: !marks.favorite }));
-            when(&mut wishes, LOCK, Wish::Do(Action::Lock { item, on: !marks.locked }));
-            when(&mut wishes, MUTATE, Wish::Do(Action::Mutate { item, amount: 0.2 }));
+            for (key, target) in MARKED {
+                if key.pressed(ctx) {
+                    wishes.extend(dance(target, &Which::Press, concert));
+                }
+            }
             when(&mut wishes, DRAW, Wish::Show(View::CloseUp(item)));
-            when(&mut wishes, STAGE, Wish::Do(Action::PerformGallery { first: item }));
-            when(&mut wishes, NEXT_UP, Wish::Do(Action::CueUp { item }));
         }
         if concert.view() != View::Gallery {
             when(&mut wishes, LEAVE, Wish::Show(View::Gallery));

@@ -141,8 +141,7 @@ fn knob(
         wishes.push(Wish::Do(Action::Set { parameter, value }));
     }
     if let Some(why) = idle {
-        let weak = theme::palette(ui).weak;
-        ui.label(RichText::new(why).small().color(weak));
+        theme::weak(ui, why);
     }
 }
 

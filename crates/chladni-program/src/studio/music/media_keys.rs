@@ -162,7 +162,7 @@ impl MusicRoom {
         let mut sought_secs = None;
         for asked in keys.asked() {
             let status = listening.player().status();
-            let plays = status.state == PlayerState::Playing && listening.live().is_none();
+            let plays = listening.plays_songs();
             match asked {
                 Asked::Play if !plays => listening.toggle(),
                 Asked::Pause if plays => listening.toggle(),

@@ -132,7 +132,7 @@ fn beat(ui: &mut Ui, listening: &mut Listening) {
             ui.label(RichText::new(text).small().color(palette.weak)).on_hover_text("Confidence of the beat");
         } else {
             ui.label(RichText::new("– BPM").size(15.0).strong());
-            ui.label(RichText::new("waiting for a beat").small().color(palette.weak));
+            theme::weak(ui, "waiting for a beat");
         }
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;

@@ -3,7 +3,6 @@
 mod asking;
 mod calibrating;
 mod close_up;
-mod coarse;
 mod concert;
 mod curtain;
 mod curve;
@@ -11,7 +10,6 @@ mod drawer;
 mod film;
 mod fulfilment;
 mod gallery;
-mod glimpse;
 mod hands;
 mod harmonics;
 mod keepsake;
@@ -26,7 +24,6 @@ mod look;
 mod media_keys;
 mod meters;
 mod outgoing;
-mod pace;
 mod place;
 mod preferences;
 mod projection;
@@ -40,8 +37,6 @@ mod show_bar;
 mod shows;
 mod song_title;
 mod songs;
-mod stillness;
-mod study;
 mod transport;
 mod view;
 mod voices;
@@ -78,9 +73,10 @@ use crate::work::formats;
 /// The room: one body, one gallery, one playlist.
 #[derive(Default)]
 pub struct MusicRoom {
-    loading: Option<Job<Ready>>,
-    /// Names of the body and the songs that are loading and dancing, as the command line uses them.
-    names: Names,
+    /// The body that is loading, by its name, as below.
+    loading: Option<(PathBuf, Job<Ready>)>,
+    /// The name of the body that dances, as the command line uses it.
+    body: PathBuf,
     filming: Filming,
     /// A person taps, so that picture and sound come together.
     calibrating: Option<Calibrating>,
@@ -114,10 +110,8 @@ pub struct MusicRoom {
     replacing: Option<(PathBuf, Show)>,
     /// The action that begins another gallery, while it waits for the same answer.
     renewing: Option<Action>,
-    /// A show that waits for its own shape.
-    coming: Option<(PathBuf, Show)>,
-    /// The number of actions before that: work that was done later is asked about.
-    coming_since: usize,
+    coming: Option<Coming>,
+    /// The ears or the first shape could not be had: it is not tried again by itself.
     refused: bool,
     /// The preset of the shelf that a controller took last.
     preset: Option<usize>,
@@ -127,15 +121,16 @@ pub struct MusicRoom {
     /// The number of the pass in which the room was shown last.
     pass: u64,
     /// The time of the last frame, by the window's clock.
-    recorded_secs: f64,
+    last_secs: f64,
     salvage: Salvage,
 }
 
-/// Bodies by the names that the command line knows them by.
-#[derive(Default)]
-struct Names {
-    loading: PathBuf,
-    dancing: PathBuf,
+/// A show that waits for its own shape.
+struct Coming {
+    path: PathBuf,
+    show: Show,
+    /// The number of actions before that: work that was done later is asked about.
+    since: usize,
 }
 
 impl MusicRoom {
@@ -156,9 +151,9 @@ impl MusicRoom {
         if formats::is_project(&path) {
             self.drawers.open = Drawer::Body;
         }
-        self.names.loading.clone_from(&path);
-        let label = format!("Opening {}", path.display());
-        self.loading = Some(Job::start(label, &shared.ctx, move |task| loading::load(&path, means, task)));
+        let (label, loads) = (format!("Opening {}", path.display()), path.clone());
+        let job = Job::start(label, &shared.ctx, move |task| loading::load(&loads, means, task));
+        self.loading = Some((path, job));
     }
 
     /// The ears, started when they are first needed; `None` where that failed.
@@ -168,7 +163,7 @@ impl MusicRoom {
             match Listening::start(&shared.ctx, music.volume, music.output_device.clone()) {
                 Ok(mut listening) => {
                     listening.set_song_fade_secs(music.song_fade_secs);
-                    listening.show_ahead(1e-3 * f64::from(music.late_ms()));
+                    listening.show_ahead(music.late_secs());
                     listening.set_input(music.input());
                     match self.live.take() {
                         Some(Live::Named(name)) => listening.listen_to_named(&name, &shared.ctx),
@@ -191,7 +186,7 @@ impl MusicRoom {
 
     /// How a shape is made ready: with as many harmonics as the show has that waits for it.
     fn means(&self, shared: &Shared<'_>) -> loading::Means {
-        let of_show = self.coming.as_ref().and_then(|(_, show)| show.harmonics);
+        let of_show = self.coming.as_ref().and_then(|coming| coming.show.harmonics);
         loading::Means {
             harmonics: of_show.unwrap_or(shared.settings.harmonics).min(MOST_HARMONICS),
             coarsely: shared.screen.device().is_software(),
@@ -199,45 +194,48 @@ impl MusicRoom {
     }
 
     fn poll(&mut self, shared: &mut Shared<'_>) {
-        match self.loading.as_ref().and_then(Job::ended) {
-            Some(Ok(ready)) => {
-                self.loading = None;
-                for warning in &ready.warnings {
-                    shared.notices.warn(warning.clone());
+        let loaded = self.loading.as_ref();
+        let loaded = loaded.and_then(|(path, job)| job.ended().map(|ended| (path.clone(), ended)));
+        if let Some((path, ended)) = loaded {
+            self.loading = None;
+            match ended.and_then(|ready| self.bring_on(ready, shared)) {
+                Ok(()) => {
+                    self.body = path;
+                    self.go_on_with_coming(shared);
                 }
-                let concert = Concert::new(shared.screen, ready).and_then(|mut concert| {
-                    // Another shape dances the gallery bred on the one before.
-                    self.concert.as_ref().map_or(Ok(()), |before| concert.go_on_from(before))?;
-                    Ok(concert)
-                });
-                match concert {
-                    Ok(mut concert) => {
-                        // Another shape goes on in the same film, by the same autopilot, on a stage as black as it is.
-                        if let Some(before) = self.concert.take() {
-                            let count = concert.instrument().shape().eigenvalues.len();
-                            // A show that has waited for the shape takes the place of what was bred.
-                            if self.coming.is_none()
-                                && let Some(caution) = Show::of(before.instrument()).caution_on(count)
-                            {
-                                shared.notices.warn(caution);
-                            }
-                            concert.go_on_as(before);
-                        }
-                        self.concert = Some(concert);
-                        self.names.dancing = std::mem::take(&mut self.names.loading);
-                        self.go_on_with_coming(shared);
-                    }
-                    Err(why) => self.refuse(why, shared),
-                }
+                Err(why) => self.refuse(why, shared),
             }
-            Some(Err(why)) => self.refuse(why, shared),
-            None => {}
         }
         while self.concert.is_some() && self.loading.is_none() && !self.waiting.is_empty() {
             let path = self.waiting.remove(0);
             self.open_text(path, shared);
         }
         self.add_songs(shared);
+    }
+
+    /// A shape that is ready dances, in place of the one before.
+    fn bring_on(&mut self, ready: Ready, shared: &mut Shared<'_>) -> Result<(), Error> {
+        for warning in &ready.warnings {
+            shared.notices.warn(warning.clone());
+        }
+        let mut concert = Concert::new(shared.screen, ready)?;
+        if let Some(before) = &self.concert {
+            // Another shape dances the gallery bred on the one before.
+            concert.go_on_from(before)?;
+        }
+        // Another shape goes on in the same film, by the same autopilot, on a stage as black as it is.
+        if let Some(before) = self.concert.take() {
+            let count = concert.instrument().shape().eigenvalues.len();
+            // A show that has waited for the shape takes the place of what was bred.
+            if self.coming.is_none()
+                && let Some(caution) = Show::of(before.instrument()).caution_on(count)
+            {
+                shared.notices.warn(caution);
+            }
+            concert.go_on_as(before);
+        }
+        self.concert = Some(concert);
+        Ok(())
     }
 
     /// Reports what went wrong, and does not retry automatically.

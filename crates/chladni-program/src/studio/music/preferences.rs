@@ -218,6 +218,11 @@ impl Preferences {
         self.picture_late_ms.get(self.device_name()).map_or(0, |ms| (*ms).clamp(-MOST_LATE_MS, MOST_LATE_MS))
     }
 
+    /// The same, in seconds.
+    pub fn late_secs(&self) -> f64 {
+        1e-3 * f64::from(self.late_ms())
+    }
+
     /// Keeps that for this device.
     pub fn set_late_ms(&mut self, ms: i32) {
         self.picture_late_ms.insert(self.device_name().to_owned(), ms.clamp(-MOST_LATE_MS, MOST_LATE_MS));

@@ -86,7 +86,7 @@ impl MusicRoom {
         let heard = listening.heard().1.iter().map(|song| song.path.as_path());
         let recorded = concert.outgoing.recorded.iter().map(|set| set.path.as_path());
         let inputs: Vec<&Path> =
-            songs.chain(heard).chain(recorded).chain(around).chain([self.names.dancing.as_path()]).collect();
+            songs.chain(heard).chain(recorded).chain(around).chain([self.body.as_path()]).collect();
         check_apart(path, &inputs)?;
         let mut recorder = Recorder::begin(path, size.unwrap_or_else(|| concert.picture_size()), now_secs)?;
         if let Some(recovery) = &shared.folders.recovery
@@ -156,7 +156,7 @@ impl MusicRoom {
             return;
         };
         // Its last pictures may be lost; the time is that of the last one.
-        recorder.finish(self.recorded_secs);
+        recorder.finish(self.last_secs);
         recorder.wait();
     }
 }

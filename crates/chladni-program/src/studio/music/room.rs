@@ -10,7 +10,7 @@ use super::curtain::Curtain;
 use super::drawer::Drawer;
 use super::film::{OnStage, Scene};
 use super::listening::Listening;
-use super::shows::{songs_of, songs_of_list, the_show};
+use super::shows::{songs_of, songs_of_list};
 use super::view::View;
 use super::wish::{Then, Wish};
 use super::{meters, show_bar, transport};
@@ -60,7 +60,7 @@ impl Room for MusicRoom {
         self.poll(shared);
         self.follow_dialog(shared);
         self.leaning.notice(&shared.ctx);
-        let mut wishes = self.keys(&shared.ctx);
+        let mut wishes = self.keys(shared);
         // A control that is touched later is meant for something else.
         if self.hides_the_window() || self.drawers.open != Drawer::Remote {
             self.drawers.remote.stop_learning();
@@ -82,7 +82,7 @@ impl Room for MusicRoom {
         for wish in wishes {
             self.fulfil(wish, shared);
         }
-        self.recorded_secs = shared.ctx.input(|input| input.time);
+        self.last_secs = shared.ctx.input(|input| input.time);
         self.salvage.follow(shared);
         self.begin_output(shared);
         self.follow_recording(shared);
@@ -116,7 +116,7 @@ impl Room for MusicRoom {
 
     fn left_out(&self) -> Option<u64> {
         let recorder = self.concert.as_ref()?.outgoing.recorder.as_ref()?;
-        Some(recorder.progress(self.recorded_secs).1)
+        Some(recorder.progress(self.last_secs).1)
     }
 
     fn hides_the_window(&self) -> bool {
@@ -214,8 +214,8 @@ impl Room for MusicRoom {
                             .warn(format!("{other}: one shape dances at a time, and {first} is opened"));
                         continue;
                     }
-                    if let Some((show, _)) = self.coming.take() {
-                        let show = show.display();
+                    if let Some(coming) = self.coming.take() {
+                        let show = coming.path.display();
                         shared.notices.warn(format!("{show} was not opened: another shape was chosen."));
                     }
                     self.load(path.clone(), shared);
@@ -323,7 +323,7 @@ impl MusicRoom {
             if self.concert.is_some() { egui::Color32::TRANSPARENT } else { ui.visuals().panel_fill };
         let backdrop = egui::Frame::new().fill(ground);
         egui::CentralPanel::default().frame(backdrop).show(ui, |ui| {
-            if let Some(loading) = &self.loading {
+            if let Some((_, loading)) = &self.loading {
                 job::show_progress(ui, loading);
             }
             let (Some(concert), Some(listening)) = (&mut self.concert, &mut self.listening) else {
@@ -363,14 +363,15 @@ impl MusicRoom {
         is_folder: bool,
         shared: &mut Shared<'_>,
     ) -> Result<(), Error> {
-        if let (Some(concert), Some(listening)) = (&self.concert, &self.listening) {
-            let show = the_show(concert, listening, &self.names, shared, unread);
+        if let (Some(concert), Some(listening), Some(show)) =
+            (&self.concert, &self.listening, self.the_show(shared, unread))
+        {
             let look = concert.instrument().look().unwrap_or_default().to_owned();
             let on_stage = OnStage { place: concert.place_in_turn(), look };
             let scene = Scene {
                 songs: songs_of(&show),
                 show,
-                body: self.names.dancing.to_string_lossy().into_owned(),
+                body: self.body.to_string_lossy().into_owned(),
                 song: listening.song_number(),
                 // A close-up behind the stage is not seen.
                 view: if self.hides_the_window() { View::Gallery } else { concert.view() },

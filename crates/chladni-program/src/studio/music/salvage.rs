@@ -30,9 +30,7 @@ impl Note {
         chladni_task::write_atomic(&note, recording.as_os_str().as_encoded_bytes())?;
         Ok(Self(note))
     }
-}
 
-impl Note {
     /// The recording failed: the note stays.
     pub fn leave(self) {
         std::mem::forget(self);

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use chladni_music::{
-    Action, BeatReading, FileRef, ItemId, Moment, Preset, Recording, Show, SongRef, heard_again,
+    Action, BeatReading, FileRef, GalleryItem, ItemId, Moment, Preset, Recording, Show, SongRef, heard_again,
 };
 
 use super::concert::Concert;
@@ -13,7 +13,7 @@ use super::listening::{Listening, ShowSong};
 use super::recorder::Recorder;
 use super::view::View;
 use super::wish::Then;
-use super::{MusicRoom, Names};
+use super::{Coming, MusicRoom};
 use crate::studio::choose::ask_where_to_save;
 use crate::studio::room::Shared;
 use crate::studio::unsaved::{Answer, Question};
@@ -166,9 +166,67 @@ impl MusicRoom {
         if self.end_recording(shared) {
             shared.notices.warn("The recording was ended, so that the show can name it.");
         }
-        let (Some(concert), Some(listening)) = (&mut self.concert, &self.listening) else { return true };
-        let saved = write_show(&path, concert, listening, &self.names, shared);
+        let saved = self.write_show(&path, shared);
         saved.map_err(|why| shared.notices.failed(why)).is_ok()
+    }
+
+    /// The show so far, whose files are named by `refer`.
+    pub(super) fn the_show(&self, shared: &Shared<'_>, refer: impl Fn(&Path) -> FileRef) -> Option<Show> {
+        let (concert, listening) = (self.concert.as_ref()?, self.listening.as_ref()?);
+        let (heard, songs) = listening.heard();
+        let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path)) };
+        let mut songs: Vec<SongRef> = songs.iter().map(song).collect();
+        // What came in live is heard again from the recordings of the set.
+        let mut heard = heard;
+        let being_written = concert.outgoing.recorder.as_ref().and_then(Recorder::set);
+        let written = concert.outgoing.recorded.iter().map(|set| (set, true));
+        for (set, is_written) in written.chain(being_written.iter().map(|set| (set, false))) {
+            let (song, begins, duration_secs) = (songs.len(), &set.begins, set.duration_secs);
+            let again = heard_again(&heard, Recording { song, begins, duration_secs });
+            if again != heard {
+                let file = refer(&set.path);
+                // While a recording is being written, an older file may still lie at its path: its hash must not go into
+                // the show.
+                songs.push(SongRef::of(if is_written { file } else { FileRef { blake3: None, ..file } }));
+                heard = again;
+            }
+        }
+        Some(Show {
+            body: Some(refer(&self.body)),
+            looks: Some(shared.settings.music.looks()),
+            viewpoint: concert.viewpoint(),
+            songs,
+            heard,
+            clock: listening.clock().clone(),
+            duration_secs: Some(listening.at_secs()),
+            ..Show::of(concert.instrument())
+        })
+    }
+
+    /// Saves the show, and warns of a file that it names and cannot find again.
+    pub(super) fn write_show(&mut self, path: &Path, shared: &mut Shared<'_>) -> Result<(), Error> {
+        let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
+        let show = self.the_show(shared, |file| {
+            let named = refer(file, path.parent());
+            if is_lost(file, &named) {
+                *lost.borrow_mut() = Some(file.to_owned());
+            }
+            named
+        });
+        let Some(mut show) = show else { return Ok(()) };
+        show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
+        show.save(path).map_err(Error::unsaved)?;
+        match lost.into_inner() {
+            Some(file) => shared.notices.warn(format_args!(
+                "Saved {}, which will not find {}: its name is not valid Unicode. Rename it, and its name in \
+                 the show",
+                path.display(),
+                file.display()
+            )),
+            None => shared.notices.done(format!("Saved {}", path.display())),
+        }
+        self.concert.iter_mut().for_each(Concert::mark_saved);
+        Ok(())
     }
 
     /// Opens a show's shape first where another one dances.
@@ -183,7 +241,7 @@ impl MusicRoom {
                 warning.into_iter().for_each(|warning| shared.notices.warn(warning));
                 let dances = concert.instrument().shape().eigenvalues.len();
                 let wanted = show.harmonics.map_or(dances, |harmonics| harmonics.min(MOST_HARMONICS));
-                if self.names.dancing == body && dances == wanted {
+                if self.body == body && dances == wanted {
                     return self.go_on_with(&path, &show, shared);
                 }
                 if show.harmonics.is_some_and(|harmonics| harmonics > MOST_HARMONICS) {
@@ -191,8 +249,8 @@ impl MusicRoom {
                         format!("{}: more harmonics than dance live; films have all.", path.display());
                     shared.notices.warn(message);
                 }
-                self.coming_since = concert.instrument().log().len();
-                self.coming = Some((path, show));
+                let since = concert.instrument().log().len();
+                self.coming = Some(Coming { path, show, since });
                 self.load(body, shared);
             }
             // On another shape, a new copy would take the place of the one that names this.
@@ -209,8 +267,8 @@ impl MusicRoom {
     /// Continues the show that has waited for its shape, unless work that was done meanwhile is in its way: then it is asked
     /// about.
     pub(super) fn go_on_with_coming(&mut self, shared: &mut Shared<'_>) {
-        let Some((path, show)) = self.coming.take() else { return };
-        if self.concert.as_ref().is_some_and(|concert| concert.has_unsaved_work_since(self.coming_since)) {
+        let Some(Coming { path, show, since }) = self.coming.take() else { return };
+        if self.concert.as_ref().is_some_and(|concert| concert.has_unsaved_work_since(since)) {
             self.replacing = Some((path, show));
         } else {
             self.go_on_with(&path, &show, shared);
@@ -292,9 +350,8 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     concert.end_piloting()?;
     let instrument = concert.instrument();
     let items = instrument.gallery().items();
-    let loved = |id| instrument.favorites().iter().any(|favorite| favorite.id == id);
-    let free = items.iter().rposition(|item| !item.chosen && !item.locked && !loved(item.id));
-    let item = free.unwrap_or(items.len().saturating_sub(1));
+    let free = |item: &GalleryItem| !item.chosen && !item.locked && !instrument.is_favorite(item.id);
+    let item = items.iter().rposition(free).unwrap_or(items.len().saturating_sub(1));
     let (caution, before) = (preset.caution(), instrument.parameters().clone());
     let on_stage = concert.on_stage();
     concert.look_at(View::Gallery);
@@ -312,74 +369,7 @@ pub fn take(concert: &mut Concert, preset: Preset, shared: &mut Shared<'_>) -> R
     Ok(became)
 }
 
-/// The show so far, whose files are named by `refer`.
-pub fn the_show(
-    concert: &Concert,
-    listening: &Listening,
-    names: &Names,
-    shared: &Shared<'_>,
-    refer: impl Fn(&Path) -> FileRef,
-) -> Show {
-    let (heard, songs) = listening.heard();
-    let song = |song: &ShowSong| SongRef { reading: song.reading, ..SongRef::of(refer(&song.path)) };
-    let mut songs: Vec<SongRef> = songs.iter().map(song).collect();
-    // What came in live is heard again from the recordings of the set.
-    let mut heard = heard;
-    let being_written = concert.outgoing.recorder.as_ref().and_then(Recorder::set);
-    let written = concert.outgoing.recorded.iter().map(|set| (set, true));
-    for (set, is_written) in written.chain(being_written.iter().map(|set| (set, false))) {
-        let (song, begins, duration_secs) = (songs.len(), &set.begins, set.duration_secs);
-        let again = heard_again(&heard, Recording { song, begins, duration_secs });
-        if again != heard {
-            let file = refer(&set.path);
-            // While a recording is being written, an older file may still lie at its path: its hash must not go into the show.
-            songs.push(SongRef::of(if is_written { file } else { FileRef { blake3: None, ..file } }));
-            heard = again;
-        }
-    }
-    Show {
-        body: Some(refer(&names.dancing)),
-        looks: Some(shared.settings.music.looks()),
-        viewpoint: concert.viewpoint(),
-        songs,
-        heard,
-        clock: listening.clock().clone(),
-        duration_secs: Some(listening.at_secs()),
-        ..Show::of(concert.instrument())
-    }
-}
-
 /// The songs of a show as the command line calls them.
 pub fn songs_of(show: &Show) -> Vec<(String, BeatReading)> {
     show.songs.iter().map(|song| (song.path.clone(), song.reading)).collect()
-}
-
-/// Saves the show, and warns of a file that it names and cannot find again.
-pub fn write_show(
-    path: &Path,
-    concert: &mut Concert,
-    listening: &Listening,
-    names: &Names,
-    shared: &mut Shared<'_>,
-) -> Result<(), Error> {
-    let lost: RefCell<Option<PathBuf>> = RefCell::new(None);
-    let mut show = the_show(concert, listening, names, shared, |file| {
-        let named = refer(file, path.parent());
-        if is_lost(file, &named) {
-            *lost.borrow_mut() = Some(file.to_owned());
-        }
-        named
-    });
-    show.looks = show.looks.map(|looks| refer_looks(looks, path.parent()));
-    show.save(path).map_err(Error::unsaved)?;
-    match lost.into_inner() {
-        Some(file) => shared.notices.warn(format_args!(
-            "Saved {}, which will not find {}: its name is not valid Unicode. Rename it, and its name in the show",
-            path.display(),
-            file.display()
-        )),
-        None => shared.notices.done(format!("Saved {}", path.display())),
-    }
-    concert.mark_saved();
-    Ok(())
 }

@@ -116,7 +116,7 @@ fn sound(ui: &mut Ui, listening: &mut Listening, devices: &Devices, preferences:
     if let Some(device) = wanted {
         preferences.output_device.clone_from(&device);
         listening.set_device(device);
-        listening.show_ahead(1e-3 * f64::from(preferences.late_ms()));
+        listening.show_ahead(preferences.late_secs());
     }
 }
 
@@ -132,7 +132,7 @@ fn lateness(ui: &mut Ui, listening: &mut Listening, preferences: &mut Preference
         let field = ui.add(field).labelled_by(label.id).author_id("picture-late");
         if field.on_hover_text(tip).changed() {
             preferences.set_late_ms(late_ms);
-            listening.show_ahead(1e-3 * f64::from(late_ms));
+            listening.show_ahead(preferences.late_secs());
         }
         let tip = "Tap to clicks, then to flashes: the difference is measured. Watch the window that is where the picture is seen";
         if ui.button("Calibrate").author_id("calibrate").on_hover_text(tip).clicked() {

@@ -1,7 +1,6 @@
 //! Files, song and gallery: the bar above the dancing shapes.
 
 use chladni_music::{Action, Switch};
-use chladni_sound::PlayerState;
 use egui::{RichText, ScrollArea, Ui};
 
 use super::concert::Concert;
@@ -119,7 +118,7 @@ fn song(ui: &mut Ui, listening: &mut Listening) {
         listening.previous_song();
     }
     let status = listening.player().status();
-    let playing = status.state == PlayerState::Playing && listening.live().is_none();
+    let playing = listening.plays_songs();
     let mark = if playing { Icon::Pause } else { Icon::Play };
     let button = ui.button(icon::text(mark)).accessible_name(if playing { "Pause" } else { "Play" });
     let button = button.author_id("play");

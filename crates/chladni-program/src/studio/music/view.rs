@@ -1,4 +1,4 @@
-//! The content of the middle of the music room, and the marks of its items.
+//! The content of the middle of the music room.
 
 /// The content of the middle of the room while nothing is on stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,15 +10,4 @@ pub enum View {
     CloseUp(usize),
     /// The harmonics of the body from this one on, and their symmetry.
     Harmonics(usize),
-}
-
-/// The marks of an item.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Marks {
-    /// As a parent.
-    pub chosen: bool,
-    /// As a favorite.
-    pub favorite: bool,
-    /// As one that stays in its place.
-    pub locked: bool,
 }

@@ -6,6 +6,9 @@ use chladni_music::{Action, ItemId, Preset, Target};
 
 use super::view::View;
 
+/// How much a dance changes that is changed a little.
+pub const A_LITTLE: f32 = 0.2;
+
 /// One wish; the room fulfills it after the frame's panels are drawn.
 #[derive(Clone, Debug)]
 pub enum Wish {

@@ -5,12 +5,12 @@ use chladni_music::{Framing, Switch, Veil};
 use chladni_view::{Device, Figure, Rect, Topology};
 use egui::Ui;
 
-use super::super::coarse;
 use super::super::outgoing::Over;
 use super::super::projection::Projection;
-use super::super::stillness::StillPicture;
 use super::Concert;
+use super::coarse;
 use super::frame::Frame;
+use super::stillness::StillPicture;
 use crate::studio::room::Shared;
 use crate::studio::theme;
 use crate::work::{Error, Staging};
@@ -69,41 +69,50 @@ impl Concert {
         self.drawn_vertices = drawn_vertices / cells.len().max(1);
         let behind = theme::palette(ui).stage;
         ui.painter().rect_filled(rect, 0.0, behind);
-        if flash_area.is_none() {
+        if let Some(flash_area) = flash_area {
+            // The picture is shown once its brightness is known; until then the previous one is shown, and no new
+            // one is started.
+            self.pane.judge()?;
+            if !self.pane.glimpse.is_coming() {
+                let drawn = self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures));
+                if drawn? && let Some(canvas) = self.pane.viewport.canvas() {
+                    self.pane.glimpse.begin(self.pane.viewport.device(), canvas, behind);
+                    // A picture drawn by the processor can be judged at once.
+                    self.pane.judge()?;
+                }
+                self.pane.shown = Some(shown);
+            }
+            self.pane.veil = if self.pane.judged {
+                self.pane.guard.set_area(flash_area);
+                self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram())
+            } else {
+                Veil::Clear
+            };
+            self.moving |= self.pane.glimpse.is_coming() || self.pane.veil != Veil::Clear;
+        } else {
             self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures))?;
             self.pane.shown = Some(shown);
-            self.project(ui, shared.settings.music.projection, rect);
-            self.darken(ui, rect);
-            return self.send(false);
         }
-        // The picture is shown once its brightness is known; until then the previous one is shown, and no new
-        // one is started.
-        self.pane.judge()?;
-        if !self.pane.glimpse.is_coming() {
-            let drawn = self.pane.viewport.draw(ui, rect, |_| staged.cells(&figures));
-            if drawn? && let Some(canvas) = self.pane.viewport.canvas() {
-                self.pane.glimpse.begin(self.pane.viewport.device(), canvas, behind);
-                // A picture drawn by the processor can be judged at once.
-                self.pane.judge()?;
-            }
-            self.pane.shown = Some(shown);
-        }
-        self.pane.veil = if self.pane.judged {
-            self.pane.guard.set_area(flash_area.unwrap_or_default());
-            self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram())
-        } else {
-            Veil::Clear
-        };
-        self.moving |= self.pane.glimpse.is_coming() || self.pane.veil != Veil::Clear;
-        self.project(ui, shared.settings.music.projection, rect);
-        self.cover(ui, rect);
-        self.send(true)
+        self.present(ui, shared.settings.music.projection, rect, flash_area.is_some())
     }
 
-    /// Lays the flash guard's veil and the black of the stage over the picture.
-    fn cover(&mut self, ui: &Ui, rect: egui::Rect) {
+    /// Shows the picture, on stage as the projector needs it, behind all that covers it, and gives it to others.
+    fn present(
+        &mut self,
+        ui: &Ui,
+        projection: Projection,
+        rect: egui::Rect,
+        is_kept: bool,
+    ) -> Result<(), Error> {
+        let projection = if self.draws_stage { projection } else { Projection::default() };
+        if let Some(texture) = self.pane.texture() {
+            projection.paint(ui, rect, texture);
+        }
         self.pane.lay_veil(ui, rect);
-        self.darken(ui, rect);
+        if self.draws_stage {
+            self.moving |= self.house.cover(ui, rect, self.seconds);
+        }
+        self.send(is_kept)
     }
 
     /// Gives films and other programs the picture of the stage or, where there is none, the window.
@@ -125,20 +134,6 @@ impl Concert {
         if self.house.frozen { 0.0 } else { self.house.light() * self.song_title.opacity(now_secs) }
     }
 
-    fn darken(&mut self, ui: &Ui, rect: egui::Rect) {
-        if self.draws_stage {
-            self.moving |= self.house.cover(ui, rect, self.seconds);
-        }
-    }
-
-    /// Shows the picture: on stage as the projector needs it.
-    fn project(&self, ui: &Ui, projection: Projection, rect: egui::Rect) {
-        let projection = if self.draws_stage { projection } else { Projection::default() };
-        if let Some(texture) = self.pane.texture() {
-            projection.paint(ui, rect, texture);
-        }
-    }
-
     /// Shows the last picture again, as it was but for the black of the stage and for a veil, which lifts.
     pub(super) fn repaint(
         &mut self,
@@ -153,9 +148,7 @@ impl Concert {
             self.pane.veil = self.pane.guard.veil(self.seconds, self.pane.glimpse.histogram());
             self.moving |= self.pane.veil != Veil::Clear;
         }
-        self.project(ui, projection, rect);
-        self.cover(ui, rect);
-        self.send(limited)
+        self.present(ui, projection, rect, limited)
     }
 }
 

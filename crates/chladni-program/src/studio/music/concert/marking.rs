@@ -2,8 +2,19 @@
 
 use chladni_music::{Action, GalleryItem, ItemId, Origin, Parameter, experiment};
 
-use super::super::view::{Marks, View};
+use super::super::view::View;
 use super::Concert;
+
+/// The marks of an item.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// As a parent.
+    pub chosen: bool,
+    /// As a favorite.
+    pub favorite: bool,
+    /// As one that stays in its place.
+    pub locked: bool,
+}
 
 impl Concert {
     /// The item that keys act on.
@@ -62,7 +73,7 @@ impl Concert {
     /// The marks of an item.
     pub fn marks(&self, item: usize) -> Marks {
         let Some(item) = self.instrument.gallery().items().get(item) else { return Marks::default() };
-        let favorite = self.instrument.favorites().iter().any(|favorite| favorite.id == item.id);
+        let favorite = self.instrument.is_favorite(item.id);
         Marks { chosen: item.chosen, favorite, locked: item.locked }
     }
 

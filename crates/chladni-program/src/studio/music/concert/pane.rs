@@ -3,8 +3,8 @@
 use chladni_music::{FlashGuard, Veil};
 use egui::{Color32, Rect, TextureId, Ui};
 
-use super::super::glimpse::Glimpse;
-use super::super::stillness::StillPicture;
+use super::glimpse::Glimpse;
+use super::stillness::StillPicture;
 use crate::studio::screen::Screen;
 use crate::studio::viewport::Viewport;
 use crate::work::Error;

@@ -19,7 +19,7 @@ impl Listening {
         // A person taps to what is heard.
         let at_secs = self.clock.at_secs() - self.ahead_secs();
         let song_secs = self.hearing.stretch().map(|stretch| stretch.song_secs_at(at_secs));
-        let known = self.known_beats().map(|(number, _)| number).zip(song_secs);
+        let known = self.song_with_beats().zip(song_secs);
         let is_taken = known.is_some_and(|(number, song_secs)| self.tap_song(number, song_secs));
         if !is_taken {
             self.ear.follower.tap(self.ear.follower.now_secs() - self.ahead_secs());
@@ -51,7 +51,7 @@ impl Listening {
             let at_secs = self.shown_secs();
             return self.outer.tempo.halve(at_secs);
         }
-        match self.known_beats().map(|(number, _)| number) {
+        match self.song_with_beats() {
             Some(number) => self.read_otherwise(number, |reading| reading.change_octave(-1)),
             None => self.ear.follower.halve(),
         }
@@ -63,10 +63,15 @@ impl Listening {
             let at_secs = self.shown_secs();
             return self.outer.tempo.double(at_secs);
         }
-        match self.known_beats().map(|(number, _)| number) {
+        match self.song_with_beats() {
             Some(number) => self.read_otherwise(number, |reading| reading.change_octave(1)),
             None => self.ear.follower.double(),
         }
+    }
+
+    /// The song that is heard, where its beats are known.
+    pub(super) fn song_with_beats(&self) -> Option<usize> {
+        self.known_beats().map(|(number, _)| number)
     }
 
     /// The song that is heard, and its beats, where they are known.

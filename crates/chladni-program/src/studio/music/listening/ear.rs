@@ -4,7 +4,7 @@ use chladni_music::BarLine;
 use chladni_sound::PlayerStatus;
 
 use super::Listening;
-use crate::work::ShowClock;
+use crate::work::{BeatCount, Ear, ShowClock};
 
 /// If the song's position deviates from the clock by more than this, the user has sought: the beat tracker is
 /// reset.
@@ -33,6 +33,29 @@ impl Loudness {
 }
 
 impl Listening {
+    /// Hears a song by itself once it is `known`, and anything else by the ear; the beats count on from the last. Returns how
+    /// long a sound the ear is to take in.
+    pub(super) fn change_ears(
+        &mut self,
+        at_secs: f64,
+        (known, has_beats): (bool, bool),
+        dt_secs: f64,
+    ) -> f64 {
+        if std::mem::replace(&mut self.had_beats, has_beats) && !has_beats {
+            self.ear.beats = BeatCount::from(self.last_beat.count);
+        }
+        match (std::mem::replace(&mut self.by_ear, !known), known) {
+            (true, true) => self.hearing.fade_from(at_secs, self.ear.heard(), self.last_beat),
+            (false, false) => {
+                self.ear.go_on_from(self.hearing.heard());
+                // What an ear heard before a known song may be minutes old.
+                return Ear::LONGEST_SECS;
+            }
+            (true, false) | (false, true) => {}
+        }
+        dt_secs
+    }
+
     /// The samples of the last `dt_secs` to analyze: around the position heard in a song, later by the delay of the
     /// decay; the newest ones of live input.
     pub(super) fn take_window(&mut self, playing: bool, dt_secs: f64) {

@@ -5,7 +5,7 @@ use std::path::Path;
 use chladni_music::BeatReading;
 use chladni_sound::PlayerStatus;
 
-use super::super::study::{Learned, Study};
+use super::study::{Learned, Study};
 use super::{Listening, ShowSong};
 use crate::studio::pictures::upload;
 use crate::work::read_beats;
@@ -32,14 +32,21 @@ impl Listening {
         }
     }
 
-    /// The show's number of the song that is heard. One that was taken out of the list sounds on for a moment.
+    /// The show's number of the song that is heard; none of live input. One that was taken out of the list sounds on for a
+    /// moment.
     pub(super) fn number_of_heard(&mut self, status: &PlayerStatus) -> Option<usize> {
-        if status.is_listed { self.number_of(status.song) } else { self.clock.stretch()?.song }
+        if self.live.is_some() {
+            None
+        } else if status.is_listed {
+            self.number_of(status.song)
+        } else {
+            self.clock.stretch()?.song
+        }
     }
 
     /// Reads the song that is heard, and takes in the findings.
     pub(super) fn learn(&mut self, status: &PlayerStatus) {
-        let heard = if self.live.is_some() { None } else { self.number_of_heard(status) };
+        let heard = self.number_of_heard(status);
         while let Some((number, learned)) =
             self.study.as_mut().and_then(|study| Some((study.number, study.learned()?)))
         {

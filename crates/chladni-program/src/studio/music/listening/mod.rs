@@ -7,6 +7,7 @@ mod learning;
 mod live;
 mod outer;
 mod playlist;
+mod study;
 mod wanted;
 
 pub use ear::Loudness;
@@ -20,16 +21,16 @@ use chladni_music::{
     BarLine, Beat, BeatReading, ClockTrack, Director, Framing, Moment, Parameters, Stretch, Taps,
 };
 use chladni_sound::{
-    Beats, Level, Player, PlayerEvent, PlayerSettings, PlayerState, Repeat, SongTags, Spectrum, WavSample,
-    sample_tune, write_wav,
+    Beats, Level, Player, PlayerEvent, PlayerSettings, PlayerState, PlayerStatus, Repeat, SongTags, Spectrum,
+    WavSample, sample_tune, write_wav,
 };
 
 use egui::Context;
 use live::Live;
 use outer::Outer;
+use study::{SongCover, Study};
 use wanted::Wanted;
 
-use super::study::{SongCover, Study};
 use crate::work::{BeatCount, Ear, Error, Heard, Hearing, Playing, ShowClock};
 
 /// Player or capture, and the ears: a fully read song is heard exactly as in its films; live input, and a
@@ -51,7 +52,7 @@ pub struct Listening {
     ctx: Context,
     /// Beats have become known that were unknown when some action was logged.
     beats_changed: bool,
-    /// Live sound is heard through the ear below.
+    /// The ear below hears: live input, or a song until it is read.
     by_ear: bool,
     /// The beats of the song are known.
     had_beats: bool,
@@ -313,28 +314,7 @@ impl Listening {
         self.learn(&status);
         let have_changed = self.beats_changed && !had_changed;
         self.hearing.tune(self.clock.at_secs(), parameters);
-        let song = if self.live.is_some() { None } else { self.number_of_heard(&status) };
-        let playing = Playing {
-            song,
-            position_secs: status.position_secs,
-            duration_secs: status.duration_secs,
-            crossfade_secs: status.crossfade_secs,
-            is_over: status.is_over,
-        };
-        let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
-        // Where another show was opened, what still sounds is not of that one.
-        let follows = self.live.is_some() || status.is_listed || self.clock.stretch().is_some();
-        if let Some(stretch) = follows.then(|| self.clock.follow(now_secs, playing)).flatten() {
-            // A long absence is not made up for.
-            if !self.hearing.goes_on_with(stretch) {
-                before(&mut self.hearing, stretch.at_secs)?;
-            }
-            self.hearing.begin(stretch)?;
-            // No beat goes back.
-            if was_live && !self.follows_clock() {
-                self.hearing.leave_live(stretch.at_secs, self.last_beat);
-            }
-        }
+        self.follow(now_secs, &status, &mut before)?;
         let at_secs = self.clock.at_secs();
         let is_playing = self.live.is_some() || status.state == PlayerState::Playing;
         if self.live.is_none() {
@@ -342,19 +322,7 @@ impl Listening {
         }
         let known = self.live.is_none() && self.hearing.hear(at_secs)?.is_some();
         let has_beats = known && self.known_beats().is_some();
-        if std::mem::replace(&mut self.had_beats, has_beats) && !has_beats {
-            self.ear.beats = BeatCount::from(self.last_beat.count);
-        }
-        // What an ear heard before a known song may be minutes old.
-        let mut ear_secs = dt_secs;
-        match (std::mem::replace(&mut self.by_ear, !known), known) {
-            (true, true) => self.hearing.fade_from(at_secs, self.ear.heard(), self.last_beat),
-            (false, false) => {
-                self.ear.go_on_from(self.hearing.heard());
-                ear_secs = Ear::LONGEST_SECS;
-            }
-            (true, false) | (false, true) => {}
-        }
+        let ear_secs = self.change_ears(at_secs, (known, has_beats), dt_secs);
         let rate_hz = self.live.as_ref().map_or(status.rate_hz, |live| live.capture.rate_hz());
         let rate_hz = if rate_hz > 0 { rate_hz } else { self.ear.rate_hz() };
         let level = if self.live.is_some() { self.input.level() } else { Level::Auto };
@@ -390,16 +358,48 @@ impl Listening {
         Ok(Heard { beat, is_known: has_beats && !is_given, ..heard })
     }
 
+    /// Follows the player, or live input, to this moment: a new stretch of the show may begin.
+    fn follow(
+        &mut self,
+        now_secs: f64,
+        status: &PlayerStatus,
+        before: &mut impl FnMut(&mut Hearing, f64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let playing = Playing {
+            song: self.number_of_heard(status),
+            position_secs: status.position_secs,
+            duration_secs: status.duration_secs,
+            crossfade_secs: status.crossfade_secs,
+            is_over: status.is_over,
+        };
+        let was_live = self.hearing.stretch().is_some_and(|stretch| stretch.song.is_none());
+        // Where another show was opened, what still sounds is not of that one.
+        let follows = self.live.is_some() || status.is_listed || self.clock.stretch().is_some();
+        if let Some(stretch) = follows.then(|| self.clock.follow(now_secs, playing)).flatten() {
+            // A long absence is not made up for.
+            if !self.hearing.goes_on_with(stretch) {
+                before(&mut self.hearing, stretch.at_secs)?;
+            }
+            self.hearing.begin(stretch)?;
+            // No beat goes back.
+            if was_live && !self.follows_clock() {
+                self.hearing.leave_live(stretch.at_secs, self.last_beat);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the beat is that of the ear: where no beats of a song are known.
+    fn beat_is_by_ear(&self) -> bool {
+        self.by_ear || self.known_beats().is_none()
+    }
+
     /// The bars that have begun since the last call, by the time of the show.
     pub fn new_bars(&mut self) -> Vec<BarLine> {
         let to_secs = self.at_secs();
         let from_secs = std::mem::replace(&mut self.bars_told_secs, to_secs);
         let by_ear = std::mem::take(&mut self.fresh_bars);
-        let bars = if self.by_ear || self.known_beats().is_none() {
-            by_ear
-        } else {
-            self.hearing.bars_between(from_secs, to_secs)
-        };
+        let bars = if self.beat_is_by_ear() { by_ear } else { self.hearing.bars_between(from_secs, to_secs) };
         self.bars_or(bars)
     }
 
@@ -416,7 +416,7 @@ impl Listening {
         if self.follows_clock() {
             return self.director.at(self.shown_secs());
         }
-        if self.by_ear || self.known_beats().is_none() {
+        if self.beat_is_by_ear() {
             return self.director.at(self.ear.follower.now_secs());
         }
         self.hearing.framing_at(self.clock.at_secs(), seed_at)

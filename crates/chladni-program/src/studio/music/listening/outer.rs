@@ -87,7 +87,7 @@ impl Listening {
         if self.follows_clock() {
             return self.outer.tempo.nudge(secs);
         }
-        match self.known_beats().map(|(number, _)| number) {
+        match self.song_with_beats() {
             Some(number) => self.read_otherwise(number, |reading| reading.shift(-secs)),
             None => {
                 self.warnings.push("A beat that is heard live cannot be nudged: tap it, or hold it.".into())

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use chladni_sound::{PlayerState, Repeat};
+use chladni_sound::Repeat;
 
-use super::super::study::SongCover;
+use super::study::SongCover;
 use super::{Listening, ShowSong};
 
 impl Listening {
@@ -188,12 +188,9 @@ impl Listening {
 
     /// Plays or pauses; leaves live input.
     pub fn toggle(&mut self) {
-        let was_live = self.live.is_some();
+        let plays = self.plays_songs();
         self.stop_listening();
-        if was_live {
-            return self.player.play();
-        }
-        if self.player.status().state == PlayerState::Playing {
+        if plays {
             self.player.pause();
         } else {
             self.player.play();

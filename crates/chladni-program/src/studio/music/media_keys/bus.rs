@@ -11,7 +11,7 @@ use zbus::zvariant::{ObjectPath, Value};
 
 use super::{Asked, Place, Playing, lock};
 
-/// A song is known by its place in the list.
+/// A song is known by a number of its file.
 const SONGS: &str = "/org/chladni/song";
 
 /// A time as the bus counts it.

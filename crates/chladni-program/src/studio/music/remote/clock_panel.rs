@@ -2,7 +2,7 @@
 
 use egui::{RichText, TextEdit, Ui};
 
-use super::{Midi, Remote};
+use super::Remote;
 use crate::studio::author_id::AuthorId;
 use crate::studio::keys::music::{LOCK_BEAT, NUDGE_BACK, NUDGE_ON};
 use crate::studio::music::listening::Listening;
@@ -70,7 +70,7 @@ impl Remote {
         if let Some(why) = failure {
             theme::warning(ui, why.to_string());
         }
-        let outputs = self.midi.as_ref().map(Midi::devices).unwrap_or_default().outputs;
+        let outputs = self.midi_devices().outputs;
         let choices = choices(outputs, preferences.clock_out.clone());
         if choices.is_empty() {
             return;

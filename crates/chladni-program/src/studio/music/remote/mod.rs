@@ -17,23 +17,21 @@ pub use self::beat_out::Now;
 use self::clock_out::ClockSender;
 pub use self::clock_panel::NUDGE_SECS;
 use self::leader::Leader;
-use self::midi::Midi;
-use self::osc::{From, Osc};
+use self::midi::{Devices, Midi};
+use self::osc::{Osc, Senders};
 use super::preferences::Preferences;
 use crate::work::Error;
 
 /// Devices, port and bindings.
 #[derive(Default)]
 pub struct Remote {
-    started: bool,
-    midi: Option<Midi>,
-    /// Why nothing looks for MIDI devices.
-    midi_failure: Option<String>,
+    /// Looks for MIDI devices, once it was started; or why nothing does.
+    midi: Option<std::io::Result<Midi>>,
     /// Whose MIDI clock is followed.
     leader: Leader,
     osc: Option<Result<Osc, Error>>,
     /// The port that `osc` was opened for.
-    port: Option<(u16, From)>,
+    port: Option<(u16, Senders)>,
     bindings: Bindings,
     /// The number of the choice or dance that is being learned; 0 is none.
     number: u32,
@@ -79,16 +77,15 @@ impl Remote {
         parameters: &Parameters,
         standing: Standing<'_>,
     ) -> Asked {
-        if !self.started {
-            self.started = true;
+        if self.midi.is_none() {
             self.bindings = Bindings::new(preferences.bindings.clone());
-            match Midi::start() {
-                Ok(midi) => self.midi = Some(midi),
-                Err(why) => self.midi_failure = Some(why.to_string()),
-            }
+            self.midi = Some(Midi::start());
         }
-        let from =
-            if preferences.osc_network { From::Network(preferences.osc_allowed.clone()) } else { From::Here };
+        let from = if preferences.osc_network {
+            Senders::Network(preferences.osc_allowed.clone())
+        } else {
+            Senders::Here
+        };
         let port = preferences.osc_port.map(|port| (port, from));
         if self.port != port {
             self.port = port;
@@ -100,7 +97,7 @@ impl Remote {
             self.osc = self.port.clone().map(listen);
         }
         let mut cues = Vec::new();
-        let said = self.midi.iter().flat_map(Midi::clock);
+        let said = self.midi.iter().flatten().flat_map(Midi::clock);
         let own = preferences.clock_out.as_deref();
         let said = said.filter(|said| self.leader.follows(said, own));
         let mut clock: Vec<_> = said.map(|said| (said.message, said.came)).collect();
@@ -108,7 +105,7 @@ impl Remote {
         if forgets {
             self.bindings.forget_hands();
         }
-        let touched: Vec<Touch> = self.midi.iter().flat_map(Midi::touches).collect();
+        let touched: Vec<Touch> = self.midi.iter().flatten().flat_map(Midi::touches).collect();
         for touch in touched.into_iter().filter(|_| !forgets) {
             self.touch(&touch, parameters, standing, &mut cues);
         }
@@ -132,7 +129,7 @@ impl Remote {
         if preferences.bindings != self.bindings.list() {
             preferences.bindings = self.bindings.list().to_vec();
         }
-        if let Some(midi) = &self.midi {
+        if let Some(Ok(midi)) = &self.midi {
             let outputs = midi.outputs();
             for (device, message) in self.bindings.feedback(standing, &|device| outputs.opens(device)) {
                 outputs.send(&device, &message);
@@ -157,13 +154,22 @@ impl Remote {
         }
         if self.clock_out.is_none()
             && preferences.clock_out.is_some()
-            && let Some(midi) = &self.midi
+            && let Some(Ok(midi)) = &self.midi
         {
             let sender = ClockSender::start(midi.outputs().clone());
             self.clock_out = Some(sender.map_err(|why| Error::other(why).of("MIDI clock")));
         }
         if let Some(Ok(out)) = &self.clock_out {
             out.tell(preferences.clock_out.as_deref(), now);
+        }
+    }
+
+    /// The MIDI devices, or why there are none.
+    fn midi_devices(&self) -> Devices {
+        match &self.midi {
+            Some(Ok(midi)) => midi.devices(),
+            Some(Err(why)) => Devices { failure: Some(why.to_string()), ..Devices::default() },
+            None => Devices::default(),
         }
     }
 

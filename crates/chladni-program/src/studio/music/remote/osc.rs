@@ -15,7 +15,7 @@ const MOST_MESSAGES: usize = 256;
 
 /// Whose messages are heard.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum From {
+pub enum Senders {
     /// Those of this machine.
     #[default]
     Here,
@@ -23,7 +23,7 @@ pub enum From {
     Network(Vec<IpAddr>),
 }
 
-impl From {
+impl Senders {
     fn allows(&self, address: IpAddr) -> bool {
         address.is_loopback()
             || matches!(self, Self::Network(allowed) if allowed.is_empty() || allowed.contains(&address))
@@ -48,8 +48,8 @@ struct Counts {
 
 impl Osc {
     /// Listens on a UDP port; port 0 takes any free one.
-    pub fn listen(port: u16, from: From) -> io::Result<Self> {
-        let network = if from == From::Here { Ipv4Addr::LOCALHOST } else { Ipv4Addr::UNSPECIFIED };
+    pub fn listen(port: u16, from: Senders) -> io::Result<Self> {
+        let network = if from == Senders::Here { Ipv4Addr::LOCALHOST } else { Ipv4Addr::UNSPECIFIED };
         let socket = UdpSocket::bind((network, port))?;
         // The thread looks this often whether the port is to be closed.
         socket.set_read_timeout(Some(Duration::from_millis(200)))?;
@@ -91,7 +91,7 @@ impl Drop for Osc {
     }
 }
 
-fn receive(socket: &UdpSocket, from: &From, sender: &SyncSender<(OscMessage, Instant)>, counts: &Counts) {
+fn receive(socket: &UdpSocket, from: &Senders, sender: &SyncSender<(OscMessage, Instant)>, counts: &Counts) {
     let mut packet = [0u8; LONGEST_OSC_PACKET + 1];
     while !counts.closed.load(Ordering::Relaxed) {
         let length = match socket.recv_from(&mut packet) {
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn packets_come_in_over_udp_and_bad_ones_are_counted() {
-        let osc = Osc::listen(0, From::Here).unwrap();
+        let osc = Osc::listen(0, Senders::Here).unwrap();
         let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
         let to = (Ipv4Addr::LOCALHOST, osc.port());
         let packet = encoder::encode(&message("/1/fader1", vec![OscType::Float(0.75)])).unwrap();
@@ -167,11 +167,11 @@ mod tests {
 
     #[test]
     fn a_port_that_is_closed_can_be_opened_at_once() {
-        let mut osc = Osc::listen(0, From::Here).unwrap();
+        let mut osc = Osc::listen(0, Senders::Here).unwrap();
         let port = osc.port();
         for _ in 0..5 {
             drop(osc);
-            osc = Osc::listen(port, From::Network(Vec::new())).unwrap();
+            osc = Osc::listen(port, Senders::Network(Vec::new())).unwrap();
         }
     }
 
@@ -179,16 +179,16 @@ mod tests {
     fn only_those_are_heard_who_may() {
         let [here, near, far] =
             ["127.0.0.1", "192.168.1.20", "10.0.0.9"].map(|ip| ip.parse::<IpAddr>().unwrap());
-        let heard = |from: From| [here, near, far].map(|address| from.allows(address));
-        assert_eq!(heard(From::Here), [true, false, false]);
-        assert_eq!(heard(From::Network(vec![near])), [true, true, false]);
-        assert_eq!(heard(From::Network(Vec::new())), [true; 3]);
+        let heard = |from: Senders| [here, near, far].map(|address| from.allows(address));
+        assert_eq!(heard(Senders::Here), [true, false, false]);
+        assert_eq!(heard(Senders::Network(vec![near])), [true, true, false]);
+        assert_eq!(heard(Senders::Network(Vec::new())), [true; 3]);
     }
 
     /// Prints how many packets a second come and go; a person who measures passes `--nocapture`.
     #[test]
     fn a_flood_is_bounded_and_leaves_the_next_message_through() {
-        let osc = Osc::listen(0, From::Here).unwrap();
+        let osc = Osc::listen(0, Senders::Here).unwrap();
         let port = osc.port();
         let flood = std::thread::spawn(move || {
             let sender = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();

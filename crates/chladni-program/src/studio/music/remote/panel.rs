@@ -8,7 +8,7 @@ use egui::{RichText, Ui};
 use super::super::listening::Listening;
 use super::super::preferences::Preferences;
 use super::super::wish::{Then, Wish};
-use super::{Midi, Remote};
+use super::Remote;
 use crate::studio::author_id::AuthorId;
 use crate::studio::icon::{self, Icon};
 use crate::studio::room::Shared;
@@ -72,8 +72,8 @@ impl Remote {
 
     fn devices(&self, ui: &mut Ui) {
         ui.label(RichText::new("MIDI").strong());
-        let devices = self.midi.as_ref().map(Midi::devices).unwrap_or_default();
-        match devices.failure.as_ref().or(self.midi_failure.as_ref()) {
+        let devices = self.midi_devices();
+        match &devices.failure {
             Some(why) => theme::weak(ui, format!("No controllers: {why}.")),
             None if devices.names.is_empty() && devices.refused.is_empty() => {
                 theme::weak(ui, "No controller is plugged in. One that comes later is found by itself.");
@@ -116,9 +116,7 @@ impl Remote {
             None => {}
         }
     }
-}
 
-impl Remote {
     /// Choice of the other machines that are heard.
     fn network(&mut self, ui: &mut Ui, preferences: &mut Preferences) {
         let tip = "Otherwise only programs on this machine are heard";
