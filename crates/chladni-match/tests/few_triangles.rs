@@ -17,7 +17,7 @@ fn tetrahedron() -> TriMesh {
 }
 
 fn cuboid(size: [f64; 3]) -> TriMesh {
-    let corner = |i: usize| std::array::from_fn(|axis| size[axis] * ((i >> axis) & 1) as f64);
+    let corner = |i: usize| [0, 1, 2].map(|axis| size[axis] * ((i >> axis) & 1) as f64);
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles: Vec<[u32; 3]> = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     mesh(&(0..8).map(corner).collect::<Vec<[f64; 3]>>(), &triangles)
