@@ -16,6 +16,8 @@ const SOURCE: f64 = 1e250;
 /// The step with which Poisson's equation is solved, as a multiple of the surface's area: (M + tS)⁻¹ t
 /// equals S⁻¹ up to a constant, to within 1 / (tλ) for the harmonic with eigenvalue λ.
 const FOREVER: f64 = 1e10;
+/// Heat that differs by less than this share of itself between the corners of a triangle differs by rounding alone.
+const LEVEL: f64 = 1e-12;
 
 /// Geodesic distances from any vertices of one surface, in the units of its file. Two factorizations are
 /// computed once and used for all sources.
@@ -126,6 +128,11 @@ impl HeatGeodesics {
             // Scaled per triangle: heat falls by many orders of magnitude from one end of a surface to the
             // other.
             let most = corners.iter().fold(0.0_f64, |most, v| most.max(heat[*v]));
+            let least = corners.iter().fold(most, |least, v| least.min(heat[*v]));
+            // Rounding points in no direction.
+            if most - least <= LEVEL * most {
+                continue;
+            }
             let gradient: [f64; 2] =
                 std::array::from_fn(|x| (0..3).map(|i| heat[corners[i]] / most * slopes[i][x]).sum());
             let size = gradient[0].hypot(gradient[1]);
@@ -183,6 +190,28 @@ mod tests {
             };
             assert!((one[v] - to(0)).abs() < 0.03, "{v}: {} {}", one[v], to(0));
             assert!((both[v] - to(0).min(to(1))).abs() < 0.05, "{v}: {}", both[v]);
+        }
+    }
+
+    #[test]
+    fn corners_at_one_distance_stay_so() {
+        // Heat is equal at the three corners of the face opposite the source.
+        let mut corner = TriMesh {
+            positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+            ..TriMesh::default()
+        };
+        for angle in [0.0_f64, 0.3, 1.1] {
+            let (sin, cos) = angle.sin_cos();
+            for p in &mut corner.positions {
+                *p = [p[2], cos * p[0] - sin * p[1], sin * p[0] + cos * p[1]];
+            }
+            let found = HeatGeodesics::of(&corner, 1.0).unwrap().distances(&[0]).unwrap();
+            assert!(found[0].abs() < 1e-5, "{found:?}");
+            // Each face at the source is a right triangle that heat leaves across the middle of its long side.
+            for far in &found[1..] {
+                assert!((far - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-4, "{found:?}");
+            }
         }
     }
 

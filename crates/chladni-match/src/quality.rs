@@ -88,7 +88,9 @@ impl MatchReport {
         let distance = target.iter().zip(&shape.points).map(|(t, p)| t.distance(*p)).collect();
         let (median_distance, p95_distance) = median_and_p95(distance).unwrap_or_default();
         let (residual_median, residual_p95) = median_and_p95(residual).unzip();
-        let covered: f64 = shape.areas.iter().zip(&trust).filter(|(_, c)| **c >= 0.5).map(|(a, _)| a).sum();
+        // The sum of nothing is -0, which would be printed.
+        let covered =
+            shape.areas.iter().zip(&trust).filter(|(_, c)| **c >= 0.5).map(|(a, _)| a).sum::<f64>() + 0.0;
         let mean_confidence = shape.areas.iter().zip(&trust).map(|(a, c)| a * c).sum::<f64>() / shape.area();
         let distortion = Distortion::of(shape, template, found, &target);
         let near_tie = pose.is_some_and(|p| {
@@ -158,16 +160,17 @@ impl Distortion {
         target: &[DVec3],
     ) -> Self {
         let turn = found.similarity.rotation_matrix();
-        // The template's normal at each welded vertex, in the shape's frame.
+        // The template's smooth normal at each welded vertex, in the shape's frame.
         let mut facing = vec![None; shape.points.len()];
         if let (Some(on), Some(template)) = (&found.on_template, template) {
             let mut surface_triangle = std::collections::HashMap::new();
-            for (i, t) in template.file_triangle.iter().enumerate() {
+            for (i, t) in (0_u32..).zip(&template.file_triangle) {
                 surface_triangle.insert(*t, i);
             }
             for (v, point) in shape.point_of_vertex.iter().enumerate() {
                 if let (Some(p), Some(&t)) = (point, surface_triangle.get(&on[v].triangle)) {
-                    facing[*p as usize] = Some(turn * template.triangle_normals[t]);
+                    let at = template.of_file(t, on[v].weights);
+                    facing[*p as usize] = Some(turn * template.smooth_normal(&at));
                 }
             }
         }

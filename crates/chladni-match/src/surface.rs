@@ -148,11 +148,16 @@ impl UnitSurface {
 
     /// Converts a point of this surface to a point of the file's mesh.
     pub fn in_file(&self, at: &SurfacePoint) -> SurfacePoint {
-        let mut weights = at.weights;
-        if self.turned[at.triangle as usize] {
+        let triangle = self.file_triangle[at.triangle as usize];
+        SurfacePoint { triangle, ..self.of_file(at.triangle, at.weights) }
+    }
+
+    /// The point of this surface's `triangle` that has these `weights` in the file.
+    pub fn of_file(&self, triangle: u32, mut weights: [f64; 3]) -> SurfacePoint {
+        if self.turned[triangle as usize] {
             weights.swap(1, 2);
         }
-        SurfacePoint { triangle: self.file_triangle[at.triangle as usize], weights }
+        SurfacePoint { triangle, weights }
     }
 
     /// Whether a surface point lies on an open edge.
@@ -354,7 +359,9 @@ mod tests {
         assert!(s.turned.iter().all(|turned| *turned));
         let at = s.closest(query, f64::INFINITY).unwrap();
         assert!(s.smooth_normal(&at.on).dot(query) > 0.0);
-        let in_file = s.in_file(&at.on).position(&m.triangles, |v| m.positions[v as usize]).unwrap();
+        let on = s.in_file(&at.on);
+        assert_eq!(s.of_file(at.on.triangle, on.weights), at.on);
+        let in_file = on.position(&m.triangles, |v| m.positions[v as usize]).unwrap();
         assert!(s.in_frame(in_file).distance(DVec3::from_array(at.point)) < 1e-12);
         assert!(UnitSurface::new(&m, Side::Shape).unwrap().smooth_normal(&at.on).dot(query) < 0.0);
     }

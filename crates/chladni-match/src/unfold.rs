@@ -16,15 +16,19 @@ const ROUNDS: usize = 40;
 const SWEEPS: usize = 4;
 /// After each such number of rounds, one more ring of vertices around a fold moves with it.
 const ROUNDS_PER_RING: usize = 6;
+/// An image that shrinks below this share of its area is no better for having fewer folds: a point has none.
+const SHRUNK: f64 = 0.1;
 
-/// Whether a triangle faces away from `up`, the sum of the template's normals at its corners.
+/// Whether a triangle faces away from `up`, the sum of the template's smooth normals at its corners. (The normals of
+/// single faces would not do: a point on an edge lies in any of those that meet there.)
 pub(crate) fn turned_over([x, y, z]: [DVec3; 3], up: DVec3) -> bool {
     (y - x).cross(z - x).dot(up) < 0.0
 }
 
 /// Moves the points of vertices at folds to the mean of their neighbors' points, on the template and facing
 /// as the neighbors' points do; around folds that stay, more and more vertices are moved. Vertices in
-/// `fixed` do not move. Each component of the shape keeps the state in which it had the fewest folds.
+/// `fixed` do not move. Each component of the shape keeps the state in which it had the fewest folds, of those in which
+/// it did not collapse.
 pub(crate) fn unfold(
     shape: &UnitSurface,
     partners: &Partners,
@@ -38,6 +42,7 @@ pub(crate) fn unfold(
     let mut trial = at.to_vec();
     let mut folds = folded(shape, template, at);
     let mut least = per_component(shape, &folds);
+    let whole = image_areas(shape, at);
     let stage = task.stage("unfolding", ROUNDS as u64);
     for round in 0..ROUNDS {
         task.check()?;
@@ -54,13 +59,15 @@ pub(crate) fn unfold(
             moved.into_iter().for_each(|(v, point)| trial[v as usize] = point);
         }
         folds = folded(shape, template, &trial);
-        let count = per_component(shape, &folds);
+        let (count, area) = (per_component(shape, &folds), image_areas(shape, &trial));
+        let better: Vec<bool> =
+            (0..least.len()).map(|c| count[c] < least[c] && area[c] > SHRUNK * whole[c]).collect();
         for (v, c) in shape.component.iter().enumerate() {
-            if count[*c as usize] < least[*c as usize] {
+            if better[*c as usize] {
                 at[v] = trial[v];
+                least[*c as usize] = count[*c as usize];
             }
         }
-        least.iter_mut().zip(count).for_each(|(least, count)| *least = count.min(*least));
         stage.advance(1);
     }
     Ok(())
@@ -84,7 +91,7 @@ fn between_neighbors(shape: &UnitSurface, partners: &Partners, at: &[Closest], v
 fn folded(shape: &UnitSurface, template: &UnitSurface, at: &[Closest]) -> Vec<u32> {
     let turned = |t: &u32| {
         let points = shape.triangles[*t as usize].map(|v| at[v as usize]);
-        let up = points.iter().map(|p| template.triangle_normals[p.on.triangle as usize]).sum();
+        let up = points.iter().map(|p| template.smooth_normal(&p.on)).sum();
         turned_over(points.map(|p| DVec3::from_array(p.point)), up)
     };
     (0..shape.triangles.len() as u32).into_par_iter().filter(turned).collect()
@@ -97,6 +104,16 @@ fn per_component(shape: &UnitSurface, triangles: &[u32]) -> Vec<usize> {
         count[shape.component_of(*t) as usize] += 1;
     }
     count
+}
+
+/// The area of each component's image on the template.
+fn image_areas(shape: &UnitSurface, at: &[Closest]) -> Vec<f64> {
+    let mut areas = vec![0.0; shape.components()];
+    for corners in &shape.triangles {
+        let [x, y, z] = corners.map(|v| DVec3::from_array(at[v as usize].point));
+        areas[shape.component[corners[0] as usize] as usize] += 0.5 * (y - x).cross(z - x).length();
+    }
+    areas
 }
 
 /// The vertices of `triangles` and those within `rings` edges of them, ascending.
@@ -126,7 +143,8 @@ fn around(shape: &UnitSurface, triangles: &[u32], rings: usize) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use chladni_mesh::samples;
+    use chladni_mesh::surface::SurfacePoint;
+    use chladni_mesh::{TriMesh, samples};
 
     use super::*;
     use crate::Side;
@@ -147,5 +165,41 @@ mod tests {
         for (now, before) in at.iter().zip(&straight).filter(|(_, p)| p.point[0] < 0.0) {
             assert_eq!(now.point, before.point);
         }
+    }
+
+    fn tetrahedron() -> UnitSurface {
+        let positions = [[1.0; 3], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]].to_vec();
+        let triangles = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]].to_vec();
+        let mesh = TriMesh { positions, triangles, ..TriMesh::default() };
+        UnitSurface::new(&mesh, Side::Shape).unwrap()
+    }
+
+    /// The corner `v`, as a point of the `nth` of the faces around it.
+    fn at_corner(surface: &UnitSurface, v: u32, nth: usize) -> Closest {
+        let corner = |(t, corners): (usize, &[u32; 3])| {
+            Some(SurfacePoint::at_corner(t as u32, corners.iter().position(|w| *w == v)?))
+        };
+        let on = surface.triangles.iter().enumerate().filter_map(corner).nth(nth).unwrap();
+        Closest { point: surface.points[v as usize].to_array(), on, distance_squared: 0.0 }
+    }
+
+    #[test]
+    fn a_corner_may_lie_in_any_of_the_faces_that_meet_there() {
+        let solid = tetrahedron();
+        for way in 0..81 {
+            let nth = [way % 3, way / 3 % 3, way / 9 % 3, way / 27];
+            let at: Vec<Closest> = (0..4).map(|v| at_corner(&solid, v, nth[v as usize])).collect();
+            assert!(folded(&solid, &solid, &at).is_empty(), "{nth:?}");
+        }
+    }
+
+    #[test]
+    fn a_shape_inside_out_does_not_collapse() {
+        let solid = tetrahedron();
+        let mut at: Vec<Closest> = [0, 1, 3, 2].map(|v| at_corner(&solid, v, 0)).to_vec();
+        assert_eq!(folded(&solid, &solid, &at).len(), 4);
+        let whole = image_areas(&solid, &at)[0];
+        unfold(&solid, &Partners::none(&solid), &mut at, &[], &Task::new()).unwrap();
+        assert!(image_areas(&solid, &at)[0] > SHRUNK * whole);
     }
 }

@@ -141,6 +141,21 @@ mod tests {
     }
 
     #[test]
+    fn keeping_all_is_better_than_keeping_less_or_many_times_more() {
+        let (_, surface, base, _) = base_and_target();
+        let flow = HeatFlow::on_surface(&surface.positions, &surface.triangles).unwrap();
+        let keeper = Keeper::of(Arc::new(surface), Arc::new(flow));
+        let (still, task) = (vec![[0.0; 3]; base.positions.len()], Task::new());
+        let search = Search::of(&keeper, &base, &still, None, &task).unwrap();
+        let rank = |share: f64, folded: usize| {
+            search.rank(&Kept { displacement: Arc::default(), share, folded, crossing: 0 })
+        };
+        assert!(rank(0.0, 0) < rank(0.8, 0) && rank(0.8, 0) < rank(1.0, 0));
+        assert!(rank(900.0, 0) < rank(0.8, 0) && rank(1.0, 9) < rank(0.8, 0));
+        assert_eq!(rank(1.1, 0), rank(1.0, 0));
+    }
+
+    #[test]
     fn only_the_first_heat_steps_are_kept_and_the_others_for_one_search() {
         let (_, surface, base, _) = base_and_target();
         let flow = HeatFlow::on_surface(&surface.positions, &surface.triangles).unwrap();

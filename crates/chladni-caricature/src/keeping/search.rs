@@ -16,6 +16,8 @@ use crate::{Base, CaricatureError};
 
 /// Folded and crossing triangles that are left alone, as a share of all: one in 2000 of each.
 const LEFT: usize = 2000;
+/// A displacement of more than this share of the unlimited one is not near it, and all the worse the longer it is.
+const LONG: f64 = 2.0;
 /// A displacement whose size is no more than this is rounding, in the working frame.
 const STILL: f64 = 1e-12;
 
@@ -106,14 +108,13 @@ impl<'a> Search<'a> {
         if size(self.unlimited, &self.base.basis().mass) <= STILL {
             return Ok(self.kept(self.unlimited.to_vec(), (0, 0)));
         }
-        let rank = |kept: &Kept| (self.are_few((kept.folded, kept.crossing)), kept.share);
         let mut best: Option<(Kept, Vec<Vec3>)> = None;
         for attempt in &ATTEMPTS {
             let (kept, turned) = self.attempt(attempt)?;
-            if best.as_ref().is_none_or(|(best, _)| rank(best) < rank(&kept)) {
+            if best.as_ref().is_none_or(|(best, _)| self.rank(best) < self.rank(&kept)) {
                 best = Some((kept, turned));
             }
-            if best.as_ref().is_some_and(|(best, _)| rank(best) > (true, attempt.enough)) {
+            if best.as_ref().is_some_and(|(best, _)| self.rank(best) > (true, attempt.enough)) {
                 break;
             }
         }
@@ -122,6 +123,12 @@ impl<'a> Search<'a> {
             self.give_back(wanted, &mut best)?;
         }
         Ok(best)
+    }
+
+    /// The larger, the better.
+    pub(super) fn rank(&self, kept: &Kept) -> (bool, f64) {
+        let near = kept.share.min(1.0).min(LONG / kept.share);
+        (self.are_few((kept.folded, kept.crossing)), near)
     }
 
     /// The displacement that one attempt keeps, and the unlimited one with only its frames turned.

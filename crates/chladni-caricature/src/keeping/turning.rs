@@ -1,11 +1,14 @@
 //! Detail that turns with what carries it.
 
 use chladni_harmonics::Basis;
-use chladni_mesh::surface::Rows;
-use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, scaled, sub, unit};
+use chladni_mesh::surface::vec3::{Vec3, add, cross, dot, length, scaled, sub, unit};
+use chladni_mesh::surface::{Rows, corners, doubled_area_normal};
 use rayon::prelude::*;
 
 use crate::{Base, Surface};
+
+/// Where the triangles around a vertex add up to less than this share of their area, they have no common normal.
+const CANCELS: f64 = 0.1;
 
 /// The part of `signal` in the first `harmonics`, fading out over the finest of them.
 fn smooth_part(basis: &Basis, harmonics: usize, signal: &[Vec3]) -> Vec<Vec3> {
@@ -32,7 +35,7 @@ pub(super) fn turned(
     let from = smooth_part(basis, harmonics, &base.positions);
     let smooth = smooth_part(basis, harmonics, displacement);
     let to: Vec<Vec3> = from.par_iter().zip(&smooth).map(|(x, d)| add(*x, *d)).collect();
-    let (normals, turned_normals) = (surface.normals(&from), surface.normals(&to));
+    let (normals, turned_normals) = (common_normals(surface, &from), common_normals(surface, &to));
     let turned = |(v, d): (usize, &Vec3)| {
         let share = share.map_or(1.0, |share| f64::from(share[v]).clamp(0.0, 1.0));
         let detail = add(sub(base.positions[v], from[v]), sub(*d, smooth[v]));
@@ -42,6 +45,21 @@ pub(super) fn turned(
         add(*d, scaled(moved, share))
     };
     displacement.par_iter().enumerate().map(turned).collect()
+}
+
+/// The unit normals of `surface` with its vertices at `positions`. Zero where the triangles around a vertex nearly cancel,
+/// as where a one-sided surface turns over: the least displacement would swing their sum to any side.
+fn common_normals(surface: &Surface, positions: &[Vec3]) -> Vec<Vec3> {
+    let normal = |v: u32| {
+        let (mut sum, mut area) = ([0.0; 3], 0.0);
+        for t in surface.triangles_around(v) {
+            let normal = doubled_area_normal(corners(positions, &surface.triangles[*t as usize]));
+            sum = add(sum, normal);
+            area += length(normal);
+        }
+        if length(sum) > CANCELS * area { unit(sum) } else { [0.0; 3] }
+    };
+    (0..positions.len() as u32).into_par_iter().map(normal).collect()
 }
 
 /// The smooth surface around a vertex before and after.
@@ -58,7 +76,7 @@ fn apply(m: &Matrix, v: Vec3) -> Vec3 {
 }
 
 impl Frame<'_> {
-    /// The rotation closest to the deformation of the ring around `v`; `None` where it has no area.
+    /// The rotation closest to the deformation of the ring around `v`; `None` where it has no area or normal.
     fn rotation(&self, v: usize, ring: &[u32]) -> Option<Matrix> {
         let [n, m] = self.normals;
         if dot(n, n) == 0.0 || dot(m, m) == 0.0 {
@@ -103,9 +121,21 @@ impl Frame<'_> {
 mod tests {
     use super::*;
     use crate::fixture::bumpy_sphere;
+    use chladni_mesh::Frame as Place;
+    use chladni_mesh::samples;
     use chladni_mesh::surface::vec3::distance;
     use chladni_mesh::surface::vertex_neighbors;
     use std::sync::Arc;
+
+    #[test]
+    fn a_one_sided_surface_has_no_normals_where_it_turns_over() {
+        let strip = samples::moebius(0.5, 24, 1);
+        let place = Place { center: [0.0; 3], scale: 1.0 };
+        let surface = Surface::of(strip.positions.clone(), strip.triangles, place);
+        let (common, any) = (common_normals(&surface, &strip.positions), surface.normals(&strip.positions));
+        assert_eq!(common[..2], [[0.0; 3]; 2]);
+        assert_eq!(common[2..], any[2..]);
+    }
 
     /// A rigid motion of the smooth part takes the detail along.
     #[test]
