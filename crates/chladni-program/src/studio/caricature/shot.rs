@@ -140,7 +140,7 @@ impl Shot {
 
     /// Width by height of its narrowest cell.
     fn narrowest(&self, width: u32, height: u32) -> f32 {
-        self.cells(width, height).iter().map(Rect::aspect).fold(f32::INFINITY, f32::min)
+        layout::narrowest(&self.cells(width, height))
     }
 
     /// Pixels of a picture for each point of the view.
@@ -150,8 +150,7 @@ impl Shot {
     }
 
     fn cells(&self, width: u32, height: u32) -> Vec<Rect> {
-        let (rows, columns) = layout::rows_and_columns(width, height, self.poses.len(), 0.8);
-        layout::grid(Rect::of_size(width, height), rows, columns, 0, self.poses.len())
+        layout::arranged(Rect::of_size(width, height), self.poses.len(), 0.8, 0)
     }
 
     fn draw(

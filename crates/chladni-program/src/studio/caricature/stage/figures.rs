@@ -24,8 +24,7 @@ impl Stage {
     /// The figures that are shown and their cells on the canvas that fills `rect`.
     pub(super) fn arranged(&self, ui: &Ui, rect: egui::Rect, show: Show) -> (&'static [usize], Vec<Rect>) {
         let (figures, canvas) = (self.figures(show), viewport::area(ui, rect));
-        let (rows, columns) = layout::rows_and_columns(canvas.width, canvas.height, figures.len(), 0.8);
-        (figures, layout::grid(canvas, rows, columns, 2, figures.len()))
+        (figures, layout::arranged(canvas, figures.len(), 0.8, 2))
     }
 
     /// The figures that are shown, from left to right.
