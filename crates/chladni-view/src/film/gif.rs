@@ -21,7 +21,6 @@ pub(super) struct Gif {
     width: u16,
     height: u16,
     frames: u64,
-    seen: u64,
     /// Frames that wait for the palette.
     waiting: Vec<Picture>,
     writer: Option<Writer>,
@@ -51,7 +50,6 @@ impl Gif {
             width: settings.width as u16,
             height: settings.height as u16,
             frames: settings.frames,
-            seen: 0,
             waiting: Vec::new(),
             writer: None,
         })
@@ -114,13 +112,13 @@ impl Gif {
 
 impl Encode for Gif {
     fn frame(&mut self, picture: &Picture) -> Result<(), ViewError> {
-        self.seen += 1;
         if self.writer.is_some() {
             return self.write(picture);
         }
         self.waiting.push(picture.clone());
         let kept: usize = self.waiting.iter().map(|picture| picture.rgba.len()).sum();
-        if kept >= KEPT_BACK || self.seen == self.frames { self.settle() } else { Ok(()) }
+        let are_all = self.waiting.len() as u64 == self.frames;
+        if kept >= KEPT_BACK || are_all { self.settle() } else { Ok(()) }
     }
 
     fn finish(mut self: Box<Self>) -> Result<(), ViewError> {

@@ -27,7 +27,6 @@ pub struct InkedStage {
     shown: Option<(TextureHandle, Scene, Depth)>,
     /// Shapes that were made ready before, by figure.
     plates: Vec<(Pictured, Arc<Plate>)>,
-    made: Option<Making>,
 }
 
 /// A figure, and how often it had been changed.
@@ -123,12 +122,11 @@ impl InkedStage {
             }
             None => ui.ctx().load_texture("ink", image, TextureOptions::LINEAR),
         };
-        self.made = Some(scene.making());
         (self.shown, self.plates) = (Some((texture, scene, depth)), plates);
     }
 
     fn start(&mut self, ui: &Ui, scene: Scene, depth: Depth, poses: &[Pose], triangles: &Arc<[[u32; 3]]>) {
-        let as_made = self.made.as_ref() == Some(&scene.making());
+        let as_made = self.shown.as_ref().is_some_and(|(_, shown, _)| shown.making() == scene.making());
         let ready = scene.figures.iter().map(|(pictured, _)| {
             let known = self.plates.iter().find(|(known, _)| as_made && known == pictured);
             known.map_or_else(
