@@ -65,8 +65,8 @@ type Dots = Vec<(usize, u32)>;
 impl Picking {
     /// Opens both shapes for the selected layer; `None` where its template is not a mesh.
     pub fn begin(session: &Session, shared: &Shared<'_>) -> Option<Result<Self, Error>> {
-        let layer = session.selected?;
-        let template = session.project().layer(layer)?.template.clone();
+        let (layer, chosen) = session.chosen()?;
+        let template = chosen.template.clone();
         if !template.is_mesh() {
             return None;
         }
@@ -99,9 +99,8 @@ impl Picking {
 
     /// Whether it still belongs to the selected layer.
     pub fn belongs_to(&self, session: &Session) -> bool {
-        let layer =
-            session.selected.filter(|id| *id == self.layer).and_then(|id| session.project().layer(id));
-        layer.is_some_and(|layer| layer.template == self.template) && self.renewals == session.renewals()
+        session.chosen().is_some_and(|(id, layer)| id == self.layer && layer.template == self.template)
+            && self.renewals == session.renewals()
     }
 
     /// Forgets half a pair; false where there was none.
