@@ -108,16 +108,15 @@ impl Picture {
         // shading and the background's dither.
         encoder.set_filter(png::Filter::Sub);
         encoder.set_deflate_compression(png::DeflateCompression::Level(3));
-        let failed = |error: png::EncodingError| ViewError::Image(error.to_string());
-        let mut writer = encoder.write_header().map_err(failed)?;
+        let mut writer = encoder.write_header().map_err(ViewError::image)?;
         if opaque {
             let rgb: Vec<u8> =
                 self.rgba.as_chunks::<4>().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-            writer.write_image_data(&rgb).map_err(failed)?;
+            writer.write_image_data(&rgb).map_err(ViewError::image)?;
         } else {
-            writer.write_image_data(&self.rgba).map_err(failed)?;
+            writer.write_image_data(&self.rgba).map_err(ViewError::image)?;
         }
-        writer.finish().map_err(failed)?;
+        writer.finish().map_err(ViewError::image)?;
         Ok(bytes)
     }
 
@@ -159,8 +158,8 @@ fn stored(bytes: &[u8]) -> Result<(DynamicImage, Orientation), ViewError> {
     if is_linear {
         return Err(ViewError::Image("a picture is a PNG or a JPEG".into()));
     }
-    let orientation = decoder.orientation().map_err(|error| failed(&error))?;
-    let image = DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?;
+    let orientation = decoder.orientation().map_err(ViewError::image)?;
+    let image = DynamicImage::from_decoder(decoder).map_err(ViewError::image)?;
     Ok((DynamicImage::ImageRgba8(image.into_rgba8()), orientation))
 }
 
@@ -183,16 +182,12 @@ const MOST_PIXELS: u64 = 64 << 20;
 type Reader<'a> = image::ImageReader<std::io::Cursor<&'a [u8]>>;
 
 fn open(bytes: &[u8]) -> Result<Reader<'_>, ViewError> {
-    image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|error| failed(&error))
-}
-
-fn failed(error: &dyn std::fmt::Display) -> ViewError {
-    ViewError::Image(error.to_string())
+    image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(ViewError::image)
 }
 
 /// Width and height of an image file of 64 megapixels at most.
 fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
-    let (width, height) = open(bytes)?.into_dimensions().map_err(|error| failed(&error))?;
+    let (width, height) = open(bytes)?.into_dimensions().map_err(ViewError::image)?;
     // The decoder's limit counts the bytes of the file's own colors; four channels of a gray picture take more.
     if u64::from(width) * u64::from(height) > MOST_PIXELS {
         return Err(ViewError::Image(format!("{width} × {height} pixels are more than 64 megapixels")));
@@ -203,7 +198,7 @@ fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
 /// A PNG, JPEG or Radiance HDR file of 64 megapixels at most, and whether its numbers are linear light.
 pub(crate) fn read(bytes: &[u8]) -> Result<(DynamicImage, bool), ViewError> {
     let (decoder, is_linear) = begun(bytes)?;
-    Ok((DynamicImage::from_decoder(decoder).map_err(|error| failed(&error))?, is_linear))
+    Ok((DynamicImage::from_decoder(decoder).map_err(ViewError::image)?, is_linear))
 }
 
 /// The same before its pixels are decoded.
@@ -217,8 +212,8 @@ fn begun(bytes: &[u8]) -> Result<(impl ImageDecoder, bool), ViewError> {
     // Three floating-point numbers a pixel, or four bytes.
     limits.max_alloc = Some(MOST_PIXELS * if is_linear { 12 } else { 4 });
     reader.limits(limits.clone());
-    let decoder = reader.into_decoder().map_err(|error| failed(&error))?;
-    limits.reserve(decoder.total_bytes()).map_err(|error| failed(&error))?;
+    let decoder = reader.into_decoder().map_err(ViewError::image)?;
+    limits.reserve(decoder.total_bytes()).map_err(ViewError::image)?;
     Ok((decoder, is_linear))
 }
 
