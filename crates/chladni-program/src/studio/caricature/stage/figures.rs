@@ -37,11 +37,6 @@ impl Stage {
             Show::Original => &[ORIGINAL],
         }
     }
-
-    /// How far each vertex of a figure is exaggerated, for a pen that shows it.
-    pub(super) fn moved(&self, figure: usize, pen: Pen) -> Vec<f64> {
-        moved(&self.poses, figure, pen)
-    }
 }
 
 /// How far each vertex of a figure is exaggerated, for a pen that shows it; empty where none is.
