@@ -98,7 +98,7 @@ impl Picture {
     /// # Errors
     /// [`ViewError::Image`] where the sizes do not agree.
     pub fn to_png(&self) -> Result<Vec<u8>, ViewError> {
-        let opaque = self.rgba.as_chunks::<4>().0.iter().all(|pixel| pixel[3] == 255);
+        let opaque = is_opaque(&self.rgba);
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, self.width, self.height);
         encoder.set_depth(png::BitDepth::Eight);
@@ -125,7 +125,12 @@ impl Picture {
     /// # Errors
     /// [`ViewError::Image`] where the bytes do not begin such an image.
     pub fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
-        size_of(bytes)
+        let (width, height) = open(bytes)?.into_dimensions().map_err(ViewError::image)?;
+        // The decoder's limit counts the bytes of the file's own colors; four channels of a gray picture take more.
+        if u64::from(width) * u64::from(height) > MOST_PIXELS {
+            return Err(ViewError::Image(format!("{width} × {height} pixels are more than 64 megapixels")));
+        }
+        Ok([width, height])
     }
 
     /// Decodes a PNG or JPEG file, 64 megapixels at most, its rows as they are stored.
@@ -185,16 +190,6 @@ fn open(bytes: &[u8]) -> Result<Reader<'_>, ViewError> {
     image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(ViewError::image)
 }
 
-/// Width and height of an image file of 64 megapixels at most.
-fn size_of(bytes: &[u8]) -> Result<[u32; 2], ViewError> {
-    let (width, height) = open(bytes)?.into_dimensions().map_err(ViewError::image)?;
-    // The decoder's limit counts the bytes of the file's own colors; four channels of a gray picture take more.
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        return Err(ViewError::Image(format!("{width} × {height} pixels are more than 64 megapixels")));
-    }
-    Ok([width, height])
-}
-
 /// A PNG, JPEG or Radiance HDR file of 64 megapixels at most, and whether its numbers are linear light.
 pub(crate) fn read(bytes: &[u8]) -> Result<(DynamicImage, bool), ViewError> {
     let (decoder, is_linear) = begun(bytes)?;
@@ -203,7 +198,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<(DynamicImage, bool), ViewError> {
 
 /// The same before its pixels are decoded.
 fn begun(bytes: &[u8]) -> Result<(impl ImageDecoder, bool), ViewError> {
-    size_of(bytes)?;
+    Picture::size_of(bytes)?;
     let mut reader = open(bytes)?;
     let is_linear = reader.format() == Some(image::ImageFormat::Hdr);
     let mut limits = image::Limits::default();

@@ -13,10 +13,10 @@ use egui::{Color32, PointerButton, Pos2, Ui};
 
 pub use list::show_list;
 
-use self::drawing::{cell_of, hint, label, numbers};
+use self::drawing::{cell_of, hint, numbers};
 use super::edits::Edits;
 use super::look::Portrayal;
-use super::overlay::{backdrop, mark_place};
+use super::overlay::{backdrop, mark_place, show_name};
 use super::session::Session;
 use crate::studio::author_id::AuthorId;
 use crate::studio::job::{self, Job};
@@ -350,7 +350,7 @@ impl Picking {
         drawn?;
         for ((((_, side), ends), area), name) in sides.iter().zip(&ends).zip(areas).zip(["Shape", "Template"])
         {
-            label(ui, area, name);
+            show_name(ui, area, name, theme::palette(ui).weak);
             if let Some(side) = side {
                 numbers(ui, side, ends, area, rect);
             }

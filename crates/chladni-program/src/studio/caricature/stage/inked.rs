@@ -10,6 +10,7 @@ use egui::{ColorImage, TextureHandle, TextureOptions, Ui};
 use super::super::shot::Pose;
 use super::figures::moved;
 use crate::studio::job::Job;
+use crate::studio::theme;
 use crate::work::{Depth, Error, Inked, Pen};
 
 /// After this time without a change the shade is drawn, too.
@@ -105,8 +106,7 @@ impl InkedStage {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(REST_SECS));
         }
         if let Some((texture, ..)) = &self.shown {
-            let whole = egui::Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            ui.painter().image(texture.id(), rect, whole, egui::Color32::WHITE);
+            ui.painter().image(texture.id(), rect, theme::WHOLE_IMAGE, egui::Color32::WHITE);
         }
         Ok(())
     }
